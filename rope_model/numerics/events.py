@@ -1,0 +1,32 @@
+"""Where a function of time first leaves the negative side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+
+def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float) -> float:
+    """The right end of an interval not wider than ``width`` in which ``f`` goes from negative to not negative.
+
+    ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Regula falsi with the Illinois modification, and a
+    bisection whenever that does not halve the interval twice in a row (f may be kinked).
+    """
+    side, stalled = 0, 0
+    while high - low > width:
+        before = high - low
+        if stalled >= 2:
+            x, stalled = 0.5 * (low + high), 0
+        else:
+            x = low + (high - low) * f_low / (f_low - f_high) if f_high > f_low else 0.5 * (low + high)
+            x = min(max(x, low + 0.4 * width), high - 0.4 * width)
+        value = f(x)
+        if value < 0:
+            low, f_low = x, value
+            f_high = 0.5 * f_high if side < 0 else f_high
+            side = -1
+        else:
+            high, f_high = x, value
+            f_low = 0.5 * f_low if side > 0 else f_low
+            side = 1
+        stalled = stalled + 1 if high - low > 0.5 * before else 0
+    return high

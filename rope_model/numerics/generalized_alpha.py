@@ -1,0 +1,181 @@
+"""Generalized-alpha with variable steps for second-order systems with prescribed degrees of freedom.
+
+    alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1),  gamma = 1/2 + alpha_f - alpha_m,
+    beta = (1 + alpha_f - alpha_m)^2 / 4
+    (1 - alpha_m) b_{n+1} + alpha_m b_n = (1 - alpha_f) a_{n+1} + alpha_f a_n
+    q_{n+1} = q_n + h v_n + h^2 ((1/2 - beta) b_n + beta b_{n+1})
+    v_{n+1} = v_n + h ((1 - gamma) b_n + gamma b_{n+1})
+
+a is the acceleration, b the auxiliary one; equilibrium holds at t_{n+1} with a_{n+1}.  b_n approximates the
+acceleration at t_n + (alpha_m - alpha_f) h.  When the step changes that instant moves, and b must be moved with it
+(re-centring), or the method falls to first order:
+
+    b_n <- b_n + (alpha_m - alpha_f) (h_new - h_old) (a_n - a_{n-1}) / h_old
+
+Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993); Arnold and Bruels, Multibody Syst. Dyn. 18 (2007), for the
+form with auxiliary accelerations; Bruels and Arnold, J. Comput. Nonlinear Dyn. 3 (2008), for variable steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .newton import NewtonReport, NewtonStatus, iterate
+
+Array = NDArray[np.float64]
+
+#: a rate of change of the acceleration taken over a step this much shorter than the next is mostly noise
+LARGEST_GROWTH = 5.0
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Everything the method needs to go on; arrays have the shape (nodes, degrees of freedom per node).
+
+    ``a_rate`` is (a_n - a_{n-1}) / h; ``h`` is the step that led here, 0 after a restart.  ``reaction`` is the
+    residual: zero where free, the force the surroundings put in where prescribed.
+    """
+
+    t: float
+    q: Array
+    v: Array
+    a: Array
+    b: Array
+    a_rate: Array
+    h: float
+    reaction: Array
+
+
+class Assessed(Protocol):
+    """What a system tells of an instant: at least its residual."""
+
+    @property
+    def reaction(self) -> Array:
+        """R: zero where free, the force of the surroundings where prescribed."""
+
+
+A = TypeVar("A", bound=Assessed, covariant=True)
+B = TypeVar("B", bound=Assessed)
+
+
+class System(Protocol[A]):
+    """What is integrated.  ``reaction`` is the last known one, for loads that depend on it (friction)."""
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """True where a degree of freedom is free, False where it is prescribed."""
+
+    def prescribed(self, t: float) -> tuple[Array, Array, Array]:
+        """Full arrays of q, v and a, of which the prescribed entries count."""
+
+    def direction(self, t: float, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+        """(x, R): J x = -R on the free degrees of freedom with J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da."""
+
+    def assess(self, t: float, q: Array, v: Array, a: Array, reaction: Array) -> A:
+        """R, and whatever else the system wants to tell of this instant."""
+
+    def norm(self, x: Array) -> float:
+        """Size of a correction or error, in units of what counts as small."""
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """The method's coefficients for a spectral radius at infinite frequency ``rho`` in [0, 1]."""
+
+    rho: float
+
+    @property
+    def alpha_m(self) -> float:
+        return (2 * self.rho - 1) / (self.rho + 1)
+
+    @property
+    def alpha_f(self) -> float:
+        return self.rho / (self.rho + 1)
+
+    @property
+    def gamma(self) -> float:
+        return 0.5 + self.alpha_f - self.alpha_m
+
+    @property
+    def beta(self) -> float:
+        return 0.25 * (1 + self.alpha_f - self.alpha_m) ** 2
+
+    @property
+    def shift(self) -> float:
+        """Where b lives, in steps from t_n."""
+        return self.alpha_m - self.alpha_f
+
+
+@dataclass(frozen=True)
+class StepResult(Generic[B]):
+    """A trial step: the motion reached and its assessment (None when Newton failed), the report, the local error.
+
+    The error is in ``System.norm``.
+    """
+
+    motion: Motion | None
+    assessment: B | None
+    newton: NewtonReport
+    error: float
+
+
+def step(
+    system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float, max_iterations: int = 10
+) -> StepResult[B]:
+    """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
+    m, f, gamma, beta = method.alpha_m, method.alpha_f, method.gamma, method.beta
+    t, free = old.t + h, system.free
+    b_old = old.b
+    if 0 < h <= LARGEST_GROWTH * old.h:
+        b_old = old.b + method.shift * (h - old.h) * old.a_rate
+
+    # predict with a constant acceleration
+    a = old.a.copy()
+    b = ((1 - f) * a + f * old.a - m * b_old) / (1 - m)
+    q = old.q + h * old.v + h * h * ((0.5 - beta) * b_old + beta * b)
+    v = old.v + h * ((1 - gamma) * b_old + gamma * b)
+    for x, given in zip((q, v, a), system.prescribed(t), strict=True):
+        np.copyto(x, given, where=~free)
+
+    c = np.array([1.0, gamma / (beta * h), (1 - m) / (beta * h * h * (1 - f))])
+    reaction = old.reaction
+
+    def correct() -> float:
+        nonlocal q, v, a, reaction
+        x, reaction = system.direction(t, q, v, a, reaction, c)
+        q = q + x
+        v = v + c[1] * x
+        a = a + c[2] * x
+        return system.norm(x)
+
+    with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
+        report = iterate(correct, tolerance, max_iterations)
+    if not report.converged:
+        return StepResult(None, None, report, np.inf)
+    assessment = system.assess(t, q, v, a, reaction)
+    if not np.all(np.isfinite(assessment.reaction)):
+        return StepResult(None, None, NewtonReport(NewtonStatus.NOT_FINITE, report.iterations, np.inf), np.inf)
+    b = ((1 - f) * a + f * old.a - m * b_old) / (1 - m)
+    change = a - old.a
+    error = abs(beta + 0.5 * method.shift - 1 / 6) * h * h * system.norm(np.where(free, change, 0.0))
+    return StepResult(Motion(t, q, v, a, b, change / h, h, assessment.reaction), assessment, report, error)
+
+
+def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) -> tuple[Motion, B]:
+    """Consistent motion at ``t``: prescribed values put in, accelerations from equilibrium, no history.
+
+    The residual is linear in the acceleration, so one correction solves it.
+    """
+    free = system.free
+    q_p, v_p, a_p = system.prescribed(t)
+    q, v = np.where(free, q, q_p), np.where(free, v, v_p)
+    a = np.where(free, 0.0, a_p)
+    for _ in range(2):  # the second time with friction from the right reactions
+        x, reaction = system.direction(t, q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
+        a = a + x
+    assessment = system.assess(t, q, v, a, reaction)
+    return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, assessment.reaction), assessment

@@ -1,0 +1,148 @@
+"""CasADi functions made fast and portable: compiled where a C compiler is there, interpreted where it is not.
+
+The CasADi virtual machine is the reference and always works.  The compiled library is generated from the very same
+functions; it is cached on disk under the hash of the generated C, the compiler and its flags, so that a change of
+any of them compiles anew and nothing else does.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import logging
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+KernelForm = Literal["auto", "compiled", "portable"]
+
+log = logging.getLogger(__name__)
+
+FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
+LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+class Kernel:
+    """One CasADi function called on numpy arrays without copying through CasADi's own matrices.
+
+    Arrays are C-ordered with one row per CasADi column: shape (nodes, 7) for a (7, nodes) argument.  The returned
+    arrays belong to the caller.  Not to be shared between threads.
+    """
+
+    def __init__(self, function: ca.Function, shapes: Sequence[tuple[int, ...]]) -> None:
+        self.function = function
+        self._shapes = shapes
+        self._buffer, self._evaluate = function.buffer()
+        self._inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
+        self._outputs = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
+        for i, x in enumerate(self._inputs):
+            self._buffer.set_arg(i, memoryview(x))
+        for i, x in enumerate(self._outputs):
+            self._buffer.set_res(i, memoryview(x))
+
+    def __call__(self, *arguments: Array) -> list[Array]:
+        for destination, source in zip(self._inputs, arguments, strict=True):
+            destination[:] = np.ravel(source)
+        self._evaluate()
+        return [x.reshape(shape).copy() for x, shape in zip(self._outputs, self._shapes, strict=True)]
+
+
+def prepare(
+    functions: Sequence[ca.Function], form: KernelForm = "auto", bundle: Path | None = None
+) -> tuple[list[ca.Function], str]:
+    """The functions in the wanted form, and the form they have: ``compiled`` or ``portable``.
+
+    ``bundle`` is a library to try before the cache, made by ``build_library`` from these same functions.
+
+    Raises RuntimeError where ``compiled`` is asked for and cannot be had.
+    """
+    if form == "portable":
+        return list(functions), "portable"
+    if bundle is not None and bundle.exists():
+        try:
+            compiled = _load(functions, bundle)
+            log.info("kernels: compiled, %s", bundle)
+            return compiled, "compiled"
+        except RuntimeError as error:
+            log.warning("kernels: the library %s does not load here (%s)", bundle, error)
+    cause = "no C compiler found (tried CC, cc, gcc, clang and the ziglang package)"
+    if (compiler := find_compiler()) is not None:
+        try:
+            library = build_library(functions, compiler, cache_folder())
+            compiled = _load(functions, library)
+            log.info("kernels: compiled, %s", library)
+            return compiled, "compiled"
+        except (OSError, subprocess.CalledProcessError, RuntimeError) as error:
+            cause = f"{' '.join(compiler)} failed: {error}"
+    if form == "compiled":
+        raise RuntimeError(f"compiled kernels asked for, but {cause}; install a C compiler or use kernels='portable'")
+    log.info("kernels: portable (CasADi virtual machine), because %s", cause)
+    return list(functions), "portable"
+
+
+def find_compiler() -> tuple[str, ...] | None:
+    """The command of a C compiler: the CC variable's, the system's, or the ziglang package's; None without one."""
+    for name in (os.environ.get("CC"), "cc", "gcc", "clang"):
+        if name and (path := shutil.which(name)):
+            return (path,)
+    if importlib.util.find_spec("ziglang") is not None:
+        return (sys.executable, "-m", "ziglang", "cc")
+    return None
+
+
+def cache_folder() -> Path:
+    """Folder for compiled kernels: BALANCE_ROPE_CACHE, or balance-rope in the user's cache folder."""
+    if chosen := os.environ.get("BALANCE_ROPE_CACHE"):
+        return Path(chosen)
+    base = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME")
+    try:
+        return Path(base or Path.home() / ".cache") / "balance-rope"
+    except RuntimeError:  # no home directory
+        return Path(tempfile.gettempdir()) / "balance-rope"
+
+
+def build_library(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path) -> Path:
+    """Generate C, compile it into ``folder`` unless it is there already, and return the library's path."""
+    code = generate_c(functions)
+    version = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
+    key = hashlib.sha256("\0".join([code, version, *compiler, *FLAGS]).encode()).hexdigest()[:20]
+    library = folder / f"kernels-{key}{LIBRARY_SUFFIX}"
+    if not library.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            source, made = Path(scratch) / "kernels.c", Path(scratch) / library.name
+            source.write_text(code, encoding="utf-8")
+            command = [*compiler, *FLAGS, str(source), "-o", str(made), "-lm"]
+            subprocess.run(command, check=True, capture_output=True, text=True)
+            made.replace(library)  # atomic: two processes may build at once
+    return library
+
+
+def generate_c(functions: Sequence[ca.Function]) -> str:
+    """One C source holding the functions."""
+    generator = ca.CodeGenerator("kernels", {"with_header": False})
+    for function in functions:
+        generator.add(function)
+    code: str = generator.dump()
+    return code
+
+
+def _load(functions: Sequence[ca.Function], library: Path) -> list[ca.Function]:
+    loaded = [ca.external(function.name(), str(library)) for function in functions]
+    for ours, theirs in zip(functions, loaded, strict=True):
+        sizes = [(f.size_in(i) for i in range(f.n_in())) for f in (ours, theirs)]
+        if [*sizes[0]] != [*sizes[1]]:
+            raise RuntimeError(f"{library} holds kernels of another mesh size")
+    return loaded
+
+

@@ -1,0 +1,205 @@
+"""Data of a scene, in SI units, validated where they are made.
+
+The lengths, Qb, Qc and observation points of ``rope_120`` and ``rope_240`` are stated in the source; everything
+marked [assumed] is ours, because the source's tables are not available.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Literal
+
+SwivelMode = Literal["locked", "free", "coulomb"]
+MeshKind = Literal["tmn", "eem"]
+
+
+def _require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
+    if not ok:
+        raise ValueError(f"{what} = {value!r} is out of range: it must be {bound}; {cure}")
+
+
+def _require_finite(data: Any) -> None:
+    for f in fields(data):
+        value = getattr(data, f.name)
+        if isinstance(value, float):
+            _require(math.isfinite(value), f.name, value, "finite", "give a number")
+
+
+@dataclass(frozen=True)
+class Rope:
+    """A round wire rope: T = Qa e + Qb tau, M = Qc e + Qd tau, bending moment EI kappa."""
+
+    length: float = 120.0  # m, between the two swivels
+    mass_per_length: float = 8.0  # kg/m [assumed]
+    Qa: float = 1.2e8  # N, axial stiffness [assumed]
+    Qb: float = 2.336e5  # N m, tension per twist; default is the symmetric mean of the published pair
+    Qc: float = 2.336e5  # N m, torque per strain
+    Qd: float = 3.3e3  # N m^2, torsional stiffness [assumed]
+    EI: float = 300.0  # N m^2, bending stiffness [assumed]: 74 with full slip of the wires, 2.4e4 with none
+    rhoJ: float = 1.94e-3  # kg m, polar mass moment per length [assumed], rho d^2/8
+    beta_K: float = 1.0e-3  # s, damping proportional to stiffness [assumed]
+    diameter: float = 0.044  # m [assumed], used for nominal stresses only
+    installed_twist: float = 0.0  # rad, turns put in at the right end before it was fastened
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        for name in ("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "diameter"):
+            _require(getattr(self, name) > 0, name, getattr(self, name), "> 0", "check the rope's data sheet")
+        _require(self.beta_K >= 0, "beta_K", self.beta_K, ">= 0 s", "use 0 for no material damping")
+        bound = math.sqrt(self.Qa * self.Qd)
+        _require(
+            abs(self.Qs) < bound,
+            "(Qb + Qc) / 2",
+            self.Qs,
+            f"below sqrt(Qa Qd) = {bound:.4g} N m in size",
+            "or the strain energy is not positive: check Qb, Qc, Qa and Qd",
+        )
+
+    @property
+    def Qs(self) -> float:
+        """Symmetric part of the coupling, N m."""
+        return 0.5 * (self.Qb + self.Qc)
+
+    @property
+    def Qk(self) -> float:
+        """Non-conservative part of the coupling, N m."""
+        return 0.5 * (self.Qb - self.Qc)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the ends hang: left at X = -spacing/2, right at +spacing/2, heights are inputs."""
+
+    spacing: float = 2.0  # m, between the two suspension points [assumed]
+    gravity: float = 9.81  # m/s^2
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(self.spacing > 0, "spacing", self.spacing, "> 0 m", "give the distance between the conveyances")
+        _require(self.gravity > 0, "gravity", self.gravity, "> 0 m/s^2", "the rope must hang")
+
+
+@dataclass(frozen=True)
+class Swivel:
+    """Balance rope suspension rotor: a bearing with Coulomb friction between the rope's end and the conveyance."""
+
+    mode: SwivelMode = "locked"
+    mean_diameter: float = 0.090  # m, d_m of the friction [assumed]
+    mu_static: float = 0.0018  # - [assumed], healthy rolling bearing
+    mu_kinetic: float = 0.0013  # - [assumed]
+    seal_moment: float = 0.0  # N m, friction that does not depend on the tension [assumed]
+    inertia: float = 0.05  # kg m^2, of what turns with the rope's end [assumed]
+    release_time: float = 0.0  # s, locked before
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        modes = ("locked", "free", "coulomb")
+        _require(self.mode in modes, "swivel mode", self.mode, f"one of {modes}", "choose how the end is held")
+        _require(self.mean_diameter > 0, "mean_diameter", self.mean_diameter, "> 0 m", "take the bearing's d_m")
+        _require(self.mu_kinetic >= 0, "mu_kinetic", self.mu_kinetic, ">= 0", "friction takes energy, never gives")
+        _require(
+            self.mu_static >= self.mu_kinetic,
+            "mu_static",
+            self.mu_static,
+            f">= mu_kinetic = {self.mu_kinetic}",
+            "a swivel that slips more easily than it slides cannot stick",
+        )
+        _require(self.seal_moment >= 0, "seal_moment", self.seal_moment, ">= 0 N m", "friction takes energy")
+        _require(
+            self.inertia > 0,
+            "inertia",
+            self.inertia,
+            "> 0 kg m^2",
+            "without inertia a release is a jump in spin: give the rotor's (0.05 is typical)",
+        )
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l."""
+
+    kind: MeshKind = "tmn"
+    elements: int = 600  # EEM only
+    coarse_length: float = 2.0  # m, l of segments I and VII; the loop's elements are an eighth of it
+    counts: tuple[int, int, int, int, int] = (2, 4, 40, 4, 2)  # elements of segments II to VI
+
+    def __post_init__(self) -> None:
+        _require(self.kind in ("tmn", "eem"), "mesh kind", self.kind, "'tmn' or 'eem'", "choose one of the two")
+        _require(2 <= self.elements <= 20000, "elements", self.elements, "2 to 20000", "use fewer or more")
+        _require(
+            math.isfinite(self.coarse_length) and self.coarse_length > 0,
+            "coarse_length",
+            self.coarse_length,
+            "> 0 m",
+            "2 m suits a 120 m rope",
+        )
+        multiples = (2, 4, 8, 4, 2)
+        for name, count, multiple in zip(("II", "III", "IV", "V", "VI"), self.counts, multiples, strict=True):
+            _require(
+                count >= multiple and count % multiple == 0,
+                f"element count of segment {name}",
+                count,
+                f"a positive multiple of {multiple}",
+                "a transformation moves whole coarse elements through the segment",
+            )
+
+
+@dataclass(frozen=True)
+class Solver:
+    """Time integration: generalized-alpha with step control."""
+
+    step_max: float = 0.01  # s
+    step_min: float = 1.0e-5  # s, below it the run fails and says why
+    tolerance: float = 1.0e-3  # local error per step: m for positions, rad for twist angles
+    newton_tolerance: float = 1.0e-8  # same units, and - for r'
+    rho_inf: float = 0.6  # spectral radius at infinite frequency
+    kernels: Literal["auto", "compiled", "portable"] = "auto"
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(0 < self.step_max <= 1, "step_max", self.step_max, "in (0, 1] s", "10 ms suits most ropes")
+        _require(0 < self.step_min <= self.step_max, "step_min", self.step_min, "in (0, step_max]", "use 1e-5 s")
+        _require(self.tolerance > 0, "tolerance", self.tolerance, "> 0", "1e-3 is a good start")
+        _require(
+            0 < self.newton_tolerance <= 1e-3,
+            "newton_tolerance",
+            self.newton_tolerance,
+            "in (0, 1e-3]",
+            "1e-8 keeps the end forces to 1e-5",
+        )
+        _require(0 <= self.rho_inf <= 1, "rho_inf", self.rho_inf, "in [0, 1]", "0.6 damps what the mesh cannot resolve")
+        _require(
+            self.kernels in ("auto", "compiled", "portable"),
+            "kernels",
+            self.kernels,
+            "'auto', 'compiled' or 'portable'",
+            "'auto' compiles when it can",
+        )
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything that does not change during a run."""
+
+    rope: Rope = field(default_factory=Rope)
+    layout: Layout = field(default_factory=Layout)
+    left: Swivel = field(default_factory=Swivel)
+    right: Swivel = field(default_factory=Swivel)
+    mesh: Mesh = field(default_factory=Mesh)
+    solver: Solver = field(default_factory=Solver)
+
+    def with_(self, **parts: Any) -> Scene:
+        """A copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""
+        return replace(self, **parts)
+
+
+def rope_120() -> Scene:
+    """The 120 m scene: swivels locked, 90 m of travel."""
+    return Scene()
+
+
+def rope_240() -> Scene:
+    """The 240 m scene: healthy swivels released at t = 20 s."""
+    swivel = Swivel(mode="coulomb", release_time=20.0)
+    return Scene(rope=Rope(length=240.0), left=swivel, right=swivel)

@@ -1,0 +1,36 @@
+"""Costello law: tension and torque of a wire rope, coupled through axial strain and twist.
+
+    T = Qa e + Qb tau        M = Qc e + Qd tau
+
+An elastic rope has Qb = Qc (Maxwell-Betti).  Published pairs differ by a few percent; the law is therefore split
+into a conservative part with Qs = (Qb + Qc) / 2, which has the energy ``strain_energy``, and a remainder with
+Qk = (Qb - Qc) / 2, which has none and whose power is ``nonconservative_power``.
+
+Works on anything with arithmetic: floats, numpy arrays, CasADi expressions.
+
+Source: G. A. Costello, Theory of Wire Rope, Springer.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def tension(Qa: Any, Qs: Any, Qk: Any, e: Any, tau: Any) -> Any:
+    """Tension in N at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
+    return Qa * e + (Qs + Qk) * tau
+
+
+def torque(Qs: Any, Qk: Any, Qd: Any, e: Any, tau: Any) -> Any:
+    """Torque in N m about the tangent at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
+    return (Qs - Qk) * e + Qd * tau
+
+
+def strain_energy(Qa: Any, Qs: Any, Qd: Any, e: Any, tau: Any) -> Any:
+    """Energy per reference length (J/m) of the conservative part."""
+    return 0.5 * (Qa * e * e + 2 * Qs * e * tau + Qd * tau * tau)
+
+
+def nonconservative_power(Qk: Any, e: Any, tau: Any, e_t: Any, tau_t: Any) -> Any:
+    """Power per reference length (W/m) that the strains' motion puts into the non-conservative part."""
+    return Qk * (e_t * tau - e * tau_t)

@@ -1,0 +1,70 @@
+"""What a hoist engineer reads off the rope's shape."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .rope_system import POSITION, SLOPE, Array
+from .transfer import transferred
+
+
+@dataclass(frozen=True)
+class LoopBottom:
+    """The rope's lowest point: arc length from the left end, position (3,), m, and yaw of the tangent, rad.
+
+    Yaw is 0 when the tangent points to +X, and positive towards -Z (about Y, up).
+    """
+
+    s: float
+    position: Array
+    yaw: float
+
+
+def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
+    """Lowest point of the interpolated centre line."""
+    s = np.concatenate(([0.0], np.cumsum(lengths)))
+    i = int(np.clip(np.argmin(q[:, 1]), 1, s.size - 2))
+    fine = np.linspace(s[i - 1], s[i + 1], 41)
+    y = transferred(q, s, fine)[:, 1]
+    j = int(np.clip(np.argmin(y), 1, 39))
+    bend = y[j - 1] - 2 * y[j] + y[j + 1]
+    shift = 0.5 * (y[j - 1] - y[j + 1]) / bend if bend > 0 else 0.0
+    at = fine[j] + min(max(shift, -1.0), 1.0) * (fine[1] - fine[0])
+    point = transferred(q, s, np.array([at]))[0]
+    d = point[SLOPE]
+    return LoopBottom(float(at), point[POSITION], math.atan2(-d[2], d[0]))
+
+
+def leg_clearance(q: Array, bottom: Array, diameter: float, above: float) -> float:
+    """Smallest free distance (m) between the legs at equal height, from ``above`` the bottom to the lower end."""
+    i = int(np.argmin(q[:, 1]))
+    left, right = q[i::-1, POSITION], q[i:, POSITION]
+    low, high = bottom[1] + above, min(q[0, 1], q[-1, 1])
+    heights = np.concatenate([leg[(leg[:, 1] >= low) & (leg[:, 1] <= high), 1] for leg in (left, right)])
+    if heights.size == 0:
+        heights = np.array([high])
+    across = [
+        np.interp(heights, right[:, 1], right[:, k]) - np.interp(heights, left[:, 1], left[:, k]) for k in (0, 2)
+    ]
+    return float(np.min(np.hypot(*across))) - diameter
+
+
+def shape(q: Array, lengths: Array, bottom_s: float, points: int) -> Array:
+    """(points, 3): the centre line, sampled more closely around the loop's lowest point."""
+    total = float(np.sum(lengths))
+    u = np.linspace(-1.0, 1.0, points)
+    reach = np.where(u < 0, bottom_s, total - bottom_s)
+    s = bottom_s + np.sign(u) * reach * (0.1 * np.abs(u) + 0.9 * np.abs(u) ** 3)
+    nodes = np.concatenate(([0.0], np.cumsum(lengths)))
+    return transferred(q, nodes, np.clip(s, 0.0, total))[:, POSITION]
+
+
+def observation_points(q: Array, bottom: Array, above: float = 3.0) -> Array:
+    """(2, 7): r, r', theta on the left and right leg at the height ``above`` (m) the lowest point (3 in the source)."""
+    i = int(np.argmin(q[:, 1]))
+    height = bottom[1] + above
+    legs = q[i::-1], q[i:]
+    return np.array([[np.interp(height, leg[:, 1], leg[:, k]) for k in range(7)] for leg in legs])

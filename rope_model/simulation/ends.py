@@ -1,0 +1,232 @@
+"""The rope's two ends: how the conveyances move them, and how the swivels hold them.
+
+An end is vertical (tangent -Y on the left, +Y on the right); its position and tangent direction are prescribed, only
+the stretch |r'| is free.  theta is prescribed while the swivel holds and free while it slips:
+
+    theta = offset + s yaw + b,   s = -1 on the left, +1 on the right
+
+with the conveyance's yaw about Y, the swivel's relative angle b, and an offset that belongs to the frame's pole.
+
+Between two instants of the host each coordinate follows a quintic polynomial in time, so that position, speed and
+acceleration are continuous whatever the host's step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..parameters import Swivel
+from ..physics.swivel import friction_moment
+from .rope_system import ANGLE, POSITION, Array
+
+#: sense of the conveyance's yaw in theta, left and right
+YAW_SENSE = (-1.0, 1.0)
+#: columns of an end's path
+PATH = ("x", "y", "z", "yaw")
+
+
+@dataclass(frozen=True)
+class EndMotion:
+    """Motion of a conveyance's suspension point; x and z from the nominal point, y the height in the shaft.
+
+    Metres, seconds, radians; yaw about Y (up).
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    vx: float = 0.0
+    vy: float = 0.0
+    vz: float = 0.0
+    ax: float = 0.0
+    ay: float = 0.0
+    az: float = 0.0
+    yaw: float = 0.0
+    yaw_rate: float = 0.0
+
+    def extrapolated(self, h: float) -> EndMotion:
+        """The motion ``h`` seconds later if the accelerations stay as they are."""
+        return EndMotion(
+            *(x + v * h + 0.5 * a * h * h for x, v, a in zip(self.position, self.velocity, self.acceleration)),
+            *(v + a * h for v, a in zip(self.velocity, self.acceleration)),
+            *self.acceleration,
+            self.yaw + self.yaw_rate * h,
+            self.yaw_rate,
+        )
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        return self.x, self.y, self.z
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        return self.vx, self.vy, self.vz
+
+    @property
+    def acceleration(self) -> tuple[float, float, float]:
+        return self.ax, self.ay, self.az
+
+
+@dataclass(frozen=True)
+class EndPath:
+    """Quintic in (t - start) for x, y, z, yaw: ``coefficients`` (6, 4), lowest power first; held after ``stop``."""
+
+    start: float
+    stop: float
+    coefficients: Array
+
+    @staticmethod
+    def resting(t: float, at: EndMotion) -> EndPath:
+        """No motion at all."""
+        c = np.zeros((6, 4))
+        c[0] = *at.position, at.yaw
+        return EndPath(t, t, c)
+
+    def to(self, stop: float, target: EndMotion) -> EndPath:
+        """The path that leaves this one's end and is at ``target`` at ``stop``."""
+        start, h = self.stop, stop - self.stop
+        x0, v0, a0 = self(start)
+        x1 = np.array([*target.position, target.yaw])
+        v1 = np.array([*target.velocity, target.yaw_rate])
+        # FMI gives no yaw acceleration: take the mean over the step
+        a1 = np.array([*target.acceleration, (target.yaw_rate - v0[3]) / h])
+        dx, dv, da = x1 - x0 - h * v0 - 0.5 * h * h * a0, h * (v1 - v0 - h * a0), h * h * (a1 - a0)
+        c3, c4, c5 = 10 * dx - 4 * dv + 0.5 * da, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + 0.5 * da
+        return EndPath(start, stop, np.array([x0, v0, 0.5 * a0, c3 / h**3, c4 / h**4, c5 / h**5]))
+
+    def __call__(self, t: float) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration, each (4,), at ``t``."""
+        s = min(t, self.stop) - self.start
+        s2 = s * s
+        s3 = s2 * s
+        powers = np.array(
+            [
+                [1.0, s, s2, s3, s2 * s2, s3 * s2],
+                [0.0, 1.0, 2 * s, 3 * s2, 4 * s3, 5 * s2 * s2],
+                [0.0, 0.0, 2.0, 6 * s, 12 * s2, 20 * s3],
+            ]
+        )
+        x, v, a = powers @ self.coefficients
+        return x, v, a
+
+    def peak_acceleration(self) -> Array:
+        """Largest acceleration (4,) on the path, sampled."""
+        s = np.linspace(0.0, self.stop - self.start, 9)[:, None]
+        c = self.coefficients
+        peak: Array = np.max(np.abs(2 * c[2] + s * (6 * c[3] + s * (12 * c[4] + s * 20 * c[5]))), axis=0)
+        return peak
+
+
+class Phase(Enum):
+    """What a swivel does."""
+
+    LOCKED = 0
+    STICK = 1
+    SLIP = 2
+
+
+class SwivelState(NamedTuple):
+    """Phase; while it holds, the relative angle b (rad); while it slips, the sign of b_t."""
+
+    phase: Phase
+    angle: float
+    sign: float
+
+
+@dataclass(frozen=True)
+class HangingEnds:
+    """A rope_system.Boundary: both ends on their paths, each swivel in its phase.
+
+    ``points`` are the nominal suspension points (2, 3), ``offsets`` those of theta (2,).
+    """
+
+    points: Array
+    paths: tuple[EndPath, EndPath]
+    swivels: tuple[Swivel, Swivel]
+    states: tuple[SwivelState, SwivelState]
+    offsets: tuple[float, float]
+
+    def free(self, nodes: int) -> NDArray[np.bool_]:
+        free = np.ones((nodes, 7), dtype=bool)
+        free[[0, -1]] = False
+        free[[0, -1], 4] = True
+        for node, state in zip((0, -1), self.states, strict=True):
+            free[node, ANGLE] = state.phase is Phase.SLIP
+        return free
+
+    def prescribed(self, t: float, nodes: int) -> tuple[Array, Array, Array]:
+        q, v, a = np.zeros((3, nodes, 7))
+        for side, node in enumerate((0, -1)):
+            x, x_t, x_tt = self.paths[side](t)
+            q[node, POSITION], v[node, POSITION], a[node, POSITION] = self.points[side] + x[:3], x_t[:3], x_tt[:3]
+            q[node, ANGLE] = self.theta_held(side, x[3])
+            v[node, ANGLE], a[node, ANGLE] = YAW_SENSE[side] * x_t[3], YAW_SENSE[side] * x_tt[3]
+        return q, v, a
+
+    def load(self, t: float, reaction: Array) -> Array:
+        load = np.zeros_like(reaction)
+        for side, node in enumerate((0, -1)):
+            if self.states[side].phase is Phase.SLIP:
+                load[node, ANGLE] = -self.states[side].sign * self.friction(side, reaction, kinetic=True)
+        return load
+
+    def friction(self, side: int, reaction: Array, kinetic: bool) -> float:
+        """Moment (N m) the swivel's friction has, or at most has, at the end's present tension."""
+        swivel = self.swivels[side]
+        if swivel.mode == "free":
+            return 0.0
+        mu = swivel.mu_kinetic if kinetic else swivel.mu_static
+        tension = float(reaction[0 if side == 0 else -1, 1])
+        return friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension)
+
+    def moment(self, side: int, reaction: Array) -> float:
+        """Moment (N m, about the tangent) of the conveyance on the rope's end."""
+        state = self.states[side]
+        if state.phase is Phase.SLIP:
+            return -state.sign * self.friction(side, reaction, kinetic=True)
+        return float(reaction[0 if side == 0 else -1, ANGLE])
+
+    def theta_held(self, side: int, yaw: float) -> float:
+        """theta of an end that does not slip."""
+        return self.offsets[side] + YAW_SENSE[side] * yaw + self.states[side].angle
+
+    def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
+        """The swivel's angle b (rad) and rate b_t (rad/s)."""
+        x, v, _ = self.paths[side](t)
+        return theta - self.offsets[side] - YAW_SENSE[side] * x[3], theta_t - YAW_SENSE[side] * v[3]
+
+
+def nominal_points(spacing: float) -> Array:
+    """(2, 3): the suspension points at height zero."""
+    return np.array([[-0.5 * spacing, 0.0, 0.0], [0.5 * spacing, 0.0, 0.0]])
+
+
+def checked(target: EndMotion, path: EndPath, side: str, limits: Sequence[float] = (1e4, 60.0, 500.0)) -> str:
+    """'' when an end can follow ``path`` to ``target``; otherwise what is wrong, with bound and cure.
+
+    ``limits`` bound position (m; rad for the yaw), speed (m/s; rad/s) and the acceleration inside the step (m/s^2).
+    """
+    names = tuple(EndMotion.__dataclass_fields__)
+    values = [getattr(target, name) for name in names]
+    bounds = [limits[0]] * 3 + [limits[1]] * 3 + [limits[2]] * 3 + [limits[0], limits[1]]
+    for name, value, bound in zip(names, values, bounds, strict=True):
+        if not np.isfinite(value):
+            return f"input {side}.{name} = {value} is not finite; check the signal connected to it"
+        if abs(value) > bound:
+            return f"input {side}.{name} = {value:g} is beyond +-{bound:g} (SI units); check its unit and connection"
+    peak = path.peak_acceleration()
+    worst = int(np.argmax(peak))
+    if peak[worst] > limits[2]:
+        unit = "rad/s^2" if worst == 3 else "m/s^2"
+        return (
+            f"inputs {side}.{PATH[worst]} and its derivatives do not fit together: reaching them within the step "
+            f"would take {peak[worst]:.3g} {unit} (bound {limits[2]:g}); give position, speed and acceleration of one "
+            "smooth motion"
+        )
+    return ""

@@ -1,0 +1,137 @@
+"""What a running rope tells the outside: one table of names, units and descriptions, and their values.
+
+The names are the FMU's output names too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ..physics.costello import torque
+from .diagnostics import leg_clearance, loop_bottom, shape
+from .ends import HangingEnds, Phase
+from .rope_system import ANGLE, POSITION, SLOPE, Array
+from .simulator import RopeSimulator
+
+SHAPE_POINTS = 81
+SIDES = ("left", "right")
+
+
+class Signal(NamedTuple):
+    """Unit ('1' without one), description, and the kind of value."""
+
+    unit: str
+    description: str
+    kind: str = "real"
+
+
+def _table() -> Iterator[tuple[str, Signal]]:
+    for side in SIDES:
+        for k, axis in enumerate("xyz"):
+            what = ("horizontal, in plane", "vertical", "horizontal, out of plane")[k]
+            yield f"{side}.f{axis}", Signal("N", f"force of the rope on the {side} conveyance, {what}")
+        for axis in "xyz":
+            yield f"{side}.m{axis}", Signal("N.m", f"moment of the rope on the {side} conveyance about {axis.upper()}")
+        yield f"{side}.fy_mean", Signal("N", f"mean of {side}.fy over the last communication step")
+        yield f"{side}.swivel.angle", Signal("rad", f"angle of the rope's {side} end against the conveyance")
+        yield f"{side}.swivel.rate", Signal("rad/s", f"rate of {side}.swivel.angle")
+        yield f"{side}.swivel.torque", Signal("N.m", f"moment of the {side} swivel on the rope, about the tangent")
+        yield f"{side}.swivel.slipping", Signal("1", f"whether the {side} swivel turns", "boolean")
+        yield (
+            f"{side}.added_mass",
+            Signal("kg", f"derivative of {side}.fy to {side}.ay held over a communication step, negated"),
+        )
+    for axis in "xyz":
+        yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
+    yield "loop.yaw", Signal("rad", "yaw of the loop at its lowest point, about Y, counted on through full turns")
+    yield "loop.clearance", Signal("m", "smallest free distance between the legs at equal height above the loop")
+    yield "stress.bending_max", Signal("Pa", "largest nominal bending stress, 32 EI kappa / (pi d^3)")
+    yield "stress.torsion_max", Signal("Pa", "largest nominal torsional stress, 16 M / (pi d^3)")
+    for name, what in (
+        ("kinetic", "kinetic energy"),
+        ("strain", "strain energy"),
+        ("gravity", "potential energy of the weight, zero at height zero"),
+        ("total", "kinetic, strain and potential energy"),
+        ("work_ends", "work done on the rope by the conveyances since the start"),
+        ("dissipated_material", "energy dissipated by material damping since the start"),
+        ("dissipated_swivel", "energy dissipated by swivel friction since the start"),
+        ("nonconservative", "energy taken up by the difference of Qb and Qc since the start"),
+        ("transformations", "energy change of all mesh transformations since the start"),
+        ("residual", "energy that the books do not explain: numerical dissipation is negative"),
+    ):
+        yield f"energy.{name}", Signal("J", what)
+    for name, what in (
+        ("steps", "accepted time steps"),
+        ("rejections", "rejected time steps"),
+        ("newton", "Newton iterations"),
+        ("transformations", "mesh transformations"),
+        ("swivel_events", "changes between stick and slip"),
+    ):
+        yield f"count.{name}", Signal("1", f"{what} since the start", "integer")
+    for axis in "xyz":
+        for i in range(1, SHAPE_POINTS + 1):
+            yield f"shape.{axis}[{i}]", Signal("m", f"{axis.upper()} of point {i} of {SHAPE_POINTS} along the rope")
+
+
+#: name -> Signal, in the order of the FMI interface
+SIGNALS: dict[str, Signal] = dict(_table())
+
+
+def signals(rope: RopeSimulator) -> dict[str, float]:
+    """Values of all SIGNALS but the added masses, which cost as much as a step (RopeSimulator.added_mass)."""
+    state, system, scene = rope.state, rope.system, rope.scene
+    m, ledger, counts = state.motion, state.ledger, state.counts
+    ends = system.boundary
+    assert isinstance(ends, HangingEnds)
+    out: dict[str, float] = {}
+    for side, name in enumerate(SIDES):
+        force = -m.reaction[-side, POSITION]
+        moment = -end_moment(m.q[-side], m.reaction[-side], state.pole, ends.moment(side, m.reaction))
+        angle, rate = ends.relative(side, m.t, m.q[-side, ANGLE], m.v[-side, ANGLE])
+        values = (*force, *moment, state.force_mean[side], angle, rate, ends.moment(side, m.reaction))
+        keys = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean", "swivel.angle", "swivel.rate", "swivel.torque")
+        out |= {f"{name}.{key}": float(value) for key, value in zip(keys, values, strict=True)}
+        out[f"{name}.swivel.slipping"] = float(ends.states[side].phase is Phase.SLIP)
+    bottom = loop_bottom(m.q, state.partition.lengths)
+    out |= {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
+    out["loop.yaw"] = state.loop_yaw
+    out["loop.clearance"] = leg_clearance(m.q, bottom.position, scene.rope.diameter, scene.layout.spacing)
+    bending, torsion = nominal_stresses(rope)
+    out["stress.bending_max"], out["stress.torsion_max"] = float(bending.max()), float(torsion.max())
+    for key in ("kinetic", "strain", "gravity", "total", "work_ends", "dissipated_material", "dissipated_swivel"):
+        out[f"energy.{key}"] = float(getattr(ledger, key))
+    for key in ("nonconservative", "transformations", "residual"):
+        out[f"energy.{key}"] = float(getattr(ledger, key))
+    for key in ("steps", "rejections", "newton", "transformations", "swivel_events"):
+        out[f"count.{key}"] = float(getattr(counts, key))
+    points = shape(m.q, state.partition.lengths, bottom.s, SHAPE_POINTS)
+    for k, axis in enumerate("xyz"):
+        out |= {f"shape.{axis}[{i}]": float(x) for i, x in enumerate(points[:, k], start=1)}
+    return out
+
+
+def nominal_stresses(rope: RopeSimulator) -> tuple[Array, Array]:
+    """Bending and torsional stress norm (Pa) of each element: root mean square along it, as in a solid round bar."""
+    data = rope.scene.rope
+    e, tau, k_rms, _ = rope.system.strains(rope.state.motion.q).T
+    section = math.pi * data.diameter**3
+    bending = 32 * data.EI * k_rms / section
+    torsion = 16 * np.abs(torque(data.Qs, data.Qk, data.Qd, e, tau)) / section
+    return bending, torsion
+
+
+def end_moment(q: Array, reaction: Array, pole: Array, torque_on_rope: float) -> Array:
+    """Moment (3,) of the conveyance on the rope's end, from the reactions to r' and theta.
+
+    theta is counted from a frame that turns when the tangent tilts, so the reaction to r' at fixed theta holds a
+    part of the torque, which the last term gives back.
+    """
+    d = q[SLOPE]
+    t = d / np.linalg.norm(d)
+    across = pole - t * float(pole @ t)
+    moment: Array = np.cross(d, reaction[SLOPE]) + torque_on_rope * (t + across / (1 + float(pole @ t)))
+    return moment

@@ -1,0 +1,139 @@
+"""Everything that influences the future of a run, and its form as bytes."""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import asdict, dataclass, field, replace
+
+import numpy as np
+
+from ..numerics.generalized_alpha import Motion
+from .ends import EndPath, Phase, SwivelState
+from .mesh import Partition
+from .rope_system import Array
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Energies now and work done since the start, J."""
+
+    kinetic: float = 0.0
+    strain: float = 0.0
+    gravity: float = 0.0
+    work_ends: float = 0.0  # put in by the conveyances
+    dissipated_material: float = 0.0
+    dissipated_swivel: float = 0.0
+    nonconservative: float = 0.0  # taken up by Qb != Qc
+    transformations: float = 0.0  # sum of the energy changes of mesh and pole changes
+    start: float = 0.0  # total energy at the start
+    last_transformation_kinetic: float = 0.0
+    last_transformation_potential: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """Kinetic, strain and potential energy."""
+        return self.kinetic + self.strain + self.gravity
+
+    @property
+    def residual(self) -> float:
+        """What the books do not explain: what the integrator dissipated (negative) or put in."""
+        explained = self.work_ends + self.transformations - self.dissipated_material - self.dissipated_swivel
+        return self.total - self.start - explained + self.nonconservative
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Work done since the start."""
+
+    steps: int = 0
+    rejections: int = 0
+    newton: int = 0
+    transformations: int = 0
+    swivel_events: int = 0
+    pole_changes: int = 0
+
+    def plus(self, **more: int) -> Counts:
+        """A copy with some counts raised."""
+        return replace(self, **{name: getattr(self, name) + n for name, n in more.items()})
+
+
+@dataclass(frozen=True)
+class Powers:
+    """Instantaneous powers in W, integrated by the trapezoidal rule."""
+
+    ends: float = 0.0
+    material: float = 0.0
+    swivel: float = 0.0
+    nonconservative: float = 0.0
+
+
+@dataclass(frozen=True)
+class RopeState:
+    """Immutable: a step makes a new one, and keeping the old one is the rollback."""
+
+    motion: Motion
+    partition: Partition
+    pole: Array
+    offsets: tuple[float, float]
+    swivels: tuple[SwivelState, SwivelState]
+    paths: tuple[EndPath, EndPath]
+    step_next: float
+    last_interval: float  # s, of the last advance
+    force_mean: tuple[float, float]  # N, vertical, over the last advance
+    loop_yaw: float  # rad, counted on through full turns
+    ledger: Ledger = field(default_factory=Ledger)
+    powers: Powers = field(default_factory=Powers)
+    counts: Counts = field(default_factory=Counts)
+
+    def to_bytes(self) -> bytes:
+        """The state as bytes that depend on nothing but the state."""
+        m = self.motion
+        arrays = {name: getattr(m, name) for name in ("q", "v", "a", "b", "a_rate", "reaction")}
+        arrays |= {"pole": self.pole, "lengths": self.partition.lengths}
+        arrays |= {f"path{i}": path.coefficients for i, path in enumerate(self.paths)}
+        scalars = {
+            "t": m.t,
+            "h": m.h,
+            "counts_of_segments": self.partition.counts,
+            "coarse": self.partition.coarse,
+            "offsets": self.offsets,
+            "swivels": [(s.phase.value, s.angle, s.sign) for s in self.swivels],
+            "paths": [(p.start, p.stop) for p in self.paths],
+            "step_next": self.step_next,
+            "last_interval": self.last_interval,
+            "force_mean": self.force_mean,
+            "loop_yaw": self.loop_yaw,
+            "ledger": asdict(self.ledger),
+            "powers": asdict(self.powers),
+            "counts": asdict(self.counts),
+        }
+        arrays["scalars"] = np.frombuffer(json.dumps(scalars).encode(), dtype=np.uint8)
+        out = io.BytesIO()
+        np.savez(out, **arrays)
+        return out.getvalue()
+
+    @staticmethod
+    def from_bytes(data: bytes) -> RopeState:
+        """The state that ``to_bytes`` wrote; ValueError for anything else."""
+        try:
+            with np.load(io.BytesIO(data), allow_pickle=False) as file:
+                x = {name: file[name] for name in file.files}
+            s = json.loads(x["scalars"].tobytes())
+            return RopeState(
+                motion=Motion(s["t"], x["q"], x["v"], x["a"], x["b"], x["a_rate"], s["h"], x["reaction"]),
+                partition=Partition(x["lengths"], tuple(s["counts_of_segments"]), s["coarse"]),
+                pole=x["pole"],
+                offsets=(s["offsets"][0], s["offsets"][1]),
+                swivels=tuple(SwivelState(Phase(p), angle, sign) for p, angle, sign in s["swivels"]),  # type: ignore[arg-type]
+                paths=tuple(EndPath(a, b, x[f"path{i}"]) for i, (a, b) in enumerate(s["paths"])),  # type: ignore[arg-type]
+                step_next=s["step_next"],
+                last_interval=s["last_interval"],
+                force_mean=(s["force_mean"][0], s["force_mean"][1]),
+                loop_yaw=s["loop_yaw"],
+                ledger=Ledger(**s["ledger"]),
+                powers=Powers(**s["powers"]),
+                counts=Counts(**s["counts"]),
+            )
+        except Exception as error:
+            raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error

@@ -1,0 +1,72 @@
+"""The controller respects its limits and does not wind up."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hoist_demo.controller import ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.parameters import Hoist
+from hoist_demo.reference import ReferencePoint
+
+HOIST = Hoist()
+REST = ReferencePoint(0.0, 0.0, 0.0, 0.0)
+
+
+def test_at_rest_on_the_reference_the_command_is_the_holding_torque() -> None:
+    command = SpeedController(HOIST, 5e4).command(REST, Measurement(0.0, 0.0), ControllerState(), 0.01)
+    assert command.torque == 5e4
+    assert not command.limited
+    assert command.state == ControllerState(0.0)
+
+
+def test_acceleration_is_fed_forward_with_all_moving_masses() -> None:
+    asked = ReferencePoint(0.0, 0.0, 0.75, 0.0)
+    command = SpeedController(HOIST, 0.0).command(asked, Measurement(0.0, 0.0), ControllerState(), 0.01)
+    np.testing.assert_allclose(command.torque, HOIST.sheave_radius * HOIST.moving_mass * 0.75, rtol=1e-14)
+
+
+def test_integral_grows_by_the_gain_times_the_error_over_the_integral_time() -> None:
+    gains = Gains(speed=1e4, integral_time=2.0)
+    controller = SpeedController(HOIST, 0.0, gains)
+    command = controller.command(REST, Measurement(0.0, -0.1), ControllerState(), 0.01)
+    np.testing.assert_allclose(command.state.integral, 0.01 * 1e4 * 0.1 / 2.0, rtol=1e-14)
+
+
+def test_torque_never_exceeds_the_limit_and_the_integral_stands_still_there() -> None:
+    controller = SpeedController(HOIST, 0.0)
+    for sign in (1.0, -1.0):
+        state = ControllerState()
+        for _ in range(1000):
+            command = controller.command(REST, Measurement(0.0, -sign * 50.0), state, 0.01)
+            assert command.torque == sign * HOIST.torque_limit
+            state = command.state
+        assert state == ControllerState()
+
+
+def test_the_integral_may_leave_the_limit() -> None:
+    # at the limit because of the integral, with an error that reduces it
+    controller = SpeedController(HOIST, 0.0)
+    wound = ControllerState(integral=1e7)
+    command = controller.command(REST, Measurement(0.0, 1.0), wound, 0.01)
+    assert command.limited
+    assert command.state.integral < wound.integral
+
+
+def test_after_a_blocked_start_the_speed_overshoots_no_more_than_without_integral() -> None:
+    # a mass whose brake stays on for 5 s while the controller pushes against its limit, then is free
+    def overshoot(integral_time: float) -> float:
+        controller = SpeedController(HOIST, 0.0, Gains(speed=1.5e5, integral_time=integral_time))
+        asked, v, state, peak = ReferencePoint(0.0, 3.0, 0.0, 0.0), 0.0, ControllerState(), 0.0
+        for k in range(3000):
+            command = controller.command(asked, Measurement(0.0, v), state, 0.01)
+            state = command.state
+            if k >= 500:
+                losses = HOIST.loss_coulomb * np.tanh(v / HOIST.loss_speed) + HOIST.loss_viscous * v
+                v += 0.01 * (command.torque / HOIST.sheave_radius - losses) / HOIST.moving_mass
+            peak = max(peak, v - 3.0)
+        return peak
+
+    # with the integral frozen at the limit only the time spent below it counts: v_err k_v / T_i over the decay m / k_v
+    limit_speed = HOIST.torque_limit / HOIST.sheave_radius / 1.5e5
+    assert overshoot(1e9) < 1e-3
+    assert overshoot(1.0) < 0.35 * limit_speed
