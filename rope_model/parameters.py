@@ -194,12 +194,24 @@ class Scene:
         return replace(self, **parts)
 
 
-def rope_120() -> Scene:
-    """The 120 m scene: swivels locked, 90 m of travel."""
-    return Scene()
+@dataclass(frozen=True)
+class Preset:
+    """A scene and the winding it is meant for: the left end starts at height 0, the right end ``travel`` above it."""
+
+    scene: Scene
+    travel: float  # m
+    speed: float  # m/s
 
 
-def rope_240() -> Scene:
-    """The 240 m scene: healthy swivels released at t = 20 s."""
+def rope_120() -> Preset:
+    """The 120 m rope: swivels locked, 90 m of travel at up to 8 m/s."""
+    return Preset(Scene(), travel=90.0, speed=8.0)
+
+
+def rope_240() -> Preset:
+    """The 240 m rope: healthy swivels released at t = 20 s, 200 m of travel at up to 10 m/s."""
     swivel = Swivel(mode="coulomb", release_time=20.0)
-    return Scene(rope=Rope(length=240.0), left=swivel, right=swivel)
+    return Preset(Scene(rope=Rope(length=240.0), left=swivel, right=swivel), travel=200.0, speed=10.0)
+
+
+PRESETS = {"rope-120": rope_120, "rope-240": rope_240}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -52,6 +53,16 @@ def test_motor_holds_the_difference_of_the_tensions(plant: HoistPlant) -> None:
     weight = GRAVITY * (15e3 + 8.0 * 105.0) + TAIL * 15.0
     np.testing.assert_allclose(shown.tension_left, weight, rtol=1.5e-3)
     assert shown.tension_ratio == shown.tension_left / shown.tension_right
+
+
+def test_the_tensions_shown_are_those_that_turn_the_sheave(plant: HoistPlant) -> None:
+    state, u = _moving(plant), PlantInput(9e4, -4e3, -5e3)
+    shown, hoist = plant.outputs(state, u), plant.hoist
+    speed = hoist.sheave_radius * shown.rate
+    rim = hoist.loss_coulomb * math.tanh(speed / hoist.loss_speed) + hoist.loss_viscous * speed
+    moment = shown.torque - hoist.sheave_radius * (rim + shown.tension_left - shown.tension_right)
+    angular = plant.rates(state, u)[4]
+    np.testing.assert_allclose(hoist.sheave_mass * hoist.sheave_radius**2 * angular, moment, rtol=1e-10)
 
 
 def test_one_step_agrees_with_scipy_for_any_step_length(plant: HoistPlant) -> None:
@@ -134,15 +145,21 @@ def test_an_input_that_is_not_finite_is_a_status_and_keeps_the_state(plant: Hois
     assert step.state is state
 
 
-def test_overwinding_is_a_status(plant: HoistPlant) -> None:
+def test_overwinding_is_a_status() -> None:
+    # one metre of rope left, 8 m/s upwards: the rope is used up after an eighth of a second
+    plant = HoistPlant(Hoist(head_rope_length_up=1.0))
     state = plant.equilibrium(90.0, 0.0, *RELAXED)
-    fast = replace(state, x=state.x + np.array([0, 0, 0, 0, 400.0, 500.0, -500.0]))
-    step = plant.step(fast, 0.1, PlantInput(0.0, *RELAXED))
-    assert not step.valid
-    assert step.state is fast
+    u = PlantInput(float(state.x[0]), *RELAXED)
+    state = replace(state, x=state.x + np.array([0, 0, 0, 0, 6.4, 8.0, -8.0]))
+    steps = 0
+    while (step := plant.step(state, 0.01, u)).valid and steps < 20:
+        state, steps = step.state, steps + 1
+    assert "overwind" in step.message
+    assert step.state is state
+    assert 10 <= steps <= 13
 
 
 @pytest.mark.parametrize(("field", "value"), [("conveyance_mass", 0.0), ("torque_limit", math.nan)])
-def test_bad_data_is_named(field: str, value: float) -> None:
+def test_bad_data_is_named(field: str, value: Any) -> None:
     with pytest.raises(ValueError, match=rf"{field} = .* must be .*: "):
         Hoist(**{field: value})

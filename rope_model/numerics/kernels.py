@@ -11,6 +11,7 @@ import hashlib
 import importlib.util
 import logging
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -135,6 +136,25 @@ def generate_c(functions: Sequence[ca.Function]) -> str:
         generator.add(function)
     code: str = generator.dump()
     return code
+
+
+def save_portable(functions: Sequence[ca.Function], path: Path) -> None:
+    """Write the functions for ``load_portable``, which then needs nothing that built them."""
+    serializer = ca.FileSerializer(str(path))
+    serializer.pack(len(functions))
+    for function in functions:
+        serializer.pack(function)
+
+
+def load_portable(path: Path) -> list[ca.Function]:
+    """The functions of a file written by ``save_portable``."""
+    file = ca.FileDeserializer(str(path))
+    return [file.unpack() for _ in range(file.unpack())]
+
+
+def platform_tag() -> str:
+    """Operating system and processor, as in ``linux-x86_64``."""
+    return f"{sys.platform}-{platform.machine().lower()}"
 
 
 def _load(functions: Sequence[ca.Function], library: Path) -> list[ca.Function]:

@@ -6,6 +6,7 @@ changes makes a new one (cheap: the kernels are shared).
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -14,7 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.block_chain import ChainFunctions, chain_functions
-from ..numerics.kernels import Kernel, KernelForm, prepare
+from ..numerics.kernels import (
+    LIBRARY_SUFFIX,
+    Kernel,
+    KernelForm,
+    build_library,
+    cache_folder,
+    find_compiler,
+    load_portable,
+    platform_tag,
+    prepare,
+    save_portable,
+)
 from ..parameters import Rope
 from ..physics.element import BALANCE, NODE_DOF, STRAINS, element_functions
 
@@ -25,15 +37,41 @@ POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 
 
 class RopeKernels:
-    """The chain's functions for ``elements`` elements, ready to be called on arrays of shape (nodes, 7)."""
+    """The chain's functions for ``elements`` elements, ready to be called on arrays of shape (nodes, 7).
+
+    ``bundle`` is a folder written by ``write_bundle``; without it, or without files for this size and platform in
+    it, the functions are built from the element and compiled when that is possible.
+    """
 
     def __init__(self, elements: int, form: KernelForm = "auto", bundle: Path | None = None) -> None:
-        (direction, assess, strains), self.form = prepare(rope_functions(elements).all(), form, bundle)
+        library, portable = _bundle_files(bundle, elements) if bundle else (None, None)
+        if portable is not None and portable.exists():
+            functions = load_portable(portable)
+        else:
+            functions = list(rope_functions(elements).all())
+        (direction, assess, strains), self.form = prepare(functions, form, library)
         nodes = (elements + 1, NODE_DOF)
         self.elements = elements
         self.direction = Kernel(direction, (nodes, nodes))
         self.assess = Kernel(assess, (nodes, (len(BALANCE),)))
         self.strains = Kernel(strains, ((elements, len(STRAINS)),))
+
+
+def write_bundle(elements: int, folder: Path) -> list[Path]:
+    """Write the portable kernels and, with a compiler, those for this platform into ``folder``."""
+    folder.mkdir(parents=True, exist_ok=True)
+    functions = rope_functions(elements).all()
+    library, portable = _bundle_files(folder, elements)
+    save_portable(functions, portable)
+    written = [portable]
+    if (compiler := find_compiler()) is not None:
+        shutil.copyfile(build_library(functions, compiler, cache_folder()), library)
+        written.append(library)
+    return written
+
+
+def _bundle_files(folder: Path, elements: int) -> tuple[Path, Path]:
+    return folder / f"chain-{elements}-{platform_tag()}{LIBRARY_SUFFIX}", folder / f"chain-{elements}.casadi"
 
 
 def rope_functions(elements: int) -> ChainFunctions:

@@ -6,14 +6,14 @@ The names are the FMU's output names too.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from ..physics.costello import torque
 from .diagnostics import leg_clearance, loop_bottom, shape
-from .ends import HangingEnds, Phase
+from .ends import Phase
 from .rope_system import ANGLE, POSITION, SLOPE, Array
 from .simulator import RopeSimulator
 
@@ -82,36 +82,74 @@ SIGNALS: dict[str, Signal] = dict(_table())
 
 
 def signals(rope: RopeSimulator) -> dict[str, float]:
-    """Values of all SIGNALS but the added masses, which cost as much as a step (RopeSimulator.added_mass)."""
-    state, system, scene = rope.state, rope.system, rope.scene
-    m, ledger, counts = state.motion, state.ledger, state.counts
-    ends = system.boundary
-    assert isinstance(ends, HangingEnds)
+    """Values of all SIGNALS but the added masses, which cost as much as a step."""
+    groups = (end_signals, loop_signals, stress_signals, book_signals, shape_signals)
+    return {name: value for group in groups for name, value in group(rope).items()}
+
+
+def group_of(name: str) -> Callable[[RopeSimulator], dict[str, float]]:
+    """The function that computes the signal ``name`` together with its kin."""
+    if name.endswith(".added_mass"):
+        return added_mass_signals
+    groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
+    groups |= {"energy": book_signals, "count": book_signals}
+    return groups.get(name.partition(".")[0], end_signals)
+
+
+def end_signals(rope: RopeSimulator) -> dict[str, float]:
+    """Forces, moments and swivels of both ends."""
+    state, m = rope.state, rope.state.motion
+    ends = rope.ends
     out: dict[str, float] = {}
     for side, name in enumerate(SIDES):
-        force = -m.reaction[-side, POSITION]
-        moment = -end_moment(m.q[-side], m.reaction[-side], state.pole, ends.moment(side, m.reaction))
+        on_rope = ends.moment(side, m.reaction)
+        moment = end_moment(m.q[-side], m.reaction[-side], state.pole, on_rope)
         angle, rate = ends.relative(side, m.t, m.q[-side, ANGLE], m.v[-side, ANGLE])
-        values = (*force, *moment, state.force_mean[side], angle, rate, ends.moment(side, m.reaction))
+        values = (*-m.reaction[-side, POSITION], *-moment, state.force_mean[side], angle, rate, on_rope)
         keys = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean", "swivel.angle", "swivel.rate", "swivel.torque")
         out |= {f"{name}.{key}": float(value) for key, value in zip(keys, values, strict=True)}
         out[f"{name}.swivel.slipping"] = float(ends.states[side].phase is Phase.SLIP)
-    bottom = loop_bottom(m.q, state.partition.lengths)
-    out |= {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
-    out["loop.yaw"] = state.loop_yaw
-    out["loop.clearance"] = leg_clearance(m.q, bottom.position, scene.rope.diameter, scene.layout.spacing)
-    bending, torsion = nominal_stresses(rope)
-    out["stress.bending_max"], out["stress.torsion_max"] = float(bending.max()), float(torsion.max())
-    for key in ("kinetic", "strain", "gravity", "total", "work_ends", "dissipated_material", "dissipated_swivel"):
-        out[f"energy.{key}"] = float(getattr(ledger, key))
-    for key in ("nonconservative", "transformations", "residual"):
-        out[f"energy.{key}"] = float(getattr(ledger, key))
-    for key in ("steps", "rejections", "newton", "transformations", "swivel_events"):
-        out[f"count.{key}"] = float(getattr(counts, key))
-    points = shape(m.q, state.partition.lengths, bottom.s, SHAPE_POINTS)
-    for k, axis in enumerate("xyz"):
-        out |= {f"shape.{axis}[{i}]": float(x) for i, x in enumerate(points[:, k], start=1)}
     return out
+
+
+def added_mass_signals(rope: RopeSimulator) -> dict[str, float]:
+    """Added mass of both ends."""
+    left, right = rope.added_mass()
+    return {"left.added_mass": left, "right.added_mass": right}
+
+
+def loop_signals(rope: RopeSimulator) -> dict[str, float]:
+    """Place, yaw and clearance of the loop."""
+    state, scene = rope.state, rope.scene
+    bottom = loop_bottom(state.motion.q, state.partition.lengths)
+    out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
+    clearance = leg_clearance(state.motion.q, bottom.position, scene.rope.diameter, scene.layout.spacing)
+    return out | {"loop.yaw": state.loop_yaw, "loop.clearance": clearance}
+
+
+def stress_signals(rope: RopeSimulator) -> dict[str, float]:
+    """Largest stress norms."""
+    bending, torsion = nominal_stresses(rope)
+    return {"stress.bending_max": float(bending.max()), "stress.torsion_max": float(torsion.max())}
+
+
+def book_signals(rope: RopeSimulator) -> dict[str, float]:
+    """Energies and counts."""
+    ledger, counts = rope.state.ledger, rope.state.counts
+    return {
+        name: float(getattr(ledger if name.startswith("energy.") else counts, name.partition(".")[2]))
+        for name in SIGNALS
+        if name.startswith(("energy.", "count."))
+    }
+
+
+def shape_signals(rope: RopeSimulator) -> dict[str, float]:
+    """Points along the rope."""
+    q, lengths = rope.state.motion.q, rope.state.partition.lengths
+    points = shape(q, lengths, loop_bottom(q, lengths).s, SHAPE_POINTS)
+    return {
+        f"shape.{axis}[{i}]": float(x) for k, axis in enumerate("xyz") for i, x in enumerate(points[:, k], start=1)
+    }
 
 
 def nominal_stresses(rope: RopeSimulator) -> tuple[Array, Array]:

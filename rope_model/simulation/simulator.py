@@ -58,9 +58,13 @@ class RopeSimulator:
         self.points = nominal_points(scene.layout.spacing)
         elements = partition(scene.mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
         self.kernels = RopeKernels(elements, scene.solver.kernels, bundle)
-        self.method = Coefficients(scene.solver.rho_inf)
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
+
+    @property
+    def method(self) -> Coefficients:
+        """The integration method."""
+        return Coefficients(self.scene.solver.rho_inf)
 
     @property
     def state(self) -> RopeState:
@@ -76,6 +80,11 @@ class RopeSimulator:
             self._system = self._system_of(self.state)
         return self._system
 
+    @property
+    def ends(self) -> HangingEnds:
+        """How the present state's ends are held."""
+        return _ends(self.system)
+
     def save(self) -> bytes:
         """The complete state."""
         return self.state.to_bytes()
@@ -89,6 +98,10 @@ class RopeSimulator:
                 "restore it into a rope with the same parameters"
             )
         self._accept(state)
+
+    def retune(self, scene: Scene) -> None:
+        """Go on with other solver tolerances or swivel friction; nothing else of the scene may differ."""
+        self.scene, self._system = scene, None
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         """Hang the rope at rest between the ends' positions, untwisted but for the installed twist."""
@@ -300,9 +313,8 @@ class RopeSimulator:
         return max(self._excess_of(side, system, motion) for side in (0, 1))
 
     def _excess_of(self, side: int, system: RopeSystem, motion: Motion) -> float:
-        ends = system.boundary
-        assert isinstance(ends, HangingEnds)
-        state, node = ends.states[side], -side
+        ends, node = _ends(system), -side
+        state = ends.states[side]
         if state.phase is Phase.LOCKED or (state.phase is Phase.SLIP and ends.swivels[side].mode == "free"):
             return -np.inf
         if state.phase is Phase.STICK:
@@ -347,10 +359,7 @@ class RopeSimulator:
         """What a swivel that cannot stay in its phase does next: stick if its friction can hold, else slip."""
         now, motion = state.swivels[side], state.motion
         if now.phase is Phase.SLIP:
-            system = self._system_of(state)
-            ends = system.boundary
-            assert isinstance(ends, HangingEnds)
-            angle = ends.relative(side, motion.t, motion.q[-side, ANGLE], 0.0)[0]
+            angle = _ends(self._system_of(state)).relative(side, motion.t, motion.q[-side, ANGLE], 0.0)[0]
             now = SwivelState(Phase.STICK, angle, 0.0)
             state = self._restarted(
                 replace(state, swivels=(now, state.swivels[1]) if side == 0 else (state.swivels[0], now))
@@ -447,6 +456,11 @@ class RopeSimulator:
         return RopeSystem(self.kernels, state.partition.lengths, P, ends, node_mass)
 
 
+def _ends(system: RopeSystem) -> HangingEnds:
+    assert isinstance(system.boundary, HangingEnds)
+    return system.boundary
+
+
 def _with_energies(ledger: Ledger, balance: dict[str, float]) -> Ledger:
     strain = balance["axial"] + balance["coupling"] + balance["torsion"] + balance["bending"]
     kinetic = balance["kinetic"] + balance["spin"]
@@ -454,8 +468,7 @@ def _with_energies(ledger: Ledger, balance: dict[str, float]) -> Ledger:
 
 
 def _powers(system: RopeSystem, motion: Motion, assessment: Assessment) -> Powers:
-    ends, at_ends, at_swivels = system.boundary, 0.0, 0.0
-    assert isinstance(ends, HangingEnds)
+    ends, at_ends, at_swivels = _ends(system), 0.0, 0.0
     for side in (0, 1):
         force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]
         moment = ends.moment(side, motion.reaction)

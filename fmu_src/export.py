@@ -1,0 +1,138 @@
+"""Builds the FMU: ``python -m fmu_src.export``.
+
+The FMU holds copies of rope_model and fmu_src, the interpreted kernels for every platform and the compiled ones for
+the exporting platform.  The importing host needs Python with numpy and casadi.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import importlib.metadata
+import json
+import os
+import re
+import shutil
+import sys
+import tempfile
+import time
+import uuid
+import zipfile
+from pathlib import Path
+
+from pythonfmu.builder import FmuBuilder
+
+from rope_model.parameters import PRESETS
+from rope_model.simulation.mesh import partition
+from rope_model.simulation.rope_system import write_bundle
+
+SOURCES = ("rope_model", "fmu_src")
+DEFAULT_FMU = Path("build") / "balance_rope.fmu"
+
+
+def export_fmu(destination: Path, preset: str = "rope-120") -> Path:
+    """Write the FMU with the start values of ``preset`` to ``destination``; its folder is made if needed.
+
+    Two exports of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
+    """
+    if preset not in PRESETS:
+        raise ValueError(f"there is no scene {preset!r}; choose one of {', '.join(PRESETS)}")
+    scene = PRESETS[preset]().scene
+    elements = partition(scene.mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
+    destination.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
+        stage = Path(folder)
+        kernels = stage / "kernels"
+        write_bundle(elements, kernels)
+        key = _build_key(preset, kernels)
+        package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
+        _copy_package(package)
+        slave = (package / "fmu_src" / "slave.py").read_text(encoding="utf-8").replace("from ..rope_model", "from rope_model")
+        script.write_text(re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave), encoding="utf-8")
+        (stage / "build.json").write_text(json.dumps(_build_facts(preset, key), indent=1), encoding="utf-8")
+        draft = stage / "out" / "draft.fmu"
+        draft.parent.mkdir()
+        FmuBuilder.build_FMU(
+            script, draft, [package, kernels, stage / "build.json"], documentation_folder=None
+        )
+        sys.path.remove(str(stage))  # the builder leaves it there
+        _rewrite(draft, destination)
+    return destination
+
+
+def _build_facts(preset: str, key: str) -> dict[str, str]:
+    stamp = time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())))
+    return {
+        "preset": preset,
+        "guid": str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope {key}")),
+        "version": importlib.metadata.version("balance-rope"),
+        "tool": f"balance-rope {importlib.metadata.version('balance-rope')}, "
+        f"PythonFMU {importlib.metadata.version('pythonfmu')}",
+        "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", stamp),
+    }
+
+
+def _build_key(preset: str, kernels: Path) -> str:
+    """Hash of everything that decides how the FMU behaves."""
+    digest = hashlib.sha256(preset.encode())
+    for name in ("casadi", "numpy", "pythonfmu"):
+        digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
+    for path in sorted([*_sources(), *kernels.iterdir()]):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def _root() -> Path:
+    return Path(__file__).resolve().parent.parent
+
+
+def _sources() -> list[Path]:
+    return [path for package in SOURCES for path in sorted((_root() / package).rglob("*.py"))]
+
+
+def _copy_package(package: Path) -> None:
+    """rope_model and fmu_src as subpackages of ``package``, their absolute imports made relative."""
+    for path in _sources():
+        copy = package / path.relative_to(_root())
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        text = path.read_text(encoding="utf-8")
+        if path.is_relative_to(_root() / "fmu_src"):
+            text = re.sub(r"(?m)^from rope_model", "from ..rope_model", text)
+        copy.write_text(text, encoding="utf-8")
+    (package / "__init__.py").write_text("", encoding="utf-8")
+
+
+def _rewrite(draft: Path, destination: Path) -> None:
+    """The archive again with sorted, compressed entries and no time stamps; replaces ``destination`` atomically."""
+    scratch = destination.with_suffix(".tmp")
+    with zipfile.ZipFile(draft) as old, zipfile.ZipFile(scratch, "w", zipfile.ZIP_DEFLATED) as new:
+        for name in sorted(old.namelist()):
+            entry = zipfile.ZipInfo(name.replace("\\", "/"), date_time=(1980, 1, 1, 0, 0, 0))
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            new.writestr(entry, old.read(name))
+    shutil.move(scratch, destination)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the export."""
+    parser.add_argument("--scene", choices=sorted(PRESETS), default="rope-120", help="start values (default %(default)s)")
+    parser.add_argument("--out", type=Path, default=DEFAULT_FMU, help="the .fmu to write (default %(default)s)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Export as the options say and report on the console."""
+    path = export_fmu(arguments.out, arguments.scene)
+    print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, FMI 2.0 co-simulation, scene {arguments.scene}")
+    return 0
+
+
+def main() -> int:
+    """Command line of ``python -m fmu_src.export``."""
+    parser = argparse.ArgumentParser(prog="python -m fmu_src.export", description="Export the balance rope as an FMU.")
+    add_arguments(parser)
+    return run(parser.parse_args())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

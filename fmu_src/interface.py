@@ -1,0 +1,186 @@
+"""The FMI interface: one table, from which XML, documentation and component all read.
+
+Parameters are the fields of rope_model.parameters, outputs the signals of rope_model.simulation.signals.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from typing import Any, Literal, NamedTuple
+
+from rope_model.parameters import Layout, Mesh, Preset, Rope, Scene, Solver, Swivel
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.signals import SIDES, SIGNALS
+
+Causality = Literal["parameter", "input", "output"]
+Kind = Literal["Real", "Integer", "Boolean", "String"]
+Value = float | int | bool | str
+
+#: words for the integer codes of parameters that choose one of a few; the code is the place in the list
+CHOICES: dict[str, tuple[str, ...]] = {
+    "swivel.mode": ("locked", "free", "coulomb"),
+    "mesh.kind": ("tmn", "eem"),
+    "solver.kernels": ("auto", "compiled", "portable"),
+}
+#: name of a field -> unit and description; the order is that of the interface
+_ROPE = {
+    "length": ("m", "length of the rope between its two swivels"),
+    "mass_per_length": ("kg/m", "mass per length [assumed]"),
+    "Qa": ("N", "axial stiffness, T = Qa e + Qb tau [assumed]"),
+    "Qb": ("N.m", "tension per twist; default is the symmetric mean of the published pair"),
+    "Qc": ("N.m", "torque per axial strain, M = Qc e + Qd tau; default as Qb"),
+    "Qd": ("N.m2", "torsional stiffness [assumed]"),
+    "EI": ("N.m2", "bending stiffness [assumed]; 74 with full slip of the wires, 2.4e4 with none"),
+    "rhoJ": ("kg.m", "polar mass moment per length [assumed]"),
+    "beta_K": ("s", "material damping proportional to stiffness [assumed]"),
+    "diameter": ("m", "rope diameter, for nominal stresses and clearance [assumed]"),
+    "installed_twist": ("rad", "turns put in at the right end before it was fastened"),
+}
+_LAYOUT = {
+    "spacing": ("m", "horizontal distance of the two suspension points [assumed]"),
+    "gravity": ("m/s2", "acceleration of free fall"),
+}
+_SWIVEL = {
+    "mode": ("", "how the {side} end is held: 0 locked, 1 free, 2 Coulomb friction"),
+    "mean_diameter": ("m", "mean diameter of the {side} swivel's bearing [assumed]"),
+    "mu_static": ("1", "coefficient of static friction of the {side} swivel [assumed]"),
+    "mu_kinetic": ("1", "coefficient of kinetic friction of the {side} swivel [assumed]"),
+    "seal_moment": ("N.m", "friction of the {side} swivel that does not depend on the tension [assumed]"),
+    "inertia": ("kg.m2", "inertia of what turns with the rope's {side} end [assumed]"),
+    "release_time": ("s", "the {side} swivel is locked before"),
+}
+_MESH = {
+    "kind": ("", "0 TMN-ETM (seven segments that follow the loop), 1 EEM (equal lengths)"),
+    "elements": ("", "number of elements, EEM only"),
+    "coarse_length": ("m", "element length of segments I and VII, TMN-ETM only; the loop's are an eighth of it"),
+}
+_SOLVER = {
+    "step_max": ("s", "largest time step"),
+    "step_min": ("s", "smallest time step; below it a step fails"),
+    "tolerance": ("1", "largest local error of a step, in m and rad"),
+    "newton_tolerance": ("1", "error that Newton's method may leave, in m and rad"),
+    "rho_inf": ("1", "spectral radius of generalized-alpha at infinite frequency"),
+    "kernels": ("", "0 compiled when possible, 1 compiled, 2 portable"),
+}
+_TUNABLE = {"step_max", "step_min", "tolerance", "newton_tolerance", "mu_static", "mu_kinetic", "seal_moment"}
+#: what is physically possible, for the parameters where it is one-sided
+_MINIMUM = {"beta_K": 0.0, "mu_static": 0.0, "mu_kinetic": 0.0, "seal_moment": 0.0, "rho_inf": 0.0}
+_MAXIMUM = {"rho_inf": 1.0}
+_INPUT_UNIT = {"": "m", "v": "m/s", "a": "m/s2"}
+SEGMENTS = ("II", "III", "IV", "V", "VI")
+
+
+class Variable(NamedTuple):
+    """One FMI variable; ``start`` is None for outputs, ``unit`` empty where there is none."""
+
+    name: str
+    causality: Causality
+    variability: Literal["fixed", "tunable", "continuous", "discrete"]
+    kind: Kind
+    unit: str
+    start: Value | None
+    description: str
+    minimum: float | None = None
+    maximum: float | None = None
+
+
+def variables(preset: Preset) -> tuple[Variable, ...]:
+    """The table with the start values of ``preset``; a variable's place is its value reference."""
+    return (*_parameters(preset.scene), *_inputs(preset.travel), *_outputs())
+
+
+def _parameters(scene: Scene) -> Iterator[Variable]:
+    groups: list[tuple[str, Any, dict[str, tuple[str, str]]]] = [
+        ("rope", scene.rope, _ROPE),
+        ("layout", scene.layout, _LAYOUT),
+        *((f"{side}.swivel", getattr(scene, side), _SWIVEL) for side in SIDES),
+        ("mesh", scene.mesh, _MESH),
+        ("solver", scene.solver, _SOLVER),
+    ]
+    for group, data, fields in groups:
+        for field, (unit, description) in fields.items():
+            value = getattr(data, field)
+            words = CHOICES.get(f"{group.split('.')[-1]}.{field}")
+            integer = words is not None or isinstance(value, int)
+            yield Variable(
+                name=f"{group}.{field}",
+                causality="parameter",
+                variability="tunable" if field in _TUNABLE else "fixed",
+                kind="Integer" if integer else "Real",
+                unit=unit,
+                start=words.index(value) if words else value,
+                description=description.format(side=group.split(".")[0]),
+                minimum=0 if words else _MINIMUM.get(field),
+                maximum=len(words) - 1 if words else _MAXIMUM.get(field),
+            )
+    for i, segment in enumerate(SEGMENTS):
+        text = f"number of elements of segment {segment}, TMN-ETM only"
+        yield Variable(f"mesh.counts[{i + 1}]", "parameter", "fixed", "Integer", "", scene.mesh.counts[i], text)
+    yield Variable(
+        "inputs_at_step_end",
+        "parameter",
+        "fixed",
+        "Boolean",
+        "",
+        False,
+        "false: inputs are the motion at the start of a step and are extrapolated (FMI's reading); "
+        "true: at its end, for Gauss-Seidel hosts",
+    )
+
+
+def _inputs(travel: float) -> Iterator[Variable]:
+    for side in SIDES:
+        for derivative, what in (("", "position"), ("v", "speed"), ("a", "acceleration")):
+            for axis in "xyz":
+                start = travel if (side, derivative + axis) == ("right", "y") else 0.0
+                where = {"x": "in plane, from the nominal point", "y": "up", "z": "out of plane"}[axis]
+                text = f"{what} of the {side} suspension point, {where}"
+                unit = _INPUT_UNIT[derivative]
+                yield Variable(f"{side}.{derivative}{axis}", "input", "continuous", "Real", unit, start, text)
+        yield Variable(f"{side}.yaw", "input", "continuous", "Real", "rad", 0.0, f"yaw of the {side} conveyance about Y")
+        yield Variable(f"{side}.yaw_rate", "input", "continuous", "Real", "rad/s", 0.0, f"rate of {side}.yaw")
+
+
+def _outputs() -> Iterator[Variable]:
+    kinds: dict[str, Kind] = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
+    for name, signal in SIGNALS.items():
+        kind = kinds[signal.kind]
+        variability: Literal["continuous", "discrete"] = "continuous" if kind == "Real" else "discrete"
+        unit = signal.unit if kind == "Real" else ""
+        yield Variable(name, "output", variability, kind, unit, None, signal.description)
+    yield Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded")
+    yield Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty")
+
+
+def scene_of(values: dict[str, Value]) -> Scene:
+    """The scene with the parameters in ``values``; ValueError when one is out of range."""
+
+    def part(group: str, kind: type[Any]) -> dict[str, Any]:
+        out: dict[str, Any] = {}
+        for field in dataclasses.fields(kind):
+            if (value := values.get(f"{group}.{field.name}")) is None:
+                continue
+            name = f"{group.split('.')[-1]}.{field.name}"
+            if (words := CHOICES.get(name)) is not None:
+                if not 0 <= int(value) < len(words):
+                    codes = ", ".join(f"{i} {word}" for i, word in enumerate(words))
+                    raise ValueError(f"{group}.{field.name} = {value} is none of the choices: {codes}")
+                value = words[int(value)]
+            out[field.name] = value
+        return out
+
+    counts = tuple(int(values[f"mesh.counts[{i + 1}]"]) for i in range(len(SEGMENTS)))
+    return Scene(
+        rope=Rope(**part("rope", Rope)),
+        layout=Layout(**part("layout", Layout)),
+        left=Swivel(**part("left.swivel", Swivel)),
+        right=Swivel(**part("right.swivel", Swivel)),
+        mesh=Mesh(**part("mesh", Mesh), counts=counts),  # type: ignore[arg-type]
+        solver=Solver(**part("solver", Solver)),
+    )
+
+
+def motion_of(side: str, values: dict[str, Value]) -> EndMotion:
+    """The motion that the inputs of ``side`` describe."""
+    return EndMotion(**{field.name: float(values[f"{side}.{field.name}"]) for field in dataclasses.fields(EndMotion)})
