@@ -122,7 +122,7 @@ class RopeComponent:
 
     def _initialize(self) -> Status:
         rope = RopeSimulator(scene_of(self.values), self._bundle)
-        self._log(f"kernels: {rope.kernels.form}, {rope.kernels.elements} elements", False)
+        self._log(f"kernels: {rope.model.kernels.form}, {rope.model.kernels.elements} elements", False)
         status = rope.initialize(self._start_time, *(motion_of(side, self.values) for side in SIDES))
         if status.valid:
             self._rope = rope

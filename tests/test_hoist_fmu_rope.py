@@ -38,7 +38,7 @@ class HangingWeight(Fmi2Slave):
         for end in ("left", "right"):
             for name in "x y z vx vy vz ax ay az yaw yaw_rate".split():
                 self._real(f"{end}.{name}", Fmi2Causality.input)
-            for name in ("fy", "fy_mean"):
+            for name in ("fy", "fy_mean", "added_mass"):
                 self._real(f"{end}.{name}", Fmi2Causality.output)
         out = dict(causality=Fmi2Causality.output, variability=Fmi2Variability.discrete)
         self.register_variable(Integer("count.steps", getter=lambda: self.steps, **out))
@@ -123,6 +123,7 @@ assert rope.step(2.0, 0.01, EndMotion(y=1.0), EndMotion(y=89.0)).valid
 signals = rope.signals()
 assert (signals["left.fy"], signals["count.steps"], signals["status.valid"]) == (-160.0, 1.0, 1.0), signals
 assert set(rope.units()) == set(signals)
+assert "left.added_mass" not in signals, "costly outputs are not read"
 folder = rope._directory
 assert folder.is_dir()
 rope.close()

@@ -39,6 +39,11 @@ class Partition:
     coarse: float = 0.0
 
     @property
+    def nodes_s(self) -> Array:
+        """Arc length of the nodes from the left end, m."""
+        return np.concatenate(([0.0], np.cumsum(self.lengths)))
+
+    @property
     def centre(self) -> float:
         """Arc length of the middle of segment IV, m."""
         inner = float(np.dot(self.counts[1:6], LADDER[1:6]))
@@ -67,10 +72,12 @@ def transformed(old: Partition, direction: int) -> Partition:
     return _tmn((first, *old.counts[1:6], last), old.coarse)
 
 
-def transformation_due(mesh: Partition, bottom: float) -> int:
-    """+1 or -1 when the loop at arc length ``bottom`` calls for a transformation that the mesh can still make."""
-    offset = distance_to_due(mesh, bottom)
-    return 0 if offset < 0 else int(np.sign(bottom - mesh.centre))
+def transformation_due(mesh: Partition, bottom: float, slack: float = 0.0) -> int:
+    """+1 or -1 when the loop at arc length ``bottom`` is within ``slack`` (m) of calling for a transformation.
+
+    0 when it is not, or when the mesh can make no more in that direction.
+    """
+    return 0 if distance_to_due(mesh, bottom) < -slack else int(np.sign(bottom - mesh.centre))
 
 
 def distance_to_due(mesh: Partition, bottom: float) -> float:

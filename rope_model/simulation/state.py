@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 from dataclasses import asdict, dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,8 +28,6 @@ class Ledger:
     nonconservative: float = 0.0  # taken up by Qb != Qc
     transformations: float = 0.0  # sum of the energy changes of mesh and pole changes
     start: float = 0.0  # total energy at the start
-    last_transformation_kinetic: float = 0.0
-    last_transformation_potential: float = 0.0
 
     @property
     def total(self) -> float:
@@ -58,6 +57,15 @@ class Counts:
         return replace(self, **{name: getattr(self, name) + n for name, n in more.items()})
 
 
+class Event(NamedTuple):
+    """Something that happened between two steps, with the energy change it brought (J)."""
+
+    t: float
+    what: str
+    kinetic: float = 0.0
+    potential: float = 0.0
+
+
 @dataclass(frozen=True)
 class Powers:
     """Instantaneous powers in W, integrated by the trapezoidal rule."""
@@ -82,6 +90,7 @@ class RopeState:
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance
     loop_yaw: float  # rad, counted on through full turns
+    events: tuple[Event, ...] = ()  # of the last advance
     ledger: Ledger = field(default_factory=Ledger)
     powers: Powers = field(default_factory=Powers)
     counts: Counts = field(default_factory=Counts)
@@ -104,6 +113,7 @@ class RopeState:
             "last_interval": self.last_interval,
             "force_mean": self.force_mean,
             "loop_yaw": self.loop_yaw,
+            "events": self.events,
             "ledger": asdict(self.ledger),
             "powers": asdict(self.powers),
             "counts": asdict(self.counts),
@@ -131,6 +141,7 @@ class RopeState:
                 last_interval=s["last_interval"],
                 force_mean=(s["force_mean"][0], s["force_mean"][1]),
                 loop_yaw=s["loop_yaw"],
+                events=tuple(Event(*event) for event in s["events"]),
                 ledger=Ledger(**s["ledger"]),
                 powers=Powers(**s["powers"]),
                 counts=Counts(**s["counts"]),

@@ -1,0 +1,178 @@
+"""The console command `balance-rope`: the only module that prints."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from tqdm import tqdm
+
+from hoist_demo.fmu_rope import FmuRope
+from hoist_demo.host import Host, Result
+from hoist_demo.parameters import ASSUMED_DATA, SETUPS, Coupling, Hoist, Winding
+from hoist_demo.recording import shape_rows, write_csv, write_shapes
+from hoist_demo.rope_plant import RopePlant
+from hoist_demo.summary import SummaryRow, render, summarize
+
+DEFAULT_FMU = Path("build/balance_rope.fmu")
+KERNELS = ("auto", "compiled", "portable")
+"""Choices of the FMU's integer parameter `solver.kernels`, in the order of its codes."""
+
+_QUICK = {"travel": 10.0, "settle": 2.0}
+
+_DESCRIPTION = """\
+Wind a friction (Koepe) hoist with its balance rope.
+
+The drive (motor, sheave, head ropes, two conveyances) is a CasADi model in this process. The balance rope below the
+conveyances runs in an FMU, or with --in-process next to the drive. Both exchange end motions and end forces at every
+communication step."""
+
+_EPILOG = """\
+first steps:
+  make fmu                             export the rope to build/balance_rope.fmu (or: python -m fmu_src.export)
+  balance-rope demo                    wind 90 m, write figures, CSV and a report to out/demo
+  balance-rope demo --quick            wind 10 m only, to see that all is in place
+  balance-rope demo --in-process       the same rope without the FMU
+"""
+
+_DEMO_DESCRIPTION = """\
+Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
+PNG figures, report.md and report.html. The summary table is printed at the end."""
+
+_DEMO_EPILOG = """\
+examples:
+  balance-rope demo --speed 4 --travel 60
+  balance-rope demo --scene rope-240 --in-process  240 m rope, swivels released at 20 s (or --fmu with its export)
+  balance-rope demo --travel -90                 lower the left conveyance instead
+  balance-rope demo --estop-at 12                emergency stop at 5 m/s^2 near full speed
+  balance-rope demo --step 0.005 --out out/fine  a finer coupling, to see whether the results change
+
+exit code: 0 wound to the end, 1 the rope or the drive stopped the run (the cause is printed and what was recorded
+is written all the same), 2 wrong arguments.
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    logging.basicConfig(level=logging.WARNING, format="%(name)s: %(message)s")
+    try:
+        return _demo(options)
+    except (ValueError, RuntimeError) as error:
+        print(f"balance-rope: {error}", file=sys.stderr)
+        return 2
+
+
+def _parser() -> argparse.ArgumentParser:
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser("balance-rope", description=_DESCRIPTION, epilog=_EPILOG, formatter_class=raw)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    demo = commands.add_parser(
+        "demo",
+        help="wind once and write figures, CSV and a report",
+        description=_DEMO_DESCRIPTION,
+        epilog=_DEMO_EPILOG,
+        formatter_class=raw,
+    )
+    demo.add_argument(
+        "--scene", choices=tuple(SETUPS), default="rope-120", help="hoist, winding and rope (default: %(default)s)"
+    )
+    rope = demo.add_mutually_exclusive_group()
+    rope.add_argument("--fmu", type=Path, default=DEFAULT_FMU, metavar="PATH", help="the rope (default: %(default)s)")
+    rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without the FMU")
+    demo.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
+    demo.add_argument("--step", type=float, default=Coupling().step, metavar="H", help="communication step [s] (0.01)")
+    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (8; rope-240: 10)")
+    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (90; rope-240: 200)")
+    demo.add_argument("--estop-at", type=float, metavar="T", help="emergency stop of 5 m/s^2 from time T [s]")
+    demo.add_argument(
+        "--kernels",
+        choices=KERNELS,
+        default="auto",
+        help="rope's computing kernels: compiled C, CasADi's virtual machine, or what is there (default: %(default)s)",
+    )
+    demo.add_argument("--quick", action="store_true", help="10 m of travel and 2 s of settling: a check, not a result")
+    return parser
+
+
+def _demo(options: argparse.Namespace) -> int:
+    hoist, coupling = SETUPS[options.scene].hoist, Coupling(step=options.step)
+    winding = _winding(options)
+    rope = _rope(options)
+    try:
+        result = _run(Host(rope, hoist, winding, coupling))
+    finally:
+        rope.close()
+    rows = summarize(result, hoist, winding, coupling)
+    written = _write(options, result, rows, hoist, winding)
+    print(render(rows))
+    print(f"\n{ASSUMED_DATA}\n")
+    print("written: " + ", ".join(str(path) for path in written))
+    if not result.completed:
+        print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _winding(options: argparse.Namespace) -> Winding:
+    """The scene's trip; values given by hand count more than --quick."""
+    chosen = {"travel": options.travel, "speed": options.speed, "emergency_at": options.estop_at}
+    given: dict[str, float] = {name: value for name, value in chosen.items() if value is not None}
+    return replace(SETUPS[options.scene].winding, **((_QUICK if options.quick else {}) | given))
+
+
+def _rope(options: argparse.Namespace) -> RopePlant:
+    if options.in_process:
+        # only this plant needs rope_model; the FMU brings its own
+        from hoist_demo.inprocess_rope import rope_in_process
+
+        return rope_in_process(options.scene, options.kernels)
+    if not options.fmu.is_file():
+        raise ValueError(
+            f"FMU '{options.fmu}' is missing: export it with `make fmu` (or `python -m fmu_src.export`), "
+            "give another file with --fmu, or run with --in-process"
+        )
+    chosen = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
+    return FmuRope(options.fmu, chosen)
+
+
+def _run(host: Host) -> Result:
+    """The run under a progress bar on stderr."""
+    layout = "winding {percentage:3.0f}% |{bar}| {desc} [{elapsed} < {remaining}]"
+    with tqdm(total=100.0, bar_format=layout, file=sys.stderr, leave=False) as bar:
+
+        def advance(fraction: float, t: float) -> None:
+            bar.set_description_str(f"t = {t:6.2f} s", refresh=False)
+            bar.update(100.0 * fraction - bar.n)
+
+        return host.run(advance)
+
+
+def _write(
+    options: argparse.Namespace, result: Result, rows: Sequence[SummaryRow], hoist: Hoist, winding: Winding
+) -> list[Path]:
+    """All files of a run; a run that stopped before its first row leaves the report only."""
+    # matplotlib loads slowly and is needed here only
+    from hoist_demo.figures import write_figures
+    from hoist_demo.report import write_report
+
+    directory: Path = options.out
+    directory.mkdir(parents=True, exist_ok=True)
+    written: list[Path] = []
+    pictures: list[Path] = []
+    if result.recording.signals:
+        written = [directory / "signals.csv", directory / "shapes.csv"]
+        write_csv(result.recording, written[0])
+        write_shapes(result.recording, shape_rows(result.recording), written[1])
+        pictures = write_figures(result.recording, hoist, directory)
+    kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
+    title = f"Winding {winding.travel:g} m with the balance rope {options.scene}, rope {kind}"
+    return written + pictures + write_report(directory, title, rows, pictures)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

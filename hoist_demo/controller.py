@@ -1,0 +1,90 @@
+"""Speed controller of the hoist, sampled at the communication step H.
+
+    e   = v_ref + k_s (s_ref - s) - v ,     v, s: rim speed of the sheave, measured travel of the left conveyance
+    M_c = R [ m a_ref + F_hold + f s_ref + F_loss(v_ref) + k_v e + I ] ,     I <- I + H k_v e / T_i
+
+F_hold holds the imbalance at the start, f = 2 g (tail - head rope mass per length) is its change per metre of travel,
+F_loss the known friction at the reference speed.
+The command is cut at the torque limit, and the integral then stands still as long as it would push further
+(conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.reference import ReferencePoint
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Tuning; the defaults are ours [assumed] for the default hoist."""
+
+    speed: float = 1.5e5  # N s/m, k_v
+    integral_time: float = 1.0  # s, T_i
+    position: float = 1.0  # 1/s, k_s
+
+    def __post_init__(self) -> None:
+        for name in ("speed", "integral_time", "position"):
+            value = getattr(self, name)
+            if not value > 0.0:
+                raise ValueError(f"gain {name} = {value!r} must be above 0: start from the default")
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What the controller sees at its sample."""
+
+    travel: float  # m, of the left conveyance since the start
+    speed: float  # m/s, at the sheave's rim
+
+
+@dataclass(frozen=True)
+class ControllerState:
+    """Integral part I [N]."""
+
+    integral: float = 0.0
+
+
+@dataclass(frozen=True)
+class Command:
+    """Torque to hold until the next sample, and the state to go on with."""
+
+    torque: float  # N m
+    limited: bool
+    state: ControllerState
+
+
+class SpeedController:
+    """The control law; its state is explicit."""
+
+    def __init__(self, hoist: Hoist, holding_torque: float, gains: Gains | None = None) -> None:
+        """`holding_torque` [N m] is the motor's torque at rest at the start."""
+        self._gains = Gains() if gains is None else gains
+        self._radius = hoist.sheave_radius
+        self._limit = hoist.torque_limit
+        self._mass = hoist.moving_mass
+        self._holding_torque = holding_torque
+        self._hoist = hoist
+        self._imbalance_rate = 2.0 * GRAVITY * (hoist.tail_rope_mass - hoist.rope_mass)  # N/m
+
+    def command(self, reference: ReferencePoint, measured: Measurement, state: ControllerState, h: float) -> Command:
+        """Torque command for the step of length h [s] that begins now."""
+        k_v = self._gains.speed
+        error = reference.speed + self._gains.position * (reference.position - measured.travel) - measured.speed
+        force = self._mass * reference.acceleration + self._imbalance_rate * reference.position
+        force += self._loss(reference.speed) + k_v * error + state.integral
+        wanted = self._holding_torque + self._radius * force
+        torque = min(max(wanted, -self._limit), self._limit)
+        limited = torque != wanted
+        # anti-windup: integrate unless that would push further into the limit
+        if limited and error * wanted > 0.0:
+            return Command(torque, limited, state)
+        return Command(torque, limited, ControllerState(state.integral + h * k_v * error / self._gains.integral_time))
+
+    def _loss(self, speed: float) -> float:
+        """Friction at the rim [N] at a rim speed [m/s]."""
+        hoist = self._hoist
+        return hoist.loss_coulomb * math.tanh(speed / hoist.loss_speed) + hoist.loss_viscous * speed

@@ -1,0 +1,223 @@
+"""The balance rope as an FMU for co-simulation (FMI 2.0), driven through FMPy.
+
+Nothing is known of the FMU's inside: variables are found by name in its model description. The host computes
+t = start + k H; doStep(t, H) is given the end motions of t + H (parameter `inputs_at_step_end` = true).
+"""
+
+from __future__ import annotations
+
+import logging
+import shutil
+from collections.abc import Collection, Mapping
+from contextlib import suppress
+from ctypes import byref
+from dataclasses import astuple, fields
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import fmpy
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import (
+    FMU2Slave,
+    calloc,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    free,
+)
+from fmpy.model_description import ValidationError
+
+from hoist_demo.rope_plant import REQUIRED_SIGNALS, EndMotion, RopeStatus
+
+_log = logging.getLogger(__name__)
+
+ParameterValue = float | int | bool | str
+
+NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
+"""Outputs left alone by default: the host does not use them, and a rope may compute them only when they are read."""
+
+_LEVELS = {0: logging.DEBUG, 1: logging.WARNING, 2: logging.WARNING, 3: logging.ERROR, 4: logging.CRITICAL}
+
+
+class FmuRope:
+    """A RopePlant that lives in an .fmu file."""
+
+    def __init__(
+        self,
+        path: Path,
+        parameters: Mapping[str, ParameterValue] | None = None,
+        not_read: Collection[str] = NOT_READ,
+    ) -> None:
+        """Extract and load the FMU, and set its parameters, each by its FMI type (enumerations by item name).
+
+        Outputs named in `not_read` are not among the signals.
+        """
+        if not Path(path).is_file():
+            raise ValueError(f"FMU path = '{path}' must be an existing file: export it first, e.g. with `make fmu`")
+        self._slave: Any = None
+        self._started = False
+        try:
+            self._description: Any = fmpy.read_model_description(str(path))
+        except (ValidationError, BadZipFile) as error:
+            raise ValueError(f"FMU '{path}' must be a valid FMU, but: {error}: export it anew") from error
+        if self._description.coSimulation is None or self._description.fmiVersion != "2.0":
+            raise ValueError(f"FMU '{path}' must be an FMI 2.0 co-simulation FMU: export it with pythonfmu")
+        self._variables: dict[str, Any] = {v.name: v for v in self._description.modelVariables}
+        self._inputs = [self._reference(f"{end}.{f.name}") for end in ("left", "right") for f in fields(EndMotion)]
+        self._outputs = _numeric_outputs(self._description, not_read)
+        missing = [name for name in REQUIRED_SIGNALS if name not in self._units_of_outputs()]
+        if missing:
+            raise ValueError(f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew")
+        self._directory = Path(fmpy.extract(str(path)))
+        try:
+            self._slave = self._instantiate()
+            for name, value in {"inputs_at_step_end": True, **(parameters or {})}.items():
+                self._set(name, value)
+        except BaseException:
+            self.close()
+            raise
+
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """Set-up, initialization mode with the ends' start motion, and the first status."""
+        try:
+            self._slave.setupExperiment(startTime=t0)
+            self._slave.enterInitializationMode()
+            self._set_motions(left, right)
+            self._slave.exitInitializationMode()
+            self._started = True
+        except FMICallException as error:
+            return self._failed(error)
+        return self._status()
+
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """One doStep(t, h) with the motions of its end."""
+        try:
+            self._set_motions(left, right)
+            self._slave.doStep(t, h)
+        except FMICallException as error:
+            return self._failed(error)
+        return self._status()
+
+    def signals(self) -> dict[str, float]:
+        """Real, Integer and Boolean outputs by name, but those that are not read."""
+        values: dict[str, float] = {}
+        for kind, variables in self._outputs.items():
+            if variables:
+                read = getattr(self._slave, f"get{kind}")([v.valueReference for v in variables])
+                values.update((v.name, float(value)) for v, value in zip(variables, read, strict=True))
+        return values
+
+    def units(self) -> dict[str, str]:
+        """Unit of each signal as the model description states it."""
+        return self._units_of_outputs()
+
+    def close(self) -> None:
+        """Terminate, free the instance and remove the extracted files."""
+        slave, self._slave = self._slave, None
+        if slave is not None:
+            if self._started:
+                with suppress(FMICallException):
+                    slave.terminate()
+            slave.freeInstance()
+        shutil.rmtree(self._directory, ignore_errors=True)
+
+    def _instantiate(self) -> Any:
+        slave = FMU2Slave(
+            guid=self._description.guid,
+            modelIdentifier=self._description.coSimulation.modelIdentifier,
+            unzipDirectory=str(self._directory),
+            instanceName="balance_rope",
+        )
+        # FMPy prints by default; the callbacks must live as long as the instance
+        self._callbacks: Any = fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2CallbackLoggerTYPE(_log_message)
+        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        # formats C varargs where FMPy ships its proxy for this platform; without it the raw text is logged
+        with suppress(ImportError, OSError, RuntimeError):
+            from fmpy.logging import addLoggerProxy
+
+            addLoggerProxy(byref(self._callbacks))
+        try:
+            slave.instantiate(callbacks=self._callbacks)
+        except Exception as error:  # FMPy raises the bare class here
+            slave.freeLibrary()
+            raise ValueError(
+                f"the FMU must instantiate, but: {error} See its log messages, or export it anew"
+            ) from error
+        return slave
+
+    def _reference(self, name: str) -> int:
+        if name not in self._variables:
+            raise ValueError(f"the FMU must have a variable '{name}': export it anew")
+        return int(self._variables[name].valueReference)
+
+    def _set(self, name: str, value: ParameterValue) -> None:
+        """Set one parameter by its FMI type."""
+        reference = [self._reference(name)]
+        variable = self._variables[name]
+        if variable.type == "Real":
+            self._slave.setReal(reference, [float(value)])
+        elif variable.type == "Boolean":
+            self._slave.setBoolean(reference, [bool(value)])
+        elif variable.type == "String":
+            self._slave.setString(reference, [str(value)])
+        elif variable.type == "Enumeration" and isinstance(value, str):
+            self._slave.setInteger(reference, [_item(variable, value)])
+        else:
+            self._slave.setInteger(reference, [int(value)])
+
+    def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
+        self._slave.setReal(self._inputs, [*astuple(left), *astuple(right)])
+
+    def _status(self) -> RopeStatus:
+        """What `status.valid` and `status.message` say; an FMU without them is valid."""
+        valid = True
+        if "status.valid" in self._variables:
+            valid = bool(self._slave.getBoolean([self._reference("status.valid")])[0])
+        return RopeStatus(valid, self._message())
+
+    def _message(self) -> str:
+        if "status.message" not in self._variables:
+            return ""
+        text = self._slave.getString([self._reference("status.message")])[0]
+        return str(text.decode("utf-8", errors="replace")) if text else ""
+
+    def _failed(self, error: FMICallException) -> RopeStatus:
+        """A failed call as a status, with the FMU's own words where it still speaks."""
+        message = ""
+        with suppress(FMICallException):
+            message = self._message()
+        return RopeStatus(False, f"{message} ({error})" if message else str(error))
+
+    def _units_of_outputs(self) -> dict[str, str]:
+        return {v.name: _unit(v) for variables in self._outputs.values() for v in variables}
+
+
+def _numeric_outputs(description: Any, not_read: Collection[str]) -> dict[str, list[Any]]:
+    """Output variables by the type whose getter reads them."""
+    getters = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
+    outputs: dict[str, list[Any]] = {"Real": [], "Integer": [], "Boolean": []}
+    for variable in description.modelVariables:
+        if variable.causality == "output" and variable.type in getters and variable.name not in not_read:
+            outputs[getters[variable.type]].append(variable)
+    return outputs
+
+
+def _unit(variable: Any) -> str:
+    declared = variable.declaredType
+    return str(variable.unit or (declared.unit if declared is not None else None) or "")
+
+
+def _item(variable: Any, value: str) -> int:
+    """Number of an enumeration's item."""
+    items = {item.name: int(item.value) for item in variable.declaredType.items}
+    if value not in items:
+        raise ValueError(f"parameter {variable.name} = '{value}' must be one of {', '.join(items)}: choose one")
+    return items[value]
+
+
+def _log_message(component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    _log.log(_LEVELS.get(status, logging.INFO), "%s", message.decode("utf-8", errors="replace"))

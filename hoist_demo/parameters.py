@@ -1,0 +1,177 @@
+"""Data of the hoist, of the winding and of the coupling: SI units, checked once, here.
+
+All numbers of the hoist are ours [assumed]: plausible for a friction hoist of 90 m travel with 10 t conveyances and
+5 t payload over the 120 m balance rope of 8 kg/m, and taken from no particular installation.
+
+The shaft. Heights y point up and are those of the rope suspension under a conveyance. The lower landing is y = 0 m,
+the upper one y = shaft_travel, and the sheave axis is head_rope_length_up above that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+GRAVITY = 9.81
+"""Acceleration of free fall [m/s^2]."""
+
+ASSUMED_DATA = (
+    "The hoist, the winding and the rope data marked [A] in the theory are assumed by us. They are plausible, "
+    "they belong to no installation, and no number shown here may be used to judge one."
+)
+"""Said wherever results are shown."""
+
+
+def _require(value: float, holds: bool, name: str, bound: str, cure: str) -> None:
+    if not (math.isfinite(value) and holds):
+        raise ValueError(f"{name} = {value!r} must be {bound}: {cure}")
+
+
+@dataclass(frozen=True)
+class Hoist:
+    """Friction (Koepe) hoist with its motor on the sheave; all values [assumed]."""
+
+    conveyance_mass: float = 10.0e3  # kg, each conveyance with its attachments
+    payload_left: float = 5.0e3  # kg
+    payload_right: float = 0.0  # kg
+    sheave_mass: float = 8.0e3  # kg, inertia of sheave and motor referred to the rope, J / R^2
+    sheave_radius: float = 1.25  # m
+    torque_lag: float = 0.05  # s, time constant of the motor torque
+    torque_limit: float = 2.2e5  # N m, motor with service brake
+    head_rope_number: int = 4  # -
+    head_rope_stiffness: float = 2.6e7  # N, EA of one rope
+    head_rope_mass: float = 2.0  # kg/m, of one rope
+    head_rope_damping: float = 0.03  # -, damping ratio of a conveyance on its ropes
+    head_rope_length_up: float = 15.0  # m, sheave axis above a conveyance at the upper landing
+    loss_coulomb: float = 4.0e3  # N, at the sheave's rim
+    loss_viscous: float = 200.0  # N s/m, at the sheave's rim
+    loss_speed: float = 0.02  # m/s, width of the smooth Coulomb law F tanh(v / loss_speed)
+    friction_coefficient: float = 0.25  # -, rope on lining
+    wrap_angle: float = math.pi  # rad
+    shaft_travel: float = 90.0  # m, between the landings
+    tail_rope_mass: float = 8.0  # kg/m, of the balance rope: only the controller's feed-forward uses it
+    tail_rope_length: float = 120.0  # m, likewise
+
+    def __post_init__(self) -> None:
+        may_vanish = {"payload_left", "payload_right", "head_rope_damping", "loss_coulomb", "loss_viscous"}
+        may_vanish |= {"tail_rope_mass", "tail_rope_length"}
+        for field in fields(self):
+            value = float(getattr(self, field.name))
+            if field.name in may_vanish:
+                _require(value, value >= 0.0, field.name, "finite and at least 0", "give its magnitude in SI units")
+            else:
+                _require(value, value > 0.0, field.name, "finite and above 0", "give its magnitude in SI units")
+
+    @property
+    def rope_stiffness(self) -> float:
+        """EA of all head ropes [N]."""
+        return self.head_rope_number * self.head_rope_stiffness
+
+    @property
+    def rope_mass(self) -> float:
+        """Mass per length of all head ropes [kg/m]."""
+        return self.head_rope_number * self.head_rope_mass
+
+    @property
+    def mass_left(self) -> float:
+        """Left conveyance with its payload [kg]."""
+        return self.conveyance_mass + self.payload_left
+
+    @property
+    def mass_right(self) -> float:
+        """Right conveyance with its payload [kg]."""
+        return self.conveyance_mass + self.payload_right
+
+    @property
+    def sheave_height(self) -> float:
+        """Height of the sheave's axis [m]."""
+        return self.shaft_travel + self.head_rope_length_up
+
+    @property
+    def moving_mass(self) -> float:
+        """All moving masses referred to the rope [kg], the balance rope's included."""
+        ropes = self.rope_mass * (self.shaft_travel + 2.0 * self.head_rope_length_up)
+        tail = self.tail_rope_mass * self.tail_rope_length
+        return self.sheave_mass + self.mass_left + self.mass_right + ropes + tail
+
+    @property
+    def tension_ratio_limit(self) -> float:
+        """Tension ratio at which the ropes slip on the sheave, exp(mu alpha) (Euler-Eytelwein) [-]."""
+        return math.exp(self.friction_coefficient * self.wrap_angle)
+
+
+@dataclass(frozen=True)
+class Winding:
+    """One trip of the left conveyance, up when travel is positive, with waiting times before and after."""
+
+    travel: float = 90.0  # m, negative lowers
+    speed: float = 8.0  # m/s, limit
+    acceleration: float = 0.75  # m/s^2, limit
+    jerk: float = 0.5  # m/s^3, limit
+    start_delay: float = 1.0  # s
+    settle: float = 10.0  # s, recorded after the reference has arrived
+    emergency_at: float | None = None  # s, emergency stop begins; None: no emergency stop
+    emergency_deceleration: float = 5.0  # m/s^2
+    emergency_jerk: float = 50.0  # m/s^3, the short ramp of the emergency deceleration
+
+    def __post_init__(self) -> None:
+        _require(self.travel, self.travel != 0.0, "travel", "finite and not 0", "give the length of the trip in m")
+        for name in ("speed", "acceleration", "jerk"):
+            value = getattr(self, name)
+            _require(value, value > 0.0, name, "finite and above 0", "give the limit's magnitude")
+        for name in ("start_delay", "settle"):
+            value = getattr(self, name)
+            _require(value, value >= 0.0, name, "finite and at least 0", "give a waiting time in s")
+        if self.emergency_at is not None:
+            _require(self.emergency_at, self.emergency_at >= 0.0, "emergency_at", "at least 0", "give a time in s")
+        _require(
+            self.emergency_deceleration,
+            self.emergency_deceleration >= self.acceleration,
+            "emergency_deceleration",
+            f"at least the acceleration limit {self.acceleration:g} m/s^2",
+            "brake harder or wind more gently",
+        )
+        _require(
+            self.emergency_jerk,
+            self.emergency_jerk >= self.jerk,
+            "emergency_jerk",
+            f"at least the jerk limit {self.jerk:g} m/s^3",
+            "shorten the brake's ramp",
+        )
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """How drive and rope exchange their data."""
+
+    step: float = 0.01  # s, communication step H, also the controller's sample time
+    start: float = 0.0  # s
+
+    def __post_init__(self) -> None:
+        _require(self.step, 0.0 < self.step <= 0.1, "step", "above 0 and at most 0.1 s", "take 0.005 to 0.02 s")
+        _require(self.start, True, "start", "finite", "give a time in s")
+
+
+def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
+    """Reject a trip longer than the shaft."""
+    _require(
+        winding.travel,
+        abs(winding.travel) <= hoist.shaft_travel,
+        "travel",
+        f"within +- shaft_travel = {hoist.shaft_travel:g} m",
+        "shorten the trip or deepen the shaft",
+    )
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Hoist and winding that belong to a scene of the balance rope."""
+
+    hoist: Hoist
+    winding: Winding
+
+
+SETUPS = {
+    "rope-120": Setup(Hoist(), Winding()),
+    "rope-240": Setup(Hoist(shaft_travel=200.0, tail_rope_length=240.0), Winding(travel=200.0, speed=10.0)),
+}

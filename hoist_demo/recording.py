@@ -1,0 +1,125 @@
+"""Time series of all signals, and their CSV files.
+
+The CSV files carry no clock and no date: the same run writes the same bytes. The rope's shape samples go into a file
+of their own, at a few instants, because 243 columns would bury the rest.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+TIME = "time"
+_SHAPE = re.compile(r"^shape\.([xyz])\[(\d+)\]$")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Signals by name, all of one length, with their units; `time` [s] is one of them."""
+
+    signals: Mapping[str, Array]
+    units: Mapping[str, str]
+
+    def __getitem__(self, name: str) -> Array:
+        return self.signals[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.signals
+
+    def has(self, *names: str) -> bool:
+        """Whether all these signals were recorded."""
+        return all(name in self.signals for name in names)
+
+    @property
+    def time(self) -> Array:
+        """Instants of the rows [s]."""
+        return self.signals[TIME]
+
+    def shape_at(self, row: int) -> Array | None:
+        """Rope points from the left to the right end at a row, shape (n, 3) [m]; None when not recorded."""
+        count = sum(1 for name in self.signals if name.startswith("shape.x["))
+        if count == 0:
+            return None
+        columns = [[self.signals[f"shape.{axis}[{i + 1}]"][row] for i in range(count)] for axis in "xyz"]
+        return np.array(columns, dtype=np.float64).T
+
+
+class Recorder:
+    """Collects rows; the first row fixes the names, a signal missing later becomes NaN."""
+
+    def __init__(self, units: Mapping[str, str]) -> None:
+        self._units = dict(units)
+        self._names: list[str] = []
+        self._rows: list[list[float]] = []
+
+    def add(self, row: Mapping[str, float]) -> None:
+        """Append one row."""
+        if not self._names:
+            self._names = list(row)
+        self._rows.append([row.get(name, float("nan")) for name in self._names])
+
+    def recording(self) -> Recording:
+        """All rows so far."""
+        table = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), len(self._names))
+        signals = {name: table[:, k].copy() for k, name in enumerate(self._names)}
+        return Recording(signals, {name: self._units.get(name, "") for name in self._names})
+
+
+def write_csv(recording: Recording, path: Path) -> None:
+    """All signals but the shape samples, one row per communication point, header `name [unit]`."""
+    names = [name for name in recording.signals if not _SHAPE.match(name)]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([_header(name, recording.units.get(name, "")) for name in names])
+        columns = [recording[name] for name in names]
+        writer.writerows([_number(value) for value in row] for row in zip(*columns, strict=True))
+
+
+def read_csv(path: Path) -> Recording:
+    """What write_csv has written."""
+    with path.open(newline="", encoding="utf-8") as file:
+        header, *rows = list(csv.reader(file))
+    table = np.array([[float(value) for value in row] for row in rows], dtype=np.float64).reshape(-1, len(header))
+    pairs = [_name_and_unit(text) for text in header]
+    signals = {name: table[:, k].copy() for k, (name, _) in enumerate(pairs)}
+    return Recording(signals, dict(pairs))
+
+
+def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
+    """Rope points at the given rows, in long form: time, point number from the left end, x, y, z."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["time [s]", "point", "x [m]", "y [m]", "z [m]"])
+        for row in rows:
+            shape = recording.shape_at(row)
+            if shape is not None:
+                t = _number(recording.time[row])
+                writer.writerows([t, k + 1, *(_number(value) for value in xyz)] for k, xyz in enumerate(shape))
+
+
+def shape_rows(recording: Recording, count: int = 7) -> list[int]:
+    """Rows at evenly spaced instants, first and last included."""
+    last = len(recording.time) - 1
+    return sorted({round(last * k / (count - 1)) for k in range(count)}) if last >= 0 else []
+
+
+def _number(value: float) -> str:
+    """Ten significant digits; minus zero is zero, so that the sign of a rounding error does not show."""
+    return f"{float(value) + 0.0:.10g}"
+
+
+def _header(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name
+
+
+def _name_and_unit(text: str) -> tuple[str, str]:
+    match = re.fullmatch(r"(.*) \[(.*)\]", text)
+    return (match.group(1), match.group(2)) if match else (text, "")

@@ -1,0 +1,161 @@
+"""Reference motion of the hoist: an S-curve with limited jerk, acceleration and speed, and the emergency stop.
+
+Both are chains of segments of constant jerk, in closed form,
+
+    a = a0 + j t,   v = v0 + a0 t + j t^2 / 2,   s = s0 + v0 t + a0 t^2 / 2 + j t^3 / 6.
+
+The S-curve has seven segments (jerk +, 0, -, 0, -, 0, +); those that a short trip does not reach have no duration.
+Source: L. Biagiotti and C. Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008, section 3.4.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.parameters import Winding
+
+ReferenceArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ReferencePoint:
+    """Motion of the left conveyance asked for at one instant, counted from its start position."""
+
+    position: float  # m
+    speed: float  # m/s
+    acceleration: float  # m/s^2
+    jerk: float  # m/s^3
+
+    def after(self, dt: float) -> ReferencePoint:
+        """The point dt [s] later under the same jerk."""
+        j, a, v, s = self.jerk, self.acceleration, self.speed, self.position
+        return ReferencePoint(
+            position=s + dt * (v + dt * (a / 2.0 + dt * j / 6.0)),
+            speed=v + dt * (a + dt * j / 2.0),
+            acceleration=a + dt * j,
+            jerk=j,
+        )
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Chain of constant-jerk segments; before the first and after the last the reference rests."""
+
+    starts: tuple[float, ...]  # s, ascending, one per segment, the last is where rest begins
+    points: tuple[ReferencePoint, ...]  # motion at each start
+
+    @property
+    def duration(self) -> float:
+        """Time at which the reference has come to rest for good, waiting before the start included [s]."""
+        return self.starts[-1]
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest speed magnitude [m/s]; the speed of a segment is extreme at its ends or where a = 0."""
+        peak = 0.0
+        for k, point in enumerate(self.points):
+            peak = max(peak, abs(point.speed))
+            if point.jerk != 0.0 and k + 1 < len(self.points):
+                dt = -point.acceleration / point.jerk
+                if 0.0 < dt < self.starts[k + 1] - self.starts[k]:
+                    peak = max(peak, abs(point.after(dt).speed))
+        return peak
+
+    def at(self, t: float) -> ReferencePoint:
+        """Reference at time t [s]."""
+        k = bisect_right(self.starts, t) - 1
+        if k < 0:
+            return self.points[0] if self.starts[0] == t else _rest(self.points[0].position)
+        return self.points[k].after(t - self.starts[k])
+
+    def sample(self, times: ReferenceArray) -> ReferenceArray:
+        """Position, speed, acceleration and jerk as columns, one row per time."""
+        rows = [self.at(float(t)) for t in times]
+        return np.array([[p.position, p.speed, p.acceleration, p.jerk] for p in rows], dtype=np.float64).reshape(-1, 4)
+
+
+def s_curve(winding: Winding) -> Reference:
+    """The trip of `winding` from rest to rest, its emergency stop included when one is asked for."""
+    sign = math.copysign(1.0, winding.travel)
+    t_jerk, t_constant, t_cruise = _phases(abs(winding.travel), winding.speed, winding.acceleration, winding.jerk)
+    j = sign * winding.jerk
+    jerks = (j, 0.0, -j, 0.0, -j, 0.0, j)
+    times = (t_jerk, t_constant, t_jerk, t_cruise, t_jerk, t_constant, t_jerk)
+    trip = _chain(winding.start_delay, _rest(0.0), jerks, times, end=winding.travel)
+    if winding.emergency_at is None:
+        return trip
+    return emergency_stop(trip, winding.emergency_at, winding.emergency_deceleration, winding.emergency_jerk)
+
+
+def emergency_stop(trip: Reference, at: float, deceleration: float, jerk: float) -> Reference:
+    """`trip` up to time `at` [s], then braked to standstill with the given limits [m/s^2], [m/s^3]."""
+    point = trip.at(at)
+    if point.speed == 0.0:
+        return _cut(trip, at, Reference((at,), (_rest(point.position),)))
+    sign = math.copysign(1.0, point.speed)
+    v, a = abs(point.speed), sign * point.acceleration
+    # area under the two ramps alone, from a down to -peak and back to zero, fixes the peak of a short stop
+    peak = min(deceleration, math.sqrt(jerk * v + a * a / 2.0))
+    if peak < -a:
+        raise ValueError(
+            f"emergency jerk = {jerk!r} m/s^3 must be above {a * a / (2.0 * v):g} m/s^3 to stop from {v:g} m/s: "
+            "shorten the brake's ramp"
+        )
+    t_on, t_off = (a + peak) / jerk, peak / jerk
+    t_hold = max(0.0, (v + (a * a - 2.0 * peak * peak) / (2.0 * jerk)) / peak)
+    start = ReferencePoint(point.position, point.speed, point.acceleration, 0.0)
+    brake = _chain(at, start, (-sign * jerk, 0.0, sign * jerk), (t_on, t_hold, t_off), end=None)
+    return _cut(trip, at, brake)
+
+
+def _phases(distance: float, speed: float, acceleration: float, jerk: float) -> tuple[float, float, float]:
+    """Durations [s] of one jerk ramp, of the constant acceleration and of the cruise, for a trip of `distance` [m]."""
+    if speed * jerk >= acceleration**2:
+        t_jerk = acceleration / jerk
+        t_constant = speed / acceleration - t_jerk
+    else:
+        t_jerk = math.sqrt(speed / jerk)
+        t_constant = 0.0
+    distance_to_speed = speed * (2.0 * t_jerk + t_constant)
+    if distance >= distance_to_speed:
+        return t_jerk, t_constant, (distance - distance_to_speed) / speed
+    if distance >= 2.0 * acceleration**3 / jerk**2:
+        # speed limit not reached: distance = v (v / a + a / j)
+        t_jerk = acceleration / jerk
+        v = acceleration / 2.0 * (math.sqrt(t_jerk**2 + 4.0 * distance / acceleration) - t_jerk)
+        return t_jerk, max(0.0, v / acceleration - t_jerk), 0.0
+    # neither limit reached: distance = 2 j t_jerk^3
+    return math.cbrt(distance / (2.0 * jerk)), 0.0, 0.0
+
+
+def _rest(position: float) -> ReferencePoint:
+    return ReferencePoint(position, 0.0, 0.0, 0.0)
+
+
+def _chain(
+    t: float, point: ReferencePoint, jerks: tuple[float, ...], times: tuple[float, ...], end: float | None
+) -> Reference:
+    """Segments of given jerk and duration from `point` at t, then rest at `end` (None: where they lead)."""
+    starts: list[float] = []
+    points: list[ReferencePoint] = []
+    for j, dt in zip(jerks, times, strict=True):
+        if dt > 0.0:
+            begin = ReferencePoint(point.position, point.speed, point.acceleration, j)
+            starts.append(t)
+            points.append(begin)
+            point = begin.after(dt)
+            t += dt
+    starts.append(t)
+    points.append(_rest(point.position if end is None else end))
+    return Reference(tuple(starts), tuple(points))
+
+
+def _cut(trip: Reference, at: float, then: Reference) -> Reference:
+    """`trip` before time `at`, `then` from it on."""
+    kept = [(t, p) for t, p in zip(trip.starts, trip.points, strict=True) if t < at]
+    return Reference(tuple(t for t, _ in kept) + then.starts, tuple(p for _, p in kept) + then.points)

@@ -1,0 +1,62 @@
+"""What the host loop asks of a balance rope, whether it runs in an FMU or in this process.
+
+Names of signals and inputs are those of the FMI interface, e.g. `left.fy` [N], the rope's force on the left
+conveyance. Motions are given at the END of a step: the host is of the Gauss-Seidel kind.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+REQUIRED_SIGNALS = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
+"""Without these the loop cannot run; every other signal may be missing."""
+
+
+@dataclass(frozen=True)
+class EndMotion:
+    """Motion of one suspension: x, z from the nominal hanging point, y the height in the shaft."""
+
+    x: float = 0.0  # m
+    y: float = 0.0  # m
+    z: float = 0.0  # m
+    vx: float = 0.0  # m/s
+    vy: float = 0.0  # m/s
+    vz: float = 0.0  # m/s
+    ax: float = 0.0  # m/s^2
+    ay: float = 0.0  # m/s^2
+    az: float = 0.0  # m/s^2
+    yaw: float = 0.0  # rad
+    yaw_rate: float = 0.0  # rad/s
+
+
+@dataclass(frozen=True)
+class RopeStatus:
+    """Whether the rope's step may be used, and why not."""
+
+    valid: bool
+    message: str = ""
+
+
+class RopePlant(Protocol):
+    """A balance rope between two moving ends."""
+
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """Find the hanging shape at time t0 [s]; signals() then tells the forces at rest."""
+        ...
+
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """Advance from t to t + h [s]; `left` and `right` hold at t + h."""
+        ...
+
+    def signals(self) -> dict[str, float]:
+        """All numeric outputs by FMI name, booleans as 0 and 1."""
+        ...
+
+    def units(self) -> dict[str, str]:
+        """FMI unit of each signal, "1" or "" where it has none."""
+        ...
+
+    def close(self) -> None:
+        """Free what the rope holds; may be called more than once."""
+        ...

@@ -1,0 +1,210 @@
+"""A run in a table: what a hoist engineer asks, the rope's work counters, energy balances and the clock.
+
+Each row stands for itself; rows whose signals were not recorded are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from hoist_demo.host import Result
+from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.recording import Array, Recording
+
+SWING_WINDOW = 5.0
+"""Length of the record's tail over which the residual swing is judged [s]."""
+
+
+@dataclass(frozen=True)
+class SummaryRow:
+    """One line of the summary table."""
+
+    group: str
+    quantity: str
+    value: float | str
+    unit: str = ""
+
+    @property
+    def text(self) -> str:
+        """Value for people: six significant digits."""
+        return self.value if isinstance(self.value, str) else f"{self.value:.6g}"
+
+
+def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling) -> tuple[SummaryRow, ...]:
+    """All rows of a run, in reading order."""
+    rows = _outcome(result, coupling)
+    if len(result.recording.signals):
+        recording = result.recording
+        rows += (
+            _trip(recording, hoist, winding)
+            + _swing(recording, result.reference.duration)
+            + _rope(recording)
+            + _energy(recording)
+            + _counts(recording)
+        )
+    return tuple(rows + _clock(result, coupling))
+
+
+def render(rows: tuple[SummaryRow, ...]) -> str:
+    """The table as plain text."""
+    width = max((len(row.quantity) for row in rows), default=0)
+    lines: list[str] = []
+    for k, row in enumerate(rows):
+        if k == 0 or row.group != rows[k - 1].group:
+            lines += ["", row.group]
+        lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {row.unit}".rstrip())
+    return "\n".join(lines[1:])
+
+
+def _outcome(result: Result, coupling: Coupling) -> list[SummaryRow]:
+    group = "Outcome"
+    rows = [
+        SummaryRow(group, "status", "completed" if result.completed else "stopped"),
+        SummaryRow(group, "simulated time", result.steps * coupling.step, "s"),
+        SummaryRow(group, "communication step", coupling.step, "s"),
+        SummaryRow(group, "communication steps done", float(result.steps)),
+    ]
+    if result.cause:
+        rows.insert(1, SummaryRow(group, "cause", result.cause))
+    return rows
+
+
+def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryRow]:
+    group = "Drive"
+    travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
+    error = recording["reference.position"] - travel
+    ratio = recording["drive.tension_ratio"]
+    rows = [
+        SummaryRow(group, "travel asked for", winding.travel, "m"),
+        SummaryRow(group, "travel reached, left conveyance", float(travel[-1]), "m"),
+        SummaryRow(group, "final position error", float(1e3 * error[-1]), "mm"),
+        SummaryRow(group, "largest tracking error", _largest(1e3 * error), "mm"),
+        SummaryRow(group, "peak speed", _largest(recording["conveyance.left.vy"]), "m/s"),
+        SummaryRow(group, "peak motor torque", _largest(1e-3 * recording["drive.torque"]), "kN m"),
+        SummaryRow(group, "time at the torque limit", _duration(recording, "drive.torque_limited"), "s"),
+        SummaryRow(group, "largest head rope tension", _largest(1e-3 * _tensions(recording)), "kN"),
+        SummaryRow(group, "largest tension ratio on the sheave", float(np.max(ratio))),
+        SummaryRow(group, "ratio at which the ropes slip", hoist.tension_ratio_limit),
+        SummaryRow(group, "slip safety, limit / largest ratio", hoist.tension_ratio_limit / float(np.max(ratio))),
+    ]
+    if float(np.max(ratio)) > hoist.tension_ratio_limit:
+        above = recording.time[ratio > hoist.tension_ratio_limit]
+        quantity = "first time the ropes would slip (the model lets them hold)"
+        rows.append(SummaryRow(group, quantity, float(above[0]), "s"))
+    return rows
+
+
+def _swing(recording: Recording, arrival: float) -> list[SummaryRow]:
+    """Swing of both conveyances at the end of the record, counted from the arrival of the reference [s] at most."""
+    elapsed = recording.time - recording.time[0]
+    tail = (elapsed >= arrival) & (elapsed >= elapsed[-1] - SWING_WINDOW)
+    if not bool(tail.any()):
+        return []
+    seconds = float(np.ptp(elapsed[tail]))
+    return [
+        SummaryRow(
+            "Drive",
+            f"residual swing, {end}, last {seconds:.2g} s, peak to peak",
+            1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])),
+            "mm",
+        )
+        for end in ("left", "right")
+    ]
+
+
+def _rope(recording: Recording) -> list[SummaryRow]:
+    group = "Balance rope"
+    rows: list[SummaryRow] = []
+    for end in ("left", "right"):
+        rows.append(SummaryRow(group, f"largest pull on the {end} conveyance", _pull(recording[f"{end}.fy"]), "kN"))
+    extremes = (
+        ("loop.y", "lowest point of the loop", 1.0, "m", np.min),
+        ("loop.clearance", "smallest clearance between the legs", 1.0, "m", np.min),
+        ("loop.yaw", "largest yaw of the loop", 180.0 / math.pi, "deg", _largest),
+        ("loop.z", "largest out-of-plane position of the loop", 1.0, "m", _largest),
+        ("left.swivel.torque", "largest torque at the left swivel", 1.0, "N m", _largest),
+        ("right.swivel.torque", "largest torque at the right swivel", 1.0, "N m", _largest),
+        ("stress.bending_max", "largest bending stress", 1e-6, "MPa", np.max),
+        ("stress.torsion_max", "largest torsional stress", 1e-6, "MPa", np.max),
+    )
+    for name, quantity, factor, unit, extreme in extremes:
+        if name in recording:
+            rows.append(SummaryRow(group, quantity, float(extreme(factor * recording[name])), unit))
+    if recording.has("left.swivel.slipping", "right.swivel.slipping"):
+        for end in ("left", "right"):
+            slipped = _duration(recording, f"{end}.swivel.slipping")
+            rows.append(SummaryRow(group, f"time the {end} swivel slipped", slipped, "s"))
+    return rows
+
+
+def _energy(recording: Recording) -> list[SummaryRow]:
+    group = "Energy balance"
+    drive = "drive.work_from_balance_rope"
+    rows = [
+        SummaryRow(group, "motor work", 1e-3 * float(recording["drive.work_motor"][-1]), "kJ"),
+        SummaryRow(group, "losses", 1e-3 * float(recording["drive.work_losses"][-1]), "kJ"),
+        SummaryRow(group, "damping of the head ropes", 1e-3 * float(recording["drive.work_rope_damping"][-1]), "kJ"),
+        SummaryRow(group, "balance rope's work on the conveyances", 1e-3 * float(recording[drive][-1]), "kJ"),
+        SummaryRow(group, "residual of the drive, largest", _largest(recording["drive.energy_residual"]), "J"),
+    ]
+    for name, quantity in (
+        ("energy.work_ends", "work on the balance rope at its ends"),
+        ("energy.dissipated_material", "dissipated in the balance rope"),
+        ("energy.dissipated_swivel", "dissipated in the swivels"),
+    ):
+        if name in recording:
+            rows.append(SummaryRow(group, quantity, float(recording[name][-1]), "J"))
+    if "energy.residual" in recording:
+        rows.append(SummaryRow(group, "residual of the rope, largest", _largest(recording["energy.residual"]), "J"))
+    if "energy.work_ends" in recording:
+        defect = recording[drive] + recording["energy.work_ends"] - recording["energy.work_ends"][0]
+        rows.append(SummaryRow(group, "work made by the coupling itself, largest", _largest(defect), "J"))
+    return rows
+
+
+def _counts(recording: Recording) -> list[SummaryRow]:
+    names = (
+        ("count.steps", "internal steps"),
+        ("count.rejections", "rejected steps"),
+        ("count.transformations", "mesh transformations"),
+        ("count.newton", "Newton iterations"),
+    )
+    return [SummaryRow("Rope's work", q, float(recording[name][-1])) for name, q in names if name in recording]
+
+
+def _clock(result: Result, coupling: Coupling) -> list[SummaryRow]:
+    group = "Clock"
+    simulated = result.steps * coupling.step
+    both = result.rope_clock.wall + result.drive_clock.wall
+    rows = [
+        SummaryRow(group, "rope, initialization, wall", result.start_clock.wall, "s"),
+        SummaryRow(group, "rope, wall", result.rope_clock.wall, "s"),
+        SummaryRow(group, "rope, processor", result.rope_clock.cpu, "s"),
+        SummaryRow(group, "drive, wall", result.drive_clock.wall, "s"),
+    ]
+    if result.rope_clock.wall > 0.0:
+        rows.append(SummaryRow(group, "real-time factor, rope", simulated / result.rope_clock.wall))
+        rows.append(SummaryRow(group, "real-time factor, rope and drive", simulated / both))
+    return rows
+
+
+def _largest(values: Array) -> float:
+    """Value of largest magnitude, without its sign."""
+    return float(np.max(np.abs(values)))
+
+
+def _pull(force: Array) -> float:
+    """Largest downward force [kN]."""
+    return float(np.max(-1e-3 * force))
+
+
+def _tensions(recording: Recording) -> Array:
+    return np.concatenate([recording["drive.tension_left"], recording["drive.tension_right"]])
+
+
+def _duration(recording: Recording, flag: str) -> float:
+    """Time during which a 0/1 signal is 1 [s], each value holding until the next row."""
+    return float(np.sum(np.diff(recording.time) * recording[flag][:-1]))

@@ -1,0 +1,86 @@
+"""Changes of the rope's description that leave the rope as it is: mesh transformations, and the frame's pole."""
+
+from __future__ import annotations
+
+import logging
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ..physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
+from .diagnostics import loop_bottom
+from .mesh import Partition, transformation_due, transformed
+from .model import RopeModel, with_energies
+from .rope_system import ANGLE, SLOPE
+from .state import Event, RopeState
+from .transfer import transferred
+
+log = logging.getLogger(__name__)
+
+#: 1 + p . t below which a new frame pole is taken; 0 is singular
+POLE_MARGIN = 0.35
+
+
+def transformed_if_due(model: RopeModel, state: RopeState) -> RopeState:
+    """The state on the transformed mesh when the loop has travelled far enough (by a hair less, for rounding)."""
+    while direction := transformation_due(state.partition, model.bottom(state.paths, state.motion.t), 1e-7):
+        state = _on_partition(model, state, transformed(state.partition, direction))
+    return state
+
+
+def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeState:
+    old_s, new_s = state.partition.nodes_s, new.nodes_s
+    m = state.motion
+    carried = {name: transferred(getattr(m, name), old_s, new_s) for name in ("q", "v", "a", "b", "a_rate")}
+    reaction = np.zeros_like(m.reaction)
+    reaction[[0, -1]] = m.reaction[[0, -1]]
+    moved = replace(state, partition=new, motion=replace(m, **carried, reaction=reaction))
+    return _booked(model, moved, "transformation")
+
+
+def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
+    """Theta expressed in a frame whose singularity is far from every tangent of the rope."""
+    d = state.motion.q[:, SLOPE]
+    t = d / np.linalg.norm(d, axis=1)[:, None]
+    if pole_margin(state.pole, t) >= POLE_MARGIN:
+        return state
+    old, new, m = state.pole, best_pole(t), state.motion
+    if pole_margin(new, t) <= pole_margin(old, t):
+        return state
+    angle = pole_change_angle(old, new, t)
+    q, v = m.q.copy(), m.v.copy()
+    q[:, ANGLE] += angle
+    rates = [smallest_rotation_rate(p, d.T, m.v[:, SLOPE].T) for p in (old, new)]
+    v[:, ANGLE] += rates[0] - rates[1]
+    moved = replace(
+        state,
+        pole=new,
+        offsets=(state.offsets[0] + float(angle[0]), state.offsets[1] + float(angle[-1])),
+        motion=replace(m, q=q, v=v),
+    )
+    return _booked(model, model.restarted(moved), "new frame pole")
+
+
+def with_loop_yaw(state: RopeState) -> RopeState:
+    """The loop's yaw counted on from its last value."""
+    yaw = loop_bottom(state.motion.q, state.partition.lengths).yaw
+    turns = round((state.loop_yaw - yaw) / (2 * math.pi))
+    return replace(state, loop_yaw=yaw + 2 * math.pi * turns)
+
+
+def _booked(model: RopeModel, state: RopeState, what: str) -> RopeState:
+    """A changed description with its energy change in the ledger."""
+    m, before = state.motion, state.ledger
+    assessment = model.system(state).assess(m.t, m.q, m.v, m.a, m.reaction)
+    after = with_energies(before, assessment.balance)
+    kinetic, total = after.kinetic - before.kinetic, after.total - before.total
+    event = Event(m.t, what, kinetic, total - kinetic)
+    log.debug("t = %.6f s: %s, kinetic energy %+.3g J, potential %+.3g J", *event)
+    counts = state.counts
+    return replace(
+        state,
+        ledger=replace(after, transformations=before.transformations + total),
+        counts=counts.plus(transformations=1) if what == "transformation" else counts.plus(pole_changes=1),
+        events=(*state.events, event),
+    )

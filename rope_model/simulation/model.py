@@ -1,0 +1,95 @@
+"""A scene with its kernels: equations of motion, trial steps and bookkeeping for any state of the rope."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, restart, step
+from ..parameters import Scene
+from .ends import EndPath, HangingEnds, Phase, nominal_points
+from .rope_system import ANGLE, POSITION, Assessment, RopeKernels, RopeSystem, parameter_vector
+from .state import Ledger, Powers, RopeState
+
+
+@dataclass(frozen=True)
+class RopeModel:
+    """Immutable but for the kernels' scratch memory."""
+
+    scene: Scene
+    kernels: RopeKernels
+
+    def system(self, state: RopeState) -> RopeSystem:
+        """The equations of motion of ``state``: its mesh, frame, swivel phases and end paths."""
+        scene = self.scene
+        points = nominal_points(scene.layout.spacing)
+        ends = HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
+        node_mass = np.zeros((state.partition.lengths.size + 1, 7))
+        node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
+        P = parameter_vector(scene.rope, scene.layout.gravity, state.pole)
+        return RopeSystem(self.kernels, state.partition.lengths, P, ends, node_mass)
+
+    @property
+    def method(self) -> Coefficients:
+        """The integration method."""
+        return Coefficients(self.scene.solver.rho_inf)
+
+    def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Assessment]:
+        """A step that nobody has accepted yet."""
+        return step(system, old, h, self.method, self.scene.solver.newton_tolerance)
+
+    def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
+        """Arc length (m) of the loop's lowest point by the ends' heights alone."""
+        return 0.5 * (self.scene.rope.length + float(paths[0](t)[0][1] - paths[1](t)[0][1]))
+
+    def restarted(self, state: RopeState) -> RopeState:
+        """The state with consistent accelerations and no history."""
+        m = state.motion
+        system = self.system(state)
+        motion, assessment = restart(system, m.t, m.q, m.v, m.reaction)
+        return replace(state, motion=motion, powers=powers(system, motion, assessment))
+
+    def committed(self, old: RopeState, system: RopeSystem, result: StepResult[Assessment]) -> RopeState:
+        """An accepted step, with energies and work booked."""
+        motion, assessment = result.motion, result.assessment
+        assert motion is not None and assessment is not None
+        now = powers(system, motion, assessment)
+        half = 0.5 * (motion.t - old.motion.t)
+        before, ledger = old.powers, with_energies(old.ledger, assessment.balance)
+        ledger = replace(
+            ledger,
+            work_ends=ledger.work_ends + half * (before.ends + now.ends),
+            dissipated_material=ledger.dissipated_material + half * (before.material + now.material),
+            dissipated_swivel=ledger.dissipated_swivel + half * (before.swivel + now.swivel),
+            nonconservative=ledger.nonconservative + half * (before.nonconservative + now.nonconservative),
+        )
+        return replace(old, motion=motion, ledger=ledger, powers=now, counts=old.counts.plus(steps=1))
+
+
+def ends_of(system: RopeSystem) -> HangingEnds:
+    """The ends of a rope that hangs between conveyances."""
+    assert isinstance(system.boundary, HangingEnds)
+    return system.boundary
+
+
+def with_energies(ledger: Ledger, balance: dict[str, float]) -> Ledger:
+    """The ledger with the energies of ``balance`` (J)."""
+    strain = balance["axial"] + balance["coupling"] + balance["torsion"] + balance["bending"]
+    kinetic = balance["kinetic"] + balance["spin"]
+    return replace(ledger, kinetic=kinetic, strain=strain, gravity=balance["gravity"])
+
+
+def powers(system: RopeSystem, motion: Motion, assessment: Assessment) -> Powers:
+    """What flows in and out at this instant, W."""
+    ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
+    for side in (0, 1):
+        force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]
+        moment = ends.moment(side, motion.reaction)
+        spin = float(motion.v[-side, ANGLE])
+        rate = float(ends.relative(side, motion.t, 0.0, spin)[1])
+        at_ends += float(force @ velocity) + moment * (spin - rate)
+        if ends.states[side].phase is Phase.SLIP:
+            at_swivels -= moment * rate
+    balance = assessment.balance
+    return Powers(at_ends, balance["damping_power"], at_swivels, balance["nonconservative_power"])

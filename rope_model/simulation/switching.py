@@ -1,0 +1,116 @@
+"""Stick and slip: when a swivel must change its phase, and what it does then.
+
+The event function of a swivel is negative while its phase may last: |M| - M_static while it sticks, the rate against
+the sense of the slip while it slips.  The step that would carry it past zero is shortened to end there; then the
+swivel switches and the integrator restarts with consistent accelerations.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+
+from ..numerics.events import locate
+from ..numerics.generalized_alpha import Motion, StepResult
+from .ends import Phase, SwivelState
+from .model import RopeModel, ends_of
+from .rope_system import ANGLE, Assessment, RopeSystem
+from .state import Event, RopeState
+
+log = logging.getLogger(__name__)
+
+SIDES = ("left", "right")
+#: width in s to which events are located
+EVENT_WIDTH = 1e-9
+
+
+def released(model: RopeModel, state: RopeState) -> RopeState:
+    """Swivels whose release time has come begin to stick or slip."""
+    swivels = list(state.swivels)
+    for side, swivel in enumerate((model.scene.left, model.scene.right)):
+        due = swivel.mode != "locked" and state.motion.t >= swivel.release_time
+        if due and state.swivels[side].phase is Phase.LOCKED:
+            swivels[side] = state.swivels[side]._replace(phase=Phase.STICK)
+    if swivels == list(state.swivels):
+        return state
+    state = replace(state, swivels=(swivels[0], swivels[1]))
+    return switched(model, state) if excess(model.system(state), state.motion) >= 0 else state
+
+
+def next_release(model: RopeModel, state: RopeState) -> float:
+    """The next instant at which a locked swivel is released; infinity without one."""
+    times = [
+        swivel.release_time
+        for swivel, now in zip((model.scene.left, model.scene.right), state.swivels, strict=True)
+        if now.phase is Phase.LOCKED and swivel.mode != "locked" and swivel.release_time > state.motion.t
+    ]
+    return min(times, default=np.inf)
+
+
+def excess(system: RopeSystem, motion: Motion) -> float:
+    """Event function of both swivels: negative while each may stay in its phase."""
+    return max(_excess_of(side, system, motion) for side in (0, 1))
+
+
+def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
+    ends, node = ends_of(system), -side
+    state = ends.states[side]
+    if state.phase is Phase.LOCKED or (state.phase is Phase.SLIP and ends.swivels[side].mode == "free"):
+        return -np.inf
+    if state.phase is Phase.STICK:
+        return abs(ends.moment(side, motion.reaction)) - ends.friction(side, motion.reaction, kinetic=False)
+    rate = ends.relative(side, motion.t, motion.q[node, ANGLE], motion.v[node, ANGLE])[1]
+    return -state.sign * rate
+
+
+def switching_step(
+    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Assessment]
+) -> float | None:
+    """Length of the step that ends where a swivel must switch; None when none must before ``result`` is reached."""
+    assert result.motion is not None
+    at_end = excess(system, result.motion)
+    if at_end < 0:
+        return None
+
+    def at(h: float) -> float:
+        motion = model.trial(system, state.motion, h).motion
+        return np.inf if motion is None else excess(system, motion)
+
+    at_start = excess(system, state.motion)
+    if at_start >= 0:  # a slip that has just begun has no rate yet
+        at_start = -1e-12
+    return locate(at, 0.0, result.motion.t - state.motion.t, at_start, at_end, EVENT_WIDTH)
+
+
+def switched(model: RopeModel, state: RopeState) -> RopeState:
+    """Swivels that cannot stay in their phase change it, and the motion restarts consistently."""
+    system, motion, swivels, events = model.system(state), state.motion, list(state.swivels), []
+    for side in (0, 1):
+        if _excess_of(side, system, motion) < 0:
+            continue
+        swivels[side] = _next_phase(side, model, replace(state, swivels=(swivels[0], swivels[1])))
+        what = "sticks" if swivels[side].phase is Phase.STICK else f"slips {'+' if swivels[side].sign > 0 else '-'}"
+        events.append(Event(motion.t, f"{SIDES[side]} swivel {what}"))
+        log.debug("t = %.9f s: %s", *events[-1][:2])
+    state = replace(
+        state,
+        swivels=(swivels[0], swivels[1]),
+        counts=state.counts.plus(swivel_events=len(events)),
+        events=(*state.events, *events),
+    )
+    return model.restarted(state)
+
+
+def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
+    """What a swivel that cannot stay in its phase does next: stick if its friction can hold, else slip."""
+    now, motion = state.swivels[side], state.motion
+    if now.phase is Phase.SLIP:
+        angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[-side, ANGLE], 0.0)[0]
+        now = SwivelState(Phase.STICK, float(angle), 0.0)
+        swivels = (now, state.swivels[1]) if side == 0 else (state.swivels[0], now)
+        state = model.restarted(replace(state, swivels=swivels))
+        if _excess_of(side, model.system(state), state.motion) < 0:
+            return now
+    return SwivelState(Phase.SLIP, now.angle, -float(np.sign(state.motion.reaction[-side, ANGLE])))
