@@ -1,1 +1,51 @@
-"""The console command: joins the FMU's export and the hoist's demo, which know nothing of each other."""
+"""The console command ``balance-rope``: joins the FMU's export and the hoist, which know nothing of each other."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+
+from fmu_src.export import add_export
+from hoist_demo.cli import add_demo
+
+DESCRIPTION = """\
+The balance rope of a friction (Koepe) hoist, as an FMU and in a winding.
+
+The rope hangs in a U below the two conveyances: tension, torsion and lateral motion, coupled. The drive (motor,
+sheave, head ropes, conveyances) is a CasADi model that exchanges end motions and end forces with the FMU."""
+
+EPILOG = """\
+first steps:
+  balance-rope export                  write the rope to build/balance_rope.fmu
+  balance-rope demo                    wind 90 m with it; figures, CSV and a report in out/demo
+  balance-rope demo --quick            wind 10 m only, to see that all is in place
+  balance-rope demo --in-process       the same rope without the FMU
+  balance-rope COMMAND --help          what a command can do
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit code."""
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser("balance-rope", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw)
+    parser.add_argument("--version", action="version", version=f"balance-rope {version('balance-rope')}")
+    parser.add_argument("-v", "--verbose", action="store_true", help="log what the solver does")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    add_export(commands)
+    add_demo(commands)
+    options = parser.parse_args(arguments)
+    level = logging.INFO if options.verbose else logging.WARNING
+    logging.basicConfig(level=level, format="%(name)s: %(message)s")
+    try:
+        code: int = options.run(options)
+        return code
+    except (ValueError, RuntimeError) as error:
+        print(f"balance-rope: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Builds the FMU: ``python -m fmu_src.export``.
+"""Builds the FMU: ``balance-rope export``.
 
 The FMU holds copies of rope_model and fmu_src, the interpreted kernels for every platform and the compiled ones for
 the exporting platform.  The importing host needs Python with numpy and casadi.
@@ -114,25 +114,20 @@ def _rewrite(draft: Path, destination: Path) -> None:
     shutil.move(scratch, destination)
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the export."""
+def add_export(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the subcommand ``export``; its options hold the function to run as ``run``."""
+    parser = commands.add_parser(
+        "export",
+        help="write the rope as an FMU",
+        description="Export the balance rope as an FMI 2.0 co-simulation FMU. The importing host needs Python with numpy "
+        "and casadi; every parameter can still be set before initialisation.",
+    )
     parser.add_argument("--scene", choices=sorted(PRESETS), default="rope-120", help="start values (default %(default)s)")
     parser.add_argument("--out", type=Path, default=DEFAULT_FMU, help="the .fmu to write (default %(default)s)")
+    parser.set_defaults(run=_run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Export as the options say and report on the console."""
+def _run(arguments: argparse.Namespace) -> int:
     path = export_fmu(arguments.out, arguments.scene)
     print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, FMI 2.0 co-simulation, scene {arguments.scene}")
     return 0
-
-
-def main() -> int:
-    """Command line of ``python -m fmu_src.export``."""
-    parser = argparse.ArgumentParser(prog="python -m fmu_src.export", description="Export the balance rope as an FMU.")
-    add_arguments(parser)
-    return run(parser.parse_args())
-
-
-if __name__ == "__main__":
-    sys.exit(main())

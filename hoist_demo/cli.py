@@ -1,9 +1,8 @@
-"""The console command `balance-rope`: the only module that prints."""
+"""The command `balance-rope demo`: the only module of this package that prints."""
 
 from __future__ import annotations
 
 import argparse
-import logging
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -24,21 +23,6 @@ KERNELS = ("auto", "compiled", "portable")
 
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
-_DESCRIPTION = """\
-Wind a friction (Koepe) hoist with its balance rope.
-
-The drive (motor, sheave, head ropes, two conveyances) is a CasADi model in this process. The balance rope below the
-conveyances runs in an FMU, or with --in-process next to the drive. Both exchange end motions and end forces at every
-communication step."""
-
-_EPILOG = """\
-first steps:
-  make fmu                             export the rope to build/balance_rope.fmu (or: python -m fmu_src.export)
-  balance-rope demo                    wind 90 m, write figures, CSV and a report to out/demo
-  balance-rope demo --quick            wind 10 m only, to see that all is in place
-  balance-rope demo --in-process       the same rope without the FMU
-"""
-
 _DEMO_DESCRIPTION = """\
 Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
 PNG figures, report.md and report.html. The summary table is printed at the end."""
@@ -56,28 +40,16 @@ is written all the same), 2 wrong arguments.
 """
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; returns the exit code."""
-    options = _parser().parse_args(arguments)
-    logging.basicConfig(level=logging.WARNING, format="%(name)s: %(message)s")
-    try:
-        return _demo(options)
-    except (ValueError, RuntimeError) as error:
-        print(f"balance-rope: {error}", file=sys.stderr)
-        return 2
-
-
-def _parser() -> argparse.ArgumentParser:
-    raw = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser("balance-rope", description=_DESCRIPTION, epilog=_EPILOG, formatter_class=raw)
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+def add_demo(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the subcommand `demo`; its options hold the function to run as `run`."""
     demo = commands.add_parser(
         "demo",
         help="wind once and write figures, CSV and a report",
         description=_DEMO_DESCRIPTION,
         epilog=_DEMO_EPILOG,
-        formatter_class=raw,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    demo.set_defaults(run=_demo)
     demo.add_argument(
         "--scene", choices=tuple(SETUPS), default="rope-120", help="hoist, winding and rope (default: %(default)s)"
     )
@@ -96,7 +68,6 @@ def _parser() -> argparse.ArgumentParser:
         help="rope's computing kernels: compiled C, CasADi's virtual machine, or what is there (default: %(default)s)",
     )
     demo.add_argument("--quick", action="store_true", help="10 m of travel and 2 s of settling: a check, not a result")
-    return parser
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -133,7 +104,7 @@ def _rope(options: argparse.Namespace) -> RopePlant:
         return rope_in_process(options.scene, options.kernels)
     if not options.fmu.is_file():
         raise ValueError(
-            f"FMU '{options.fmu}' is missing: export it with `make fmu` (or `python -m fmu_src.export`), "
+            f"FMU '{options.fmu}' is missing: export it with `balance-rope export`, "
             "give another file with --fmu, or run with --in-process"
         )
     chosen = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
@@ -173,6 +144,3 @@ def _write(
     title = f"Winding {winding.travel:g} m with the balance rope {options.scene}, rope {kind}"
     return written + pictures + write_report(directory, title, rows, pictures)
 
-
-if __name__ == "__main__":
-    sys.exit(main())
