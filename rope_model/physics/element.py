@@ -75,20 +75,22 @@ def element_functions(frame_rate: FrameRate = smallest_rotation_rate) -> Element
 
     point = _point_functions(frame_rate)
     mass, weight = _translational_mass(l, P), _weight(l, P)
-    R = mass @ a - weight
-    J = c_a * mass
-    balance = ca.SX.zeros(len(BALANCE))
-    balance[4] = 0.5 * ca.dot(v, mass @ v)
-    balance[6] = -ca.dot(weight, q)
-    strains = ca.SX.zeros(len(STRAINS))
+    balance, strains = ca.SX.zeros(len(BALANCE)), ca.SX.zeros(len(STRAINS))
+    balance[4], balance[6] = 0.5 * ca.dot(v, mass @ v), -ca.dot(weight, q)
+    # everything but weight and translation depends on the 11 relative coordinates r2 - r1, r', theta only
+    relative = _relative()
+    R_r, J_r = ca.SX.zeros(11), ca.SX.zeros(11, 11)
     for xi, weight_xi in zip(0.5 * (1 + _GAUSS_POINTS), 0.5 * _GAUSS_WEIGHTS, strict=True):
         B = _interpolation(xi, l)
+        z, z_t, z_tt = (B @ relative @ x for x in (q, v, a))
+        R_p, J_p = point["tangent"](z, z_t, z_tt, P, cq, cv, c_a)
         dx = weight_xi * l
-        R_p, J_p = point["tangent"](B @ q, B @ v, B @ a, P, cq, cv, c_a)
-        R += dx * (B.T @ R_p)
-        J += dx * (B.T @ J_p @ B)
-        balance += dx * point["balance"](B @ q, B @ v, P)
-        strains += weight_xi * point["strains"](B @ q, P)
+        R_r += B.T @ (dx * R_p)
+        J_r += B.T @ (dx * J_p) @ B
+        balance += dx * point["balance"](z, z_t, P)
+        strains += weight_xi * point["strains"](z, P)
+    R = mass @ a - weight + relative.T @ R_r
+    J = c_a * mass + relative.T @ J_r @ relative
     strains[2:] = ca.sqrt(strains[2:])
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
@@ -107,63 +109,91 @@ def _point_functions(frame_rate: FrameRate) -> dict[str, ca.Function]:
     z, z_t, z_tt = ca.SX.sym("z", 8), ca.SX.sym("z_t", 8), ca.SX.sym("z_tt", 8)
     P = ca.SX.sym("P", len(PARAMETERS))
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
-    _, _, Qa, Qs, Qk, Qd, EI, rhoJ, beta_K = ca.vertsplit(P)[:9]
+    _, _, Qa, Qs, _, Qd, EI, rhoJ, _ = ca.vertsplit(P)[:9]
     pole = P[9:12]
 
     # strains, and the spin of the section
     d, c, theta_x = z[0:3], z[3:6], z[6]
-    e = ca.norm_2(d) - 1
-    tau = theta_x + frame_rate(pole, d, c)
-    k = ca.cross(d, c) / ca.dot(d, d)
+    strain = ca.vertcat(ca.norm_2(d) - 1, theta_x + frame_rate(pole, d, c), ca.cross(d, c) / ca.dot(d, d))
     w = z_t[7] + frame_rate(pole, d, z_t[0:3])
 
     # their rates; the curvature's as seen from the section
-    e_t, tau_t, k_t = (ca.jtimes(strain, z, z_t) for strain in (e, tau, k))
     turning = ca.cross(d, z_t[0:3]) / ca.dot(d, d) + w * d / ca.norm_2(d)
-    k_t -= ca.cross(turning, k)
+    rate = ca.jtimes(strain, z, z_t) - ca.vertcat(0, 0, ca.cross(turning, strain[2:]))
 
-    # energies, and Lagrange's equation
-    U = costello.strain_energy(Qa, Qs, Qd, e, tau) + 0.5 * EI * ca.dot(k, k)
-    D = beta_K * (costello.strain_energy(Qa, Qs, Qd, e_t, tau_t) + 0.5 * EI * ca.dot(k_t, k_t))
+    # energies, and the stresses that are work-conjugate to the strains
+    e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
+    U, D, P_n = _energies(P, e, e_t)
     K = 0.5 * rhoJ * w * w
+    stress = ca.gradient(U, e) + ca.gradient(D + P_n, e_t)
+
+    # Lagrange's equation: internal forces B^T stress (the turning does no work on EI k), inertia of the spin
+    B = ca.jacobian(rate, z_t)
     momentum = ca.gradient(K, z_t)
     inertia = ca.jtimes(momentum, z_t, z_tt) + ca.jtimes(momentum, z, z_t) - ca.gradient(K, z)
-    remainder = ca.gradient(costello.nonconservative_power(Qk, e, tau, e_t, tau_t), z_t)
-    force = ca.gradient(U, z) + ca.gradient(D, z_t) + remainder + inertia
+    values = [strain, rate]
+    force = B.T @ ca.substitute(stress, ca.vertcat(e, e_t), ca.vertcat(*values)) + inertia
 
-    # one jacobian for the combination of stiffness, damping and mass that the integrator asks for
-    s = ca.SX.sym("s", 8)
-    along = ca.substitute(force, ca.vertcat(z, z_t, z_tt), ca.vertcat(z + cq * s, z_t + cv * s, z_tt + c_a * s))
-    J = ca.substitute(ca.jacobian(along, s), s, ca.SX.zeros(8))
+    # its derivative along (cq, cv, ca), by the chain rule through strains and stresses to keep it short
+    held = ca.SX.sym("held", 5)
+    geometric = ca.substitute(
+        ca.jacobian(B.T @ held, z), held, ca.substitute(stress, ca.vertcat(e, e_t), ca.vertcat(*values))
+    )
+    d_strain, d_rate = cq * ca.jacobian(strain, z), cq * ca.jacobian(rate, z) + cv * B
+    d_stress = [ca.substitute(ca.jacobian(stress, x), ca.vertcat(e, e_t), ca.vertcat(*values)) for x in (e, e_t)]
+    J = cq * geometric + B.T @ (d_stress[0] @ d_strain + d_stress[1] @ d_rate)
+    J += cq * ca.jacobian(inertia, z) + cv * ca.jacobian(inertia, z_t) + c_a * ca.jacobian(inertia, z_tt)
 
+    at = ca.vertcat(e, e_t), ca.vertcat(strain, rate)
+    k = strain[2:]
     balance = ca.vertcat(
-        0.5 * Qa * e * e,
-        Qs * e * tau,
-        0.5 * Qd * tau * tau,
+        0.5 * Qa * strain[0] ** 2,
+        Qs * strain[0] * strain[1],
+        0.5 * Qd * strain[1] ** 2,
         0.5 * EI * ca.dot(k, k),
         0,
         K,
         0,
-        2 * D,
-        costello.nonconservative_power(Qk, e, tau, e_t, tau_t),
+        ca.substitute(2 * D, *at),
+        ca.substitute(P_n, *at),
     )
     return {
         "tangent": ca.Function("point_tangent", [z, z_t, z_tt, P, cq, cv, c_a], ca.cse([force, J])),
         "balance": ca.Function("point_balance", [z, z_t, P], ca.cse([balance])),
-        "strains": ca.Function("point_strains", [z, P], [ca.vertcat(e, tau, ca.dot(k, k), tau * tau)]),
+        "strains": ca.Function("point_strains", [z, P], [ca.vertcat(strain[:2], ca.dot(k, k), strain[1] ** 2)]),
     }
 
 
-def _interpolation(xi: float, l: ca.SX) -> ca.SX:
-    """(8, 14) sparse: (r', r'', theta', theta) at xi = x/l from the element's degrees of freedom."""
-    slope = ((6 * xi * xi - 6 * xi) / l, 1 - 4 * xi + 3 * xi * xi, (6 * xi - 6 * xi * xi) / l, 3 * xi * xi - 2 * xi)
-    bend = ((12 * xi - 6) / l**2, (6 * xi - 4) / l, (6 - 12 * xi) / l**2, (6 * xi - 2) / l)
-    B = ca.SX(8, 14)
+def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """U, D and the non-conservative power, per reference length, from the strains (e, tau, k) and their rates."""
+    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K = ca.vertsplit(P)[:9]
+
+    def quadratic(x: ca.SX) -> ca.SX:
+        return costello.strain_energy(Qa, Qs, Qd, x[0], x[1]) + 0.5 * EI * ca.dot(x[2:], x[2:])
+
+    power = costello.nonconservative_power(Qk, strain[0], strain[1], rate[0], rate[1])
+    return quadratic(strain), beta_K * quadratic(rate), power
+
+
+def _relative() -> ca.DM:
+    """(11, 14): r2 - r1, r1', r2', theta1, theta2 from the element's degrees of freedom."""
+    T = ca.DM(11, 14)
     for i in range(3):
-        for column, s, b in zip((i, 3 + i, 7 + i, 10 + i), slope, bend, strict=True):
-            B[i, column], B[3 + i, column] = s, b
-    B[6, 6], B[6, 13] = -1 / l, 1 / l
-    B[7, 6], B[7, 13] = 1 - xi, xi
+        T[i, i], T[i, 7 + i], T[3 + i, 3 + i], T[6 + i, 10 + i] = -1, 1, 1, 1
+    T[9, 6], T[10, 13] = 1, 1
+    return T
+
+
+def _interpolation(xi: float, l: ca.SX) -> ca.SX:
+    """(8, 11) sparse: (r', r'', theta', theta) at xi = x/l from the relative coordinates."""
+    slope = (6 * xi - 6 * xi * xi) / l, 1 - 4 * xi + 3 * xi * xi, 3 * xi * xi - 2 * xi
+    bend = (6 - 12 * xi) / l**2, (6 * xi - 4) / l, (6 * xi - 2) / l
+    B = ca.SX(8, 11)
+    for i in range(3):
+        for block in range(3):
+            B[i, 3 * block + i], B[3 + i, 3 * block + i] = slope[block], bend[block]
+    B[6, 9], B[6, 10] = -1 / l, 1 / l
+    B[7, 9], B[7, 10] = 1 - xi, xi
     return B
 
 

@@ -53,9 +53,9 @@ def _length(d: Any) -> Any:
 def pole_change_angle(p_old: Array, p_new: Array, t: Array) -> Array:
     """Angle (rad), shape (n,), to add to theta where the tangent is ``t`` (n, 3) when the pole changes.
 
-    It is the signed area of the spherical triangle (p_old, p_new, t) and is continuous along the rope.
+    It is the signed area of the spherical triangle (p_new, p_old, t) and is continuous along the rope.
     """
-    triple = t @ np.cross(p_old, p_new)
+    triple = t @ np.cross(p_new, p_old)
     angle = 2.0 * np.arctan2(triple, 1.0 + p_old @ p_new + t @ p_old + t @ p_new)
     return np.unwrap(angle, period=4.0 * np.pi)
 

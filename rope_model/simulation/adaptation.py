@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from ..physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
-from .diagnostics import loop_bottom
 from .mesh import Partition, transformation_due, transformed
 from .model import RopeModel, with_energies
 from .rope_system import ANGLE, SLOPE
@@ -63,10 +62,15 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
 
 
 def with_loop_yaw(state: RopeState) -> RopeState:
-    """The loop's yaw counted on from its last value."""
-    yaw = loop_bottom(state.motion.q, state.partition.lengths).yaw
-    turns = round((state.loop_yaw - yaw) / (2 * math.pi))
-    return replace(state, loop_yaw=yaw + 2 * math.pi * turns)
+    """The loop's yaw at its lowest node, counted on from its last value."""
+    q = state.motion.q
+    d = q[np.argmin(q[:, 1]), SLOPE]
+    return replace(state, loop_yaw=counted_on(math.atan2(-d[2], d[0]), state.loop_yaw))
+
+
+def counted_on(angle: float, last: float) -> float:
+    """``angle`` (rad) with the full turns that bring it closest to ``last``."""
+    return angle + 2 * math.pi * round((last - angle) / (2 * math.pi))
 
 
 def _booked(model: RopeModel, state: RopeState, what: str) -> RopeState:

@@ -47,22 +47,25 @@ class RopeModel:
         """The state with consistent accelerations and no history."""
         m = state.motion
         system = self.system(state)
-        motion, assessment = restart(system, m.t, m.q, m.v, m.reaction)
-        return replace(state, motion=motion, powers=powers(system, motion, assessment))
+        motion, _ = restart(system, m.t, m.q, m.v, m.reaction)
+        return replace(state, motion=motion, powers=powers(system, motion))
 
     def committed(self, old: RopeState, system: RopeSystem, result: StepResult[Assessment]) -> RopeState:
         """An accepted step, with energies and work booked."""
         motion, assessment = result.motion, result.assessment
         assert motion is not None and assessment is not None
-        now = powers(system, motion, assessment)
-        half = 0.5 * (motion.t - old.motion.t)
-        before, ledger = old.powers, with_energies(old.ledger, assessment.balance)
+        now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
+        # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
+        # the integrator's own oscillation, whose square does not average out
+        q, v = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
+        middle = system.assess(motion.t - 0.5 * h, q, v, motion.a, motion.reaction).balance
+        ledger = with_energies(old.ledger, assessment.balance)
         ledger = replace(
             ledger,
-            work_ends=ledger.work_ends + half * (before.ends + now.ends),
-            dissipated_material=ledger.dissipated_material + half * (before.material + now.material),
-            dissipated_swivel=ledger.dissipated_swivel + half * (before.swivel + now.swivel),
-            nonconservative=ledger.nonconservative + half * (before.nonconservative + now.nonconservative),
+            work_ends=ledger.work_ends + 0.5 * h * (before.ends + now.ends),
+            dissipated_swivel=ledger.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
+            dissipated_material=ledger.dissipated_material + h * middle["damping_power"],
+            nonconservative=ledger.nonconservative + h * middle["nonconservative_power"],
         )
         return replace(old, motion=motion, ledger=ledger, powers=now, counts=old.counts.plus(steps=1))
 
@@ -80,7 +83,7 @@ def with_energies(ledger: Ledger, balance: dict[str, float]) -> Ledger:
     return replace(ledger, kinetic=kinetic, strain=strain, gravity=balance["gravity"])
 
 
-def powers(system: RopeSystem, motion: Motion, assessment: Assessment) -> Powers:
+def powers(system: RopeSystem, motion: Motion) -> Powers:
     """What flows in and out at this instant, W."""
     ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
     for side in (0, 1):
@@ -91,5 +94,4 @@ def powers(system: RopeSystem, motion: Motion, assessment: Assessment) -> Powers
         at_ends += float(force @ velocity) + moment * (spin - rate)
         if ends.states[side].phase is Phase.SLIP:
             at_swivels -= moment * rate
-    balance = assessment.balance
-    return Powers(at_ends, balance["damping_power"], at_swivels, balance["nonconservative_power"])
+    return Powers(at_ends, at_swivels)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..physics.costello import torque
+from .adaptation import counted_on
 from .diagnostics import leg_clearance, loop_bottom, shape
 from .ends import Phase
 from .rope_system import ANGLE, POSITION, SLOPE, Array
@@ -124,7 +125,7 @@ def loop_signals(rope: RopeSimulator) -> dict[str, float]:
     bottom = loop_bottom(state.motion.q, state.partition.lengths)
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
     clearance = leg_clearance(state.motion.q, bottom.position, scene.rope.diameter, scene.layout.spacing)
-    return out | {"loop.yaw": state.loop_yaw, "loop.clearance": clearance}
+    return out | {"loop.yaw": counted_on(bottom.yaw, state.loop_yaw), "loop.clearance": clearance}
 
 
 def stress_signals(rope: RopeSimulator) -> dict[str, float]:

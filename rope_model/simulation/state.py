@@ -68,12 +68,10 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True)
 class Powers:
-    """Instantaneous powers in W, integrated by the trapezoidal rule."""
+    """Powers at the ends in W, integrated by the trapezoidal rule."""
 
     ends: float = 0.0
-    material: float = 0.0
     swivel: float = 0.0
-    nonconservative: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -89,7 +87,7 @@ class RopeState:
     step_next: float
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance
-    loop_yaw: float  # rad, counted on through full turns
+    loop_yaw: float  # rad, at the lowest node, counted on through full turns
     events: tuple[Event, ...] = ()  # of the last advance
     ledger: Ledger = field(default_factory=Ledger)
     powers: Powers = field(default_factory=Powers)
