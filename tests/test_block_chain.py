@@ -1,0 +1,233 @@
+"""The block elimination against a dense solve, the compiled kernels against the portable ones, the kernel cache."""
+
+from __future__ import annotations
+
+import logging
+import platform
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rope_model.numerics import kernels
+from rope_model.physics.element import NODE_DOF, PARAMETERS, element_functions
+from rope_model.simulation.rope_system import RopeKernels, write_bundle
+
+Array = NDArray[np.float64]
+
+needs_compiler = pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to compare with")
+P = np.array([1.3, 9.8, 5.0, 0.8, 0.3, 2.0, 1.5, 0.4, 0.3, 1.0, 0.0, 0.0])
+
+
+def random_chain(elements: int, seed: int) -> dict[str, Array]:
+    """Arguments of ``direction``: a crooked, twisted rope in motion, a third of its freedoms held."""
+    rng = np.random.default_rng(seed)
+    nodes = (elements + 1, NODE_DOF)
+    l = rng.uniform(0.5, 1.5, elements)
+    q = 0.2 * rng.normal(size=nodes)
+    q[:, 0] += np.concatenate(([0.0], np.cumsum(l)))
+    q[:, 3] += 1.0
+    free = (rng.uniform(size=nodes) < 0.67).astype(float)
+    return {
+        "q": q,
+        "v": rng.normal(size=nodes),
+        "a": rng.normal(size=nodes),
+        "l": l,
+        "load": rng.normal(size=nodes),
+        "node_mass": rng.uniform(0.0, 0.5, nodes),
+        "free": free,
+        "P": P,
+        "c": np.array([1.0, 3.0, 40.0]),
+    }
+
+
+def direct(x: dict[str, Array]) -> tuple[Array, Array]:
+    """Correction and residual from assembled dense matrices."""
+    element, elements = element_functions(), x["l"].size
+    size = NODE_DOF * (elements + 1)
+    R, J = np.zeros(size), np.zeros((size, size))
+    for i in range(elements):
+        at = slice(NODE_DOF * i, NODE_DOF * (i + 2))
+        R_e, J_e = element.tangent(*(x[k][i : i + 2].ravel() for k in ("q", "v", "a")), x["l"][i], x["P"], *x["c"])
+        R[at] += np.asarray(R_e).ravel()
+        J[at, at] += np.asarray(J_e)
+    R += (x["node_mass"] * x["a"] - x["load"]).ravel()
+    J += x["c"][2] * np.diag(x["node_mass"].ravel())
+    free = np.flatnonzero(x["free"].ravel())
+    correction = np.zeros(size)
+    correction[free] = np.linalg.solve(J[np.ix_(free, free)], -R[free])
+    return correction.reshape(x["q"].shape), R.reshape(x["q"].shape)
+
+
+@pytest.mark.parametrize("elements", [1, 2, 7])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_direction_is_that_of_a_dense_solve(elements: int, seed: int) -> None:
+    x = random_chain(elements, seed)
+    correction, R = RopeKernels(elements, "portable").direction(*x.values())
+    expected, R_expected = direct(x)
+    # elimination without pivoting of a well-conditioned matrix: rounding times its condition of 1e3
+    np.testing.assert_allclose(correction, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+    np.testing.assert_allclose(R, R_expected, rtol=0, atol=1e-13 * np.abs(R_expected).max())
+
+
+def test_what_is_held_is_not_corrected() -> None:
+    x = random_chain(5, 9)
+    correction, _ = RopeKernels(5, "portable").direction(*x.values())
+    assert not correction[x["free"] == 0].any()
+    assert correction[x["free"] == 1].all()
+
+
+def test_a_rope_that_is_held_all_over_is_not_corrected_at_all() -> None:
+    x = random_chain(3, 1) | {"free": np.zeros((4, NODE_DOF))}
+    assert not RopeKernels(3, "portable").direction(*x.values())[0].any()
+
+
+def test_assess_tells_the_residual_that_direction_uses_and_sums_the_balances() -> None:
+    elements = 6
+    x, k, element = random_chain(elements, 4), RopeKernels(elements, "portable"), element_functions()
+    R, sums = k.assess(*(x[name] for name in ("q", "v", "a", "l", "load", "node_mass", "P")))
+    np.testing.assert_allclose(R, k.direction(*x.values())[1], rtol=1e-13, atol=1e-13)  # rounding: two texts of code
+    each = [
+        np.asarray(element.balance(x["q"][i : i + 2].ravel(), x["v"][i : i + 2].ravel(), x["l"][i], P)).ravel()
+        for i in range(elements)
+    ]
+    np.testing.assert_allclose(sums, np.sum(each, axis=0), rtol=1e-12)
+    strains = k.strains(x["q"], x["l"], x["P"])[0]
+    np.testing.assert_allclose(
+        strains,
+        [np.asarray(element.strains(x["q"][i : i + 2].ravel(), x["l"][i], P)).ravel() for i in range(elements)],
+        rtol=1e-12,
+    )
+
+
+@needs_compiler
+def test_the_compiled_kernels_are_the_portable_ones_twins() -> None:
+    elements = 8  # the size other tests compile too
+    compiled, portable = RopeKernels(elements, "compiled"), RopeKernels(elements, "portable")
+    assert (compiled.form, portable.form) == ("compiled", "portable")
+    for seed in range(3):
+        x = random_chain(elements, seed)
+        state = [x[name] for name in ("q", "v", "a", "l", "load", "node_mass", "P")]
+        pairs = [
+            *zip(compiled.direction(*x.values()), portable.direction(*x.values()), strict=True),
+            *zip(compiled.assess(*state), portable.assess(*state), strict=True),
+            *zip(compiled.strains(x["q"], x["l"], P), portable.strains(x["q"], x["l"], P), strict=True),
+        ]
+        for ours, reference in pairs:
+            # the same operations; the compiler may order a sum differently
+            np.testing.assert_allclose(ours, reference, rtol=1e-12, atol=1e-12 * np.abs(reference).max())
+
+
+def test_the_kernels_leave_their_arguments_alone_and_give_their_results_away() -> None:
+    x, k = random_chain(2, 0), RopeKernels(2, "portable")
+    kept = {name: value.copy() for name, value in x.items()}
+    first = k.direction(*x.values())[0]
+    copy = first.copy()
+    k.direction(*(x | {"a": 2 * x["a"]}).values())
+    np.testing.assert_array_equal(first, copy)
+    for name, value in kept.items():
+        np.testing.assert_array_equal(x[name], value)
+
+
+# the cache
+
+
+def small_function(factor: float = 2.0) -> ca.Function:
+    x = ca.SX.sym("x", 3)
+    return ca.Function("small", [x], [factor * ca.sin(x)])
+
+
+@needs_compiler
+def test_a_second_build_finds_the_first_ones_library(tmp_path: Path) -> None:
+    compiler = kernels.find_compiler()
+    assert compiler is not None
+    first = kernels.build_library([small_function()], compiler, tmp_path)
+    made = first.stat().st_mtime_ns
+    second = kernels.build_library([small_function()], compiler, tmp_path)
+    assert second == first
+    assert second.stat().st_mtime_ns == made
+    assert [file.name for file in tmp_path.iterdir()] == [first.name]  # no scratch left
+
+
+@needs_compiler
+def test_other_code_or_flags_make_another_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    compiler = kernels.find_compiler()
+    assert compiler is not None
+    libraries = {
+        kernels.build_library([small_function()], compiler, tmp_path),
+        kernels.build_library([small_function(3.0)], compiler, tmp_path),
+    }
+    monkeypatch.setattr(kernels, "FLAGS", (*kernels.FLAGS, "-DOTHER"))
+    libraries.add(kernels.build_library([small_function()], compiler, tmp_path))
+    assert len(libraries) == 3
+
+
+def test_generated_code_depends_on_nothing_but_the_functions() -> None:
+    assert kernels.generate_c([small_function()]) == kernels.generate_c([small_function()])
+
+
+def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(kernels, "find_compiler", lambda: None)
+    with caplog.at_level(logging.INFO, logger=kernels.__name__):
+        functions, form = kernels.prepare([small_function()], "auto")
+    assert form == "portable"
+    assert "portable" in caplog.text
+    np.testing.assert_allclose(np.asarray(functions[0]([0, 1, 2])).ravel(), 2 * np.sin([0, 1, 2]), rtol=1e-15)
+    with pytest.raises(RuntimeError, match="install a C compiler"):
+        kernels.prepare([small_function()], "compiled")
+
+
+def test_a_compiler_that_fails_falls_back_to_portable(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path))
+    monkeypatch.setattr(kernels, "find_compiler", lambda: (str(tmp_path / "no-such-compiler"),))
+    with caplog.at_level(logging.INFO, logger=kernels.__name__):
+        assert kernels.prepare([small_function()], "auto")[1] == "portable"
+    assert "no-such-compiler failed" in caplog.text
+
+
+def test_portable_kernels_survive_saving_and_loading_to_the_bit(tmp_path: Path) -> None:
+    x, built = random_chain(2, 3), RopeKernels(2, "portable")
+    kernels.save_portable([built.direction.function, built.assess.function], tmp_path / "chain.casadi")
+    direction, _ = kernels.load_portable(tmp_path / "chain.casadi")
+    loaded = kernels.Kernel(direction, [x["q"].shape] * 2)
+    for ours, reference in zip(loaded(*x.values()), built.direction(*x.values()), strict=True):
+        np.testing.assert_array_equal(ours, reference)
+
+
+def test_a_library_that_does_not_load_is_passed_over_with_a_warning(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # as on a machine without a compiler
+    monkeypatch.setattr(kernels, "find_compiler", lambda: None)
+    monkeypatch.setattr("rope_model.simulation.rope_system.find_compiler", lambda: None)
+    (portable,) = write_bundle(2, tmp_path)
+    library = tmp_path / f"chain-2-{kernels.platform_tag()}{kernels.LIBRARY_SUFFIX}"
+    library.write_bytes(b"not a library")
+    with caplog.at_level(logging.WARNING, logger=kernels.__name__):
+        k = RopeKernels(2, "auto", tmp_path)
+    assert portable.exists()
+    assert k.form == "portable"
+    assert library.name in caplog.text
+    x = random_chain(2, 3)
+    np.testing.assert_array_equal(k.direction(*x.values())[0], RopeKernels(2, "portable").direction(*x.values())[0])
+
+
+@needs_compiler
+def test_a_bundle_brings_its_library_along(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    written = write_bundle(2, tmp_path)
+    assert len(written) == 2
+    monkeypatch.setattr(kernels, "find_compiler", lambda: None)
+    assert RopeKernels(2, "compiled", tmp_path).form == "compiled"
+
+
+def test_the_platform_tag_names_the_processor() -> None:
+    assert kernels.platform_tag().endswith(platform.machine().lower())
+    assert len(P) == len(PARAMETERS)

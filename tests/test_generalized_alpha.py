@@ -1,0 +1,345 @@
+"""Order 2 with constant and varying steps, the spectral radius, consistent restarts, Newton's verdicts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import Chain
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from rope_model.numerics.generalized_alpha import LARGEST_GROWTH, Coefficients, Motion, restart, step
+from rope_model.numerics.newton import NewtonStatus, iterate
+from rope_model.parameters import Rope
+from rope_model.simulation.rope_system import ANGLE, POSITION, RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.statics import find_equilibrium, hanging_guess
+
+Array = NDArray[np.float64]
+
+#: step patterns, repeated: the ratios stay the same when the steps are refined
+CONSTANT, VARYING = (1.0,), (0.6, 1.2, 0.9, 1.8, 0.5, 1.0)
+NEWTON = 1e-12
+
+
+@dataclass(frozen=True)
+class Told:
+    reaction: Array
+
+
+class SpringPendulum:
+    """A mass on a stiffening spring with a damper, hung from a point that is moved; rows: point, mass."""
+
+    mass, stiffness, damping, rest, gravity = 1.3, 40.0, 0.4, 1.0, 9.8
+    free = np.array([[False, False], [True, True]])
+
+    def prescribed(self, t: float) -> tuple[Array, Array, Array]:
+        s, c = np.sin(2 * t), np.cos(2 * t)
+        rows = ([0.3 * s, 0.2 * (1 - c)], [0.6 * c, 0.4 * s], [-1.2 * s, 0.8 * c])
+        q, v, a = (np.array([row, [0.0, 0.0]]) for row in rows)
+        return q, v, a
+
+    def pull(self, q: Array, v: Array) -> Array:
+        """Force of the mass on the point."""
+        d = q[1] - q[0]
+        stretch = np.linalg.norm(d) - self.rest
+        return np.asarray(
+            self.stiffness * (stretch + stretch**3) * d / np.linalg.norm(d) + self.damping * (v[1] - v[0])
+        )
+
+    def residual(self, q: Array, v: Array, a: Array) -> Array:
+        pull = self.pull(q, v)
+        return np.array([-pull, self.mass * a[1] + pull + [0.0, self.mass * self.gravity]])
+
+    def direction(self, t: float, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+        R, d = self.residual(q, v, a), q[1] - q[0]
+        L = float(np.linalg.norm(d))
+        n, stretch = d / L, L - self.rest
+        across = self.stiffness * (stretch + stretch**3) / L
+        K = across * np.eye(2) + (self.stiffness * (1 + 3 * stretch**2) - across) * np.outer(n, n)
+        J = c[0] * K + (c[1] * self.damping + c[2] * self.mass) * np.eye(2)
+        return np.array([[0.0, 0.0], -np.linalg.solve(J, R[1])]), R
+
+    def assess(self, t: float, q: Array, v: Array, a: Array, reaction: Array) -> Told:
+        return Told(self.residual(q, v, a))
+
+    def norm(self, x: Array) -> float:
+        return float(np.max(np.abs(x)))
+
+    def exact(self, t: float) -> tuple[Array, Array, Array]:
+        """q, v of the mass and force on the point, by another method."""
+        start = np.array([0.4, -1.3, 0.5, 0.2])
+
+        def rates(t: float, y: Array) -> Array:
+            point = self.prescribed(t)
+            pull = self.pull(np.array([point[0][0], y[:2]]), np.array([point[1][0], y[2:]]))
+            return np.array([*y[2:], *(-pull / self.mass - [0.0, self.gravity])])
+
+        y = solve_ivp(rates, (0.0, t), start, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+        point = self.prescribed(t)
+        return y[:2], y[2:], -self.pull(np.array([point[0][0], y[:2]]), np.array([point[1][0], y[2:]]))
+
+    def begun(self) -> Motion:
+        q, v = np.array([[0.0, 0.0], [0.4, -1.3]]), np.array([[0.0, 0.0], [0.5, 0.2]])
+        return restart(self, 0.0, q, v, np.zeros((2, 2)))[0]
+
+
+@dataclass(frozen=True)
+class ShakenEnds(Chain):
+    """Both ends held, the right one moved smoothly from rest."""
+
+    def prescribed(self, t: float, nodes: int) -> tuple[Array, Array, Array]:
+        q, v, a = (np.zeros_like(self.values) for _ in range(3))
+        q += self.values
+        w = 4.0
+        way = 0.25 * np.array([1.0, 0.6, 0.8])
+        q[-1, POSITION] += way * (w * t - np.sin(w * t)) / w
+        v[-1, POSITION], a[-1, POSITION] = way * (1 - np.cos(w * t)), way * w * np.sin(w * t)
+        return q, v, a
+
+
+@cache
+def soft_rope() -> tuple[RopeSystem, Motion]:
+    """Soft enough for the steps of the tests to resolve its waves: order is a limit."""
+    rope = Rope(length=6.0, mass_per_length=2.0, Qa=400.0, Qb=30.0, Qc=20.0, Qd=20.0, EI=20.0, rhoJ=0.2, beta_K=2e-3)
+    n = 8
+    s = np.linspace(0.0, rope.length, n + 1)
+    q = hanging_guess(s, np.array([-0.8, 0.0, 0.0]), np.array([0.8, 0.0, 0.0]))
+    ends = ShakenEnds(np.zeros((n + 1, 7), dtype=bool), q, np.zeros((n + 1, 7)))
+    ends.held[[0, -1]] = True
+    ends.held[[0, -1], 4] = False
+    system = RopeSystem(RopeKernels(n, "auto"), np.diff(s), parameter_vector(rope, 9.81, np.array([1.0, 0, 0])), ends)
+    at_rest = find_equilibrium(system, q)
+    return system, restart(system, 0.0, at_rest.q, 0 * q, at_rest.reaction)[0]
+
+
+def integrated(
+    system: Any, motion: Motion, end: float, steps: int, pattern: tuple[float, ...], rho: float, recentre: bool = True
+) -> Motion:
+    """From ``motion`` to ``end`` in ``steps`` steps of the pattern."""
+    h = np.resize(np.array(pattern), steps)
+    instants = motion.t + (end - motion.t) * np.cumsum(h) / h.sum()
+    for t in instants:
+        if not recentre:
+            motion = replace(motion, a_rate=np.zeros_like(motion.a_rate))
+        result = step(system, motion, t - motion.t, Coefficients(rho), NEWTON)
+        assert result.motion is not None, result.newton
+        motion = result.motion
+    return motion
+
+
+def orders(errors: list[Array]) -> Array:
+    """Observed orders (3,) of q, v and end force between the two finest of ``errors``."""
+    return np.asarray(np.log2(errors[-2] / errors[-1]))
+
+
+def pendulum_errors(pattern: tuple[float, ...], rho: float, recentre: bool = True) -> list[Array]:
+    system, end = SpringPendulum(), 1.5
+    exact = system.exact(end)
+    errors = []
+    for steps in (240, 480, 960):
+        m = integrated(system, system.begun(), end, steps, pattern, rho, recentre)
+        errors.append(
+            np.array([np.linalg.norm(x - y) for x, y in zip((m.q[1], m.v[1], m.reaction[0]), exact, strict=True)])
+        )
+    return errors
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.3, 0.6, 0.9, 1.0])
+@pytest.mark.parametrize("pattern", [CONSTANT, VARYING], ids=["constant", "varying"])
+def test_a_nonlinear_pendulum_is_integrated_with_order_two(pattern: tuple[float, ...], rho: float) -> None:
+    np.testing.assert_allclose(orders(pendulum_errors(pattern, rho)), 2.0, atol=0.1)
+
+
+@cache
+def rope_reference() -> Motion:
+    system, start = soft_rope()
+    return integrated(system, start, 0.8, 2560, CONSTANT, 1.0)
+
+
+def rope_errors(pattern: tuple[float, ...], rho: float, recentre: bool = True) -> list[Array]:
+    system, start = soft_rope()
+    exact, errors = rope_reference(), []
+    for steps in (160, 320):
+        m = integrated(system, start, 0.8, steps, pattern, rho, recentre)
+        difference = m.q - exact.q, m.v - exact.v, (m.reaction - exact.reaction)[[0, -1]]
+        errors.append(np.array([np.linalg.norm(x) for x in difference]))
+    return errors
+
+
+@pytest.mark.parametrize("rho", [0.6, 0.9])
+@pytest.mark.parametrize("pattern", [CONSTANT, VARYING], ids=["constant", "varying"])
+def test_a_rope_is_integrated_with_order_two(pattern: tuple[float, ...], rho: float) -> None:
+    observed = orders(rope_errors(pattern, rho))
+    np.testing.assert_allclose(observed, 2.0, atol=0.1)
+
+
+def test_without_re_centring_varying_steps_fall_to_first_order() -> None:
+    assert np.all(orders(pendulum_errors(VARYING, 0.6, recentre=False))[1:] < 1.4)
+    # and constant steps do not need it
+    np.testing.assert_allclose(orders(pendulum_errors(CONSTANT, 0.6, recentre=False)), 2.0, atol=0.1)
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """q'' = -omega^2 q."""
+
+    omega: float
+    free = np.array([[True]])
+
+    def prescribed(self, t: float) -> tuple[Array, Array, Array]:
+        return np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 1))
+
+    def direction(self, t: float, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+        R = a + self.omega**2 * q
+        return -R / (c[2] + c[0] * self.omega**2), R
+
+    def assess(self, t: float, q: Array, v: Array, a: Array, reaction: Array) -> Told:
+        return Told(a + self.omega**2 * q)
+
+    def norm(self, x: Array) -> float:
+        return float(np.max(np.abs(x)))
+
+
+def amplification(rho: float, omega: float) -> Array:
+    """(3, 3) of one step h = 1 on (q, v/omega, b/omega^2)."""
+    columns = []
+    for q, v, b in np.diag([1.0, omega, omega**2]):
+        a = -(omega**2) * q
+        at = [np.full((1, 1), x) for x in (q, v, a, b, 0.0)]
+        old = Motion(0.0, *at[:4], a_rate=at[4], h=1.0, reaction=at[4])
+        new = step(Oscillator(omega), old, 1.0, Coefficients(rho), 1e-9, 3).motion
+        assert new is not None
+        columns.append([new.q[0, 0], new.v[0, 0] / omega, new.b[0, 0] / omega**2])
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.3, 0.6, 0.9, 1.0])
+def test_the_spectral_radius_at_infinite_frequency_is_rho(rho: float) -> None:
+    radius = np.abs(np.linalg.eigvals(amplification(rho, 1e4))).max()
+    # a triple eigenvalue moves with (h omega)^(-2/3)
+    np.testing.assert_allclose(radius, rho, atol=1e-2)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.3, 0.6, 0.9, 1.0])
+def test_no_frequency_is_amplified(rho: float) -> None:
+    radii = [np.abs(np.linalg.eigvals(amplification(rho, omega))).max() for omega in np.geomspace(0.01, 1e3, 40)]
+    assert max(radii) < 1 + 1e-6  # a multiple eigenvalue of rounding 1e-16 each
+
+
+def test_the_error_estimate_is_the_local_error_to_leading_order() -> None:
+    system = SpringPendulum()
+    for rho in (0.3, 0.6):
+        ratios = []
+        for h in (4e-3, 2e-3):
+            # a start with history: b where constant steps have it
+            m = integrated(system, system.begun(), 0.4, round(0.4 / h), CONSTANT, rho)
+            result = step(system, m, h, Coefficients(rho), NEWTON)
+            fine = integrated(system, restart(system, m.t, m.q, m.v, m.reaction)[0], m.t + h, 64, CONSTANT, 1.0)
+            assert result.motion is not None
+            ratios.append(result.error / system.norm(result.motion.q - fine.q))
+        np.testing.assert_allclose(ratios[-1], 1.0, atol=0.1)
+
+
+# restarts
+
+
+def test_a_restart_gives_accelerations_in_equilibrium_and_no_history() -> None:
+    system, start = soft_rope()
+    rng = np.random.default_rng(5)
+    q, v = start.q + 0.05 * rng.normal(size=start.q.shape), rng.normal(size=start.q.shape)
+    m, told = restart(system, 0.3, q, v, start.reaction)
+    # rounding: forces of 100 N through a mass matrix of condition 1e4
+    np.testing.assert_allclose(told.reaction[system.free], 0.0, atol=1e-9)
+    given = system.prescribed(0.3)
+    for x, y in zip((m.q, m.v, m.a), given, strict=True):
+        np.testing.assert_array_equal(x[~system.free], y[~system.free])
+    np.testing.assert_array_equal(m.q[system.free], q[system.free])
+    np.testing.assert_array_equal(m.b, m.a)
+    assert m.h == 0
+    assert not m.a_rate.any()
+
+
+def test_every_step_ends_in_equilibrium_with_the_ends_where_they_belong() -> None:
+    system, start = soft_rope()
+    m = integrated(system, start, 0.05, 5, VARYING, 0.6)
+    np.testing.assert_allclose(m.reaction[system.free], 0.0, atol=1e-7)  # Newton's tolerance times stiffness over h^2
+    for x, y in zip((m.q, m.v, m.a), system.prescribed(m.t), strict=True):
+        np.testing.assert_array_equal(x[~system.free], y[~system.free])
+
+
+def test_a_step_that_grows_too_fast_does_not_extrapolate_the_acceleration() -> None:
+    system = SpringPendulum()
+    m = integrated(system, system.begun(), 0.01, 4, CONSTANT, 0.6)
+    noisy = replace(m, a_rate=1e6 * np.ones_like(m.a_rate))
+    h = 1.01 * LARGEST_GROWTH * m.h
+    one, other = (step(system, x, h, Coefficients(0.6), NEWTON).motion for x in (m, noisy))
+    assert one is not None
+    assert other is not None
+    np.testing.assert_array_equal(one.q, other.q)
+
+
+# Newton
+
+
+def scripted(norms: list[float]) -> Callable[[], float]:
+    script: Iterator[float] = iter(norms)
+    return lambda: next(script)
+
+
+@pytest.mark.parametrize(
+    ("norms", "status", "iterations"),
+    [
+        ([1e-9], NewtonStatus.CONVERGED, 1),  # tiny at once
+        ([1.0, 1e-4], NewtonStatus.CONVERGED, 2),  # the contraction promises 1e-8
+        ([1.0, 1e-2, 1e-6], NewtonStatus.CONVERGED, 3),
+        ([1.0, 0.0], NewtonStatus.CONVERGED, 2),
+        ([1.0, 1.5, 4.0], NewtonStatus.DIVERGED, 3),
+        ([1.0, math.nan], NewtonStatus.NOT_FINITE, 2),
+        ([math.inf], NewtonStatus.NOT_FINITE, 1),
+        ([0.9**k for k in range(20)], NewtonStatus.TOO_MANY, 10),
+    ],
+)
+def test_newton_returns_its_verdict(norms: list[float], status: NewtonStatus, iterations: int) -> None:
+    report = iterate(scripted(norms), 2e-8, 10)
+    assert (report.status, report.iterations) == (status, iterations)
+    assert report.converged == (status is NewtonStatus.CONVERGED)
+
+
+def test_newtons_estimate_bounds_what_is_left_of_a_linear_contraction() -> None:
+    rate, x = 0.3, [1.0]
+
+    def correct() -> float:
+        x.append(rate * x[-1])
+        return x[-2] - x[-1]
+
+    report = iterate(correct, 1e-6, 50)
+    np.testing.assert_allclose(report.error, x[-1], rtol=1e-6)
+    assert x[-1] <= 1e-6 < x[-2]
+
+
+def test_a_failed_step_is_a_verdict_and_leaves_the_old_motion_alone() -> None:
+    system, start = soft_rope()
+    before = start.q.copy()
+    hard = step(system, start, 50.0, Coefficients(0.6), 1e-12, 6)
+    assert hard.motion is None
+    assert hard.assessment is None
+    assert not hard.newton.converged
+    assert hard.error == math.inf
+    np.testing.assert_array_equal(start.q, before)
+
+
+def test_an_ordinary_step_takes_few_newton_iterations() -> None:
+    system, start = soft_rope()
+    m, iterations = start, []
+    for _ in range(20):
+        result = step(system, m, 5e-3, Coefficients(0.6), 1e-8)
+        assert result.motion is not None
+        m = result.motion
+        iterations.append(result.newton.iterations)
+    assert max(iterations) <= 4

@@ -1,0 +1,115 @@
+"""The hanging shape is found from any data set; what cannot hang is refused by name."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from conftest import Chain, portable_system, straight
+from numpy.typing import NDArray
+
+from rope_model.parameters import Rope
+from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
+
+Array = NDArray[np.float64]
+
+G, POLE = 9.81, np.array([1.0, 0.0, 0.0])
+COUPLING = 2.336e5
+
+
+@cache
+def kernels(elements: int) -> RopeKernels:
+    return RopeKernels(elements)
+
+
+def tmn_lengths(height: float) -> Array:
+    """120 m with the ladder 2, 1, 0.5, 0.25 m around the lowest point: 90 elements."""
+    fine = np.repeat([1.0, 0.5, 0.25, 0.5, 1.0], [2, 4, 40, 4, 2])
+    left = round((60 + height / 2 - fine.sum() / 2) / 2)
+    return np.concatenate((np.full(left, 2.0), fine, np.full(round((120 - fine.sum()) / 2) - left, 2.0)))
+
+
+def hanging(rope: Rope, lengths: Array, spacing: float, height: float) -> tuple[RopeSystem, Equilibrium]:
+    ends = np.array([[-spacing / 2, height / 2, 0.0], [spacing / 2, -height / 2, 0.0]])
+    chain = Chain.unloaded(np.zeros((lengths.size + 1, 7)))
+    chain.held[[0, -1]] = True
+    chain.held[[0, -1], 4] = False
+    chain.values[[0, -1], POSITION] = ends
+    system = RopeSystem(kernels(lengths.size), lengths, parameter_vector(rope, G, POLE), chain)
+    return system, find_equilibrium(system, hanging_guess(system.nodes_s, *ends))
+
+
+def assert_hangs(rope: Rope, system: RopeSystem, e: Equilibrium) -> None:
+    weight = rope.mass_per_length * G * rope.length
+    # the theory's bound; measured 1e-10
+    np.testing.assert_allclose(e.reaction[[0, -1], 1].sum(), weight, rtol=1e-9)
+    np.testing.assert_allclose(e.reaction[system.free], 0.0, atol=1e-5)
+    # nowhere compressed, nowhere folded
+    t = e.q[:, 3:6] / np.linalg.norm(e.q[:, 3:6], axis=1)[:, None]
+    assert np.min(np.sum(t[1:] * t[:-1], axis=1)) > 0
+    np.testing.assert_allclose(np.linalg.norm(e.q[:, 3:6], axis=1), 1.0, atol=1e-3)
+    # work bound: continuation, not creeping
+    assert e.iterations < 400
+
+
+@pytest.mark.parametrize("coupling", [0.0, COUPLING])
+@pytest.mark.parametrize("height", [0.0, 80.0])
+@pytest.mark.parametrize("spacing", [1.5, 2.0, 3.0])
+@pytest.mark.parametrize("EI", [50.0, 300.0, 1000.0])
+def test_the_hanging_shape_is_found(EI: float, spacing: float, height: float, coupling: float) -> None:
+    rope = Rope(EI=EI, Qb=coupling, Qc=coupling)
+    system, e = hanging(rope, tmn_lengths(height), spacing, height)
+    assert_hangs(rope, system, e)
+
+
+@pytest.mark.parametrize("EI", [50.0, 300.0])
+@pytest.mark.parametrize("height", [0.0, 80.0])
+def test_the_hanging_shape_is_found_on_a_coarse_mesh(height: float, EI: float) -> None:
+    # elements of 3 m around a loop 2 m wide: the shape is poor, but it is found and carries the weight
+    rope = Rope(EI=EI)
+    system, e = hanging(rope, np.full(40, 3.0), 2.0, height)
+    weight = rope.mass_per_length * G * rope.length
+    np.testing.assert_allclose(e.reaction[[0, -1], 1].sum(), weight, rtol=1e-9)
+    assert e.iterations < 2000
+    assert system.lengths.size == 40
+
+
+@pytest.mark.parametrize(
+    ("left", "right"), [((-1.0, 0.0, 0.0), (1.0, 130.0, 0.0)), ((-50.0, 0.0, 0.0), (50.0, 0.0, 0.0))]
+)
+def test_ends_too_far_apart_are_refused_with_the_cure(
+    left: tuple[float, float, float], right: tuple[float, float, float]
+) -> None:
+    with pytest.raises(StaticsError, match="give a longer rope or bring the ends together"):
+        hanging_guess(np.linspace(0.0, 120.0, 41), np.array(left), np.array(right))
+
+
+def test_a_search_without_success_says_what_is_left_and_what_to_check() -> None:
+    # a free end under a load that nothing balances
+    s = np.linspace(0.0, 1.0, 3)
+    chain = Chain.unloaded(straight(s))
+    chain.loads[-1, 1] = 5.0
+    rod = Rope(length=1.0, mass_per_length=1.0, Qa=10.0, Qb=0.0, Qc=0.0, Qd=1.0, EI=1.0, rhoJ=0.1)
+    system = portable_system(np.diff(s), parameter_vector(rod, 0.0, POLE), chain)
+    with pytest.raises(StaticsError, match=r"N are left unbalanced; .* elements may be too long"):
+        find_equilibrium(system, chain.values, max_iterations=50)
+
+
+def test_an_equilibrium_found_again_from_itself_takes_few_corrections_and_stays() -> None:
+    system, e = hanging(Rope(), tmn_lengths(0.0), 2.0, 0.0)
+    again = find_equilibrium(system, e.q)
+    assert again.iterations < 20
+    np.testing.assert_allclose(again.q, e.q, atol=1e-7)
+
+
+def test_the_guess_has_the_ropes_length_and_vertical_ends() -> None:
+    s = np.linspace(0.0, 120.0, 961)
+    left, right = np.array([-1.0, 40.0, 0.5]), np.array([1.0, -40.0, -0.5])
+    q = hanging_guess(s, left, right)
+    np.testing.assert_allclose(q[[0, -1], POSITION], [left, right], atol=1e-12)
+    np.testing.assert_allclose(q[[0, -1], 3:6], [[0, -1, 0], [0, 1, 0]], atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(q[:, 3:6], axis=1), 1.0, rtol=1e-12)
+    # chords against a circle of 1.1 m: (l/r)^2/24 on 3 % of the length
+    np.testing.assert_allclose(np.linalg.norm(np.diff(q[:, POSITION], axis=0), axis=1).sum(), 120.0, rtol=1e-4)

@@ -1,0 +1,182 @@
+"""Swivels: friction law, stick without creep, located switching, energy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+
+from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
+from rope_model.physics.swivel import friction_moment
+from rope_model.simulation.ends import EndMotion, HangingEnds, Phase
+from rope_model.simulation.rope_system import RopeSystem
+from rope_model.simulation.simulator import RopeSimulator
+from rope_model.simulation.state import Event
+
+# a short soft rope whose axial waves an explicit reference integrator can follow
+SOFT = Rope(length=8.0, Qa=2e4, Qb=0.0, Qc=0.0, Qd=10.0, EI=60.0, rhoJ=0.02, beta_K=2e-3)
+STIFF_BEARING = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.014)
+
+
+def scene(step: float = 2e-3, **swivels: Swivel) -> Scene:
+    solver = Solver(step_max=step, tolerance=1.0, newton_tolerance=1e-10, kernels="portable")
+    return Scene(rope=SOFT, mesh=Mesh(kind="eem", elements=8), solver=solver, **swivels)
+
+
+#: the right conveyance yaws by so much in the first of these times, and stands until the second
+YAW, YAWED, END = 1.5, 1.2, 2.4
+
+
+def twisted(data: Scene) -> tuple[RopeSimulator, tuple[Event, ...]]:
+    """The rope after its right conveyance has yawed along one smooth path, and all events."""
+    rope, events = RopeSimulator(data), ()
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    for t in (YAWED, END):
+        status = rope.advance_to(t, EndMotion(), EndMotion(yaw=YAW))
+        assert status.valid, status.message
+        events += rope.state.events
+    return rope, events
+
+
+def test_friction_follows_the_tension_and_never_turns_negative() -> None:
+    assert_allclose(friction_moment(0.0018, 0.09, 0.2, 4700.0), 0.2 + 0.5 * 0.0018 * 0.09 * 4700.0, rtol=1e-15)
+    assert friction_moment(0.1, 0.09, 0.2, -500.0) == 0.2
+
+
+def test_stick_does_not_creep() -> None:
+    seized = replace(STIFF_BEARING, mu_static=1.0, mu_kinetic=0.9)
+    rope, events = twisted(scene(left=seized, right=seized))
+    assert events == ()
+    for side, node in ((0, 0), (1, -1)):
+        motion = rope.state.motion
+        angle, rate = rope.ends.relative(side, motion.t, motion.q[node, 6], motion.v[node, 6])
+        # exact but for the rounding of theta = offset + yaw + b
+        assert abs(angle) < 1e-12
+        assert abs(rate) < 1e-12
+
+
+def test_free_swivel_carries_no_moment_and_has_no_events() -> None:
+    free = Swivel(mode="free")
+    rope, events = twisted(scene(left=free, right=free))
+    # both leave their locked phase at once, and nothing follows
+    assert {event.t for event in events} <= {0.0}
+    assert rope.ends.moment(0, rope.state.motion.reaction) == 0.0
+    assert rope.ends.moment(1, rope.state.motion.reaction) == 0.0
+
+
+def reference_events(start: RopeSimulator, path: HangingEnds, duration: float) -> list[tuple[float, int, Phase]]:
+    """Stick-slip switching of the same discretised rope by scipy's DOP853 and its event location."""
+    model, q0 = start.model, start.state.motion.q
+    shape, time, events = q0.shape, 0.0, []
+    states = [s._replace(phase=Phase.STICK) for s in start.state.swivels]
+    y = np.concatenate((q0.ravel(), np.zeros(q0.size)))
+    while time < duration:
+        ends = replace(path, states=tuple(states))
+        system = RopeSystem(model.kernels, start.system.lengths, start.system.P, ends, start.system.node_mass)
+        free = system.free
+
+        def motion(t: float, y: np.ndarray, system=system, free=free) -> tuple[np.ndarray, ...]:
+            q, v, a = system.prescribed(t)
+            q = np.where(free, y[: q.size].reshape(shape), q)
+            v = np.where(free, y[q.size :].reshape(shape), v)
+            reaction = np.zeros(shape)
+            for _ in range(3):  # friction depends on the end tension, which depends on the acceleration
+                x, _ = system.direction(t, q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
+                a = a + x
+                reaction = system.assess(t, q, v, a, reaction).reaction
+            return q, v, a, reaction
+
+        def rates(t: float, y: np.ndarray, motion=motion) -> np.ndarray:
+            _, v, a, _ = motion(t, y)
+            return np.concatenate((v.ravel(), a.ravel()))
+
+        def leaves(side: int, motion=motion, ends=ends):
+            def event(t: float, y: np.ndarray) -> float:
+                _, v, _, reaction = motion(t, y)
+                state = ends.states[side]
+                if state.phase is Phase.SLIP:
+                    yaw_rate = ends.paths[side](t)[1][3] * (-1, 1)[side]
+                    # just after release the rate is zero: look a little later
+                    return state.sign * (v[-side, 6] - yaw_rate) + (1e-3 if t < time + 1e-4 else 0.0)
+                tension = reaction[-side, 1]
+                bearing = STIFF_BEARING
+                return 0.5 * bearing.mu_static * bearing.mean_diameter * tension - abs(reaction[-side, 6])
+
+            event.terminal, event.direction = True, -1
+            return event
+
+        solution = solve_ivp(
+            rates, (time, duration), y, "DOP853", rtol=1e-9, atol=1e-10, events=[leaves(0), leaves(1)], max_step=0.01
+        )
+        time, y = solution.t[-1], solution.y[:, -1]
+        hit = [side for side in (0, 1) if solution.t_events[side].size]
+        if not hit:
+            return events
+        q, _, _, reaction = motion(time, y)
+        for side in hit:
+            if states[side].phase is Phase.STICK:
+                states[side] = states[side]._replace(phase=Phase.SLIP, sign=-np.sign(reaction[-side, 6]))
+            else:
+                angle = q[-side, 6] - ends.offsets[side] - (-1, 1)[side] * ends.paths[side](time)[0][3]
+                states[side] = states[side]._replace(phase=Phase.STICK, angle=float(angle), sign=0.0)
+            events.append((time, side, states[side].phase))
+    return events
+
+
+def test_switching_instants_agree_with_an_independent_event_located_solution() -> None:
+    bearings = {"left": STIFF_BEARING, "right": STIFF_BEARING}
+    start = RopeSimulator(scene(**bearings))
+    assert start.initialize(0.0, EndMotion(), EndMotion()).valid
+    errors: list[float] = []
+    path = list(zip(start.ends.paths, (0.0, YAW), strict=True))
+    for step in (2e-3, 1e-3):
+        _, events = twisted(scene(step, **bearings))
+        if not errors:
+            moving = replace(start.ends, paths=tuple(p.to(YAWED, EndMotion(yaw=yaw)) for p, yaw in path))
+            expected = reference_events(start, moving, END)
+        assert len(events) == len(expected) >= 3
+        assert [("left", "right").index(e.what.split()[0]) for e in events] == [side for _, side, _ in expected]
+        print(events, expected)
+        errors.append(max(abs(e.t - t) for e, (t, _, _) in zip(events, expected, strict=True)))
+    # second order in the step: a quarter, and the first error as small as the step squared times the rates allow
+    assert errors[0] < 2e-3
+    assert errors[1] < 0.35 * errors[0]
+
+
+def test_friction_only_takes_energy_and_the_books_close() -> None:
+    rope = RopeSimulator(scene(left=STIFF_BEARING, right=STIFF_BEARING))
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    path = np.linspace(0.0, 1.2, 61)[1:]
+    dissipated = [0.0]
+    s = path / 1.2
+    yaw, rate = 1.5 * (10 * s**3 - 15 * s**4 + 6 * s**5), 1.5 / 1.2 * (30 * s**2 - 60 * s**3 + 30 * s**4)
+    for t, angle, speed in zip(path, yaw, rate, strict=True):
+        assert rope.advance_to(float(t), EndMotion(), EndMotion(yaw=angle, yaw_rate=speed)).valid
+        dissipated.append(rope.state.ledger.dissipated_swivel)
+    assert np.all(np.diff(dissipated) >= -1e-15)
+    assert dissipated[-1] > 0.01
+    ledger = rope.state.ledger
+    # what the integrator itself takes is small against what the friction takes
+    assert abs(ledger.residual) < 0.02 * dissipated[-1]
+
+
+def test_release_at_its_time_and_not_before() -> None:
+    late = replace(STIFF_BEARING, release_time=0.5, mu_static=0.001, mu_kinetic=0.001)
+    rope, events = twisted(scene(left=late, right=Swivel()))
+    assert events
+    assert_allclose(events[0].t, 0.5, rtol=0, atol=1e-12)
+    assert all(event.t >= 0.5 for event in events)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_limits_follow_the_tension_at_the_end(factor: float) -> None:
+    # a rope twice as heavy holds twice the torque
+    heavy = replace(SOFT, mass_per_length=SOFT.mass_per_length * factor)
+    rope = RopeSimulator(replace(scene(left=STIFF_BEARING, right=STIFF_BEARING), rope=heavy))
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    weight = 0.5 * heavy.mass_per_length * 9.81 * heavy.length
+    expected = 0.5 * STIFF_BEARING.mu_static * STIFF_BEARING.mean_diameter * weight
+    assert_allclose(rope.ends.friction(0, rope.state.motion.reaction, kinetic=False), expected, rtol=1e-9)
