@@ -67,6 +67,7 @@ def test_the_direction_is_that_of_a_dense_solve(elements: int, seed: int) -> Non
     x = random_chain(elements, seed)
     correction, R = RopeKernels(elements, "portable").direction(*x.values())
     expected, R_expected = direct(x)
+    assert np.all(np.isfinite(expected))
     # elimination without pivoting of a well-conditioned matrix: rounding times its condition of 1e3
     np.testing.assert_allclose(correction, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
     np.testing.assert_allclose(R, R_expected, rtol=0, atol=1e-13 * np.abs(R_expected).max())
@@ -116,6 +117,7 @@ def test_the_compiled_kernels_are_the_portable_ones_twins() -> None:
             *zip(compiled.strains(x["q"], x["l"], P), portable.strains(x["q"], x["l"], P), strict=True),
         ]
         for ours, reference in pairs:
+            assert np.all(np.isfinite(reference))
             # the same operations; the compiler may order a sum differently
             np.testing.assert_allclose(ours, reference, rtol=1e-12, atol=1e-12 * np.abs(reference).max())
 

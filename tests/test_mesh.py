@@ -1,0 +1,256 @@
+"""The TMN-ETM ladder, its transformation there and back, and what a transfer keeps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from rope_model.parameters import Mesh
+from rope_model.physics.element import PARAMETERS, element_functions
+from rope_model.simulation.mesh import (
+    DUE,
+    LADDER,
+    Partition,
+    distance_to_due,
+    partition,
+    transformation_due,
+    transformed,
+)
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
+from rope_model.simulation.transfer import transferred
+
+Array = NDArray[np.float64]
+
+
+def nodes(p: Partition) -> Array:
+    return np.concatenate(([0.0], np.cumsum(p.lengths)))
+
+
+def smooth(s: Array, length: float) -> Array:
+    """(nodes, 7): values of a smooth motion on a rope."""
+    k = 2 * np.pi / length
+    x = np.zeros((s.size, 7))
+    for i, (waves, phase) in enumerate(((1.0, 0.3), (2.0, 1.1), (1.5, 2.0))):
+        x[:, i], x[:, 3 + i] = np.sin(waves * k * s + phase), waves * k * np.cos(waves * k * s + phase)
+    x[:, ANGLE] = np.cos(k * s)
+    return x
+
+
+def momentum_and_energy(x: Array, lengths: Array) -> tuple[Array, float]:
+    """Linear momentum (3,) and kinetic energy of the velocities ``x``, per mass of 1 kg/m, by the element's mass."""
+    element, P = element_functions(), np.zeros(len(PARAMETERS))
+    P[[0, 9]] = 1.0
+    momentum, energy, rest = np.zeros(3), 0.0, np.zeros(14)
+    uniform = np.zeros((3, 14))
+    rest[[3, 10]] = 1.0
+    for i in range(3):
+        uniform[i, [i, 7 + i]] = 1.0
+    for i, l in enumerate(lengths):
+        rest[7] = l
+        v = x[i : i + 2].ravel()
+        force = np.asarray(element.tangent(rest, 0 * rest, 0 * rest, l, P, 0.0, 0.0, 1.0)[1]) @ v
+        momentum += uniform @ force
+        energy += 0.5 * float(v @ force)
+    return momentum, energy
+
+
+# the ladder
+
+
+def test_the_segments_are_a_two_to_one_ladder_about_the_lowest_point() -> None:
+    p = partition(Mesh(), 120.0, 60.0)
+    assert len(p.counts) == 7
+    np.testing.assert_array_equal(LADDER, [1, 1 / 2, 1 / 4, 1 / 8, 1 / 4, 1 / 2, 1])
+    np.testing.assert_array_equal(p.lengths, np.repeat(p.coarse * LADDER, p.counts))
+    np.testing.assert_allclose(p.centre, 60.0, atol=p.coarse / 2)
+    np.testing.assert_allclose(p.coarse, 2.0, rtol=0.05)
+
+
+def test_eem_is_equal_lengths_and_calls_for_no_transformation() -> None:
+    p = partition(Mesh(kind="eem", elements=600), 120.0, 60.0)
+    np.testing.assert_allclose(p.lengths, 0.2, rtol=1e-14)
+    assert p.counts == ()
+    assert transformation_due(p, 10.0) == 0
+    assert distance_to_due(p, 10.0) == -np.inf
+
+
+def test_a_rope_too_short_for_its_ladder_is_refused_with_the_cure() -> None:
+    with pytest.raises(ValueError, match="lower coarse_length or the counts"):
+        partition(Mesh(coarse_length=6.0), 60.0, 30.0)
+
+
+LENGTHS = st.floats(40.0, 400.0)
+PLACES = st.floats(0.0, 1.0)
+MESHES = st.builds(
+    lambda coarse, two, three, four: Mesh(
+        coarse_length=coarse, counts=(2 * two, 4 * three, 8 * four, 4 * three, 2 * two)
+    ),
+    st.floats(0.5, 4.0),
+    st.integers(1, 3),
+    st.integers(1, 3),
+    st.integers(1, 6),
+)
+
+
+@settings(max_examples=100, deadline=None)
+@given(mesh=MESHES, length=LENGTHS, place=PLACES)
+def test_the_ladder_adds_up_to_the_rope_and_is_centred_as_well_as_it_can_be(
+    mesh: Mesh, length: float, place: float
+) -> None:
+    inner = float(np.dot(mesh.counts, LADDER[1:6])) * mesh.coarse_length
+    assume(length > inner + 3 * mesh.coarse_length)
+    p = partition(mesh, length, place * length)
+    np.testing.assert_allclose(p.lengths.sum(), length, rtol=1e-12)  # a sum of some hundred lengths
+    assert sum(p.counts) == p.lengths.size
+    assert min(p.counts) >= 0
+    assert p.counts[1:6] == mesh.counts
+    # half a coarse element off, where the ends leave room for it
+    if p.counts[0] > 0 and p.counts[6] > 0:
+        assert abs(p.centre - place * length) <= 0.5 * p.coarse * (1 + 1e-9)
+
+
+@settings(max_examples=100, deadline=None)
+@given(mesh=MESHES, length=LENGTHS, place=PLACES, direction=st.sampled_from([-1, 1]))
+def test_a_transformation_moves_one_coarse_element_across_and_back_again(
+    mesh: Mesh, length: float, place: float, direction: int
+) -> None:
+    inner = float(np.dot(mesh.counts, LADDER[1:6])) * mesh.coarse_length
+    assume(length > inner + 3 * mesh.coarse_length)
+    p = partition(mesh, length, place * length)
+    assume(p.counts[6 if direction > 0 else 0] > 0)
+    there = transformed(p, direction)
+    assert there.lengths.size == p.lengths.size
+    assert there.counts[1:6] == p.counts[1:6]
+    assert (there.counts[0] - p.counts[0], there.counts[6] - p.counts[6]) == (direction, -direction)
+    np.testing.assert_allclose(there.lengths.sum(), length, rtol=1e-12)
+    np.testing.assert_allclose(there.centre - p.centre, direction * p.coarse, rtol=1e-9)
+    back = transformed(there, -direction)
+    assert back.counts == p.counts
+    np.testing.assert_array_equal(back.lengths, p.lengths)
+    # every new node lies on an old one or in the middle of an old element
+    old, new = nodes(p), nodes(there)
+    places = np.sort(np.concatenate((old, 0.5 * (old[1:] + old[:-1]))))
+    i = np.clip(np.searchsorted(places, new), 1, places.size - 1)
+    assert np.max(np.minimum(np.abs(places[i] - new), np.abs(places[i - 1] - new))) < 1e-9 * length
+
+
+def test_a_transformation_is_due_when_the_loop_has_travelled_and_not_due_back_at_once() -> None:
+    p = partition(Mesh(), 120.0, 60.0)
+    for direction in (-1, 1):
+        at = p.centre + direction * (DUE * p.coarse + 1e-6)
+        assert transformation_due(p, p.centre + direction * (DUE * p.coarse - 1e-6)) == 0
+        assert transformation_due(p, at) == direction
+        assert transformation_due(transformed(p, direction), at) == 0
+    # at the end of the rope there is nothing left to give
+    spent = replace(p, counts=(p.counts[0] + p.counts[6], *p.counts[1:6], 0))
+    assert transformation_due(spent, 119.0) == 0
+
+
+def test_a_loop_that_travels_to_the_end_and_back_ends_on_the_mesh_it_began_with() -> None:
+    p = start = partition(Mesh(), 120.0, 15.0)
+    bottoms = np.concatenate((np.arange(15.0, 105.0, 0.5), np.arange(105.0, 15.0, -0.5), np.arange(15.0, 15.6, 0.1)))
+    counts = 0
+    for bottom in bottoms:
+        while direction := transformation_due(p, float(bottom)):
+            p, counts = transformed(p, direction), counts + 1
+        assert abs(p.centre - bottom) <= (DUE + 1e-9) * p.coarse
+        assert p.lengths.size == start.lengths.size
+    assert counts >= 80  # 90 m there and back in steps of 2 m
+    assert abs(p.counts[0] - start.counts[0]) <= 1
+
+
+# the transfer
+
+
+@pytest.fixture(params=[-1, 1])
+def pair(request: pytest.FixtureRequest) -> tuple[Partition, Partition]:
+    p = partition(Mesh(), 120.0, 60.0)
+    return p, transformed(p, request.param)
+
+
+def test_nodes_that_stay_keep_their_values_to_the_bit(pair: tuple[Partition, Partition]) -> None:
+    old_s, new_s = map(nodes, pair)
+    x = np.random.default_rng(1).normal(size=(old_s.size, 7))
+    y = transferred(x, old_s, new_s)
+    nearest = np.abs(old_s[:, None] - new_s).argmin(axis=0)
+    stay = np.abs(old_s[nearest] - new_s) < 1e-9
+    assert stay.sum() > 0.7 * new_s.size
+    np.testing.assert_array_equal(y[stay], x[nearest[stay]])
+
+
+def test_a_transfer_to_the_same_mesh_changes_nothing() -> None:
+    s = nodes(partition(Mesh(), 120.0, 60.0))
+    x = np.random.default_rng(2).normal(size=(s.size, 7))
+    np.testing.assert_array_equal(transferred(x, s, s), x)
+
+
+def test_a_split_reproduces_the_element_exactly() -> None:
+    rng = np.random.default_rng(3)
+    s, halves = np.array([0.0, 1.7, 3.0]), np.array([0.0, 0.85, 1.7, 2.35, 3.0])
+    x = rng.normal(size=(3, 7))
+    anywhere = np.linspace(0.0, 3.0, 61)
+    split = transferred(transferred(x, s, halves), halves, anywhere)
+    np.testing.assert_allclose(split, transferred(x, s, anywhere), rtol=0, atol=1e-13)  # rounding
+
+
+def test_the_interpolation_is_the_elements_own_cubic() -> None:
+    s = np.array([0.0, 2.0])
+    c = np.random.default_rng(4).normal(size=(4, 3))
+    powers, rates = (lambda z: z[:, None] ** [0, 1, 2, 3]), (lambda z: z[:, None] ** [0, 0, 1, 2] * [0, 1, 2, 3])
+    x = np.zeros((2, 7))
+    x[:, POSITION], x[:, SLOPE], x[:, ANGLE] = powers(s) @ c, rates(s) @ c, [1.0, 5.0]
+    at = np.linspace(0.0, 2.0, 9)
+    y = transferred(x, s, at)
+    np.testing.assert_allclose(y[:, POSITION], powers(at) @ c, atol=1e-13)
+    np.testing.assert_allclose(y[:, SLOPE], rates(at) @ c, atol=1e-13)
+    np.testing.assert_allclose(y[:, ANGLE], 1 + 2 * at, atol=1e-13)
+
+
+def test_a_split_keeps_momentum_and_kinetic_energy_to_rounding() -> None:
+    s, halves = np.linspace(0.0, 6.0, 4), np.linspace(0.0, 6.0, 7)
+    v = smooth(s, 6.0)
+    before = momentum_and_energy(v, np.diff(s))
+    after = momentum_and_energy(transferred(v, s, halves), np.diff(halves))
+    np.testing.assert_allclose(after[0], before[0], atol=1e-12)
+    np.testing.assert_allclose(after[1], before[1], rtol=1e-12)
+
+
+def test_a_transformation_keeps_the_mass(pair: tuple[Partition, Partition]) -> None:
+    # the momentum of a rope that moves as one
+    momenta = []
+    for p in pair:
+        v = np.zeros((p.lengths.size + 1, 7))
+        v[:, 0] = 1.0
+        momenta.append(momentum_and_energy(v, p.lengths)[0])
+    np.testing.assert_allclose(momenta, [[120.0, 0, 0], [120.0, 0, 0]], rtol=1e-12, atol=1e-12)
+
+
+def test_a_merge_changes_the_momentum_with_the_fourth_power_of_the_length() -> None:
+    changes = []
+    for elements in (8, 16, 32):
+        s, merged = np.linspace(0.0, 6.0, 2 * elements + 1), np.linspace(0.0, 6.0, elements + 1)
+        v = smooth(s, 9.0)
+        before = momentum_and_energy(v, np.diff(s))[0]
+        changes.append(np.linalg.norm(momentum_and_energy(transferred(v, s, merged), np.diff(merged))[0] - before))
+    # Hermite interpolation errs by l^4
+    np.testing.assert_allclose(np.log2(np.array(changes[:-1]) / changes[1:]), 4.0, atol=0.2)
+    assert changes[-1] < 1e-6 * 6.0  # and by little: a few waves a rope
+
+
+@settings(max_examples=60, deadline=None)
+@given(place=st.floats(0.2, 0.8), length=st.floats(80.0, 250.0), direction=st.sampled_from([-1, 1]))
+def test_a_transformation_there_and_back_returns_a_smooth_motion(place: float, length: float, direction: int) -> None:
+    p = partition(Mesh(), length, place * length)
+    assume(p.counts[6 if direction > 0 else 0] > 0)
+    s, other = nodes(p), nodes(transformed(p, direction))
+    v = smooth(s, length)
+    back = transferred(transferred(v, s, other), other, s)
+    # nodes merged and split again come from cubics of 2 m: (2 pi 2 l/L)^4/384
+    bound = (4 * np.pi * p.coarse / length) ** 4 / 384
+    np.testing.assert_allclose(back[:, POSITION], v[:, POSITION], rtol=0, atol=bound)
+    assert np.mean(np.all(back == v, axis=1)) > 0.7
