@@ -54,6 +54,7 @@ _MESH = {
     "kind": ("", "0 TMN-ETM (seven segments that follow the loop), 1 EEM (equal lengths)"),
     "elements": ("", "number of elements, EEM only"),
     "coarse_length": ("m", "element length of segments I and VII, TMN-ETM only; the loop's are an eighth of it"),
+    "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, TMN-ETM only"),
 }
 _SOLVER = {
     "step_max": ("s", "largest time step"),

@@ -123,6 +123,7 @@ class Mesh:
     elements: int = 600  # EEM only
     coarse_length: float = 2.0  # m, l of segments I and VII; the loop's elements are an eighth of it
     counts: tuple[int, int, int, int, int] = (2, 4, 40, 4, 2)  # elements of segments II to VI
+    end_levels: int = 2  # how often the outermost element is halved towards the clamped end; 0 is the source's mesh
 
     def __post_init__(self) -> None:
         _require(self.kind in ("tmn", "eem"), "mesh kind", self.kind, "'tmn' or 'eem'", "choose one of the two")
@@ -134,6 +135,7 @@ class Mesh:
             "> 0 m",
             "2 m suits a 120 m rope",
         )
+        _require(0 <= self.end_levels <= 8, "end_levels", self.end_levels, "0 to 8", "2 resolves the clamped ends")
         multiples = (2, 4, 8, 4, 2)
         for name, count, multiple in zip(("II", "III", "IV", "V", "VI"), self.counts, multiples, strict=True):
             _require(

@@ -9,6 +9,10 @@ TMN-ETM, time-varying multi-segment non-equal-length elements, has seven segment
 IV around the loop's lowest point.  When the loop has travelled l along the rope a transformation moves the pattern
 by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets
 coarser two elements become one (their middle node is dropped), where it gets finer one becomes two.
+
+Ours is one addition: the outermost element at each end is halved towards the end ``end_levels`` times and stays so.
+The rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
+long, is shorter than l; unresolved, it leans the whole leg.
 """
 
 from __future__ import annotations
@@ -31,12 +35,14 @@ DUE = 0.6
 class Partition:
     """Element lengths from left to right; for TMN-ETM also the pattern they come from.
 
-    ``counts`` are the elements of the seven segments (empty for EEM), ``coarse`` is l.
+    ``counts`` are the elements of the seven segments (empty for EEM) before the end elements are halved
+    ``end_levels`` times, ``coarse`` is l.
     """
 
     lengths: Array
     counts: tuple[int, ...] = ()
     coarse: float = 0.0
+    end_levels: int = 0
 
     @property
     def nodes_s(self) -> Array:
@@ -62,14 +68,14 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
             "nothing for I and VII; lower coarse_length or the counts"
         )
     coarse = length / (outer + inner)
-    first = int(np.clip(round(bottom / coarse - 0.5 * inner), 0, outer))
-    return _tmn((first, *mesh.counts, outer - first), coarse)
+    first = int(np.clip(round(bottom / coarse - 0.5 * inner), 1, outer - 1))
+    return _tmn((first, *mesh.counts, outer - first), coarse, mesh.end_levels)
 
 
 def transformed(old: Partition, direction: int) -> Partition:
     """The partition after one transformation, ``direction`` +1 when the loop travels to the right, else -1."""
     first, last = old.counts[0] + direction, old.counts[6] - direction
-    return _tmn((first, *old.counts[1:6], last), old.coarse)
+    return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels)
 
 
 def transformation_due(mesh: Partition, bottom: float, slack: float = 0.0) -> int:
@@ -85,12 +91,13 @@ def distance_to_due(mesh: Partition, bottom: float) -> float:
     if not mesh.counts:
         return -np.inf
     offset = bottom - mesh.centre
-    if mesh.counts[6 if offset > 0 else 0] == 0:
+    if mesh.counts[6 if offset > 0 else 0] == 1:
         return -np.inf
     return float(abs(offset) - DUE * mesh.coarse)
 
 
-def _tmn(counts: tuple[int, ...], coarse: float) -> Partition:
-    return Partition(np.repeat(coarse * LADDER, counts), counts, coarse)
-
-
+def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int) -> Partition:
+    ladder = np.repeat(coarse * LADDER, counts)
+    # l/2, l/4 ... and the last length once more
+    end = coarse * np.array([*(0.5**k for k in range(1, end_levels + 1)), 0.5**end_levels])
+    return Partition(np.concatenate((end[::-1], ladder[1:-1], end)), counts, coarse, end_levels)
