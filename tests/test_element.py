@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from conftest import Chain, portable_system, rotation, straight
+from numpy.polynomial.polynomial import polyder, polyval
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -72,6 +73,50 @@ def differenced(f: Callable[[Array], Array | float], x: Array, step: float = STE
     """Columns df/dx_i by central differences."""
     columns = [(np.asarray(f(x + d)) - np.asarray(f(x - d))) / (2 * step) for d in step * np.eye(x.size)]
     return np.stack(columns, axis=-1)
+
+
+# energies against their definition
+
+
+def interpolated(x: Array, xi: Array, l: float) -> tuple[Array, Array, Array]:
+    """r, r', r'' (3, n) at xi of an element's degrees of freedom ``x`` (14,)."""
+    ends = np.array([x[0:3], l * x[3:6], x[7:10], l * x[10:13]])
+    hermite = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
+    rates = [np.array([polyval(xi, polyder(shape, k)) for shape in hermite]) / l**k for k in range(3)]
+    r, d, c = (ends.T @ rate for rate in rates)
+    return r, d, c
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
+    s, m = random_state(seed), MATERIAL
+    parts = balance(s.q, s.v, s.l, s.P(**m))
+    # polynomials of degree six: exact with four points; strains by the element's three
+    for points, names in ((4, ("kinetic", "gravity")), (3, (*STRAIN, "spin"))):
+        xi, weights = np.polynomial.legendre.leggauss(points)
+        at = 0.5 + 0.5 * xi
+        r, d, c = interpolated(s.q, at, s.l)
+        r_t, d_t, _ = interpolated(s.v, at, s.l)
+        theta_x, theta_t = (s.q[13] - s.q[6]) / s.l, s.v[6] + at * (s.v[13] - s.v[6])
+        stretch = np.linalg.norm(d, axis=0)
+        t = d / stretch
+        t_x, t_t = ((x - t * np.sum(t * x, axis=0)) / stretch for x in (c, d_t))
+        e, k = stretch - 1, np.linalg.norm(np.cross(d, c, axis=0), axis=0) / stretch**2
+        tau, w = (
+            x - s.pole @ np.cross(t, change, axis=0) / (1 + s.pole @ t)
+            for x, change in ((theta_x, t_x), (theta_t, t_t))
+        )
+        density = {
+            "axial": 0.5 * m["Qa"] * e**2,
+            "coupling": m["Qs"] * e * tau,
+            "torsion": 0.5 * m["Qd"] * tau**2,
+            "bending": 0.5 * m["EI"] * k**2,
+            "kinetic": 0.5 * m["rho"] * np.sum(r_t**2, axis=0),
+            "spin": 0.5 * m["rhoJ"] * w**2,
+            "gravity": m["rho"] * m["g"] * r[1],
+        }
+        expected = [0.5 * s.l * float(weights @ density[name]) for name in names]
+        np.testing.assert_allclose([parts[name] for name in names], expected, rtol=1e-11)  # rounding
 
 
 # forces against energies

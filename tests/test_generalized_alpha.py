@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from rope_model.numerics.generalized_alpha import LARGEST_GROWTH, Coefficients, Motion, restart, step
 from rope_model.numerics.newton import NewtonStatus, iterate
 from rope_model.parameters import Rope
-from rope_model.simulation.rope_system import ANGLE, POSITION, RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
 Array = NDArray[np.float64]

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from conftest import Chain, portable_system, rotation, straight
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+from scipy.linalg import eigvals_banded
+from scipy.optimize import brentq, fsolve
 
 from rope_model.parameters import Rope
 from rope_model.physics.element import PARAMETERS
@@ -315,8 +316,12 @@ def softest(system: RopeSystem, q: Array, twist: float) -> float:
     q = q.copy()
     q[:, ANGLE] = twist * system.nodes_s / system.nodes_s[-1]
     free = np.flatnonzero(system.free.ravel())
-    stiffness = assembled_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free].toarray()
-    return float(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T))[0])
+    stiffness = assembled_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
+    # the chain couples neighbouring nodes only
+    band = np.zeros((14, free.size))
+    for k in range(14):
+        band[k, : free.size - k] = stiffness.diagonal(-k)
+    return float(eigvals_banded(band, lower=True, select="i", select_range=(0, 0))[0])
 
 
 def test_a_clamped_rod_buckles_at_the_known_twist() -> None:
@@ -333,6 +338,43 @@ def test_a_long_rod_under_tension_hockles_at_twice_the_root_of_ei_t() -> None:
     twist = brentq(lambda x: softest(system, q, x), 1.9 * L / GJ, 2.2 * L / GJ, xtol=1e-3)
     # a finite length adds about (2 pi/L)^2/2: 0.5 %
     np.testing.assert_allclose(GJ * twist / L, 2 * np.sqrt(EI * T), rtol=0.01)
+
+
+def ring_is_stable(elements: int, EI: float, GJ: float, twist: float) -> bool:
+    """A closed ring of radius 1 of a straight rod, ``twist`` put in before it was closed."""
+    n, x = elements, np.linspace(0.0, 1.0, elements + 1)
+    cosine, sine, zero = np.cos(2 * np.pi * x), np.sin(2 * np.pi * x), np.zeros(n + 1)
+    # counted about Z, theta makes a turn without any twist
+    theta = (2 * np.pi + twist) * x
+
+    def ring(p: Array) -> Array:
+        return np.column_stack((p[0] * cosine, p[0] * sine, zero, -p[1] * sine, p[1] * cosine, zero, theta))
+
+    P = material(POLE_Z, Qa=1e5, Qd=GJ, EI=EI)
+    system = portable_system(np.full(n, 2 * np.pi / n), P, Chain.unloaded(ring(np.ones(2))))
+
+    # in equilibrium by symmetry but for its radius and stretch
+    def unbalanced(p: Array) -> Array:
+        q = ring(p)
+        return np.asarray(system.assess(0.0, q, 0 * q, 0 * q, 0 * q).reaction[n // 2, [0, 4]])
+
+    q = ring(fsolve(unbalanced, np.ones(2), xtol=1e-12))
+    closed = np.vstack((np.eye(7 * n), np.eye(7, 7 * n)))
+    stiffness = closed.T @ assembled_matrix(system, q, (1.0, 0.0, 0.0)) @ closed
+    # rigid motions and rolling cost nothing: zero to 1e-10
+    return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T))[0] > -1e-6)
+
+
+def test_a_twisted_ring_leaves_its_plane_at_michells_twist() -> None:
+    EI, GJ, critical = 1.0, 0.8, []
+    for elements in (24, 48):
+        low, high = 3 * np.pi * EI / GJ, 4 * np.pi * EI / GJ
+        while high - low > 1e-3:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if ring_is_stable(elements, EI, GJ, middle) else (low, middle)
+        critical.append(low)
+    # a linear theta errs by l^2: extrapolated
+    np.testing.assert_allclose((4 * critical[1] - critical[0]) / 3, 2 * np.pi * np.sqrt(3) * EI / GJ, rtol=5e-3)
 
 
 def test_a_tangent_rotated_with_the_rope_has_the_same_spectrum() -> None:

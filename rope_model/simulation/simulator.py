@@ -200,8 +200,9 @@ class RopeSimulator:
         state = released(model, transformed_if_due(model, state))
         system, t = model.system(state), state.motion.t
         stop = self._next_stop(state, t_end)
-        parts = max(math.ceil((stop - t) / state.step_next - 1e-9), 1)
-        h, counts, step_next, cause = (stop - t) / parts, state.counts, state.step_next, ""
+        step_next, counts, cause = min(state.step_next, solver.step_max), state.counts, ""
+        parts = max(math.ceil((stop - t) / step_next - 1e-9), 1)
+        h = (stop - t) / parts
         while True:
             result = model.trial(system, state.motion, h)
             counts = counts.plus(newton=result.newton.iterations)

@@ -1,0 +1,284 @@
+"""Drives the exported FMU in a process of its own; the tests send it a scenario by name and read JSON back.
+
+An FMU shares the interpreter of the process that loads it, so each test gives it a fresh one.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import fmpy
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave
+
+from rope_model.parameters import rope_120
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.signals import signals
+from rope_model.simulation.simulator import RopeSimulator
+
+H = 0.01
+COMPARED = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
+COMPARED += ["loop.x", "loop.y", "loop.z", "loop.yaw", "loop.clearance", "stress.bending_max", "energy.total"]
+
+
+def motion(t: float, travel: float = 20.0, duration: float = 5.0) -> tuple[dict[str, float], dict[str, float]]:
+    """A smooth trip of the 120 m scene, as inputs of both ends."""
+    s = min(max(t / duration, 0.0), 1.0)
+    x = travel * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    v = travel / duration * 30 * s**2 * (1 - s) ** 2
+    a = travel / duration**2 * (60 * s - 180 * s**2 + 120 * s**3)
+    return {"y": x, "vy": v, "ay": a}, {"y": 90.0 - x, "vy": -v, "ay": -a}
+
+
+class Fmu:
+    """One instance, variables by name."""
+
+    def __init__(self, path: str, folder: str, name: str = "rope") -> None:
+        description = fmpy.read_model_description(path)
+        self.variables = {v.name: v for v in description.modelVariables}
+        self.slave = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self.slave.instantiate()
+
+    def set(self, **values: Any) -> None:
+        for name, value in values.items():
+            variable = self.variables[name.replace("__", ".")]
+            getattr(self.slave, f"set{variable.type}")([variable.valueReference], [value])
+
+    def get(self, *names: str) -> list[Any]:
+        out = []
+        for name in names:
+            variable = self.variables[name]
+            value = getattr(self.slave, f"get{variable.type}")([variable.valueReference])[0]
+            out.append(value.decode() if isinstance(value, bytes) else value)
+        return out
+
+    def start(self, **parameters: Any) -> None:
+        self.set(**parameters)
+        self.slave.setupExperiment(startTime=0.0)
+        self.slave.enterInitializationMode()
+        self.slave.exitInitializationMode()
+
+    def move(self, t: float) -> None:
+        """Inputs for the time ``t``."""
+        for side, values in zip(("left", "right"), motion(t), strict=True):
+            self.set(**{f"{side}.{key}": value for key, value in values.items()})
+
+    def step(self, t: float, h: float = H) -> str:
+        """'' or what the FMU says when the step fails."""
+        try:
+            self.slave.doStep(t, h)
+        except FMICallException:
+            valid, message = self.get("status.valid", "status.message")
+            return message if not valid else "failed with status.valid true"
+        return ""
+
+    def run(self, first: int, last: int) -> list[list[float]]:
+        """Steps of H with the inputs of their end."""
+        record = []
+        for k in range(first, last):
+            self.move((k + 1) * H)
+            message = self.step(k * H)
+            if message:
+                raise RuntimeError(message)
+            record.append(self.get(*COMPARED))
+        return record
+
+    def close(self) -> None:
+        self.slave.terminate()
+        self.slave.freeInstance()
+
+
+@contextmanager
+def extracted(path: str) -> Iterator[str]:
+    """The FMU's folder."""
+    folder = fmpy.extract(path)
+    yield folder
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def same_as_in_process(path: str) -> Any:
+    """Largest difference from the in-process rope, relative to each signal's largest value."""
+    with extracted(path) as folder:
+        fmu = Fmu(path, folder)
+        fmu.start(inputs_at_step_end=True)
+        record = fmu.run(0, 250)
+        fmu.close()
+    rope = RopeSimulator(rope_120().scene)
+    rope.initialize(0.0, *(EndMotion(**m) for m in motion(0.0)))
+    expected = []
+    for k in range(250):
+        rope.advance_to(k * H + H, *(EndMotion(**m) for m in motion((k + 1) * H)))
+        values = signals(rope)
+        expected.append([values[name] for name in COMPARED])
+    worst = 0.0
+    for i in range(len(COMPARED)):
+        scale = max(abs(row[i]) for row in expected) or 1.0
+        worst = max(worst, max(abs(a[i] - b[i]) for a, b in zip(record, expected, strict=True)) / scale)
+    return {"worst": worst, "transformations": rope.state.counts.transformations}
+
+
+def rollback(path: str) -> Any:
+    """Save, go on over a transformation, restore (also from bytes, in another instance) and go on again."""
+    with extracted(path) as folder:
+        fmu, other = Fmu(path, folder), Fmu(path, folder, "other")
+        fmu.start(inputs_at_step_end=True)
+        fmu.run(0, 120)
+        state = fmu.slave.getFMUState()
+        data = fmu.slave.serializeFMUState(state)
+        first = fmu.run(120, 200)
+        fmu.slave.setFMUState(state)
+        second = fmu.run(120, 200)
+        other.start(inputs_at_step_end=True)
+        other.slave.setFMUState(other.slave.deSerializeFMUstate(data))
+        third = other.run(120, 200)
+        count = fmu.get("count.transformations")[0]
+        fmu.slave.freeFMUState(state)
+        fmu.close()
+        other.close()
+    return {"same": first == second == third, "transformations": count, "data": data.hex(), "last": first[-1]}
+
+
+def continue_from(path: str, data: str) -> Any:
+    """Go on from bytes that another process serialized."""
+    with extracted(path) as folder:
+        fmu = Fmu(path, folder)
+        fmu.start(inputs_at_step_end=True)
+        fmu.slave.setFMUState(fmu.slave.deSerializeFMUstate(bytes.fromhex(data)))
+        record = fmu.run(120, 200)
+        fmu.close()
+    return record[-1]
+
+
+def two_instances(path: str, second: str) -> Any:
+    """Two instances of one FMU interleaved, and one of another FMU beside them."""
+    with extracted(path) as folder, extracted(second) as second_folder:
+        a, b, c = Fmu(path, folder, "a"), Fmu(path, folder, "b"), Fmu(second, second_folder, "c")
+        for fmu in (a, b, c):
+            fmu.start(inputs_at_step_end=True)
+        records: list[list[Any]] = [[], []]
+        for k in range(60):
+            for record, fmu in zip(records, (a, b), strict=True):
+                record += fmu.run(k, k + 1)
+        lengths = [fmu.get("rope.length")[0] for fmu in (a, c)]
+        weights = [sum(fmu.get("left.fy", "right.fy")) for fmu in (a, c)]
+        for fmu in (a, b, c):
+            fmu.close()
+    return {"same": records[0] == records[1], "lengths": lengths, "weights": weights}
+
+
+def communication_steps(path: str) -> Any:
+    """End force after 1 s with various, also varying, communication steps and both readings of the inputs."""
+    out = {}
+    with extracted(path) as folder:
+        for name, steps in {"10": [0.01] * 100, "5": [0.005] * 200, "20": [0.02] * 50, "vary": [0.004, 0.016] * 50}.items():
+            for at_end in (True, False):
+                fmu = Fmu(path, folder)
+                fmu.start(inputs_at_step_end=at_end)
+                t = 0.0
+                for h in steps:
+                    fmu.move(t + h if at_end else t)
+                    if message := fmu.step(t, h):
+                        raise RuntimeError(message)
+                    t += h
+                out[f"{name} {at_end}"] = fmu.get("left.fy")[0]
+                fmu.close()
+    return out
+
+
+def bad_calls(path: str) -> Any:
+    """Messages after wrong values and calls in the wrong order; the instance must stay usable."""
+    out: dict[str, Any] = {}
+    with extracted(path) as folder:
+        fmu = Fmu(path, folder)
+        out["before initialisation"] = fmu.step(0.0)
+        fmu.start(inputs_at_step_end=True)
+        fmu.run(0, 5)
+        good = motion(0.06)[0]
+        for name, values in {
+            "nan": {"left.vy": math.nan},
+            "inf": {"left.y": math.inf},
+            "range": {"left.vy": 1e4},
+            "jump": {"left.y": 5.0},
+        }.items():
+            fmu.move(0.06)
+            fmu.set(**values)
+            out[name] = fmu.step(0.05)
+            fmu.set(**{f"left.{key}": value for key, value in good.items()})
+        out["wrong time"] = fmu.step(0.5)
+        out["zero step"] = fmu.step(0.05, 0.0)
+        out["negative step"] = fmu.step(0.05, -0.01)
+        out["nan step"] = fmu.step(0.05, math.nan)
+        fmu.set(rope__EI=100.0)
+        out["fixed parameter"] = fmu.step(0.05)
+        fmu.set(left__fy=0.0)
+        out["output set"] = fmu.step(0.05)
+        fmu.slave.setReal([99999], [1.0])
+        out["unknown reference"] = fmu.step(0.05)
+        out["bytes"] = "accepted"
+        fmu.slave.setFMUState(fmu.slave.deSerializeFMUstate(b"{}"))
+        out["bytes"] = fmu.get("status.message")[0]
+        fmu.run(5, 8)
+        out["usable"] = fmu.get("status.valid")[0]
+        fmu.slave.reset()
+        fmu.start(inputs_at_step_end=True)
+        fmu.run(0, 3)
+        out["after reset"] = fmu.get("status.valid")[0]
+        fmu.close()
+
+        for name, value in {"rope__EI": -1.0, "left__swivel__mode": 7, "layout__spacing": 500.0}.items():
+            fmu = Fmu(path, folder)
+            fmu.start(**{name: value})
+            out[name] = fmu.get("status.message")[0]
+            out[f"{name} step"] = fmu.step(0.0)
+            fmu.close()
+    return out
+
+
+def tunable(path: str) -> Any:
+    """A tunable parameter takes effect during the run."""
+    with extracted(path) as folder:
+        fmu = Fmu(path, folder)
+        fmu.start(inputs_at_step_end=True)
+        fmu.run(0, 10)
+        before = fmu.get("count.steps")[0]
+        fmu.set(solver__step_max=0.0025)
+        fmu.run(10, 20)
+        after = fmu.get("count.steps")[0]
+        fmu.close()
+    return [before, after]
+
+
+def portable(path: str) -> Any:
+    """The interpreted kernels inside the FMU."""
+    with extracted(path) as folder:
+        fmu = Fmu(path, folder)
+        fmu.start(inputs_at_step_end=True, solver__kernels=2)
+        record = fmu.run(0, 5)
+        fmu.close()
+    return record[-1]
+
+
+def brief(path: str) -> Any:
+    """As short a life as there is."""
+    with extracted(path) as folder:
+        fmu = Fmu(path, folder)
+        fmu.start(inputs_at_step_end=True)
+        fmu.run(0, 3)
+        fmu.close()
+    return True
+
+
+if __name__ == "__main__":
+    scenario, *arguments = sys.argv[1:]
+    print("RESULT " + json.dumps(globals()[scenario](*arguments)))

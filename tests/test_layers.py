@@ -1,0 +1,113 @@
+"""The house: imports point down, no cycles, each third-party library has its rooms."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
+
+#: package -> packages of ours that it may import from (itself always)
+MAY_IMPORT = {
+    "rope_model.parameters": set(),
+    "rope_model.physics": set(),
+    "rope_model.numerics": set(),
+    "rope_model.simulation": {"rope_model.parameters", "rope_model.physics", "rope_model.numerics"},
+    "fmu_src": {"rope_model.parameters", "rope_model.simulation"},
+    "hoist_demo": {"rope_model.parameters", "rope_model.simulation"},
+}
+#: library -> modules or packages in which it may be imported; numpy is welcome everywhere
+HOMES = {
+    "casadi": {"rope_model.physics.element", "rope_model.numerics", "hoist_demo.plant"},
+    "scipy": {"rope_model.simulation.modal"},
+    "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
+    "fmpy": {"hoist_demo.fmu_rope"},
+    "matplotlib": {"hoist_demo.figures"},
+    "tqdm": {"hoist_demo.cli"},
+}
+
+
+def modules() -> dict[str, Path]:
+    return {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for package in PACKAGES
+        for path in sorted((ROOT / package).rglob("*.py"))
+    }
+
+
+def imports(name: str, path: Path) -> set[str]:
+    """Absolute names of the modules that ``name`` imports."""
+    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            target = ".".join([*base, *([node.module] if node.module else [])])
+            known = modules()
+            found |= {
+                full if (full := f"{target}.{alias.name}") in known else target for alias in node.names
+            }
+    return found
+
+
+def room(name: str) -> str:
+    """The package of MAY_IMPORT that a module belongs to."""
+    return next((r for r in MAY_IMPORT if name == r or name.startswith(r + ".")), name)
+
+
+def within(name: str, places: set[str]) -> bool:
+    return any(name == place or name.startswith(place + ".") for place in places)
+
+
+@pytest.mark.parametrize("name", sorted(modules()))
+def test_imports_point_down(name: str) -> None:
+    ours = {i for i in imports(name, modules()[name]) if i.split(".")[0] in PACKAGES}
+    allowed = MAY_IMPORT.get(room(name), set()) | {room(name)}
+    assert {i for i in ours if room(i) not in allowed and i != "rope_model"} == set()
+
+
+@pytest.mark.parametrize("library", sorted(HOMES))
+def test_third_party_library_stays_in_its_rooms(library: str) -> None:
+    users = {n for n, path in modules().items() if any(i.split(".")[0] == library for i in imports(n, path))}
+    assert users
+    assert {user for user in users if not within(user, HOMES[library])} == set()
+
+
+def test_no_other_third_party_library_is_imported() -> None:
+    import sys
+
+    known = set(HOMES) | set(PACKAGES) | {"numpy", "balance_rope"} | set(sys.stdlib_module_names)
+    used = {i.split(".")[0] for name, path in modules().items() for i in imports(name, path)}
+    assert used <= known
+
+
+def test_no_import_cycles() -> None:
+    graph = {n: {i for i in imports(n, p) if i in modules() and i != n} for n, p in modules().items()}
+    done: set[str] = set()
+
+    def visit(name: str, path: tuple[str, ...]) -> None:
+        assert name not in path, " -> ".join([*path, name])
+        if name not in done:
+            for other in sorted(graph[name]):
+                visit(other, (*path, name))
+            done.add(name)
+
+    for name in sorted(graph):
+        visit(name, ())
+
+
+def test_nothing_the_fmu_imports_needs_scipy() -> None:
+    graph = {n: imports(n, p) for n, p in modules().items()}
+    reached, waiting = set(), ["fmu_src.slave"]
+    while waiting:
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            waiting += [i for i in graph.get(name, ())]
+    assert "rope_model.simulation.simulator" in reached
+    assert not any(name.split(".")[0] == "scipy" for name in reached)
