@@ -137,7 +137,9 @@ class RopeComponent:
             return Status(False, f"doStep before a successful initialisation{why}")
         now = self._rope.state.motion.t
         if not abs(t - now) <= TIME_SLACK * max(1.0, abs(now)):
-            return Status(False, f"the host steps from t = {t!r} s, the rope is at {now!r} s; restore a state to go back")
+            return Status(
+                False, f"the host steps from t = {t!r} s, the rope is at {now!r} s; restore a state to go back"
+            )
         if not 0 < h < float("inf"):
             return Status(False, f"communication step {h!r} s is not positive and finite")
         if self._retune:

@@ -47,14 +47,13 @@ def export_fmu(destination: Path, preset: str = "rope-120") -> Path:
         key = _build_key(preset, kernels)
         package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
         _copy_package(package)
-        slave = (package / "fmu_src" / "slave.py").read_text(encoding="utf-8").replace("from ..rope_model", "from rope_model")
-        script.write_text(re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave), encoding="utf-8")
+        slave = (_root() / "fmu_src" / "slave.py").read_text(encoding="utf-8")
+        slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
+        script.write_text(slave, encoding="utf-8")
         (stage / "build.json").write_text(json.dumps(_build_facts(preset, key), indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
-        FmuBuilder.build_FMU(
-            script, draft, [package, kernels, stage / "build.json"], documentation_folder=None
-        )
+        FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
         sys.path.remove(str(stage))  # the builder leaves it there
         _rewrite(draft, destination)
     return destination
@@ -114,15 +113,17 @@ def _rewrite(draft: Path, destination: Path) -> None:
     shutil.move(scratch, destination)
 
 
-def add_export(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the subcommand ``export``; its options hold the function to run as ``run``."""
     parser = commands.add_parser(
         "export",
         help="write the rope as an FMU",
-        description="Export the balance rope as an FMI 2.0 co-simulation FMU. The importing host needs Python with numpy "
-        "and casadi; every parameter can still be set before initialisation.",
+        description="Export the balance rope as an FMI 2.0 co-simulation FMU. The importing host needs Python with "
+        "numpy and casadi; every parameter can still be set before initialisation.",
     )
-    parser.add_argument("--scene", choices=sorted(PRESETS), default="rope-120", help="start values (default %(default)s)")
+    parser.add_argument(
+        "--scene", choices=sorted(PRESETS), default="rope-120", help="start values (default %(default)s)"
+    )
     parser.add_argument("--out", type=Path, default=DEFAULT_FMU, help="the .fmu to write (default %(default)s)")
     parser.set_defaults(run=_run)
 

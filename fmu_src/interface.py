@@ -139,7 +139,9 @@ def _inputs(travel: float) -> Iterator[Variable]:
                 text = f"{what} of the {side} suspension point, {where}"
                 unit = _INPUT_UNIT[derivative]
                 yield Variable(f"{side}.{derivative}{axis}", "input", "continuous", "Real", unit, start, text)
-        yield Variable(f"{side}.yaw", "input", "continuous", "Real", "rad", 0.0, f"yaw of the {side} conveyance about Y")
+        yield Variable(
+            f"{side}.yaw", "input", "continuous", "Real", "rad", 0.0, f"yaw of the {side} conveyance about Y"
+        )
         yield Variable(f"{side}.yaw_rate", "input", "continuous", "Real", "rad/s", 0.0, f"rate of {side}.yaw")
 
 

@@ -93,9 +93,9 @@ def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
         description=variable.description,
         causality=variable.causality,
         variability=variable.variability,
-        **({"initial": "calculated"} if variable.causality == "output" else {}),
-        **({"initial": "exact"} if variable.causality == "parameter" else {}),
     )
+    if variable.causality != "input":
+        node.set("initial", "calculated" if variable.causality == "output" else "exact")
     attributes = {} if not variable.unit else {"unit": variable.unit}
     for key, bound in (("min", variable.minimum), ("max", variable.maximum)):
         if bound is not None:

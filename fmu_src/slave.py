@@ -38,7 +38,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
             self.component.table, self.modelName, build["guid"], build["version"], build["tool"], build["date"]
         )
 
-    def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
+    ) -> None:
         self.component.setup(start_time)
 
     def exit_initialization_mode(self) -> None:

@@ -40,7 +40,7 @@ is written all the same), 2 wrong arguments.
 """
 
 
-def add_demo(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the subcommand `demo`; its options hold the function to run as `run`."""
     demo = commands.add_parser(
         "demo",
@@ -143,4 +143,3 @@ def _write(
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
     title = f"Winding {winding.travel:g} m with the balance rope {options.scene}, rope {kind}"
     return written + pictures + write_report(directory, title, rows, pictures)
-

@@ -181,7 +181,12 @@ def communication_steps(path: str) -> Any:
     """End force after 1 s with various, also varying, communication steps and both readings of the inputs."""
     out = {}
     with extracted(path) as folder:
-        for name, steps in {"10": [0.01] * 100, "5": [0.005] * 200, "20": [0.02] * 50, "vary": [0.004, 0.016] * 50}.items():
+        for name, steps in {
+            "10": [0.01] * 100,
+            "5": [0.005] * 200,
+            "20": [0.02] * 50,
+            "vary": [0.004, 0.016] * 50,
+        }.items():
             for at_end in (True, False):
                 fmu = Fmu(path, folder)
                 fmu.start(inputs_at_step_end=at_end)

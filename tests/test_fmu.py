@@ -66,7 +66,7 @@ def test_all_outputs_are_initial_unknowns_and_the_date_is_utc(description: Eleme
 
 def test_only_y_of_the_inputs_needs_to_move(description: ElementTree.Element) -> None:
     inputs = {v.get("name"): v for v in description.iter("ScalarVariable") if v.get("causality") == "input"}
-    names = "x y z vx vy vz ax ay az yaw yaw_rate".split()
+    names = ["x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw", "yaw_rate"]
     assert set(inputs) == {f"{side}.{name}" for side in ("left", "right") for name in names}
 
 

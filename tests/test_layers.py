@@ -49,9 +49,7 @@ def imports(name: str, path: Path) -> set[str]:
             base = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
             target = ".".join([*base, *([node.module] if node.module else [])])
             known = modules()
-            found |= {
-                full if (full := f"{target}.{alias.name}") in known else target for alias in node.names
-            }
+            found |= {full if (full := f"{target}.{alias.name}") in known else target for alias in node.names}
     return found
 
 
@@ -108,6 +106,6 @@ def test_nothing_the_fmu_imports_needs_scipy() -> None:
         name = waiting.pop()
         if name not in reached:
             reached.add(name)
-            waiting += [i for i in graph.get(name, ())]
+            waiting += graph.get(name, ())
     assert "rope_model.simulation.simulator" in reached
     assert not any(name.split(".")[0] == "scipy" for name in reached)

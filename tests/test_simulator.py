@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 
 from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.element import element_functions
@@ -194,9 +194,7 @@ def test_same_run_twice_gives_the_same_bytes() -> None:
 
 
 def test_compiled_and_portable_kernels_wind_alike() -> None:
-    records = [
-        wound(started(SHORT.with_(solver=Solver(kernels=form))), 0, 100)[-1] for form in ("auto", "portable")
-    ]
+    records = [wound(started(SHORT.with_(solver=Solver(kernels=form))), 0, 100)[-1] for form in ("auto", "portable")]
     for name, value in records[1].items():
         # rounding differs; the stiff axial direction amplifies it
         assert_allclose(records[0][name], value, rtol=1e-6, atol=1e-6, err_msg=name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.swivel import friction_moment
-from rope_model.simulation.ends import EndMotion, HangingEnds, Phase
+from rope_model.simulation.ends import EndMotion, HangingEnds, Phase, SwivelState
 from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import Event
@@ -67,62 +68,69 @@ def test_free_swivel_carries_no_moment_and_has_no_events() -> None:
     assert rope.ends.moment(1, rope.state.motion.reaction) == 0.0
 
 
-def reference_events(start: RopeSimulator, path: HangingEnds, duration: float) -> list[tuple[float, int, Phase]]:
-    """Stick-slip switching of the same discretised rope by scipy's DOP853 and its event location."""
-    model, q0 = start.model, start.state.motion.q
-    shape, time, events = q0.shape, 0.0, []
-    states = [s._replace(phase=Phase.STICK) for s in start.state.swivels]
-    y = np.concatenate((q0.ravel(), np.zeros(q0.size)))
+class Phased:
+    """The same discretised rope with both swivels in given phases, for scipy: y = (q, v)."""
+
+    def __init__(self, rope: RopeSimulator, ends: HangingEnds, since: float) -> None:
+        self.ends, self.since, self.shape = ends, since, rope.state.motion.q.shape
+        self.system = RopeSystem(rope.model.kernels, rope.system.lengths, rope.system.P, ends, rope.system.node_mass)
+
+    def motion(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
+        free = self.system.free
+        q, v, a = self.system.prescribed(t)
+        q = np.where(free, y[: q.size].reshape(self.shape), q)
+        v = np.where(free, y[q.size :].reshape(self.shape), v)
+        reaction = np.zeros(self.shape)
+        for _ in range(3):  # friction depends on the end tension, which depends on the acceleration
+            x, _ = self.system.direction(t, q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
+            a = a + x
+            reaction = self.system.assess(t, q, v, a, reaction).reaction
+        return q, v, a, reaction
+
+    def rates(self, t: float, y: np.ndarray) -> np.ndarray:
+        _, v, a, _ = self.motion(t, y)
+        return np.concatenate((v.ravel(), a.ravel()))
+
+    def may_stay(self, side: int, t: float, y: np.ndarray) -> float:
+        """Positive while the swivel may stay in its phase."""
+        _, v, _, reaction = self.motion(t, y)
+        state = self.ends.states[side]
+        if state.phase is Phase.SLIP:
+            yaw_rate = self.ends.paths[side](t)[1][3] * (-1, 1)[side]
+            # just after release the rate is zero: look a little later
+            return state.sign * (v[-side, 6] - yaw_rate) + (1e-3 if t < self.since + 1e-4 else 0.0)
+        tension = reaction[-side, 1]
+        return 0.5 * STIFF_BEARING.mu_static * STIFF_BEARING.mean_diameter * tension - abs(reaction[-side, 6])
+
+    def next_state(self, side: int, t: float, y: np.ndarray) -> SwivelState:
+        q, _, _, reaction = self.motion(t, y)
+        state = self.ends.states[side]
+        if state.phase is Phase.STICK:
+            return state._replace(phase=Phase.SLIP, sign=-np.sign(reaction[-side, 6]))
+        angle = q[-side, 6] - self.ends.offsets[side] - (-1, 1)[side] * self.ends.paths[side](t)[0][3]
+        return SwivelState(Phase.STICK, float(angle), 0.0)
+
+
+def reference_events(start: RopeSimulator, ends: HangingEnds, duration: float) -> list[tuple[float, int, Phase]]:
+    """Stick-slip switching by scipy's DOP853 and its event location."""
+    q = start.state.motion.q
+    time, y, events = 0.0, np.concatenate((q.ravel(), np.zeros(q.size))), []
+    states = [state._replace(phase=Phase.STICK) for state in ends.states]
     while time < duration:
-        ends = replace(path, states=tuple(states))
-        system = RopeSystem(model.kernels, start.system.lengths, start.system.P, ends, start.system.node_mass)
-        free = system.free
-
-        def motion(t: float, y: np.ndarray, system=system, free=free) -> tuple[np.ndarray, ...]:
-            q, v, a = system.prescribed(t)
-            q = np.where(free, y[: q.size].reshape(shape), q)
-            v = np.where(free, y[q.size :].reshape(shape), v)
-            reaction = np.zeros(shape)
-            for _ in range(3):  # friction depends on the end tension, which depends on the acceleration
-                x, _ = system.direction(t, q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
-                a = a + x
-                reaction = system.assess(t, q, v, a, reaction).reaction
-            return q, v, a, reaction
-
-        def rates(t: float, y: np.ndarray, motion=motion) -> np.ndarray:
-            _, v, a, _ = motion(t, y)
-            return np.concatenate((v.ravel(), a.ravel()))
-
-        def leaves(side: int, motion=motion, ends=ends):
-            def event(t: float, y: np.ndarray) -> float:
-                _, v, _, reaction = motion(t, y)
-                state = ends.states[side]
-                if state.phase is Phase.SLIP:
-                    yaw_rate = ends.paths[side](t)[1][3] * (-1, 1)[side]
-                    # just after release the rate is zero: look a little later
-                    return state.sign * (v[-side, 6] - yaw_rate) + (1e-3 if t < time + 1e-4 else 0.0)
-                tension = reaction[-side, 1]
-                bearing = STIFF_BEARING
-                return 0.5 * bearing.mu_static * bearing.mean_diameter * tension - abs(reaction[-side, 6])
-
+        rope = Phased(start, replace(ends, states=tuple(states)), time)
+        leaves = [partial(rope.may_stay, side) for side in (0, 1)]
+        for event in leaves:
             event.terminal, event.direction = True, -1
-            return event
-
         solution = solve_ivp(
-            rates, (time, duration), y, "DOP853", rtol=1e-9, atol=1e-10, events=[leaves(0), leaves(1)], max_step=0.01
+            rope.rates, (time, duration), y, "DOP853", rtol=1e-9, atol=1e-10, events=leaves, max_step=0.01
         )
-        time, y = solution.t[-1], solution.y[:, -1]
+        time, y = float(solution.t[-1]), solution.y[:, -1]
         hit = [side for side in (0, 1) if solution.t_events[side].size]
-        if not hit:
-            return events
-        q, _, _, reaction = motion(time, y)
         for side in hit:
-            if states[side].phase is Phase.STICK:
-                states[side] = states[side]._replace(phase=Phase.SLIP, sign=-np.sign(reaction[-side, 6]))
-            else:
-                angle = q[-side, 6] - ends.offsets[side] - (-1, 1)[side] * ends.paths[side](time)[0][3]
-                states[side] = states[side]._replace(phase=Phase.STICK, angle=float(angle), sign=0.0)
+            states[side] = rope.next_state(side, time, y)
             events.append((time, side, states[side].phase))
+        if not hit:
+            break
     return events
 
 
@@ -164,7 +172,7 @@ def test_friction_only_takes_energy_and_the_books_close() -> None:
 
 def test_release_at_its_time_and_not_before() -> None:
     late = replace(STIFF_BEARING, release_time=0.5, mu_static=0.001, mu_kinetic=0.001)
-    rope, events = twisted(scene(left=late, right=Swivel()))
+    _, events = twisted(scene(left=late, right=Swivel()))
     assert events
     assert_allclose(events[0].t, 0.5, rtol=0, atol=1e-12)
     assert all(event.t >= 0.5 for event in events)

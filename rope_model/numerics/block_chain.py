@@ -92,7 +92,7 @@ def chain_functions(
 
 
 def _forward_step(tangent: ca.Function, m: int) -> ca.Function:
-    """(D, y; element inputs, free of both nodes, diagonal and nodal residual of the right node) -> next D, y, W, z, R."""
+    """(D, y; element inputs; free of both nodes, diagonal and residual of the right one) -> next D, y; W, z, R."""
     D, y = ca.SX.sym("D", m, m), ca.SX.sym("y", m)
     free, diagonal, nodal = ca.SX.sym("free", 2 * m), ca.SX.sym("diagonal", m), ca.SX.sym("nodal", m)
     R_e, J_e = ca.SX.sym("R", 2 * m), ca.SX.sym("J", 2 * m, 2 * m)

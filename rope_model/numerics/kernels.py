@@ -18,7 +18,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -43,13 +43,15 @@ class Kernel:
     def __init__(self, function: ca.Function, shapes: Sequence[tuple[int, ...]]) -> None:
         self.function = function
         self._shapes = shapes
-        self._buffer, self._evaluate = function.buffer()
+        buffer: Any
+        buffer, self._evaluate = function.buffer()  # the stubs of casadi do not know the buffer's methods
+        self._buffer = buffer
         self._inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
         self._outputs = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
         for i, x in enumerate(self._inputs):
-            self._buffer.set_arg(i, memoryview(x))
+            buffer.set_arg(i, x.data)
         for i, x in enumerate(self._outputs):
-            self._buffer.set_res(i, memoryview(x))
+            buffer.set_res(i, x.data)
 
     def __call__(self, *arguments: Array) -> list[Array]:
         for destination, source in zip(self._inputs, arguments, strict=True):
@@ -164,5 +166,3 @@ def _load(functions: Sequence[ca.Function], library: Path) -> list[ca.Function]:
         if [*sizes[0]] != [*sizes[1]]:
             raise RuntimeError(f"{library} holds kernels of another mesh size")
     return loaded
-
-

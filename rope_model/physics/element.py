@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -168,7 +169,7 @@ def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX
     """U, D and the non-conservative power, per reference length, from the strains (e, tau, k) and their rates."""
     _, _, Qa, Qs, Qk, Qd, EI, _, beta_K = ca.vertsplit(P)[:9]
 
-    def quadratic(x: ca.SX) -> ca.SX:
+    def quadratic(x: ca.SX) -> Any:
         return costello.strain_energy(Qa, Qs, Qd, x[0], x[1]) + 0.5 * EI * ca.dot(x[2:], x[2:])
 
     power = costello.nonconservative_power(Qk, strain[0], strain[1], rate[0], rate[1])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,8 @@ def transformed_if_due(model: RopeModel, state: RopeState) -> RopeState:
 def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeState:
     old_s, new_s = state.partition.nodes_s, new.nodes_s
     m = state.motion
-    carried = {name: transferred(getattr(m, name), old_s, new_s) for name in ("q", "v", "a", "b", "a_rate")}
+    names = ("q", "v", "a", "b", "a_rate")
+    carried: dict[str, Any] = {name: transferred(getattr(m, name), old_s, new_s) for name in names}
     reaction = np.zeros_like(m.reaction)
     reaction[[0, -1]] = m.reaction[[0, -1]]
     moved = replace(state, partition=new, motion=replace(m, **carried, reaction=reaction))

@@ -46,9 +46,7 @@ def leg_clearance(q: Array, bottom: Array, diameter: float, above: float) -> flo
     heights = np.concatenate([leg[(leg[:, 1] >= low) & (leg[:, 1] <= high), 1] for leg in (left, right)])
     if heights.size == 0:
         heights = np.array([high])
-    across = [
-        np.interp(heights, right[:, 1], right[:, k]) - np.interp(heights, left[:, 1], left[:, k]) for k in (0, 2)
-    ]
+    across = [np.interp(heights, right[:, 1], right[:, k]) - np.interp(heights, left[:, 1], left[:, k]) for k in (0, 2)]
     return float(np.min(np.hypot(*across))) - diameter
 
 

@@ -14,7 +14,7 @@ acceleration are continuous whatever the host's step.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
@@ -52,13 +52,10 @@ class EndMotion:
 
     def extrapolated(self, h: float) -> EndMotion:
         """The motion ``h`` seconds later if the accelerations stay as they are."""
-        return EndMotion(
-            *(x + v * h + 0.5 * a * h * h for x, v, a in zip(self.position, self.velocity, self.acceleration)),
-            *(v + a * h for v, a in zip(self.velocity, self.acceleration)),
-            *self.acceleration,
-            self.yaw + self.yaw_rate * h,
-            self.yaw_rate,
-        )
+        states = zip(self.position, self.velocity, self.acceleration, strict=True)
+        x, y, z = (x + v * h + 0.5 * a * h * h for x, v, a in states)
+        vx, vy, vz = (v + a * h for v, a in zip(self.velocity, self.acceleration, strict=True))
+        return replace(self, x=x, y=y, z=z, vx=vx, vy=vy, vz=vz, yaw=self.yaw + self.yaw_rate * h)
 
     @property
     def position(self) -> tuple[float, float, float]:

@@ -53,7 +53,8 @@ class RopeModel:
     def committed(self, old: RopeState, system: RopeSystem, result: StepResult[Assessment]) -> RopeState:
         """An accepted step, with energies and work booked."""
         motion, assessment = result.motion, result.assessment
-        assert motion is not None and assessment is not None
+        assert motion is not None
+        assert assessment is not None
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out

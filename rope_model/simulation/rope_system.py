@@ -148,5 +148,3 @@ class RopeSystem:
     def nodes_s(self) -> Array:
         """Arc length of the nodes from the left end, m."""
         return np.concatenate(([0.0], np.cumsum(self.lengths)))
-
-

@@ -148,9 +148,7 @@ def shape_signals(rope: RopeSimulator) -> dict[str, float]:
     """Points along the rope."""
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
     points = shape(q, lengths, loop_bottom(q, lengths).s, SHAPE_POINTS)
-    return {
-        f"shape.{axis}[{i}]": float(x) for k, axis in enumerate("xyz") for i, x in enumerate(points[:, k], start=1)
-    }
+    return {f"shape.{axis}[{i}]": float(x) for k, axis in enumerate("xyz") for i, x in enumerate(points[:, k], start=1)}
 
 
 def nominal_stresses(rope: RopeSimulator) -> tuple[Array, Array]:

@@ -88,8 +88,8 @@ class RopeSimulator:
         state = RopeState.from_bytes(data) if isinstance(data, bytes) else data
         if state.partition.lengths.size != self.model.kernels.elements:
             raise ValueError(
-                f"the saved state has {state.partition.lengths.size} elements, this rope {self.model.kernels.elements}; "
-                "restore it into a rope with the same parameters"
+                f"the saved state has {state.partition.lengths.size} elements, "
+                f"this rope {self.model.kernels.elements}; restore it into a rope with the same parameters"
             )
         self._accept(state)
 
@@ -106,7 +106,7 @@ class RopeSimulator:
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > 0.01:
                 return Status(False, f"the {side} end moves at the start; a run starts from rest")
-        ends = nominal_points(scene.layout.spacing) + [left.position, right.position]
+        ends = nominal_points(scene.layout.spacing) + np.array([left.position, right.position])
         held = (SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0))
         try:
             cells = partition(scene.mesh, rope.length, self.model.bottom(paths, t))

@@ -20,12 +20,8 @@ def transferred(x: Array, old_s: Array, new_s: Array) -> Array:
     xi = np.clip((new_s - old_s[i])[:, None] / l, 0.0, 1.0)
     r1, r2, d1, d2 = x[i, POSITION], x[i + 1, POSITION], l * x[i, SLOPE], l * x[i + 1, SLOPE]
     y = np.empty((new_s.size, x.shape[1]))
-    y[:, POSITION] = (
-        r1 + xi**2 * (3 - 2 * xi) * (r2 - r1) + xi * (1 - xi) ** 2 * d1 + xi**2 * (xi - 1) * d2
-    )
-    y[:, SLOPE] = (
-        6 * xi * (1 - xi) * (r2 - r1) + (1 - xi) * (1 - 3 * xi) * d1 + xi * (3 * xi - 2) * d2
-    ) / l
+    y[:, POSITION] = r1 + xi**2 * (3 - 2 * xi) * (r2 - r1) + xi * (1 - xi) ** 2 * d1 + xi**2 * (xi - 1) * d2
+    y[:, SLOPE] = (6 * xi * (1 - xi) * (r2 - r1) + (1 - xi) * (1 - 3 * xi) * d1 + xi * (3 * xi - 2) * d2) / l
     y[:, ANGLE] = (1 - xi[:, 0]) * x[i, ANGLE] + xi[:, 0] * x[i + 1, ANGLE]
     # nodes that stay keep their values exactly
     nearest = np.where(new_s - old_s[i] < old_s[i + 1] - new_s, i, i + 1)
