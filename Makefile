@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench fmu clean
+.PHONY: demo test test-slow lint bench winding robustness fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -22,6 +22,12 @@ lint: $(READY)
 
 bench: fmu
 	$(BIN)/python benchmarks/speed.py
+
+winding: $(READY)
+	$(BIN)/python benchmarks/winding.py
+
+robustness: $(READY)
+	$(BIN)/python benchmarks/robustness.py
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

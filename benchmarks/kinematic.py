@@ -1,0 +1,82 @@
+"""Windings with the conveyances' motion prescribed: what the benchmarks share."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.reference import Reference
+from rope_model.parameters import Scene
+from rope_model.simulation.diagnostics import loop_bottom, observation_points
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.simulator import RopeSimulator, Status
+from rope_model.simulation.state import Event
+
+Array = NDArray[np.float64]
+H = 0.01  # s, communication step
+
+
+@dataclass
+class Winding:
+    """Records of a run, sampled every ``sample`` communication steps."""
+
+    rope: RopeSimulator
+    status: Status
+    t: list[float] = field(default_factory=list)
+    force: list[Array] = field(default_factory=list)  # N, left and right
+    bottom: list[Array] = field(default_factory=list)  # m
+    observed: list[Array] = field(default_factory=list)  # (2, 7) r, r', theta at the observation points
+    kinetic: list[float] = field(default_factory=list)  # J
+    events: list[Event] = field(default_factory=list)
+    simulated: float = 0.0  # s
+    cpu: float = 0.0  # s, of the steps alone
+
+    @property
+    def real_time_factor(self) -> float:
+        return self.simulated / self.cpu
+
+
+def ends_at(reference: Reference, travel: float, t: float) -> tuple[EndMotion, EndMotion]:
+    """Left end from height 0, right end from ``travel`` (m)."""
+    p = reference.at(t)
+    left = EndMotion(y=p.position, vy=p.speed, ay=p.acceleration)
+    return left, EndMotion(y=travel - p.position, vy=-p.speed, ay=-p.acceleration)
+
+
+def wind(
+    scene: Scene,
+    reference: Reference,
+    travel: float,
+    settle: float = 3.0,
+    sample: int = 5,
+    progress: Callable[[float], None] | None = None,
+) -> Winding:
+    """Follow ``reference`` and ``settle`` seconds more."""
+    rope = RopeSimulator(scene)
+    run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
+    if not run.status.valid:
+        return run
+    for k in range(1, round((reference.duration + settle) / H) + 1):
+        ends = ends_at(reference, travel, k * H)
+        start = time.process_time()
+        run.status = rope.advance_to(k * H, *ends)
+        run.cpu += time.process_time() - start
+        if not run.status.valid:
+            break
+        run.simulated = k * H
+        run.events += rope.state.events
+        if k % sample == 0:
+            state = rope.state
+            bottom = loop_bottom(state.motion.q, state.partition.lengths).position
+            run.t.append(run.simulated)
+            run.force.append(-state.motion.reaction[[0, -1], 1])
+            run.bottom.append(bottom)
+            run.observed.append(observation_points(state.motion.q, bottom))
+            run.kinetic.append(state.ledger.kinetic)
+        if progress is not None:
+            progress(run.simulated)
+    return run
