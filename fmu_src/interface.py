@@ -69,6 +69,8 @@ _TUNABLE = {"step_max", "step_min", "tolerance", "newton_tolerance", "mu_static"
 _MINIMUM = {"beta_K": 0.0, "mu_static": 0.0, "mu_kinetic": 0.0, "seal_moment": 0.0, "rho_inf": 0.0}
 _MAXIMUM = {"rho_inf": 1.0}
 _INPUT_UNIT = {"": "m", "v": "m/s", "a": "m/s2"}
+#: names of the inputs of each side in the order of EndMotion
+_MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
 SEGMENTS = ("II", "III", "IV", "V", "VI")
 
 
@@ -186,4 +188,4 @@ def scene_of(values: dict[str, Value]) -> Scene:
 
 def motion_of(side: str, values: dict[str, Value]) -> EndMotion:
     """The motion that the inputs of ``side`` describe."""
-    return EndMotion(**{field.name: float(values[f"{side}.{field.name}"]) for field in dataclasses.fields(EndMotion)})
+    return EndMotion(*(float(values[name]) for name in _MOTION[side]))

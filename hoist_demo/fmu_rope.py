@@ -11,7 +11,7 @@ import shutil
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 from ctypes import byref
-from dataclasses import astuple, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -34,6 +34,9 @@ from hoist_demo.rope_plant import REQUIRED_SIGNALS, EndMotion, RopeStatus
 _log = logging.getLogger(__name__)
 
 ParameterValue = float | int | bool | str
+
+INPUTS = tuple(field.name for field in fields(EndMotion))
+"""Names of an end's inputs."""
 
 NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
 """Outputs left alone by default: the host does not use them, and a rope may compute them only when they are read."""
@@ -65,7 +68,7 @@ class FmuRope:
         if self._description.coSimulation is None or self._description.fmiVersion != "2.0":
             raise ValueError(f"FMU '{path}' must be an FMI 2.0 co-simulation FMU: export it with pythonfmu")
         self._variables: dict[str, Any] = {v.name: v for v in self._description.modelVariables}
-        self._inputs = [self._reference(f"{end}.{f.name}") for end in ("left", "right") for f in fields(EndMotion)]
+        self._inputs = [self._reference(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
         self._outputs = _numeric_outputs(self._description, not_read)
         missing = [name for name in REQUIRED_SIGNALS if name not in self._units_of_outputs()]
         if missing:
@@ -170,14 +173,14 @@ class FmuRope:
             self._slave.setInteger(reference, [int(value)])
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
-        self._slave.setReal(self._inputs, [*astuple(left), *astuple(right)])
+        self._slave.setReal(self._inputs, [getattr(end, name) for end in (left, right) for name in INPUTS])
 
     def _status(self) -> RopeStatus:
         """What `status.valid` and `status.message` say; an FMU without them is valid."""
         valid = True
         if "status.valid" in self._variables:
             valid = bool(self._slave.getBoolean([self._reference("status.valid")])[0])
-        return RopeStatus(valid, self._message())
+        return RopeStatus(valid, "" if valid else self._message())
 
     def _message(self) -> str:
         if "status.message" not in self._variables:

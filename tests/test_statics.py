@@ -66,15 +66,9 @@ def test_the_hanging_shape_is_found(EI: float, spacing: float, height: float, co
     assert_hangs(rope, system, e)
 
 
-#: a trial is refused when its force grows fourfold, though its energy falls: the search creeps and runs out
-CREEPS = pytest.mark.xfail(
-    raises=StaticsError, strict=True, reason="find_equilibrium: 0.96 N left after 2000 iterations"
-)
-
-
 @pytest.mark.parametrize(
     ("EI", "height"),
-    [pytest.param(50.0, 0.0, marks=CREEPS), (300.0, 0.0), (1000.0, 0.0), (50.0, 80.0), (300.0, 80.0), (1000.0, 80.0)],
+    [(20.0, 37.0), (50.0, 0.0), (300.0, 0.0), (1000.0, 0.0), (50.0, 80.0), (300.0, 80.0), (1000.0, 80.0)],
 )
 def test_the_hanging_shape_is_found_on_a_coarse_mesh(EI: float, height: float) -> None:
     # elements of 3 m around a loop 2 m wide: the shape is poor, but it is found and carries the weight

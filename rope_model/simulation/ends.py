@@ -27,6 +27,8 @@ from .rope_system import ANGLE, POSITION, Array
 
 #: sense of the conveyance's yaw in theta, left and right
 YAW_SENSE = (-1.0, 1.0)
+#: instants of a path at which its acceleration is looked at, from 0 to 1
+_SAMPLES = np.linspace(0.0, 1.0, 9)[:, None]
 #: columns of an end's path
 PATH = ("x", "y", "z", "yaw")
 
@@ -114,7 +116,7 @@ class EndPath:
 
     def peak_acceleration(self) -> Array:
         """Largest acceleration (4,) on the path, sampled."""
-        s = np.linspace(0.0, self.stop - self.start, 9)[:, None]
+        s = (self.stop - self.start) * _SAMPLES
         c = self.coefficients
         peak: Array = np.max(np.abs(2 * c[2] + s * (6 * c[3] + s * (12 * c[4] + s * 20 * c[5]))), axis=0)
         return peak

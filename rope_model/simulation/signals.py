@@ -168,7 +168,9 @@ def end_moment(q: Array, reaction: Array, pole: Array, torque_on_rope: float) ->
     part of the torque, which the last term gives back.
     """
     d = q[SLOPE]
-    t = d / np.linalg.norm(d)
+    t = d / math.sqrt(d @ d)
     across = pole - t * float(pole @ t)
-    moment: Array = np.cross(d, reaction[SLOPE]) + torque_on_rope * (t + across / (1 + float(pole @ t)))
+    f = reaction[SLOPE]
+    tilting = np.array([d[1] * f[2] - d[2] * f[1], d[2] * f[0] - d[0] * f[2], d[0] * f[1] - d[1] * f[0]])
+    moment: Array = tilting + torque_on_rope * (t + across / (1 + float(pole @ t)))
     return moment

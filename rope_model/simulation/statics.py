@@ -39,7 +39,7 @@ def find_equilibrium(
     q = np.where(system.free, guess, system.prescribed(t)[0])
     rest = np.zeros_like(q)
     scale = float(np.sum(system.lengths))
-    reaction = system.assess(t, q, rest, rest, rest).reaction
+    reaction, energy = _at_rest(system, t, q, rest)
     tau, largest_move, previous = 0.1, 0.3, _force(system, reaction)
     for k in range(1, max_iterations + 1):
         x, _ = system.direction(t, q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
@@ -49,14 +49,16 @@ def find_equilibrium(
             continue
         step = min(1.0, largest_move / max(*move, 1e-300))
         trial = q + step * x
-        trial_reaction = system.assess(t, trial, rest, rest, reaction).reaction
+        trial_reaction, trial_energy = _at_rest(system, t, trial, reaction)
         force = _force(system, trial_reaction)
-        if not np.isfinite(force) or force > 4.0 * previous + 1e-6:
+        # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them
+        falls = trial_energy < energy + 1e-12 * abs(energy)
+        if not np.isfinite(force) or not (falls or force <= previous + 1e-6):
             tau *= 0.3
             if tau < 1e-7:
                 break
             continue
-        q, reaction = trial, trial_reaction
+        q, reaction, energy = trial, trial_reaction, trial_energy
         if tau > 1e8 and step == 1.0 and system.norm(x) < tolerance * scale:
             return Equilibrium(q, reaction, k)
         tau *= min(10.0, max(1.5, previous / max(force, 1e-300)))
@@ -68,6 +70,14 @@ def find_equilibrium(
     )
 
 
+def _at_rest(system: RopeSystem, t: float, q: Array, reaction: Array) -> tuple[Array, float]:
+    """Residual, and potential energy (J) of rope and dead loads."""
+    rest = np.zeros_like(q)
+    assessment = system.assess(t, q, rest, rest, reaction)
+    stored = sum(assessment.balance[name] for name in ("axial", "coupling", "torsion", "bending", "gravity"))
+    return assessment.reaction, stored - float(np.sum(system.boundary.load(t, reaction) * q))
+
+
 def _force(system: RopeSystem, reaction: Array) -> float:
     """Largest unbalanced force in N; moments and stretching forces count per the shortest element's length."""
     weight = np.ones(reaction.shape[1])
@@ -76,27 +86,34 @@ def _force(system: RopeSystem, reaction: Array) -> float:
 
 
 def hanging_guess(s: Array, left: Array, right: Array) -> Array:
-    """(nodes, 7): two vertical legs and a half circle between the suspension points ``left`` and ``right`` (3,).
+    """(nodes, 7): two straight legs and a half circle between the suspension points ``left`` and ``right`` (3,).
 
-    ``s`` are the arc lengths of the nodes.  The half circle lies in the vertical plane of the two points.
+    ``s`` are the arc lengths of the nodes.  The half circle lies in the vertical plane of the two points; it is as
+    wide as the suspension, or as four of its elements are long, because longer turns strain a cubic badly.  The legs
+    then lean inwards.
     """
     length = float(s[-1])
     across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
     width = float(np.hypot(across[0], across[2]))
     across = across / width
-    radius = 0.5 * width
-    left_leg = 0.5 * (length - np.pi * radius + left[1] - right[1])
-    if left_leg < 0 or length - np.pi * radius - left_leg < 0:
+    middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
+    cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
+    radius = max(0.5 * width, min(4 * cell / np.pi, 0.5 * min(middle, length - middle)))
+    left_leg, right_leg = middle - 0.5 * np.pi * radius, length - middle - 0.5 * np.pi * radius
+    lean = radius - 0.5 * width
+    if min(left_leg, right_leg) <= lean:
         raise StaticsError(
             f"the rope of {length:g} m cannot hang between ends {width:g} m apart with a height difference of "
             f"{left[1] - right[1]:g} m; give a longer rope or bring the ends together"
         )
     phi = np.clip((s - left_leg) / radius, 0.0, np.pi)
-    along = radius * (1 - np.cos(phi))
-    down = np.minimum(s, left_leg) + radius * np.sin(phi) - np.maximum(s - left_leg - np.pi * radius, 0.0)
+    on_left, on_right = np.minimum(s, left_leg), np.maximum(s - left_leg - np.pi * radius, 0.0)
+    along = radius * (1 - np.cos(phi)) - lean * (on_left / left_leg + on_right / right_leg)
+    down = on_left + radius * np.sin(phi) - on_right
+    slope = np.sin(phi) - np.where(phi <= 0, lean / left_leg, np.where(phi >= np.pi, lean / right_leg, 0.0))
     q = np.zeros((s.size, 7))
     q[:, POSITION] = left + along[:, None] * across
     q[:, 1] -= down
-    q[:, SLOPE] = np.sin(phi)[:, None] * across
+    q[:, SLOPE] = slope[:, None] * across
     q[:, 4] = -np.cos(phi)
     return q
