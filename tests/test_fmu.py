@@ -15,6 +15,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from numpy.testing import assert_allclose
 
+from fmu_src.documentation import interface_page
 from fmu_src.export import export_fmu
 from rope_model.simulation.signals import SIGNALS
 
@@ -158,3 +159,10 @@ def test_processes_exit_cleanly(fmu: Path) -> None:
 @pytest.mark.slow
 def test_fifty_processes_exit_cleanly(fmu: Path) -> None:
     assert exits(fmu, 50) == [0] * 50
+
+
+def test_interface_page_is_up_to_date() -> None:
+    page = Path(__file__).parents[1] / "docs" / "interface.md"
+    assert page.read_text(encoding="utf-8") == interface_page(), (
+        "run python -m fmu_src.documentation > docs/interface.md"
+    )
