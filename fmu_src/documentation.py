@@ -13,8 +13,8 @@ from .interface import Variable, variables
 _INTRODUCTION = """\
 # The FMU's variables
 
-FMI 2.0 co-simulation, start values of the 120 m scene. Units are SI; `1` marks a pure number. Parameters marked *tunable*
-may be changed between steps, the others only before initialisation. [assumed] marks data that are ours.
+FMI 2.0 co-simulation, start values of the 120 m scene. Units are SI; `1` marks a pure number. Parameters marked
+*tunable* may be changed between steps, the others only before initialisation. [assumed] marks data that are ours.
 """
 
 
