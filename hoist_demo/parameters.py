@@ -16,7 +16,7 @@ GRAVITY = 9.81
 """Acceleration of free fall [m/s^2]."""
 
 ASSUMED_DATA = (
-    "The hoist, the winding and the rope data marked [A] in the theory are assumed by us. They are plausible, "
+    "The hoist, the winding and the rope data marked [assumed] in docs/model.md are ours. They are plausible, "
     "they belong to no installation, and no number shown here may be used to judge one."
 )
 """Said wherever results are shown."""
