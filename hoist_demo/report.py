@@ -33,7 +33,7 @@ section { break-inside: avoid; margin-bottom: 1.2rem; }
 section h3 { font-size: .95rem; margin: 0 0 .2rem; color: #1f5fa8; }
 table { border-collapse: collapse; width: 100%; font-size: .88rem; }
 td { padding: .22rem .3rem; border-bottom: 1px solid #e6e6e6; vertical-align: top; }
-td.value { text-align: right; font-variant-numeric: tabular-nums; overflow-wrap: anywhere; }
+td.value { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 td.unit { width: 3.2rem; color: #666; white-space: nowrap; }
 figure { margin: 1.5rem 0; }
 img { width: 100%; height: auto; display: block; }

@@ -29,8 +29,8 @@ class SummaryRow:
 
     @property
     def text(self) -> str:
-        """Value for people: six significant digits."""
-        return self.value if isinstance(self.value, str) else f"{self.value:.6g}"
+        """Value for people: five significant digits."""
+        return self.value if isinstance(self.value, str) else f"{self.value:.5g}"
 
 
 def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling) -> tuple[SummaryRow, ...]:
