@@ -1,7 +1,7 @@
 """The rope behind the FMI variables: initialisation, steps, states.
 
-No exception leaves a public method: a failure is logged, kept in ``status.message`` and makes ``do_step`` return
-False, because hosts differ in what they do with an error raised inside a callback.
+No exception leaves a method that a host calls: a failure is logged, kept in ``status.message`` and makes ``do_step``
+return False, because hosts differ in what they do with an error raised inside a callback.
 """
 
 from __future__ import annotations
@@ -18,12 +18,14 @@ from rope_model.simulation.signals import SIDES, group_of
 from rope_model.simulation.simulator import RopeSimulator, Status
 from rope_model.simulation.state import RopeState
 
-from .interface import Value, Variable, motion_of, scene_of, variables
+from .interface import Kind, Value, Variable, motion_of, scene_of, variables
 
 #: log(message, is_error)
 Log = Callable[[str, bool], None]
 #: host and rope may differ by this much about the time, s
 TIME_SLACK = 1e-9
+#: what a variable reads that has no value
+_NOTHING: dict[Kind, Value] = {"Real": 0.0, "Integer": 0, "Boolean": False, "String": ""}
 
 
 class RopeComponent:
@@ -38,6 +40,7 @@ class RopeComponent:
         self._bundle, self._log = bundle, log
         self._outputs: dict[str, float] = {}
         self._retune = False
+        self._initializing, self._changed = False, True
         self._pending = ""  # an error of a call that cannot report one itself
 
     # life cycle
@@ -46,9 +49,14 @@ class RopeComponent:
         """Remember when the run starts."""
         self._start_time = start_time
 
-    def initialize(self) -> None:
-        """Hang the rope with the parameters and inputs set so far."""
-        self._guarded("initialisation", self._initialize)
+    def enter_initialization(self) -> None:
+        """From now on until the first step, outputs are computed from what has been set."""
+        self._initializing, self._changed = True, True
+
+    def exit_initialization(self) -> None:
+        """Hang the rope with the parameters and inputs set so far, unless it hangs so already."""
+        self._hang_if_changed()
+        self._initializing = False
 
     def do_step(self, t: float, h: float) -> bool:
         """Advance from ``t`` by ``h``; False, with status and log telling why, when that fails."""
@@ -56,32 +64,42 @@ class RopeComponent:
 
     # values
 
-    def get(self, references: Sequence[int], kind: str) -> list[Any]:
-        """Values of variables of one FMI type."""
-        out: list[Any] = []
-        for reference in references:
-            variable = self._variable(reference, kind)
-            out.append({"Real": 0.0, "Integer": 0, "Boolean": False, "String": ""}[kind])
-            if variable is not None:
-                out[-1] = type(out[-1])(self._value(variable))
+    def get(self, references: Sequence[int], kind: Kind) -> list[Any]:
+        """Values of variables of one FMI type; what cannot be had is zero or empty, and the status says why."""
+        out: list[Any] = [_NOTHING[kind]] * len(references)
+
+        def read() -> Status:
+            for i, reference in enumerate(references):
+                variable = self._variable(reference, kind)
+                if variable is not None:
+                    out[i] = type(out[i])(self._value(variable))
+            return self.status
+
+        self._hang_if_changed()
+        self._guarded("get", read, keep_outputs=True)
         return out
 
-    def set(self, references: Sequence[int], values: Sequence[Value], kind: str) -> None:
+    def set(self, references: Sequence[int], values: Sequence[Value], kind: Kind) -> None:
         """Set parameters and inputs; a value that may not be set now fails the next step."""
+        if len(references) != len(values):
+            self._fail_later(f"set got {len(references)} value references and {len(values)} values")
+            return
         for reference, value in zip(references, values, strict=True):
             variable = self._variable(reference, kind)
             if variable is None:
                 continue
+            started = self._rope is not None and not self._initializing
             if variable.causality == "output":
                 self._fail_later(f"{variable.name} is an output and cannot be set")
-            elif self._rope is not None and variable.variability == "fixed":
+            elif started and variable.variability == "fixed":
                 if value != self.values[variable.name]:
                     self._fail_later(
                         f"{variable.name} is fixed after initialisation; it stays {self.values[variable.name]!r}. "
                         "Reset the FMU to change it"
                     )
             else:
-                self._retune |= variable.variability == "tunable" and self._rope is not None
+                self._retune |= variable.variability == "tunable" and started
+                self._changed = True
                 self.values[variable.name] = value
 
     # states
@@ -90,20 +108,27 @@ class RopeComponent:
         """Everything that influences the future."""
         return {
             "values": dict(self.values),
-            "status": tuple(vars(self.status).values()),
+            "status": [self.status.valid, self.status.message],
             "start_time": self._start_time,
             "pending": self._pending,
             "rope": self._rope.state if self._rope is not None else None,
         }
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Go on from a state of ``get_state``, also one of another instance of the same FMU."""
-        self._guarded("setFMUstate", lambda: self._set_state(state))
+        """Go on from a state of ``get_state``, also another instance's; one that does not fit changes nothing."""
+        saved: list[Status] = []
+
+        def restore() -> Status:
+            saved.append(self._restore(state))
+            return Status(True)
+
+        if self._guarded("setFMUstate", restore):
+            self.status = saved[0]
 
     @staticmethod
     def state_to_bytes(state: dict[str, Any]) -> bytes:
         """A state as bytes."""
-        rope: RopeState | None = state["rope"]
+        rope: RopeState | None = state.get("rope")
         packed = None if rope is None else base64.b64encode(rope.to_bytes()).decode()
         return json.dumps({**state, "rope": packed}, sort_keys=True).encode()
 
@@ -116,11 +141,17 @@ class RopeComponent:
                 state["rope"] = RopeState.from_bytes(base64.b64decode(state["rope"]))
             return state
         except Exception as error:
-            return {"error": f"these {len(data)} bytes are not a state of this FMU ({error})"}
+            return {"error": f"these {len(data)} bytes are not a state of this FMU ({error!r})"}
 
     # behind the calls
 
+    def _hang_if_changed(self) -> None:
+        if self._initializing and self._changed:
+            self._changed = False
+            self._guarded("initialisation", self._initialize)
+
     def _initialize(self) -> Status:
+        self._rope = None
         rope = RopeSimulator(scene_of(self.values), self._bundle)
         self._log(f"kernels: {rope.model.kernels.form}, {rope.model.kernels.elements} elements", False)
         status = rope.initialize(self._start_time, *(motion_of(side, self.values) for side in SIDES))
@@ -150,22 +181,31 @@ class RopeComponent:
             motions = [motion.extrapolated(h) for motion in motions]
         return self._rope.advance_to(t + h, *motions)
 
-    def _set_state(self, state: dict[str, Any]) -> Status:
+    def _restore(self, state: dict[str, Any]) -> Status:
+        """The status that was saved; ValueError, and nothing changed, when the state is none of this FMU's."""
         if "error" in state:
-            return Status(False, state["error"])
-        self.values = dict(state["values"])
-        if state["rope"] is None:
-            self._rope = None
-        else:
-            if self._rope is None:
-                self._rope = RopeSimulator(scene_of(self.values), self._bundle)
-            self._rope.retune(scene_of(self.values))
-            self._rope.restore(state["rope"])
-        self._start_time, self._pending = state["start_time"], state["pending"]
-        return Status(*state["status"])
+            raise ValueError(state["error"])
+        values = state.get("values", {})
+        kinds = {name: type(value) for name, value in self.values.items()}
+        if {name: type(value) for name, value in values.items()} != kinds:
+            raise ValueError("the state is none of this FMU's: its variables are others")
+        rope, saved, pending = None, Status(*state["status"]), str(state["pending"])
+        start_time = float(state["start_time"])
+        if state["rope"] is not None:
+            scene = scene_of(values)
+            fixed = [v.name for v in self.table if v.variability == "fixed"]
+            same = self._rope is not None and all(values[name] == self.values[name] for name in fixed)
+            rope = self._rope if same and self._rope is not None else RopeSimulator(scene, self._bundle)
+            rope.restore(state["rope"])
+            rope.retune(scene)
+        self.values, self._rope, self._start_time, self._pending = dict(values), rope, start_time, pending
+        self._retune = self._initializing = False
+        return saved
 
-    def _guarded(self, what: str, call: Callable[[], Status]) -> bool:
-        self._outputs = {}
+    def _guarded(self, what: str, call: Callable[[], Status], keep_outputs: bool = False) -> bool:
+        if not keep_outputs:
+            self._outputs = {}
+        before = self.status
         try:
             self.status = call()
         except (ValueError, RuntimeError) as error:
@@ -173,7 +213,7 @@ class RopeComponent:
         except Exception as error:
             self.status = Status(False, f"{what}: internal error, please report it: {error!r}")
             self._log(traceback.format_exc(), True)
-        if not self.status.valid:
+        if not self.status.valid and self.status is not before:
             self._log(self.status.message, True)
         return self.status.valid
 
@@ -181,7 +221,7 @@ class RopeComponent:
         self._log(message, True)
         self._pending = self._pending or message
 
-    def _variable(self, reference: int, kind: str) -> Variable | None:
+    def _variable(self, reference: int, kind: Kind) -> Variable | None:
         if not 0 <= reference < len(self.table) or self.table[reference].kind != kind:
             self._fail_later(f"there is no {kind} variable with value reference {reference}")
             return None

@@ -86,7 +86,8 @@ def _root() -> Path:
 
 
 def _sources() -> list[Path]:
-    return [path for package in SOURCES for path in sorted((_root() / package).rglob("*.py"))]
+    files = [path for package in SOURCES for path in sorted((_root() / package).rglob("*.py"))]
+    return [path for path in files if path.name not in ("export.py", "documentation.py", "modal.py")]
 
 
 def _copy_package(package: Path) -> None:

@@ -43,8 +43,11 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     ) -> None:
         self.component.setup(start_time)
 
+    def enter_initialization_mode(self) -> None:
+        self.component.enter_initialization()
+
     def exit_initialization_mode(self) -> None:
-        self.component.initialize()
+        self.component.exit_initialization()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         return self.component.do_step(current_time, step_size)

@@ -136,6 +136,7 @@ class Mesh:
             "2 m suits a 120 m rope",
         )
         _require(0 <= self.end_levels <= 8, "end_levels", self.end_levels, "0 to 8", "2 resolves the clamped ends")
+        _require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
         multiples = (2, 4, 8, 4, 2)
         for name, count, multiple in zip(("II", "III", "IV", "V", "VI"), self.counts, multiples, strict=True):
             _require(

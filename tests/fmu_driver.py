@@ -250,6 +250,40 @@ def bad_calls(path: str) -> Any:
     return out
 
 
+def initialization(path: str) -> Any:
+    """End forces in initialization mode, after a change of an input there, and after it."""
+    with extracted(path) as folder:
+        fmu = Fmu(path, folder)
+        fmu.slave.setupExperiment(startTime=0.0)
+        fmu.slave.enterInitializationMode()
+        first = fmu.get("left.fy", "right.fy")
+        fmu.set(**{"right.y": 80.0})
+        second = fmu.get("left.fy", "right.fy")
+        fmu.slave.exitInitializationMode()
+        third = fmu.get("left.fy", "right.fy")
+        fmu.close()
+    return [first, second, third]
+
+
+def foreign_state(path: str) -> Any:
+    """A heavier rope's state, on another mesh, taken over by an instance; then bytes that are no state."""
+    with extracted(path) as folder:
+        heavy, other = Fmu(path, folder, "heavy"), Fmu(path, folder, "other")
+        heavy.start(inputs_at_step_end=True, rope__mass_per_length=16.0, mesh__kind=1, mesh__elements=60)
+        other.start(inputs_at_step_end=True)
+        heavy.run(0, 3)
+        other.slave.setFMUstate(heavy.slave.getFMUstate())
+        out = {"weight": sum(other.get("left.fy_mean", "right.fy_mean")), "kept": 0.0}
+        other.slave.setFMUstate(other.slave.deSerializeFMUstate(b"x"))
+        out["message"] = other.get("status.message")[0]
+        out["kept"] = other.get("rope.mass_per_length")[0]
+        other.move(0.04)
+        out["next"] = other.step(0.03)
+        heavy.close()
+        other.close()
+    return out
+
+
 def tunable(path: str) -> Any:
     """A tunable parameter takes effect during the run."""
     with extracted(path) as folder:

@@ -69,6 +69,9 @@ def test_only_y_of_the_inputs_needs_to_move(description: ElementTree.Element) ->
     inputs = {v.get("name"): v for v in description.iter("ScalarVariable") if v.get("causality") == "input"}
     names = ["x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw", "yaw_rate"]
     assert set(inputs) == {f"{side}.{name}" for side in ("left", "right") for name in names}
+    # the scenarios of fmu_driver set y, vy and ay alone; the others start at rest in the nominal place
+    starts = {name: float(v.find("Real").get("start")) for name, v in inputs.items()}
+    assert {name for name, start in starts.items() if start != 0.0} == {"right.y"}
 
 
 def test_same_sources_give_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -80,6 +83,21 @@ def test_same_sources_give_the_same_bytes(tmp_path: Path, monkeypatch: pytest.Mo
 def test_unknown_scene_is_refused_with_the_choices(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="rope-120, rope-240"):
         export_fmu(tmp_path / "a.fmu", "rope-60")
+
+
+def test_outputs_have_their_values_in_initialization_mode_and_follow_the_inputs(fmu: Path) -> None:
+    first, lower, after = drive("initialization", fmu)
+    assert_allclose(sum(first), -8.0 * 9.81 * 120.0, rtol=1e-9)
+    assert_allclose(lower[0] - first[0], -0.5 * 10.0 * 8.0 * 9.81, rtol=1e-3)
+    assert after == lower
+
+
+def test_state_of_an_instance_with_other_parameters_is_taken_over_whole_or_not_at_all(fmu: Path) -> None:
+    result = drive("foreign_state", fmu)
+    assert result["weight"] == pytest.approx(-16.0 * 9.81 * 120.0, rel=0.01)  # it has begun to move
+    assert "not a state" in result["message"]
+    assert result["kept"] == 16.0
+    assert result["next"] == ""
 
 
 def test_fmu_equals_the_rope_in_process(fmu: Path) -> None:

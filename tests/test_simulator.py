@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.element import element_functions
 from rope_model.physics.frame import tait_bryan_rate
@@ -17,6 +19,7 @@ from rope_model.simulation.ends import EndMotion, EndPath
 from rope_model.simulation.signals import SIGNALS, added_mass_signals, signals
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
+from rope_model.simulation.statics import find_equilibrium
 
 H = 0.01
 #: 30 m rope, 12 m of travel: a winding small enough for every test run
@@ -108,11 +111,11 @@ def test_tmn_agrees_with_a_fine_equal_length_mesh_through_the_winding() -> None:
     records = [wound(started(scene), 0, 600) for scene in (SHORT, fine)]
     force = np.array([[row["left.fy"], row["right.fy"]] for row in records[0]])
     reference = np.array([[row["left.fy"], row["right.fy"]] for row in records[1]])
-    # acceptance: 0.5 % of the largest force, 1 cm
-    assert np.sqrt(np.mean((force - reference) ** 2)) < 0.005 * np.abs(reference).max()
+    # measured 0.008 % of the largest force and 1.1 mm; the acceptance is 0.5 % and 1 cm
+    assert np.sqrt(np.mean((force - reference) ** 2)) < 0.0003 * np.abs(reference).max()
     for axis in "xyz":
         difference = [a[f"loop.{axis}"] - b[f"loop.{axis}"] for a, b in zip(*records, strict=True)]
-        assert np.abs(difference).max() < 0.01
+        assert np.abs(difference).max() < 0.004
     assert records[0][-1]["count.transformations"] >= 3
 
 
@@ -193,10 +196,12 @@ def test_same_run_twice_gives_the_same_bytes() -> None:
     assert first.save() == second.save()
 
 
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
 def test_compiled_and_portable_kernels_wind_alike() -> None:
-    records = [wound(started(SHORT.with_(solver=Solver(kernels=form))), 0, 100)[-1] for form in ("auto", "portable")]
+    forms: tuple[Literal["compiled", "portable"], ...] = ("compiled", "portable")
+    records = [wound(started(SHORT.with_(solver=Solver(kernels=form))), 0, 100)[-1] for form in forms]
     for name, value in records[1].items():
-        # rounding differs; the stiff axial direction amplifies it
+        # Newton leaves up to 1e-7, differently with the rounding of either form
         assert_allclose(records[0][name], value, rtol=1e-6, atol=1e-6, err_msg=name)
 
 
@@ -244,7 +249,7 @@ def test_step_that_cannot_be_done_names_cause_and_cure_and_keeps_the_state() -> 
     before = rope.save()
     status = rope.advance_to(0.5, *ends_at(0.5))
     assert not status.valid
-    assert "smallest step of 0.002 s" in status.message
+    assert "step_min = 0.002 s" in status.message
     assert "tolerance" in status.message
     assert rope.save() == before
 
@@ -331,12 +336,19 @@ TURNED = SHORT.with_(mesh=Mesh(kind="eem", elements=40), solver=Solver(step_max=
 
 
 def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn() -> None:
-    rope, stopped = turn_through(TURNED, 2 * math.pi, 12.0)
+    rope, stopped = turn_through(TURNED, 2 * math.pi, 20.0)
     assert stopped == ""
     assert rope.state.loop_yaw > 1.5 * math.pi
-    assert rope.state.counts.pole_changes >= 1
-    # the ends are back where they were: theta has been counted on through the pole changes
-    assert rope.ends.relative(0, 12.0, rope.state.motion.q[0, 6], 0.0)[0] == pytest.approx(0.0, abs=1e-9)
+    assert rope.state.counts.pole_changes >= 4
+    # the ends are back where they were, and so are shape and torque at rest: theta counts on through pole changes.
+    # what is left is the interpolation of theta, 5 % of the torque on these elements of 0.75 m and 0.3 % on 0.25 m
+    first = RopeSimulator(TURNED)
+    assert first.initialize(0.0, EndMotion(), EndMotion()).valid
+    motion = rope.state.motion
+    rest = find_equilibrium(rope.system, motion.q, motion.t)
+    before = first.ends.moment(0, first.state.motion.reaction)
+    assert_allclose(rope.ends.moment(0, rest.reaction), before, rtol=0.08)
+    assert_allclose(rest.q[:, :3], first.state.motion.q[:, :3], rtol=0, atol=2e-3)
 
 
 def test_tait_bryan_frame_fails_where_the_loop_yaws_90_degrees(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -366,3 +378,27 @@ def test_ends_that_the_rope_cannot_join_give_a_message_with_the_cure() -> None:
     status = rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=40.0))
     assert not status.valid
     assert "longer rope" in status.message
+
+
+def test_loop_out_of_the_fine_middle_of_the_mesh_is_refused() -> None:
+    # 25 m apart in height, the loop of a 30 m rope hangs 2.5 m from its end
+    status = RopeSimulator(SHORT).initialize(0.0, EndMotion(y=0.0), EndMotion(y=25.0))
+    assert not status.valid
+    assert "too close to an end" in status.message
+
+
+def test_swivel_without_any_friction_turns_freely_and_does_not_chatter() -> None:
+    ideal = Swivel(mode="coulomb", mu_static=0.0, mu_kinetic=0.0)
+    rope = started(SHORT.with_(rope=replace(SHORT.rope, Qb=0.0, Qc=0.0), left=ideal, right=ideal))
+    wound(rope, 0, 20)
+    assert rope.state.counts.steps <= 22
+    assert rope.state.counts.swivel_events == 0
+
+
+def test_twist_is_what_torque_and_strain_ask_for() -> None:
+    rope = started()
+    s, data = signals(rope), SHORT.rope
+    # M = Qc e + Qd tau at the right end, with e from the tension there (Qs tau is small against Qa e)
+    strain = (-s["right.fy"] - data.Qb * s["right.twist"]) / data.Qa
+    expected = (s["right.swivel.torque"] - data.Qc * strain) / data.Qd
+    assert_allclose(s["right.twist"], expected, rtol=0.02)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 
@@ -9,15 +10,15 @@ def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f
     """The right end of an interval not wider than ``width`` in which ``f`` goes from negative to not negative.
 
     ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Regula falsi with the Illinois modification, and a
-    bisection whenever that does not halve the interval twice in a row (f may be kinked).
+    bisection whenever that does not halve the interval twice in a row, or a value is infinite (f may be kinked).
     """
     side, stalled = 0, 0
     while high - low > width:
         before = high - low
-        if stalled >= 2:
+        if stalled >= 2 or not math.isfinite(f_low - f_high) or f_high <= f_low:
             x, stalled = 0.5 * (low + high), 0
         else:
-            x = low + (high - low) * f_low / (f_low - f_high) if f_high > f_low else 0.5 * (low + high)
+            x = low + (high - low) * f_low / (f_low - f_high)
             x = min(max(x, low + 0.4 * width), high - 0.4 * width)
         value = f(x)
         if value < 0:

@@ -104,6 +104,11 @@ class Coefficients:
     def beta(self) -> float:
         return 0.25 * (1 + self.alpha_f - self.alpha_m) ** 2
 
+    def newton(self, h: float) -> Array:
+        """Derivatives (3,) of q, v and a at the end of a step ``h`` with respect to q there."""
+        m, f = self.alpha_m, self.alpha_f
+        return np.array([1.0, self.gamma / (self.beta * h), (1 - m) / (self.beta * h * h * (1 - f))])
+
     @property
     def shift(self) -> float:
         """Where b lives, in steps from t_n."""
@@ -141,7 +146,7 @@ def step(
     for x, given in zip((q, v, a), system.prescribed(t), strict=True):
         np.copyto(x, given, where=~free)
 
-    c = np.array([1.0, gamma / (beta * h), (1 - m) / (beta * h * h * (1 - f))])
+    c = method.newton(h)
     reaction = old.reaction
 
     def correct() -> float:

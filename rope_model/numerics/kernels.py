@@ -70,6 +70,7 @@ def prepare(
     Raises RuntimeError where ``compiled`` is asked for and cannot be had.
     """
     if form == "portable":
+        log.info("kernels: portable (CasADi virtual machine), as asked for")
         return list(functions), "portable"
     if bundle is not None and bundle.exists():
         try:

@@ -20,6 +20,8 @@ log = logging.getLogger(__name__)
 
 #: 1 + p . t below which a new frame pole is taken; 0 is singular
 POLE_MARGIN = 0.35
+#: cosine of the yaw between pole and the loop's lowest tangent below which the pole follows the loop
+POLE_FOLLOWS = 0.5
 
 
 def transformed_if_due(model: RopeModel, state: RopeState) -> RopeState:
@@ -44,10 +46,15 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
     """Theta expressed in a frame whose singularity is far from every tangent of the rope."""
     d = state.motion.q[:, SLOPE]
     t = d / np.linalg.norm(d, axis=1)[:, None]
-    if pole_margin(state.pole, t) >= POLE_MARGIN:
+    bottom = t[np.argmin(state.motion.q[:, 1])] * [1.0, 0.0, 1.0]
+    margin = pole_margin(state.pole, t)
+    if margin >= POLE_MARGIN and state.pole @ bottom >= POLE_FOLLOWS * np.linalg.norm(bottom):
         return state
-    old, new, m = state.pole, best_pole(t), state.motion
-    if pole_margin(new, t) <= pole_margin(old, t):
+    # the lowest tangent suits a loop that hangs in any vertical plane as X suits it at the start
+    old, new, m = state.pole, bottom / max(float(np.linalg.norm(bottom)), 1e-12), state.motion
+    if pole_margin(new, t) < POLE_MARGIN:
+        new = best_pole(t)
+    if pole_margin(new, t) <= margin - 0.1 or new @ old > 0.99:
         return state
     angle = pole_change_angle(old, new, t)
     q, v = m.q.copy(), m.v.copy()

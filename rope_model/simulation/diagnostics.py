@@ -38,16 +38,23 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     return LoopBottom(float(at), point[POSITION], math.atan2(-d[2], d[0]))
 
 
-def leg_clearance(q: Array, bottom: Array, diameter: float, above: float) -> float:
-    """Smallest free distance (m) between the legs at equal height, from ``above`` the bottom to the lower end."""
-    i = int(np.argmin(q[:, 1]))
-    left, right = q[i::-1, POSITION], q[i:, POSITION]
-    low, high = bottom[1] + above, min(q[0, 1], q[-1, 1])
-    heights = np.concatenate([leg[(leg[:, 1] >= low) & (leg[:, 1] <= high), 1] for leg in (left, right)])
-    if heights.size == 0:
-        heights = np.array([high])
-    across = [np.interp(heights, right[:, 1], right[:, k]) - np.interp(heights, left[:, 1], left[:, k]) for k in (0, 2)]
-    return float(np.min(np.hypot(*across))) - diameter
+def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, diameter: float, above: float) -> float:
+    """Smallest free distance (m) between the two legs where both are ``above`` (m) or more over the lowest point.
+
+    Points of the left leg against straight pieces of the right one, both denser near the loop.
+    """
+    points = shape(q, lengths, bottom.s, 321)
+    middle = points.shape[0] // 2
+    high = points[:, 1] >= bottom.position[1] + above
+    left, right = points[:middle][high[:middle]], points[middle:]
+    pieces = high[middle:-1] & high[middle + 1 :]
+    start, along = right[:-1][pieces], np.diff(right, axis=0)[pieces]
+    if left.size == 0 or start.size == 0:
+        return math.inf
+    across = left[:, None, :] - start
+    part = np.clip(np.sum(across * along, axis=2) / np.sum(along * along, axis=1), 0.0, 1.0)
+    distance = np.linalg.norm(across - part[:, :, None] * along, axis=2)
+    return float(distance.min()) - diameter
 
 
 def shape(q: Array, lengths: Array, bottom_s: float, points: int) -> Array:

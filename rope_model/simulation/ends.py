@@ -221,7 +221,7 @@ def checked(target: EndMotion, path: EndPath, side: str, limits: Sequence[float]
             return f"input {side}.{name} = {value:g} is beyond +-{bound:g} (SI units); check its unit and connection"
     peak = path.peak_acceleration()
     worst = int(np.argmax(peak))
-    if peak[worst] > limits[2]:
+    if not np.max(peak) <= limits[2]:
         unit = "rad/s^2" if worst == 3 else "m/s^2"
         return (
             f"inputs {side}.{PATH[worst]} and its derivatives do not fit together: reaching them within the step "

@@ -29,6 +29,8 @@ LADDER = np.array([1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0])
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, and a margin that
 #: keeps a loop which trembles about the limit from transforming to and fro
 DUE = 0.6
+#: more would be a mistake in the unit of an element's length
+MOST_ELEMENTS = 20000
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,11 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = float(np.dot(mesh.counts, LADDER[1:6]))
     outer = round(length / mesh.coarse_length - inner)
+    if outer > MOST_ELEMENTS:
+        raise ValueError(
+            f"coarse_length = {mesh.coarse_length:g} m makes {outer} elements of a rope of {length:g} m, more than "
+            f"{MOST_ELEMENTS}; use longer elements"
+        )
     if outer < 2:
         raise ValueError(
             f"the mesh's segments II to VI need {inner * mesh.coarse_length:g} m of a rope of {length:g} m and leave "
@@ -70,6 +77,17 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
     coarse = length / (outer + inner)
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), 1, outer - 1))
     return _tmn((first, *mesh.counts, outer - first), coarse, mesh.end_levels)
+
+
+def misplaced(mesh: Partition, bottom: float) -> str:
+    """'' while the loop at arc length ``bottom`` hangs in the mesh's fine middle; otherwise what is wrong."""
+    if not mesh.counts or abs(bottom - mesh.centre) <= (DUE + 1.0) * mesh.coarse:
+        return ""
+    return (
+        f"the loop at {bottom:.3g} m of the rope's {np.sum(mesh.lengths):.4g} m is too close to an end: the mesh's "
+        f"fine middle reaches no further than {mesh.centre:.3g} m; use a smaller coarse_length or fewer elements in "
+        "segments II to VI, or keep the ends closer in height"
+    )
 
 
 def transformed(old: Partition, direction: int) -> Partition:

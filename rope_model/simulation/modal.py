@@ -29,12 +29,19 @@ class Modes:
 
 
 def natural_modes(system: RopeSystem, q: Array, count: int = 8) -> Modes:
-    """The ``count`` lowest modes about the equilibrium ``q`` (nodes, 7), damping left out."""
+    """The ``count`` lowest modes about the equilibrium ``q`` (nodes, 7), damping left out.
+
+    Raises ValueError when the equilibrium is unstable: then there is no frequency to give.
+    """
     free = np.flatnonzero(system.free.ravel())
     stiffness, mass = (assembled_matrix(system, q, c)[free][:, free] for c in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
     start = np.ones(free.size)  # ARPACK's own start is random
     squares, vectors = eigsh(0.5 * (stiffness + stiffness.T), count, mass, sigma=0.0, v0=start)
     order = np.argsort(squares)
+    if squares[order[0]] < -1e-4:  # rad^2/s^2; a swivel that spins freely is zero up to rounding
+        raise ValueError(
+            f"the equilibrium is unstable: omega^2 = {squares[order[0]]:.3g} 1/s^2 is negative; use less twist"
+        )
     shapes = np.zeros((count, q.size))
     shapes[:, free] = vectors[:, order].T
     shapes = shapes.reshape(count, *q.shape)

@@ -49,7 +49,13 @@ def _table() -> Iterator[tuple[str, Signal]]:
     for axis in "xyz":
         yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
     yield "loop.yaw", Signal("rad", "yaw of the loop at its lowest point, about Y, counted on through full turns")
-    yield "loop.clearance", Signal("m", "smallest free distance between the legs at equal height above the loop")
+    yield (
+        "loop.clearance",
+        Signal("m", "smallest free distance between the legs, from one spacing above the loop's bottom"),
+    )
+    for place in (*SIDES, "loop"):
+        where = "at the loop's lowest point" if place == "loop" else f"at the {place} end"
+        yield f"{place}.twist", Signal("rad/m", f"twist of the rope {where}: change of its lay")
     yield "stress.bending_max", Signal("Pa", "largest nominal bending stress, 32 EI kappa / (pi d^3)")
     yield "stress.torsion_max", Signal("Pa", "largest nominal torsional stress, 16 M / (pi d^3)")
     for name, what in (
@@ -92,6 +98,8 @@ def group_of(name: str) -> Callable[[RopeSimulator], dict[str, float]]:
     """The function that computes the signal ``name`` together with its kin."""
     if name.endswith(".added_mass"):
         return added_mass_signals
+    if name.endswith(".twist"):
+        return stress_signals
     groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
     groups |= {"energy": book_signals, "count": book_signals}
     return groups.get(name.partition(".")[0], end_signals)
@@ -124,14 +132,24 @@ def loop_signals(rope: RopeSimulator) -> dict[str, float]:
     state, scene = rope.state, rope.scene
     bottom = loop_bottom(state.motion.q, state.partition.lengths)
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
-    clearance = leg_clearance(state.motion.q, bottom.position, scene.rope.diameter, scene.layout.spacing)
+    q, lengths = state.motion.q, state.partition.lengths
+    clearance = leg_clearance(q, lengths, bottom, scene.rope.diameter, scene.layout.spacing)
     return out | {"loop.yaw": counted_on(bottom.yaw, state.loop_yaw), "loop.clearance": clearance}
 
 
 def stress_signals(rope: RopeSimulator) -> dict[str, float]:
-    """Largest stress norms."""
+    """Largest stress norms, and twist."""
     bending, torsion = nominal_stresses(rope)
-    return {"stress.bending_max": float(bending.max()), "stress.torsion_max": float(torsion.max())}
+    q, lengths = rope.state.motion.q, rope.state.partition.lengths
+    tau = rope.system.strains(q)[:, 1]
+    at_bottom = int(np.searchsorted(np.cumsum(lengths), loop_bottom(q, lengths).s))
+    return {
+        "left.twist": float(tau[0]),
+        "right.twist": float(tau[-1]),
+        "loop.twist": float(tau[min(at_bottom, tau.size - 1)]),
+        "stress.bending_max": float(bending.max()),
+        "stress.torsion_max": float(torsion.max()),
+    }
 
 
 def book_signals(rope: RopeSimulator) -> dict[str, float]:

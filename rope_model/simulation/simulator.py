@@ -16,19 +16,23 @@ from pathlib import Path
 import numpy as np
 
 from ..numerics.events import locate
-from ..numerics.generalized_alpha import Motion
+from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
 from .adaptation import transformed_if_due, with_good_pole, with_loop_yaw
 from .ends import EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
-from .mesh import distance_to_due, partition
+from .mesh import distance_to_due, misplaced, partition
 from .model import RopeModel, ends_of, with_energies
-from .rope_system import RopeKernels, RopeSystem
-from .state import Ledger, RopeState
+from .rope_system import Assessment, RopeKernels, RopeSystem
+from .state import Counts, Ledger, RopeState
 from .statics import StaticsError, find_equilibrium, hanging_guess
 from .switching import next_release, released, switched, switching_step
 
 log = logging.getLogger(__name__)
 
+#: switchings of the swivels in one advance beyond which something is wrong
+MOST_SWITCHINGS = 200
+#: shortest communication step, s
+SHORTEST_INTERVAL = 1e-9
 #: local error below this part of the tolerance lets the step grow
 GROW_BELOW = 0.1
 
@@ -39,6 +43,16 @@ class Status:
 
     valid: bool
     message: str = ""
+
+
+@dataclass(frozen=True)
+class _Accepted:
+    """An accepted trial step, the step to try next, and whether it ends at the instant it was to reach."""
+
+    result: StepResult[Assessment]
+    step_next: float
+    counts: Counts
+    reaches_stop: bool
 
 
 class RopeSimulator:
@@ -98,19 +112,25 @@ class RopeSimulator:
         self.model, self._system = replace(self.model, scene=scene), None
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
-        """Hang the rope at rest between the ends' positions, untwisted but for the installed twist."""
+        """Hang the rope at rest between the ends' positions, untwisted but for the installed twist.
+
+        Accelerations play no part: the ends' paths begin at rest.
+        """
         scene, rope = self.scene, self.scene.rope
         paths = (EndPath.resting(t, left), EndPath.resting(t, right))
         for side, target, path in zip(("left", "right"), (left, right), paths, strict=True):
             if message := checked(target, path, side):
                 return Status(False, message)
-            if max(map(abs, (*target.velocity, target.yaw_rate))) > 0.01:
-                return Status(False, f"the {side} end moves at the start; a run starts from rest")
+            if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
+                return Status(False, f"the {side} end moves at the start; a run starts from rest: give zero speeds")
         ends = nominal_points(scene.layout.spacing) + np.array([left.position, right.position])
         held = (SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0))
         try:
-            cells = partition(scene.mesh, rope.length, self.model.bottom(paths, t))
+            bottom = self.model.bottom(paths, t)
+            cells = partition(scene.mesh, rope.length, bottom)
             guess = hanging_guess(cells.nodes_s, *ends)
+            if message := misplaced(cells, bottom):
+                return Status(False, message)
             rest = np.zeros_like(guess)
             motion = Motion(t, guess, rest, rest, rest, rest, 0.0, rest)
             state = RopeState(
@@ -144,8 +164,12 @@ class RopeSimulator:
         """Follow the conveyances to their motions at ``t``.  On failure the state stays what it was."""
         state = self.state
         start = state.motion.t
-        if not math.isfinite(t) or t <= start:
-            return Status(False, f"cannot advance from t = {start:g} s to {t} s; time must go forward")
+        if not (math.isfinite(t) and t - start >= SHORTEST_INTERVAL):
+            return Status(
+                False,
+                f"cannot advance from t = {start:g} s to {t} s; time must go forward,"
+                f" by {SHORTEST_INTERVAL:g} s or more",
+            )
         paths = tuple(path.to(t, target) for path, target in zip(state.paths, (left, right), strict=True))
         for side, target, path in zip(("left", "right"), (left, right), paths, strict=True):
             if message := checked(target, path, side):
@@ -170,41 +194,61 @@ class RopeSimulator:
         The rope is linearised about the present state; one generalized-alpha step of that length carries the
         perturbation y = a h^2 / 2, v = a h.
         """
-        state, system, method, m = self.state, self.system, self.model.method, self.state.motion
-        h = state.last_interval
-        c = np.array(
-            [
-                1.0,
-                method.gamma / (method.beta * h),
-                (1 - method.alpha_m) / (method.beta * h * h * (1 - method.alpha_f)),
-            ]
-        )
-        size = 1e-3
-        masses = []
+        m, h, system = self.state.motion, self.state.last_interval, self.system
+        c = self.model.method.newton(h)
+        unperturbed, rest = system.direction(m.t, m.q, m.v, m.a, m.reaction, c)
+        size, masses = 1e-3, []
         for node in (0, -1):
             q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
             q[node, 1] += 0.5 * h * h * size
             v[node, 1] += h * size
             a[node, 1] += size
-            _, unperturbed = system.direction(m.t, m.q, m.v, m.a, m.reaction, c)
-            correction, _ = system.direction(m.t, q, v, a, m.reaction, c)
-            settled, _ = system.direction(m.t, m.q, m.v, m.a, m.reaction, c)
-            x = correction - settled
+            x = system.direction(m.t, q, v, a, m.reaction, c)[0] - unperturbed
             reaction = system.assess(m.t, q + x, v + c[1] * x, a + c[2] * x, m.reaction).reaction
-            masses.append(float(reaction[node, 1] - unperturbed[node, 1]) / size)
+            masses.append(float(reaction[node, 1] - rest[node, 1]) / size)
         return masses[0], masses[1]
+
+    # one step, and what may end it
 
     def _step_towards(self, state: RopeState, t_end: float) -> RopeState | str:
         """The state after one accepted step, or why there is none."""
-        model, solver = self.model, self.scene.solver
+        model = self.model
         state = released(model, transformed_if_due(model, state))
-        system, t = model.system(state), state.motion.t
+        if message := misplaced(state.partition, model.bottom(state.paths, state.motion.t)):
+            return message
+        system = model.system(state)
         stop = self._next_stop(state, t_end)
+        step = self._accepted_step(system, state, stop)
+        if isinstance(step, str):
+            return step
+        state = replace(state, step_next=step.step_next, counts=step.counts)
+        result, reaches_stop = step.result, step.reaches_stop
+        if (switching := switching_step(model, system, state, result)) is not None:
+            h, iterations = switching
+            result = model.trial(system, state.motion, h)
+            if result.motion is None:
+                return f"the step to a swivel event fails: {result.newton.status.value}"
+            state = replace(state, counts=state.counts.plus(newton=iterations + result.newton.iterations))
+        after = model.committed(state, system, result)
+        if switching is not None:
+            after = switched(model, after)
+            if sum("swivel" in event.what for event in after.events) > MOST_SWITCHINGS:
+                return (
+                    f"a swivel switched more than {MOST_SWITCHINGS} times within one advance: it chatters; check its "
+                    "friction, and whether the rope's end is slack"
+                )
+        elif reaches_stop:
+            after = replace(after, motion=replace(after.motion, t=stop))  # to the bit, not to rounding
+        return with_loop_yaw(with_good_pole(model, after))
+
+    def _accepted_step(self, system: RopeSystem, state: RopeState, stop: float) -> _Accepted | str:
+        """A step towards ``stop`` that converges and errs little enough, halved as often as it takes."""
+        solver, t = self.scene.solver, state.motion.t
         step_next, counts, cause = min(state.step_next, solver.step_max), state.counts, ""
         parts = max(math.ceil((stop - t) / step_next - 1e-9), 1)
         h = (stop - t) / parts
         while True:
-            result = model.trial(system, state.motion, h)
+            result = self.model.trial(system, state.motion, h)
             counts = counts.plus(newton=result.newton.iterations)
             if result.motion is not None and result.error <= solver.tolerance:
                 break
@@ -215,28 +259,16 @@ class RopeSimulator:
             )
             log.debug("t = %.6f s: step %.3g s rejected: %s", t, h, cause)
             counts = counts.plus(rejections=1)
-            h, parts = 0.5 * h, 2 * parts
-            step_next = h
-            if h < solver.step_min:
+            if h <= solver.step_min:
                 return (
-                    f"the smallest step of {solver.step_min:g} s fails too: {cause}. "
+                    f"a step of {h:.3g} s, step_min = {solver.step_min:g} s, fails too: {cause}. "
                     "Use shorter elements (coarse_length), a smaller step_min, or a gentler motion"
                 )
+            h, parts = max(0.5 * h, solver.step_min), 2 * parts
+            step_next = h
         if not cause and result.error < GROW_BELOW * solver.tolerance:
             step_next = min(2.0 * step_next, solver.step_max)
-        state = replace(state, step_next=step_next, counts=counts)
-
-        switching = switching_step(model, system, state, result)
-        if switching is not None:
-            result = model.trial(system, state.motion, switching)
-            if result.motion is None:
-                return f"the step to a swivel event fails: {result.newton.status.value}"
-        after = model.committed(state, system, result)
-        if switching is not None:
-            after = switched(model, after)
-        elif parts == 1:
-            after = replace(after, motion=replace(after.motion, t=stop))  # to the bit, not to rounding
-        return with_loop_yaw(with_good_pole(model, after))
+        return _Accepted(result, step_next, counts, parts == 1)
 
     def _next_stop(self, state: RopeState, t_end: float) -> float:
         """The instant at which the coming steps must end: the host's, a release, or a transformation."""

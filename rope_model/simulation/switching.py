@@ -8,12 +8,14 @@ swivel switches and the integrator restarts with consistent accelerations.
 from __future__ import annotations
 
 import logging
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
+from ..parameters import Swivel
 from .ends import Phase, SwivelState
 from .model import RopeModel, ends_of
 from .rope_system import ANGLE, Assessment, RopeSystem
@@ -24,6 +26,8 @@ log = logging.getLogger(__name__)
 SIDES = ("left", "right")
 #: width in s to which events are located
 EVENT_WIDTH = 1e-9
+#: N m by which a moment must pass the static limit: what is below is rounding
+MOMENT_RESOLUTION = 1e-9
 
 
 def released(model: RopeModel, state: RopeState) -> RopeState:
@@ -32,10 +36,11 @@ def released(model: RopeModel, state: RopeState) -> RopeState:
     for side, swivel in enumerate((model.scene.left, model.scene.right)):
         due = swivel.mode != "locked" and state.motion.t >= swivel.release_time
         if due and state.swivels[side].phase is Phase.LOCKED:
-            swivels[side] = state.swivels[side]._replace(phase=Phase.STICK)
+            phase = Phase.SLIP if _frictionless(swivel) else Phase.STICK
+            swivels[side] = SwivelState(phase, state.swivels[side].angle, 1.0)
     if swivels == list(state.swivels):
         return state
-    state = replace(state, swivels=(swivels[0], swivels[1]))
+    state = model.restarted(replace(state, swivels=(swivels[0], swivels[1])))
     return switched(model, state) if excess(model.system(state), state.motion) >= 0 else state
 
 
@@ -57,31 +62,44 @@ def excess(system: RopeSystem, motion: Motion) -> float:
 def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
     ends, node = ends_of(system), -side
     state = ends.states[side]
-    if state.phase is Phase.LOCKED or (state.phase is Phase.SLIP and ends.swivels[side].mode == "free"):
+    if state.phase is Phase.LOCKED or (state.phase is Phase.SLIP and _frictionless(ends.swivels[side])):
         return -np.inf
     if state.phase is Phase.STICK:
-        return abs(ends.moment(side, motion.reaction)) - ends.friction(side, motion.reaction, kinetic=False)
+        limit = ends.friction(side, motion.reaction, kinetic=False) + MOMENT_RESOLUTION
+        return abs(ends.moment(side, motion.reaction)) - limit
     rate = ends.relative(side, motion.t, motion.q[node, ANGLE], motion.v[node, ANGLE])[1]
     return -state.sign * rate
 
 
+def _frictionless(swivel: Swivel) -> bool:
+    return swivel.mode == "free" or (swivel.mu_kinetic == 0 and swivel.seal_moment == 0)
+
+
 def switching_step(
     model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Assessment]
-) -> float | None:
-    """Length of the step that ends where a swivel must switch; None when none must before ``result`` is reached."""
+) -> tuple[float, int] | None:
+    """Length of the step that ends where a swivel must switch, and the Newton iterations it took to find it.
+
+    None when none must before ``result`` is reached.
+    """
     assert result.motion is not None
     at_end = excess(system, result.motion)
     if at_end < 0:
         return None
 
+    iterations = 0
+
     def at(h: float) -> float:
-        motion = model.trial(system, state.motion, h).motion
-        return np.inf if motion is None else excess(system, motion)
+        nonlocal iterations
+        trial = model.trial(system, state.motion, h)
+        iterations += trial.newton.iterations
+        return np.inf if trial.motion is None else excess(system, trial.motion)
 
     at_start = excess(system, state.motion)
     if at_start >= 0:  # a slip that has just begun has no rate yet
         at_start = -1e-12
-    return float(locate(at, 0.0, result.motion.t - state.motion.t, at_start, at_end, EVENT_WIDTH))
+    h = locate(at, 0.0, result.motion.t - state.motion.t, at_start, at_end, EVENT_WIDTH)
+    return float(h), iterations
 
 
 def switched(model: RopeModel, state: RopeState) -> RopeState:
@@ -113,4 +131,4 @@ def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
         state = model.restarted(replace(state, swivels=swivels))
         if _excess_of(side, model.system(state), state.motion) < 0:
             return now
-    return SwivelState(Phase.SLIP, now.angle, -float(np.sign(state.motion.reaction[-side, ANGLE])))
+    return SwivelState(Phase.SLIP, now.angle, math.copysign(1.0, -state.motion.reaction[-side, ANGLE]))
