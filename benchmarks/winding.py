@@ -52,7 +52,7 @@ def compare(coupling: str) -> list[tuple[str, str]]:
             f"{bottom[0]:.2f}, {bottom[1]:.2f}, {bottom[2]:.2f} mm   (bound 10)",
         ),
         ("observation points, difference in x, z", f"{1e3 * observed[0]:.2f}, {1e3 * observed[2]:.2f} mm"),
-        ("observation points, difference in twist", f"{1e3 * observed[6]:.3f} mrad"),
+        ("observation points, difference in theta", f"{1e3 * observed[6]:.3f} mrad"),
         ("kinetic energy, largest difference", f"{kinetic:.3f} J of {max(eem.kinetic):.0f}   (source: below 1 of 1e4)"),
         ("kinetic energy change per transformation", f"{changes[:, 0].max():.1e} J   (source: below 1e-4)"),
         ("potential energy change per transformation", f"{changes[:, 1].max():.1e} J"),

@@ -108,7 +108,15 @@ def _rope(options: argparse.Namespace) -> RopePlant:
             "give another file with --fmu, or run with --in-process"
         )
     chosen = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
-    return FmuRope(options.fmu, chosen)
+    rope = FmuRope(options.fmu, chosen)
+    length, expected = rope.start_value("rope.length"), SETUPS[options.scene].hoist.tail_rope_length
+    if length is not None and length != expected:
+        rope.close()
+        raise ValueError(
+            f"the rope in '{options.fmu}' is {length:g} m long, the scene {options.scene} needs {expected:g} m: "
+            f"export it with `balance-rope export --scene {options.scene}`"
+        )
+    return rope
 
 
 def _run(host: Host) -> Result:

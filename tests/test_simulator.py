@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from tait_bryan import tait_bryan_rate
 
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.element import element_functions
-from rope_model.physics.frame import tait_bryan_rate
 from rope_model.simulation import rope_system
 from rope_model.simulation.ends import EndMotion, EndPath
 from rope_model.simulation.signals import SIGNALS, added_mass_signals, signals

@@ -10,7 +10,7 @@ sphere, so there is always a pole whose antipode that curve avoids.  ``best_pole
 re-expresses theta from the old pole to the new.
 
 The source measures theta from a frame built of Tait-Bryan angles Z-Y-X instead, singular at t parallel to Z: just
-when the loop has yawed 90 degrees.  It is ``tait_bryan_rate`` here, and the tests show it failing there.
+when the loop has yawed 90 degrees.  The tests keep it, to show it failing there.
 """
 
 from __future__ import annotations
@@ -32,22 +32,13 @@ def smallest_rotation_rate(p: Any, d: Any, change: Any) -> Any:
 
     Components come first: CasADi vectors (3,) or numpy arrays (3, n).
     """
-    length = _length(d)
+    length = (d[0] ** 2 + d[1] ** 2 + d[2] ** 2) ** 0.5
     triple = (
         p[0] * (d[1] * change[2] - d[2] * change[1])
         + p[1] * (d[2] * change[0] - d[0] * change[2])
         + p[2] * (d[0] * change[1] - d[1] * change[0])
     )
     return -triple / (length * (length + p[0] * d[0] + p[1] * d[1] + p[2] * d[2]))
-
-
-def tait_bryan_rate(p: Any, d: Any, change: Any) -> Any:
-    """The same for the source's Z-Y-X frame (the pole is not used); singular at r' parallel to Z."""
-    return d[2] * (d[0] * change[1] - d[1] * change[0]) / ((d[0] ** 2 + d[1] ** 2) * _length(d))
-
-
-def _length(d: Any) -> Any:
-    return (d[0] ** 2 + d[1] ** 2 + d[2] ** 2) ** 0.5
 
 
 def pole_change_angle(p_old: Array, p_new: Array, t: Array) -> Array:
