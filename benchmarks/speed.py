@@ -99,8 +99,8 @@ def main() -> None:
         median, p95, p99 = 1e3 * np.percentile(steps[case], [50, 95, 99])
         print(f"  {case[1] + ', ' + case[0]:<24}{factor:>18.2f}{median:>12.2f} ms{p95:>6.2f} ms{p99:>6.2f} ms")
     for form in WINDOW:
-        ratios = [a / b for a, b in zip(totals["FMU", form], totals["in process", form], strict=True)]
-        print(f"  overhead of the FMU, {form}: {100 * (statistics.median(ratios) - 1):.1f} %")
+        ratio = statistics.median(totals["FMU", form]) / statistics.median(totals["in process", form])
+        print(f"  overhead of the FMU, {form}: {100 * (ratio - 1):.1f} %")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -95,7 +96,7 @@ class RopeComponent:
                 if value != self.values[variable.name]:
                     self._fail_later(
                         f"{variable.name} is fixed after initialisation; it stays {self.values[variable.name]!r}. "
-                        "Reset the FMU to change it"
+                        "reset the FMU to change it. This step was not done, the next will be"
                     )
             else:
                 self._retune |= variable.variability == "tunable" and started
@@ -235,8 +236,8 @@ class RopeComponent:
             return self.status.valid
         if name == "status.message":
             return self.status.message
-        if self._rope is None:
-            return 0.0
+        if self._rope is None:  # before initialisation zero; after one that failed nothing that looks like a force
+            return 0.0 if self.status.valid or variable.kind != "Real" else math.nan
         if name not in self._outputs:
             self._outputs |= group_of(name)(self._rope)
         return self._outputs[name]

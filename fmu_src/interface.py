@@ -127,8 +127,8 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
         "Boolean",
         "",
         False,
-        "false: inputs are the motion at the start of a step and are extrapolated (FMI's reading); "
-        "true: at its end, for Gauss-Seidel hosts",
+        "false: inputs are the motion at the start of a step and are extrapolated (FMI's reading; steps up to 20 ms); "
+        "true: at its end, for hosts that step the drive first (recommended, any step)",
     )
 
 
@@ -161,7 +161,7 @@ def _outputs() -> Iterator[Variable]:
 def scene_of(values: dict[str, Value]) -> Scene:
     """The scene with the parameters in ``values``; ValueError when one is out of range."""
 
-    def part(group: str, kind: type[Any]) -> dict[str, Any]:
+    def part(group: str, kind: type[Any], **more: Any) -> Any:
         out: dict[str, Any] = {}
         for field in dataclasses.fields(kind):
             if (value := values.get(f"{group}.{field.name}")) is None:
@@ -173,16 +173,19 @@ def scene_of(values: dict[str, Value]) -> Scene:
                     raise ValueError(f"{group}.{field.name} = {value} is none of the choices: {codes}")
                 value = words[int(value)]
             out[field.name] = value
-        return out
+        try:
+            return kind(**out, **more)
+        except ValueError as error:
+            raise ValueError(f"{group}: {error}") from error
 
     counts = tuple(int(values[f"mesh.counts[{i + 1}]"]) for i in range(len(SEGMENTS)))
     return Scene(
-        rope=Rope(**part("rope", Rope)),
-        layout=Layout(**part("layout", Layout)),
-        left=Swivel(**part("left.swivel", Swivel)),
-        right=Swivel(**part("right.swivel", Swivel)),
-        mesh=Mesh(**part("mesh", Mesh), counts=counts),  # type: ignore[arg-type]
-        solver=Solver(**part("solver", Solver)),
+        rope=part("rope", Rope),
+        layout=part("layout", Layout),
+        left=part("left.swivel", Swivel),
+        right=part("right.swivel", Swivel),
+        mesh=part("mesh", Mesh, counts=counts),
+        solver=part("solver", Solver),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -73,6 +74,10 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
 def _demo(options: argparse.Namespace) -> int:
     hoist, coupling = SETUPS[options.scene].hoist, Coupling(step=options.step)
     winding = _winding(options)
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"--out {options.out} cannot be made a folder ({error.strerror}): choose another") from error
     rope = _rope(options)
     try:
         result = _run(Host(rope, hoist, winding, coupling))
@@ -122,13 +127,24 @@ def _rope(options: argparse.Namespace) -> RopePlant:
 def _run(host: Host) -> Result:
     """The run under a progress bar on stderr."""
     layout = "winding {percentage:3.0f}% |{bar}| {desc} [{elapsed} < {remaining}]"
-    with tqdm(total=100.0, bar_format=layout, file=sys.stderr, leave=False) as bar:
+    stopped = False
 
-        def advance(fraction: float, t: float) -> None:
-            bar.set_description_str(f"t = {t:6.2f} s", refresh=False)
-            bar.update(100.0 * fraction - bar.n)
+    def stop(*_: object) -> None:
+        nonlocal stopped
+        stopped = True  # heard between two steps, never inside the FMU
 
-        return host.run(advance)
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        with tqdm(total=100.0, bar_format=layout, file=sys.stderr, leave=False, disable=None) as bar:
+
+            def advance(fraction: float, t: float) -> bool:
+                bar.set_description_str(f"t = {t:6.2f} s", refresh=False)
+                bar.update(100.0 * fraction - bar.n)
+                return not stopped
+
+            return host.run(advance)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _write(
@@ -149,5 +165,6 @@ def _write(
         write_shapes(result.recording, shape_rows(result.recording), written[1])
         pictures = write_figures(result.recording, hoist, directory)
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
-    title = f"Winding {winding.travel:g} m with the balance rope {options.scene}, rope {kind}"
+    stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s,"
+    title = f"Winding {winding.travel:g} m{stop} with the balance rope {options.scene}, rope {kind}"
     return written + pictures + write_report(directory, title, rows, pictures)

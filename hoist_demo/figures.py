@@ -167,7 +167,11 @@ def shapes(recording: Recording, hoist: Hoist) -> Figure | None:
     labels = {"front": ("x [m]", "y [m]"), "side": ("z [m]", "y [m]"), "top": ("x [m]", "z [m]")}
     for name, ax in axes.items():
         view = name.removesuffix(" loop")
-        ax.set_title({"front": "Front view", "side": "Side view", "top": "From above"}[view])
+        ax.set_title(
+            {"front": "Front view, x stretched", "side": "Side view, z stretched", "top": "From above, z stretched"}[
+                view
+            ]
+        )
         ax.set_xlabel(labels[view][0])
         ax.set_ylabel(labels[view][1])
         if name != view:

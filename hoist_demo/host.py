@@ -24,8 +24,8 @@ from hoist_demo.rope_plant import REQUIRED_SIGNALS, EndMotion, RopePlant, RopeSt
 
 _log = logging.getLogger(__name__)
 
-Progress = Callable[[float, float], None]
-"""Called after every step with the fraction done and the time [s]."""
+Progress = Callable[[float, float], bool]
+"""Called after every step with the fraction done and the time [s]; False stops the run."""
 
 DRIVE_UNITS = {
     TIME: "s",
@@ -126,7 +126,7 @@ class Host:
         return (low, high) if self.winding.travel > 0.0 else (high, low)
 
     def run(self, progress: Progress | None = None) -> Result:
-        """Wind once; `progress` hears of every step."""
+        """Wind once; `progress` hears of every step and may stop the run."""
         H, start = self.coupling.step, self.coupling.start
         planned = math.ceil((self.reference.duration + self.winding.settle) / H - 1e-9)
         y_left, y_right = self.start_heights
@@ -168,8 +168,8 @@ class Host:
             if cause:
                 return self._result(recorder, k, planned, cause)
             point = _Point(start + (k + 1) * H, moved.state, command.state, signals)
-            if progress is not None:
-                progress((k + 1) / planned, point.t)
+            if progress is not None and not progress((k + 1) / planned, point.t):
+                return self._result(recorder, k + 1, planned, f"t = {point.t:.6g} s: stopped by the user")
 
         # the last communication point, with the command that would follow
         reference = self.reference.at(point.t - start)

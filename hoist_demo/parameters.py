@@ -16,8 +16,8 @@ GRAVITY = 9.81
 """Acceleration of free fall [m/s^2]."""
 
 ASSUMED_DATA = (
-    "The hoist, the winding and the rope data marked [assumed] in docs/model.md are ours. They are plausible, "
-    "they belong to no installation, and no number shown here may be used to judge one."
+    "The hoist, the winding and the rope data marked [assumed] in docs/model.md and docs/hoist.md are ours. They are "
+    "plausible, they belong to no installation, and no number shown here may be used to judge one."
 )
 """Said wherever results are shown."""
 
@@ -159,7 +159,7 @@ def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
         abs(winding.travel) <= hoist.shaft_travel,
         "travel",
         f"within +- shaft_travel = {hoist.shaft_travel:g} m",
-        "shorten the trip or deepen the shaft",
+        "shorten the trip",
     )
 
 

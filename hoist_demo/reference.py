@@ -89,6 +89,11 @@ def s_curve(winding: Winding) -> Reference:
     trip = _chain(winding.start_delay, _rest(0.0), jerks, times, end=winding.travel)
     if winding.emergency_at is None:
         return trip
+    if winding.emergency_at >= trip.duration:
+        raise ValueError(
+            f"emergency_at = {winding.emergency_at:g} s must be below {trip.duration:.3g} s, where the trip has ended: "
+            "stop earlier"
+        )
     return emergency_stop(trip, winding.emergency_at, winding.emergency_deceleration, winding.emergency_jerk)
 
 

@@ -161,7 +161,7 @@ def _energy(recording: Recording) -> list[SummaryRow]:
         rows.append(SummaryRow(group, "residual of the rope, largest", _largest(recording["energy.residual"]), "J"))
     if "energy.work_ends" in recording:
         defect = recording[drive] + recording["energy.work_ends"] - recording["energy.work_ends"][0]
-        rows.append(SummaryRow(group, "work made by the coupling itself, largest", _largest(defect), "J"))
+        rows.append(SummaryRow(group, "energy that the coupling's delay makes up, largest", _largest(defect), "J"))
     return rows
 
 
@@ -172,7 +172,7 @@ def _counts(recording: Recording) -> list[SummaryRow]:
         ("count.transformations", "mesh transformations"),
         ("count.newton", "Newton iterations"),
     )
-    return [SummaryRow("Rope's work", q, float(recording[name][-1])) for name, q in names if name in recording]
+    return [SummaryRow("Effort of the rope", q, float(recording[name][-1])) for name, q in names if name in recording]
 
 
 def _clock(result: Result, coupling: Coupling) -> list[SummaryRow]:

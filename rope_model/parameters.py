@@ -46,6 +46,8 @@ class Rope:
         _require_finite(self)
         for name in ("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "diameter"):
             _require(getattr(self, name) > 0, name, getattr(self, name), "> 0", "check the rope's data sheet")
+        _require(self.diameter < 1.0, "diameter", self.diameter, "below 1 m", "give it in metres")
+        _require(self.length <= 1e4, "length", self.length, "at most 1e4 m", "give it in metres")
         _require(self.beta_K >= 0, "beta_K", self.beta_K, ">= 0 s", "use 0 for no material damping")
         bound = math.sqrt(self.Qa * self.Qd)
         _require(

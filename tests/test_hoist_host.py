@@ -13,7 +13,7 @@ import pytest
 from hoist_demo.figures import write_figures
 from hoist_demo.host import Host, Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.recording import Recorder, read_csv, shape_rows, write_csv, write_shapes
+from hoist_demo.recording import TIME, Recorder, read_csv, shape_rows, write_csv, write_shapes
 from hoist_demo.report import write_report
 from hoist_demo.rope_plant import EndMotion, RopePlant, RopeStatus
 from hoist_demo.summary import render, summarize
@@ -169,10 +169,22 @@ def test_an_emergency_stop_comes_to_rest_before_the_landing() -> None:
 
 def test_progress_counts_up_to_one() -> None:
     heard: list[tuple[float, float]] = []
-    Host(FakeRope(), winding=Winding(travel=0.5, settle=0.0)).run(lambda f, t: heard.append((f, t)))
+
+    def hear(fraction: float, t: float) -> bool:
+        heard.append((fraction, t))
+        return True
+
+    Host(FakeRope(), winding=Winding(travel=0.5, settle=0.0)).run(hear)
     fractions = [f for f, _ in heard]
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1.0
+
+
+def test_progress_can_stop_the_run_and_the_record_is_kept() -> None:
+    result = Host(FakeRope(), winding=Winding(travel=0.5, settle=0.0)).run(lambda f, t: t < 0.1)
+    assert not result.completed
+    assert "stopped by the user" in result.cause
+    assert len(result.recording[TIME]) == result.steps == 10
 
 
 def test_a_trip_longer_than_the_shaft_is_named() -> None:

@@ -206,7 +206,7 @@ def nominal_points(spacing: float) -> Array:
     return np.array([[-0.5 * spacing, 0.0, 0.0], [0.5 * spacing, 0.0, 0.0]])
 
 
-def checked(target: EndMotion, path: EndPath, side: str, limits: Sequence[float] = (1e4, 60.0, 500.0)) -> str:
+def checked(target: EndMotion, path: EndPath, side: str, limits: Sequence[float] = (1e4, 60.0, 100.0)) -> str:
     """'' when an end can follow ``path`` to ``target``; otherwise what is wrong, with bound and cure.
 
     ``limits`` bound position (m; rad for the yaw), speed (m/s; rad/s) and the acceleration inside the step (m/s^2).

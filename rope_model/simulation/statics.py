@@ -66,7 +66,8 @@ def find_equilibrium(
         previous = force
     raise StaticsError(
         f"no equilibrium within {max_iterations} iterations: {previous:.3g} N are left unbalanced; "
-        "the rope may have none in this configuration (too much twist), or the elements may be too long for EI"
+        "the rope may have none in this configuration (too much twist), the elements may be too long for EI, or a unit "
+        "may be wrong"
     )
 
 
@@ -98,7 +99,7 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     across = across / width
     middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
-    radius = max(0.5 * width, min(4 * cell / np.pi, 0.5 * min(middle, length - middle)))
+    radius = max(0.5 * width, min(4 * cell / np.pi, 0.25 * min(middle, length - middle)))
     left_leg, right_leg = middle - 0.5 * np.pi * radius, length - middle - 0.5 * np.pi * radius
     lean = radius - 0.5 * width
     if min(left_leg, right_leg) <= lean:
