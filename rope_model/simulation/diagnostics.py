@@ -43,7 +43,7 @@ def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, diameter: float,
 
     Points of the left leg against straight pieces of the right one, both denser near the loop.
     """
-    points = shape(q, lengths, bottom.s, 321)
+    points = shape(q, lengths, bottom.s, 161)
     middle = points.shape[0] // 2
     high = points[:, 1] >= bottom.position[1] + above
     left, right = points[:middle][high[:middle]], points[middle:]
