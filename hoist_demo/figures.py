@@ -165,17 +165,19 @@ def shapes(recording: Recording, hoist: Hoist) -> Figure | None:
         axes["top"].plot(x, z, color=colour)
     low = min(float(np.min(shape[:, 1])) for _, shape in drawn)
     labels = {"front": ("x [m]", "y [m]"), "side": ("z [m]", "y [m]"), "top": ("x [m]", "z [m]")}
+    titles = {
+        "front": "Front view, x stretched",
+        "front loop": "Loop, front view",
+        "side": "Side view, z stretched",
+        "side loop": "Loop, side, z stretched",
+        "top": "From above, z stretched",
+    }
     for name, ax in axes.items():
         view = name.removesuffix(" loop")
-        ax.set_title(
-            {"front": "Front view, x stretched", "side": "Side view, z stretched", "top": "From above, z stretched"}[
-                view
-            ]
-        )
+        ax.set_title(titles[name])
         ax.set_xlabel(labels[view][0])
         ax.set_ylabel(labels[view][1])
         if name != view:
-            ax.set_title(f"{ax.get_title(loc='left')}, loop")
             ax.set_ylim(low - 0.3, low + 6.0)
         if view == "side":
             _widen(ax, 0.05, axis="x")
