@@ -7,9 +7,13 @@ import logging
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
+from pathlib import Path
 
-from fmu_src.export import add_export
+from fmu_src.export import export_fmu
 from hoist_demo.cli import add_demo
+from rope_model.parameters import PRESETS
+
+DEFAULT_FMU = Path("build") / "balance_rope.fmu"
 
 DESCRIPTION = """\
 The balance rope of a friction (Koepe) hoist, as an FMU and in a winding.
@@ -34,8 +38,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--version", action="version", version=f"balance-rope {version('balance-rope')}")
     parser.add_argument("-v", "--verbose", action="store_true", help="log what the solver does")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    add_export(commands)
-    add_demo(commands)
+    export = commands.add_parser(
+        "export",
+        help="write the rope as an FMU",
+        description="Export the balance rope as an FMI 2.0 co-simulation FMU. The importing host needs Python with "
+        "numpy and casadi; every parameter can still be set before initialisation.",
+    )
+    export.add_argument("--scene", choices=sorted(PRESETS), default="rope-120", help="start values (%(default)s)")
+    export.add_argument("--out", type=Path, default=DEFAULT_FMU, help="the .fmu to write (%(default)s)")
+    export.set_defaults(run=_export)
+    add_demo(commands, DEFAULT_FMU)
     options = parser.parse_args(arguments)
     level = logging.INFO if options.verbose else logging.WARNING
     logging.basicConfig(level=level, format="%(name)s: %(message)s")
@@ -45,6 +57,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ValueError, RuntimeError, OSError) as error:
         print(f"balance-rope: {error}", file=sys.stderr)
         return 2
+
+
+def _export(options: argparse.Namespace) -> int:
+    path = export_fmu(options.out, options.scene)
+    print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, FMI 2.0 co-simulation, scene {options.scene}")
+    return 0
 
 
 if __name__ == "__main__":

@@ -13,12 +13,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 from kinematic import ends_at
 from tqdm import tqdm
 
+from balance_rope import DEFAULT_FMU as FMU
 from fmu_src.export import export_fmu
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.parameters import Winding
@@ -28,7 +28,6 @@ from rope_model.parameters import rope_120
 from rope_model.simulation.signals import SIGNALS, end_signals
 from rope_model.simulation.simulator import RopeSimulator
 
-FMU = Path("build") / "balance_rope.fmu"
 H, TRAVEL = 0.01, 90.0
 READ = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
 #: s of the winding that are run; the portable form is slow

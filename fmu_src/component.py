@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from rope_model.parameters import Preset
-from rope_model.simulation.signals import SIDES, group_of
+from rope_model.simulation.ends import SIDES
+from rope_model.simulation.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator, Status
 from rope_model.simulation.state import RopeState
 
@@ -95,7 +96,7 @@ class RopeComponent:
             elif started and variable.variability == "fixed":
                 if value != self.values[variable.name]:
                     self._fail_later(
-                        f"{variable.name} is fixed after initialisation; it stays {self.values[variable.name]!r}. "
+                        f"{variable.name} is fixed after initialisation; it stays {self.values[variable.name]!r}; "
                         "reset the FMU to change it. This step was not done, the next will be"
                     )
             else:

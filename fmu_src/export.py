@@ -1,4 +1,4 @@
-"""Builds the FMU: ``balance-rope export``.
+"""Builds the FMU; ``balance-rope export`` on the command line.
 
 The FMU holds copies of rope_model and fmu_src, the interpreted kernels for every platform and the compiled ones for
 the exporting platform.  The importing host needs Python with numpy and casadi.
@@ -6,7 +6,6 @@ the exporting platform.  The importing host needs Python with numpy and casadi.
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import importlib.metadata
 import json
@@ -27,7 +26,6 @@ from rope_model.simulation.mesh import partition
 from rope_model.simulation.rope_system import write_bundle
 
 SOURCES = ("rope_model", "fmu_src")
-DEFAULT_FMU = Path("build") / "balance_rope.fmu"
 
 
 def export_fmu(destination: Path, preset: str = "rope-120") -> Path:
@@ -112,24 +110,3 @@ def _rewrite(draft: Path, destination: Path) -> None:
             entry.external_attr = 0o644 << 16
             new.writestr(entry, old.read(name))
     shutil.move(scratch, destination)
-
-
-def add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add the subcommand ``export``; its options hold the function to run as ``run``."""
-    parser = commands.add_parser(
-        "export",
-        help="write the rope as an FMU",
-        description="Export the balance rope as an FMI 2.0 co-simulation FMU. The importing host needs Python with "
-        "numpy and casadi; every parameter can still be set before initialisation.",
-    )
-    parser.add_argument(
-        "--scene", choices=sorted(PRESETS), default="rope-120", help="start values (default %(default)s)"
-    )
-    parser.add_argument("--out", type=Path, default=DEFAULT_FMU, help="the .fmu to write (default %(default)s)")
-    parser.set_defaults(run=_run)
-
-
-def _run(arguments: argparse.Namespace) -> int:
-    path = export_fmu(arguments.out, arguments.scene)
-    print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, FMI 2.0 co-simulation, scene {arguments.scene}")
-    return 0

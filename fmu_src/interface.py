@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from typing import Any, Literal, NamedTuple
 
 from rope_model.parameters import Layout, Mesh, Preset, Rope, Scene, Solver, Swivel
-from rope_model.simulation.ends import EndMotion
-from rope_model.simulation.signals import SIDES, SIGNALS
+from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.signals import SIGNALS
 
 Causality = Literal["parameter", "input", "output"]
 Kind = Literal["Real", "Integer", "Boolean", "String"]

@@ -18,7 +18,6 @@ from hoist_demo.recording import shape_rows, write_csv, write_shapes
 from hoist_demo.rope_plant import RopePlant
 from hoist_demo.summary import SummaryRow, render, summarize
 
-DEFAULT_FMU = Path("build/balance_rope.fmu")
 KERNELS = ("auto", "compiled", "portable")
 """Choices of the FMU's integer parameter `solver.kernels`, in the order of its codes."""
 
@@ -41,7 +40,7 @@ is written all the same), 2 wrong arguments.
 """
 
 
-def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu: Path) -> None:
     """Add the subcommand `demo`; its options hold the function to run as `run`."""
     demo = commands.add_parser(
         "demo",
@@ -55,7 +54,7 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         "--scene", choices=tuple(SETUPS), default="rope-120", help="hoist, winding and rope (default: %(default)s)"
     )
     rope = demo.add_mutually_exclusive_group()
-    rope.add_argument("--fmu", type=Path, default=DEFAULT_FMU, metavar="PATH", help="the rope (default: %(default)s)")
+    rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope (default: %(default)s)")
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without the FMU")
     demo.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
     demo.add_argument("--step", type=float, default=Coupling().step, metavar="H", help="communication step [s] (0.01)")

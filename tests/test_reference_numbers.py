@@ -16,7 +16,15 @@ from rope_model.parameters import Rope
 from rope_model.physics.element import PARAMETERS
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
 from rope_model.simulation.modal import assembled_matrix, natural_modes
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.rope_system import (
+    ANGLE,
+    POSITION,
+    SLOPE,
+    RopeKernels,
+    RopeSystem,
+    arc_lengths,
+    parameter_vector,
+)
 from rope_model.simulation.statics import Equilibrium, find_equilibrium, hanging_guess
 
 Array = NDArray[np.float64]
@@ -58,7 +66,7 @@ def test_a_hanging_rope_held_at_both_ends_has_the_torque_and_twist_of_its_weight
     weight = rope.mass_per_length * G * length
     M0 = rope.Qc / rope.Qa * weight / 2
     D = rope.Qd - rope.Qb * rope.Qc / rope.Qa
-    s = system.nodes_s
+    s = arc_lengths(system.lengths)
     phi = -rope.Qc / rope.Qa * rope.mass_per_length * G / (2 * D) * s * (length - s)
     # linear theta: (1/60)^2 at worst
     np.testing.assert_allclose([e.reaction[-1, ANGLE], -e.reaction[0, ANGLE]], M0, rtol=1e-3)
@@ -144,7 +152,7 @@ def loop_system(rope: Rope, height: float, theta: str, torque: float) -> RopeSys
 def hanging_loop(rope: Rope, height: float, theta: str, torque: float = 0.0) -> Equilibrium:
     system = loop_system(rope, height, theta, torque)
     ends = system.prescribed(0.0)[0][[0, -1], POSITION]
-    return find_equilibrium(system, hanging_guess(system.nodes_s, *ends))
+    return find_equilibrium(system, hanging_guess(arc_lengths(system.lengths), *ends))
 
 
 def test_a_free_loop_has_its_natural_width_and_curvature() -> None:
@@ -314,7 +322,7 @@ def twisted_straight(length: float, elements: int, tension: float, P: Array) -> 
 def softest(system: RopeSystem, q: Array, twist: float) -> float:
     """Smallest eigenvalue of the tangent with the far end turned by ``twist``."""
     q = q.copy()
-    q[:, ANGLE] = twist * system.nodes_s / system.nodes_s[-1]
+    q[:, ANGLE] = twist * arc_lengths(system.lengths) / arc_lengths(system.lengths)[-1]
     free = np.flatnonzero(system.free.ravel())
     stiffness = assembled_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
     # the chain couples neighbouring nodes only

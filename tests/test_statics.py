@@ -10,7 +10,7 @@ from conftest import Chain, portable_system, straight
 from numpy.typing import NDArray
 
 from rope_model.parameters import Rope
-from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ def hanging(rope: Rope, lengths: Array, spacing: float, height: float) -> tuple[
     chain.held[[0, -1], 4] = False
     chain.values[[0, -1], POSITION] = ends
     system = RopeSystem(kernels(lengths.size), lengths, parameter_vector(rope, G, POLE), chain)
-    return system, find_equilibrium(system, hanging_guess(system.nodes_s, *ends))
+    return system, find_equilibrium(system, hanging_guess(arc_lengths(system.lengths), *ends))
 
 
 def assert_hangs(rope: Rope, system: RopeSystem, e: Equilibrium) -> None:

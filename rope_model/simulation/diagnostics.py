@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .rope_system import POSITION, SLOPE, Array
+from .rope_system import POSITION, SLOPE, Array, arc_lengths
 from .transfer import transferred
 
 
@@ -25,7 +25,7 @@ class LoopBottom:
 
 def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     """Lowest point of the interpolated centre line."""
-    s = np.concatenate(([0.0], np.cumsum(lengths)))
+    s = arc_lengths(lengths)
     i = int(np.clip(np.argmin(q[:, 1]), 1, s.size - 2))
     fine = np.linspace(s[i - 1], s[i + 1], 41)
     y = transferred(q, s, fine)[:, 1]
@@ -63,7 +63,7 @@ def shape(q: Array, lengths: Array, bottom_s: float, points: int) -> Array:
     u = np.linspace(-1.0, 1.0, points)
     reach = np.where(u < 0, bottom_s, total - bottom_s)
     s = bottom_s + np.sign(u) * reach * (0.1 * np.abs(u) + 0.9 * np.abs(u) ** 3)
-    nodes = np.concatenate(([0.0], np.cumsum(lengths)))
+    nodes = arc_lengths(lengths)
     return transferred(q, nodes, np.clip(s, 0.0, total))[:, POSITION]
 
 

@@ -25,6 +25,7 @@ from ..parameters import Swivel
 from ..physics.swivel import friction_moment
 from .rope_system import ANGLE, POSITION, Array
 
+SIDES = ("left", "right")
 #: sense of the conveyance's yaw in theta, left and right
 YAW_SENSE = (-1.0, 1.0)
 #: instants of a path at which its acceleration is looked at, from 0 to 1

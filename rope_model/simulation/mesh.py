@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..parameters import Mesh
-from .rope_system import Array
+from .rope_system import Array, arc_lengths
 
 LADDER = np.array([1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0])
 
@@ -49,7 +49,7 @@ class Partition:
     @property
     def nodes_s(self) -> Array:
         """Arc length of the nodes from the left end, m."""
-        return np.concatenate(([0.0], np.cumsum(self.lengths)))
+        return arc_lengths(self.lengths)
 
     @property
     def centre(self) -> float:

@@ -86,6 +86,11 @@ def parameter_vector(rope: Rope, gravity: float, pole: Array) -> Array:
     return np.array([r.mass_per_length, gravity, r.Qa, r.Qs, r.Qk, r.Qd, r.EI, r.rhoJ, r.beta_K, *pole])
 
 
+def arc_lengths(lengths: Array) -> Array:
+    """Arc length (m) of the nodes from the left end, for element lengths from left to right."""
+    return np.concatenate(([0.0], np.cumsum(lengths)))
+
+
 class Boundary(Protocol):
     """How the ends are held and loaded; arrays of shape (nodes, 7)."""
 
@@ -143,8 +148,3 @@ class RopeSystem:
 
     def norm(self, x: Array) -> float:
         return float(np.max(np.abs(x) * self._scale))
-
-    @property
-    def nodes_s(self) -> Array:
-        """Arc length of the nodes from the left end, m."""
-        return np.concatenate(([0.0], np.cumsum(self.lengths)))

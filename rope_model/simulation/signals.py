@@ -11,15 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..parameters import Rope
 from ..physics.costello import torque
 from .adaptation import counted_on
-from .diagnostics import leg_clearance, loop_bottom, shape
-from .ends import Phase
+from .diagnostics import leg_clearance, shape
+from .ends import SIDES, Phase
 from .rope_system import ANGLE, POSITION, SLOPE, Array
 from .simulator import RopeSimulator
 
 SHAPE_POINTS = 81
-SIDES = ("left", "right")
 
 
 class Signal(NamedTuple):
@@ -130,7 +130,7 @@ def added_mass_signals(rope: RopeSimulator) -> dict[str, float]:
 def loop_signals(rope: RopeSimulator) -> dict[str, float]:
     """Place, yaw and clearance of the loop."""
     state, scene = rope.state, rope.scene
-    bottom = loop_bottom(state.motion.q, state.partition.lengths)
+    bottom = rope.loop
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
     q, lengths = state.motion.q, state.partition.lengths
     clearance = leg_clearance(q, lengths, bottom, scene.rope.diameter, scene.layout.spacing)
@@ -139,10 +139,10 @@ def loop_signals(rope: RopeSimulator) -> dict[str, float]:
 
 def stress_signals(rope: RopeSimulator) -> dict[str, float]:
     """Largest stress norms, and twist."""
-    bending, torsion = nominal_stresses(rope)
-    q, lengths = rope.state.motion.q, rope.state.partition.lengths
-    tau = rope.system.strains(q)[:, 1]
-    at_bottom = int(np.searchsorted(np.cumsum(lengths), loop_bottom(q, lengths).s))
+    strains = rope.system.strains(rope.state.motion.q)
+    bending, torsion = nominal_stresses(rope.scene.rope, strains)
+    tau = strains[:, 1]
+    at_bottom = int(np.searchsorted(np.cumsum(rope.state.partition.lengths), rope.loop.s))
     return {
         "left.twist": float(tau[0]),
         "right.twist": float(tau[-1]),
@@ -165,14 +165,16 @@ def book_signals(rope: RopeSimulator) -> dict[str, float]:
 def shape_signals(rope: RopeSimulator) -> dict[str, float]:
     """Points along the rope."""
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
-    points = shape(q, lengths, loop_bottom(q, lengths).s, SHAPE_POINTS)
+    points = shape(q, lengths, rope.loop.s, SHAPE_POINTS)
     return {f"shape.{axis}[{i}]": float(x) for k, axis in enumerate("xyz") for i, x in enumerate(points[:, k], start=1)}
 
 
-def nominal_stresses(rope: RopeSimulator) -> tuple[Array, Array]:
-    """Bending and torsional stress norm (Pa) of each element: root mean square along it, as in a solid round bar."""
-    data = rope.scene.rope
-    e, tau, k_rms, _ = rope.system.strains(rope.state.motion.q).T
+def nominal_stresses(data: Rope, strains: Array) -> tuple[Array, Array]:
+    """Bending and torsional stress norm (Pa) of each element as in a solid round bar.
+
+    Bending is root mean square along the element; ``strains`` (elements, 4) are those of RopeSystem.strains.
+    """
+    e, tau, k_rms, _ = strains.T
     section = math.pi * data.diameter**3
     bending = 32 * data.EI * k_rms / section
     torsion = 16 * np.abs(torque(data.Qs, data.Qk, data.Qd, e, tau)) / section

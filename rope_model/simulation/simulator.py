@@ -19,18 +19,17 @@ from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
 from .adaptation import transformed_if_due, with_good_pole, with_loop_yaw
-from .ends import EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
+from .diagnostics import LoopBottom, loop_bottom
+from .ends import SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
 from .mesh import distance_to_due, misplaced, partition
 from .model import RopeModel, ends_of, with_energies
 from .rope_system import Assessment, RopeKernels, RopeSystem
 from .state import Counts, Ledger, RopeState
 from .statics import StaticsError, find_equilibrium, hanging_guess
-from .switching import next_release, released, switched, switching_step
+from .switching import chatters, next_release, released, switched, switching_step
 
 log = logging.getLogger(__name__)
 
-#: switchings of the swivels in one advance beyond which something is wrong
-MOST_SWITCHINGS = 200
 #: shortest communication step, s
 SHORTEST_INTERVAL = 1e-9
 #: local error below this part of the tolerance lets the step grow
@@ -68,6 +67,7 @@ class RopeSimulator:
         self.model = RopeModel(scene, RopeKernels(elements, scene.solver.kernels, bundle))
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
+        self._loop: LoopBottom | None = None
 
     @property
     def scene(self) -> Scene:
@@ -87,6 +87,13 @@ class RopeSimulator:
         if self._system is None:
             self._system = self.model.system(self.state)
         return self._system
+
+    @property
+    def loop(self) -> LoopBottom:
+        """The loop's lowest point in the present state."""
+        if self._loop is None:
+            self._loop = loop_bottom(self.state.motion.q, self.state.partition.lengths)
+        return self._loop
 
     @property
     def ends(self) -> HangingEnds:
@@ -118,7 +125,7 @@ class RopeSimulator:
         """
         scene, rope = self.scene, self.scene.rope
         paths = (EndPath.resting(t, left), EndPath.resting(t, right))
-        for side, target, path in zip(("left", "right"), (left, right), paths, strict=True):
+        for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := checked(target, path, side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
@@ -171,7 +178,7 @@ class RopeSimulator:
                 f" by {SHORTEST_INTERVAL:g} s or more",
             )
         paths = tuple(path.to(t, target) for path, target in zip(state.paths, (left, right), strict=True))
-        for side, target, path in zip(("left", "right"), (left, right), paths, strict=True):
+        for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := checked(target, path, side):
                 return Status(False, message)
         state = replace(state, paths=(paths[0], paths[1]), events=())
@@ -232,11 +239,8 @@ class RopeSimulator:
         after = model.committed(state, system, result)
         if switching is not None:
             after = switched(model, after)
-            if sum("swivel" in event.what for event in after.events) > MOST_SWITCHINGS:
-                return (
-                    f"a swivel switched more than {MOST_SWITCHINGS} times within one advance: it chatters; check its "
-                    "friction, and whether the rope's end is slack"
-                )
+            if chatters(after):
+                return "a swivel chatters between stick and slip; check its friction, and whether the end is slack"
         elif reaches_stop:
             after = replace(after, motion=replace(after.motion, t=stop))  # to the bit, not to rounding
         return with_loop_yaw(with_good_pole(model, after))
@@ -277,7 +281,7 @@ class RopeSimulator:
         def due(time: float) -> float:
             return distance_to_due(state.partition, self.model.bottom(state.paths, time))
 
-        # within one interval of the host the loop travels a small part of l: its two ends and the middle suffice
+        # a crossing that falls between these instants is found by the next step, at most one step late
         at_start = due(t)
         for time in (0.5 * (t + stop), stop):
             if (at_time := due(time)) >= 0 > at_start:
@@ -285,4 +289,4 @@ class RopeSimulator:
         return stop
 
     def _accept(self, state: RopeState) -> None:
-        self._state, self._system = state, None
+        self._state, self._system, self._loop = state, None, None

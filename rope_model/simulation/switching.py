@@ -16,18 +16,19 @@ import numpy as np
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Swivel
-from .ends import Phase, SwivelState
+from .ends import SIDES, Phase, SwivelState
 from .model import RopeModel, ends_of
 from .rope_system import ANGLE, Assessment, RopeSystem
 from .state import Event, RopeState
 
 log = logging.getLogger(__name__)
 
-SIDES = ("left", "right")
 #: width in s to which events are located
 EVENT_WIDTH = 1e-9
 #: N m by which a moment must pass the static limit: what is below is rounding
 MOMENT_RESOLUTION = 1e-9
+#: so many switchings within so many s are no motion of a rope
+CHATTER = 50, 1e-3
 
 
 def released(model: RopeModel, state: RopeState) -> RopeState:
@@ -119,6 +120,13 @@ def switched(model: RopeModel, state: RopeState) -> RopeState:
         events=(*state.events, *events),
     )
     return model.restarted(state)
+
+
+def chatters(state: RopeState) -> bool:
+    """Whether the swivels switch to and fro faster than any rope can move."""
+    number, duration = CHATTER
+    times = [event.t for event in state.events if "swivel" in event.what]
+    return len(times) >= number and times[-1] - times[-number] < duration
 
 
 def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
