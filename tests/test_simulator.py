@@ -336,3 +336,10 @@ def test_twist_is_what_torque_and_strain_ask_for() -> None:
     strain = (-s["right.fy"] - data.Qb * s["right.twist"]) / data.Qa
     expected = (s["right.swivel.torque"] - data.Qc * strain) / data.Qd
     assert_allclose(s["right.twist"], expected, rtol=0.02)
+
+
+def test_clearance_of_a_bulging_loop_is_that_of_its_suspension() -> None:
+    # the legs of a loop wider than its suspension come closest where the lower one ends: 2 m less the diameter
+    rope = RopeSimulator(SHORT)
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    assert_allclose(signals(rope)["loop.clearance"], 2.0 - SHORT.rope.diameter, rtol=0, atol=1e-6)

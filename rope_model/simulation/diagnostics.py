@@ -41,20 +41,35 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
 def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, diameter: float, above: float) -> float:
     """Smallest free distance (m) between the two legs where both are ``above`` (m) or more over the lowest point.
 
-    Points of the left leg against straight pieces of the right one, both denser near the loop.
+    Points of either leg against straight pieces of the other, both denser near the loop.
     """
     points = shape(q, lengths, bottom.s, 161)
     middle = points.shape[0] // 2
-    high = points[:, 1] >= bottom.position[1] + above
-    left, right = points[:middle][high[:middle]], points[middle:]
-    pieces = high[middle:-1] & high[middle + 1 :]
-    start, along = right[:-1][pieces], np.diff(right, axis=0)[pieces]
-    if left.size == 0 or start.size == 0:
+    height = float(bottom.position[1]) + above
+    left, right = _part_above(points[middle::-1], height), _part_above(points[middle:], height)
+    if min(len(left), len(right)) < 2:
         return math.inf
-    across = left[:, None, :] - start
+    return min(_distance(left, right), _distance(right, left)) - diameter
+
+
+def _distance(points: Array, line: Array) -> float:
+    """Smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3)."""
+    start, along = line[:-1], np.diff(line, axis=0)
+    across = points[:, None, :] - start
     part = np.clip(np.sum(across * along, axis=2) / np.sum(along * along, axis=1), 0.0, 1.0)
-    distance = np.linalg.norm(across - part[:, :, None] * along, axis=2)
-    return float(distance.min()) - diameter
+    return float(np.linalg.norm(across - part[:, :, None] * along, axis=2).min())
+
+
+def _part_above(leg: Array, height: float) -> Array:
+    """The points of a leg (points, 3), from the bottom upwards, from where it first reaches ``height``."""
+    high = leg[:, 1] >= height
+    if not high.any():
+        return leg[:0]
+    i = int(np.argmax(high))
+    below, first = leg[max(i - 1, 0)], leg[i]
+    rise = first[1] - below[1]
+    part = (height - below[1]) / rise if rise > 0 else 1.0
+    return np.vstack((below + part * (first - below), leg[i + (part >= 1.0) :]))
 
 
 def shape(q: Array, lengths: Array, bottom_s: float, points: int) -> Array:
