@@ -21,13 +21,13 @@ lint: $(READY)
 	$(BIN)/mypy
 
 bench: fmu
-	$(BIN)/python benchmarks/speed.py
+	$(BIN)/python -m benchmarks.speed
 
 winding: $(READY)
-	$(BIN)/python benchmarks/winding.py
+	$(BIN)/python -m benchmarks.winding
 
 robustness: $(READY)
-	$(BIN)/python benchmarks/robustness.py
+	$(BIN)/python -m benchmarks.robustness
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

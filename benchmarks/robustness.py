@@ -9,7 +9,7 @@ import itertools
 from collections import Counter
 from dataclasses import replace
 
-from kinematic import wind
+from .kinematic import wind
 
 from hoist_demo.parameters import Winding
 from hoist_demo.reference import Reference, emergency_stop, s_curve

@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from kinematic import ends_at
+from .kinematic import ends_at
 from tqdm import tqdm
 
 from balance_rope import DEFAULT_FMU as FMU
@@ -86,7 +86,7 @@ def main() -> None:
     steps: dict[tuple[str, str], list[float]] = {case: [] for case in CASES}
     for _ in tqdm(range(ROUNDS), desc="rounds", leave=False):
         for case in CASES:
-            command = [sys.executable, __file__, *case]
+            command = [sys.executable, "-m", "benchmarks.speed", *case]
             done = subprocess.run(command, capture_output=True, text=True, check=True)
             times = json.loads(done.stdout.splitlines()[-1])
             totals[case].append(sum(times))

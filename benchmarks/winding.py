@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from kinematic import Winding, wind
+from .kinematic import Winding, wind
 from tqdm import tqdm
 
 from hoist_demo.parameters import Winding as Trip
