@@ -9,11 +9,11 @@ import itertools
 from collections import Counter
 from dataclasses import replace
 
-from .kinematic import wind
-
 from hoist_demo.parameters import Winding
 from hoist_demo.reference import Reference, emergency_stop, s_curve
 from rope_model.parameters import Layout, rope_120
+
+from .kinematic import wind
 
 TRAVEL = 90.0
 #: a speed that 90 m do not allow at the usual acceleration gets a larger one

@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from .kinematic import ends_at
 from tqdm import tqdm
 
 from balance_rope import DEFAULT_FMU as FMU
@@ -27,6 +26,8 @@ from hoist_demo.rope_plant import EndMotion
 from rope_model.parameters import rope_120
 from rope_model.simulation.signals import SIGNALS, end_signals
 from rope_model.simulation.simulator import RopeSimulator
+
+from .kinematic import ends_at
 
 H, TRAVEL = 0.01, 90.0
 READ = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")

@@ -8,12 +8,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from .kinematic import Winding, wind
 from tqdm import tqdm
 
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
 from rope_model.parameters import Mesh, Scene, rope_120
+
+from .kinematic import Winding, wind
 
 SOURCE_SAVED = {"uncoupled": 86.5, "coupled": 92.7}  # % of the computation time
 
