@@ -23,7 +23,7 @@ from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.parameters import Winding
 from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import EndMotion
-from rope_model.parameters import rope_120
+from rope_model.parameters import Solver, rope_120
 from rope_model.simulation.signals import SIGNALS, end_signals
 from rope_model.simulation.simulator import RopeSimulator
 
@@ -42,7 +42,7 @@ def stepper(place: str, form: str) -> Callable[[float], bool]:
     reference = s_curve(Winding(start_delay=0.0))
     if place == "in process":
         scene = rope_120().scene
-        rope = RopeSimulator(scene.with_(solver=type(scene.solver)(kernels=form)))
+        rope = RopeSimulator(scene.with_(solver=Solver(kernels="portable" if form == "portable" else "compiled")))
         assert rope.initialize(0.0, *ends_at(reference, TRAVEL, 0.0)).valid
 
         def step(t: float) -> bool:
