@@ -82,9 +82,9 @@ class Phased:
         v = np.where(free, y[q.size :].reshape(self.shape), v)
         reaction = np.zeros(self.shape)
         for _ in range(3):  # friction depends on the end tension, which depends on the acceleration
-            x, _ = self.system.direction(t, q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
+            x, _ = self.system.direction(q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
             a = a + x
-            reaction = self.system.assess(t, q, v, a, reaction).reaction
+            reaction = self.system.assess(q, v, a, reaction).reaction
         return q, v, a, reaction
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:

@@ -24,7 +24,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .newton import NewtonReport, NewtonStatus, iterate
+from .newton import NewtonReport, NewtonStatus
 
 Array = NDArray[np.float64]
 
@@ -58,11 +58,21 @@ class Assessed(Protocol):
         """R: zero where free, the force of the surroundings where prescribed."""
 
 
-A = TypeVar("A", bound=Assessed, covariant=True)
 B = TypeVar("B", bound=Assessed)
 
 
-class System(Protocol[A]):
+@dataclass(frozen=True)
+class Solution(Generic[B]):
+    """What Newton's method found: q, v, a, their assessment, and how it ended."""
+
+    q: Array
+    v: Array
+    a: Array
+    assessment: B
+    newton: NewtonReport
+
+
+class System(Protocol[B]):
     """What is integrated.  ``reaction`` is the last known one, for loads that depend on it (friction)."""
 
     @property
@@ -72,10 +82,13 @@ class System(Protocol[A]):
     def prescribed(self, t: float) -> tuple[Array, Array, Array]:
         """Full arrays of q, v and a, of which the prescribed entries count."""
 
-    def direction(self, t: float, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+    def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[B]:
+        """Equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x."""
+
+    def direction(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         """(x, R): J x = -R on the free degrees of freedom with J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da."""
 
-    def assess(self, t: float, q: Array, v: Array, a: Array, reaction: Array) -> A:
+    def assess(self, q: Array, v: Array, a: Array, reaction: Array) -> B:
         """R, and whatever else the system wants to tell of this instant."""
 
     def norm(self, x: Array) -> float:
@@ -128,9 +141,7 @@ class StepResult(Generic[B]):
     error: float
 
 
-def step(
-    system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float, max_iterations: int = 10
-) -> StepResult[B]:
+def step(system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float) -> StepResult[B]:
     """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
     m, f, gamma, beta = method.alpha_m, method.alpha_f, method.gamma, method.beta
     t, free = old.t + h, system.free
@@ -146,28 +157,18 @@ def step(
     for x, given in zip((q, v, a), system.prescribed(t), strict=True):
         np.copyto(x, given, where=~free)
 
-    c = method.newton(h)
-    reaction = old.reaction
-
-    def correct() -> float:
-        nonlocal q, v, a, reaction
-        x, reaction = system.direction(t, q, v, a, reaction, c)
-        q = q + x
-        v = v + c[1] * x
-        a = a + c[2] * x
-        return system.norm(x)
-
     with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
-        report = iterate(correct, tolerance, max_iterations)
-    if not report.converged:
-        return StepResult(None, None, report, np.inf)
-    assessment = system.assess(t, q, v, a, reaction)
-    if not np.all(np.isfinite(assessment.reaction)):
-        return StepResult(None, None, NewtonReport(NewtonStatus.NOT_FINITE, report.iterations, np.inf), np.inf)
+        solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance)
+    newton, assessment = solution.newton, solution.assessment
+    if newton.converged and not np.all(np.isfinite(assessment.reaction)):
+        newton = NewtonReport(NewtonStatus.NOT_FINITE, newton.iterations, np.inf)
+    if not newton.converged:
+        return StepResult(None, None, newton, np.inf)
+    q, v, a = solution.q, solution.v, solution.a
     b = ((1 - f) * a + f * old.a - m * b_old) / (1 - m)
     change = a - old.a
     error = abs(beta + 0.5 * method.shift - 1 / 6) * h * h * system.norm(np.where(free, change, 0.0))
-    return StepResult(Motion(t, q, v, a, b, change / h, h, assessment.reaction), assessment, report, error)
+    return StepResult(Motion(t, q, v, a, b, change / h, h, assessment.reaction), assessment, newton, error)
 
 
 def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) -> tuple[Motion, B]:
@@ -180,7 +181,7 @@ def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) ->
     q, v = np.where(free, q, q_p), np.where(free, v, v_p)
     a = np.where(free, 0.0, a_p)
     for _ in range(2):  # the second time with friction from the right reactions
-        x, reaction = system.direction(t, q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
+        x, reaction = system.direction(q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
         a = a + x
-    assessment = system.assess(t, q, v, a, reaction)
+    assessment = system.assess(q, v, a, reaction)
     return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, assessment.reaction), assessment

@@ -85,7 +85,7 @@ def counted_on(angle: float, last: float) -> float:
 def _booked(model: RopeModel, state: RopeState, what: str) -> RopeState:
     """A changed description with its energy change in the ledger."""
     m, before = state.motion, state.ledger
-    assessment = model.system(state).assess(m.t, m.q, m.v, m.a, m.reaction)
+    assessment = model.system(state).assess(m.q, m.v, m.a, m.reaction)
     after = with_energies(before, assessment.balance)
     kinetic, total = after.kinetic - before.kinetic, after.total - before.total
     event = Event(m.t, what, kinetic, total - kinetic)

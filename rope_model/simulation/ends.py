@@ -169,11 +169,18 @@ class HangingEnds:
             v[node, ANGLE], a[node, ANGLE] = YAW_SENSE[side] * x_t[3], YAW_SENSE[side] * x_tt[3]
         return q, v, a
 
-    def load(self, t: float, reaction: Array) -> Array:
-        load = np.zeros_like(reaction)
-        for side, node in enumerate((0, -1)):
-            if self.states[side].phase is Phase.SLIP:
-                load[node, ANGLE] = -self.states[side].sign * self.friction(side, reaction, kinetic=True)
+    def load(self, nodes: int) -> Array:
+        return self._slipping(nodes, [x.seal_moment for x in self.swivels])
+
+    def grip(self, nodes: int) -> Array:
+        return self._slipping(nodes, [friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, 1.0) for x in self.swivels])
+
+    def _slipping(self, nodes: int, moments: Sequence[float]) -> Array:
+        """(nodes, 7): ``moments`` against the slip of the ends that slip."""
+        load = np.zeros((nodes, 7))
+        for node, state, swivel, moment in zip((0, -1), self.states, self.swivels, moments, strict=True):
+            if state.phase is Phase.SLIP and swivel.mode != "free":
+                load[node, ANGLE] = -state.sign * moment
         return load
 
     def friction(self, side: int, reaction: Array, kinetic: bool) -> float:

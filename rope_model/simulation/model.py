@@ -58,15 +58,15 @@ class RopeModel:
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
-        q, v = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
-        middle = system.assess(motion.t - 0.5 * h, q, v, motion.a, motion.reaction).balance
+        middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
+        damping, nonconservative = system.losses(middle, rate)
         ledger = with_energies(old.ledger, assessment.balance)
         ledger = replace(
             ledger,
             work_ends=ledger.work_ends + 0.5 * h * (before.ends + now.ends),
             dissipated_swivel=ledger.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
-            dissipated_material=ledger.dissipated_material + h * middle["damping_power"],
-            nonconservative=ledger.nonconservative + h * middle["nonconservative_power"],
+            dissipated_material=ledger.dissipated_material + h * damping,
+            nonconservative=ledger.nonconservative + h * nonconservative,
         )
         return replace(old, motion=motion, ledger=ledger, powers=now, counts=old.counts.plus(steps=1))
 

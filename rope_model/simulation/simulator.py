@@ -161,7 +161,7 @@ class RopeSimulator:
             motion=replace(motion, q=equilibrium.q, reaction=reaction),
             force_mean=(-float(reaction[0, 1]), -float(reaction[-1, 1])),
         )
-        balance = self.model.system(state).assess(t, equilibrium.q, rest, rest, reaction).balance
+        balance = self.model.system(state).assess(equilibrium.q, rest, rest, reaction).balance
         ledger = with_energies(Ledger(), balance)
         state = replace(state, ledger=replace(ledger, start=ledger.total))
         self._accept(with_loop_yaw(with_good_pole(self.model, state)))
@@ -203,15 +203,15 @@ class RopeSimulator:
         """
         m, h, system = self.state.motion, self.state.last_interval, self.system
         c = self.model.method.newton(h)
-        unperturbed, rest = system.direction(m.t, m.q, m.v, m.a, m.reaction, c)
+        unperturbed, rest = system.direction(m.q, m.v, m.a, m.reaction, c)
         size, masses = 1e-3, []
         for node in (0, -1):
             q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
             q[node, 1] += 0.5 * h * h * size
             v[node, 1] += h * size
             a[node, 1] += size
-            x = system.direction(m.t, q, v, a, m.reaction, c)[0] - unperturbed
-            reaction = system.assess(m.t, q + x, v + c[1] * x, a + c[2] * x, m.reaction).reaction
+            x = system.direction(q, v, a, m.reaction, c)[0] - unperturbed
+            reaction = system.assess(q + x, v + c[1] * x, a + c[2] * x, m.reaction).reaction
             masses.append(float(reaction[node, 1] - rest[node, 1]) / size)
         return masses[0], masses[1]
 
@@ -234,7 +234,7 @@ class RopeSimulator:
             h, iterations = switching
             result = model.trial(system, state.motion, h)
             if result.motion is None:
-                return f"the step to a swivel event fails: {result.newton.status.value}"
+                return f"the step to a swivel event fails: {result.newton.status.text}"
             state = replace(state, counts=state.counts.plus(newton=iterations + result.newton.iterations))
         after = model.committed(state, system, result)
         if switching is not None:
@@ -257,7 +257,7 @@ class RopeSimulator:
             if result.motion is not None and result.error <= solver.tolerance:
                 break
             cause = (
-                result.newton.status.value
+                result.newton.status.text
                 if result.motion is None
                 else f"the local error {result.error:.3g} exceeds the tolerance {solver.tolerance:.3g}"
             )
