@@ -1,4 +1,4 @@
-"""Changes of the rope's description that leave the rope as it is: mesh transformations, and the frame's pole."""
+"""Changes of the rope's description that leave the rope as it is: mesh, the frame's pole, the rung of the model."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from ..physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
 from .mesh import Partition, transformation_due, transformed
-from .model import RopeModel, with_energies
+from .model import RopeModel, energies
 from .rope_system import ANGLE, SLOPE
+from .rungs import RungName
 from .state import Event, RopeState
 from .transfer import transferred
 
@@ -44,11 +45,13 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
 
 def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
     """Theta expressed in a frame whose singularity is far from every tangent of the rope."""
+    if state.rung != "torsional":  # nothing is counted from the frame
+        return state
     d = state.motion.q[:, SLOPE]
-    t = d / np.linalg.norm(d, axis=1)[:, None]
+    t = d / np.sqrt(np.einsum("ij,ij->i", d, d))[:, None]
     bottom = t[np.argmin(state.motion.q[:, 1])] * [1.0, 0.0, 1.0]
     margin = pole_margin(state.pole, t)
-    if margin >= POLE_MARGIN and state.pole @ bottom >= POLE_FOLLOWS * np.linalg.norm(bottom):
+    if margin >= POLE_MARGIN and state.pole @ bottom >= POLE_FOLLOWS * math.hypot(bottom[0], bottom[2]):
         return state
     # the lowest tangent suits a loop that hangs in any vertical plane as X suits it at the start
     old, new, m = state.pole, bottom / max(float(np.linalg.norm(bottom)), 1e-12), state.motion
@@ -70,6 +73,15 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
     return _booked(model, model.restarted(moved), "new frame pole")
 
 
+def raised(model: RopeModel, state: RopeState, why: str) -> RopeState:
+    """The state on the lowest rung that can follow what this one cannot, with nothing changed but that."""
+    rung: RungName = "torsional"
+    reason = f"the {state.rung} rung cannot follow {why}"
+    log.info("t = %.6f s: model: %s, because %s", state.motion.t, rung, reason)
+    event = Event(state.motion.t, f"model {rung}")
+    return model.restarted(replace(state, rung=rung, rung_reason=reason, events=(*state.events, event)))
+
+
 def with_loop_yaw(state: RopeState) -> RopeState:
     """The loop's yaw at its lowest node, counted on from its last value."""
     q = state.motion.q
@@ -86,7 +98,7 @@ def _booked(model: RopeModel, state: RopeState, what: str) -> RopeState:
     """A changed description with its energy change in the ledger."""
     m, before = state.motion, state.ledger
     assessment = model.system(state).assess(m.q, m.v, m.a, m.reaction)
-    after = with_energies(before, assessment.balance)
+    after = replace(before, **energies(assessment.balance))
     kinetic, total = after.kinetic - before.kinetic, after.total - before.total
     event = Event(m.t, what, kinetic, total - kinetic)
     log.debug("t = %.6f s: %s, kinetic energy %+.3g J, potential %+.3g J", *event)

@@ -13,6 +13,7 @@ acceleration are continuous whatever the host's step.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -114,6 +115,12 @@ class EndPath:
         )
         x, v, a = powers @ self.coefficients
         return x, v, a
+
+    def height(self, t: float) -> float:
+        """y alone at ``t``: what the mesh asks for several times a step."""
+        s = min(t, self.stop) - self.start
+        c0, c1, c2, c3, c4, c5 = self.coefficients[:, 1].tolist()
+        return float(c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5)))))
 
     def peak_acceleration(self) -> Array:
         """Largest acceleration (4,) on the path, sampled."""
@@ -219,11 +226,9 @@ def checked(target: EndMotion, path: EndPath, side: str, limits: Sequence[float]
 
     ``limits`` bound position (m; rad for the yaw), speed (m/s; rad/s) and the acceleration inside the step (m/s^2).
     """
-    names = tuple(EndMotion.__dataclass_fields__)
-    values = [getattr(target, name) for name in names]
     bounds = [limits[0]] * 3 + [limits[1]] * 3 + [limits[2]] * 3 + [limits[0], limits[1]]
-    for name, value, bound in zip(names, values, bounds, strict=True):
-        if not np.isfinite(value):
+    for (name, value), bound in zip(vars(target).items(), bounds, strict=True):
+        if not math.isfinite(value):
             return f"input {side}.{name} = {value} is not finite; check the signal connected to it"
         if abs(value) > bound:
             return f"input {side}.{name} = {value:g} is beyond +-{bound:g} (SI units); check its unit and connection"

@@ -64,6 +64,20 @@ class RopeKernels:
         self.strains = Kernel(strains, ((elements, len(STRAINS)),))
 
 
+class KernelShelf:
+    """The kernels of every rung for one number of elements, made when first needed."""
+
+    def __init__(self, elements: int, form: KernelForm = "auto", bundle: Path | None = None) -> None:
+        self.elements, self._form, self._bundle = elements, form, bundle
+        self._made: dict[Rung, RopeKernels] = {}
+
+    def of(self, rung: Rung) -> RopeKernels:
+        """Those of ``rung``."""
+        if rung not in self._made:
+            self._made[rung] = RopeKernels(self.elements, self._form, self._bundle, rung)
+        return self._made[rung]
+
+
 def write_bundle(elements: int, folder: Path) -> list[Path]:
     """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every rung."""
     folder.mkdir(parents=True, exist_ok=True)

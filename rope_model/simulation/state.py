@@ -13,6 +13,7 @@ from ..numerics.generalized_alpha import Motion
 from .ends import EndPath, Phase, SwivelState
 from .mesh import Partition
 from .rope_system import Array
+from .rungs import RungName
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,8 @@ class RopeState:
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance
     loop_yaw: float  # rad, at the lowest node, counted on through full turns
+    rung: RungName  # of the model
+    rung_reason: str
     events: tuple[Event, ...] = ()  # of the last advance
     ledger: Ledger = field(default_factory=Ledger)
     powers: Powers = field(default_factory=Powers)
@@ -112,6 +115,8 @@ class RopeState:
             "last_interval": self.last_interval,
             "force_mean": self.force_mean,
             "loop_yaw": self.loop_yaw,
+            "rung": self.rung,
+            "rung_reason": self.rung_reason,
             "events": self.events,
             "ledger": asdict(self.ledger),
             "powers": asdict(self.powers),
@@ -140,6 +145,8 @@ class RopeState:
                 last_interval=s["last_interval"],
                 force_mean=(s["force_mean"][0], s["force_mean"][1]),
                 loop_yaw=s["loop_yaw"],
+                rung=s["rung"],
+                rung_reason=s["rung_reason"],
                 events=tuple(Event(*event) for event in s["events"]),
                 ledger=Ledger(**s["ledger"]),
                 powers=Powers(**s["powers"]),
