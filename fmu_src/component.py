@@ -155,10 +155,11 @@ class RopeComponent:
     def _initialize(self) -> Status:
         self._rope = None
         rope = RopeSimulator(scene_of(self.values), self._bundle)
-        self._log(f"kernels: {rope.model.kernels.form}, {rope.model.kernels.elements} elements", False)
         status = rope.initialize(self._start_time, *(motion_of(side, self.values) for side in SIDES))
         if status.valid:
-            self._rope = rope
+            self._rope, state = rope, rope.state
+            self._log(f"model: {state.rung}, {state.rung_reason}", False)
+            self._log(f"kernels: {rope.system.kernels.form}, {rope.model.kernels.elements} elements", False)
         return status
 
     def _step(self, t: float, h: float) -> Status:

@@ -64,11 +64,10 @@ class SpringPendulum(Corrected):
     mass, stiffness, damping, rest, gravity = 1.3, 40.0, 0.4, 1.0, 9.8
     free = np.array([[False, False], [True, True]])
 
-    def prescribed(self, t: float) -> tuple[Array, Array, Array]:
+    def prescribed(self, t: float) -> Array:
         s, c = np.sin(2 * t), np.cos(2 * t)
         rows = ([0.3 * s, 0.2 * (1 - c)], [0.6 * c, 0.4 * s], [-1.2 * s, 0.8 * c])
-        q, v, a = (np.array([row, [0.0, 0.0]]) for row in rows)
-        return q, v, a
+        return np.array([[row, [0.0, 0.0]] for row in rows])
 
     def pull(self, q: Array, v: Array) -> Array:
         """Force of the mass on the point."""
@@ -119,14 +118,14 @@ class SpringPendulum(Corrected):
 class ShakenEnds(Chain):
     """Both ends held, the right one moved smoothly from rest."""
 
-    def prescribed(self, t: float, nodes: int) -> tuple[Array, Array, Array]:
-        q, v, a = (np.zeros_like(self.values) for _ in range(3))
+    def prescribed(self, t: float, nodes: int) -> Array:
+        q, v, a = motion = np.zeros((3, *self.values.shape))
         q += self.values
         w = 4.0
         way = 0.25 * np.array([1.0, 0.6, 0.8])
         q[-1, POSITION] += way * (w * t - np.sin(w * t)) / w
         v[-1, POSITION], a[-1, POSITION] = way * (1 - np.cos(w * t)), way * w * np.sin(w * t)
-        return q, v, a
+        return motion
 
 
 @cache
@@ -218,8 +217,8 @@ class Oscillator(Corrected):
     omega: float
     free = np.array([[True]])
 
-    def prescribed(self, t: float) -> tuple[Array, Array, Array]:
-        return np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 1))
+    def prescribed(self, t: float) -> Array:
+        return np.zeros((3, 1, 1))
 
     def direction(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         R = a + self.omega**2 * q

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
+from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends import EndMotion, HangingEnds, Phase, SwivelState
 from rope_model.simulation.rope_system import RopeSystem
@@ -24,7 +24,8 @@ STIFF_BEARING = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.014)
 
 def scene(step: float = 2e-3, **swivels: Swivel) -> Scene:
     solver = Solver(step_max=step, tolerance=1.0, newton_tolerance=1e-10, kernels="portable")
-    return Scene(rope=SOFT, mesh=Mesh(kind="eem", elements=8), solver=solver, **swivels)
+    mesh, model = Mesh(kind="eem", elements=8), Model(rung="torsional")
+    return Scene(rope=SOFT, mesh=mesh, solver=solver, model=model, **swivels)
 
 
 #: the right conveyance yaws by so much in the first of these times, and stands until the second

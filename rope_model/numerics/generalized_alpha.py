@@ -18,6 +18,7 @@ form with auxiliary accelerations; Bruels and Arnold, J. Comput. Nonlinear Dyn. 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
@@ -79,8 +80,8 @@ class System(Protocol[B]):
     def free(self) -> NDArray[np.bool_]:
         """True where a degree of freedom is free, False where it is prescribed."""
 
-    def prescribed(self, t: float) -> tuple[Array, Array, Array]:
-        """Full arrays of q, v and a, of which the prescribed entries count."""
+    def prescribed(self, t: float) -> Array:
+        """(3, ...): full arrays of q, v and a, of which the prescribed entries count."""
 
     def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[B]:
         """Equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x."""
@@ -122,6 +123,23 @@ class Coefficients:
         m, f = self.alpha_m, self.alpha_f
         return np.array([1.0, self.gamma / (self.beta * h), (1 - m) / (self.beta * h * h * (1 - f))])
 
+    def prediction(self, h: float, recentring: float) -> Array:
+        """(3, 5): q, v, a at the end of a step ``h`` with a constant acceleration, from q, v, a, b, a_rate.
+
+        ``recentring`` is the time by which b is moved.
+        """
+        m, gamma, beta = self.alpha_m, self.gamma, self.beta
+        q_a, v_a = h * h * beta / (1 - m), h * gamma / (1 - m)
+        q_b, v_b = h * h * (0.5 - beta) - m * q_a, h * (1 - gamma) - m * v_a
+        return np.array(
+            [[1.0, h, q_a, q_b, q_b * recentring], [0.0, 1.0, v_a, v_b, v_b * recentring], [0.0, 0.0, 1.0, 0.0, 0.0]]
+        )
+
+    def auxiliary(self, recentring: float) -> Array:
+        """(3,): what a, b, a_rate at the start of a step contribute to b at its end."""
+        m = self.alpha_m
+        return np.array([self.alpha_f, -m, -m * recentring]) / (1 - m)
+
     @property
     def shift(self) -> float:
         """Where b lives, in steps from t_n."""
@@ -143,32 +161,24 @@ class StepResult(Generic[B]):
 
 def step(system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float) -> StepResult[B]:
     """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
-    m, f, gamma, beta = method.alpha_m, method.alpha_f, method.gamma, method.beta
     t, free = old.t + h, system.free
-    b_old = old.b
-    if 0 < h <= LARGEST_GROWTH * old.h:
-        b_old = old.b + method.shift * (h - old.h) * old.a_rate
-
-    # predict with a constant acceleration
-    a = old.a.copy()
-    b = ((1 - f) * a + f * old.a - m * b_old) / (1 - m)
-    q = old.q + h * old.v + h * h * ((0.5 - beta) * b_old + beta * b)
-    v = old.v + h * ((1 - gamma) * b_old + gamma * b)
-    for x, given in zip((q, v, a), system.prescribed(t), strict=True):
-        np.copyto(x, given, where=~free)
-
+    past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
+    recentring = method.shift * (h - old.h) if 0 < h <= LARGEST_GROWTH * old.h else 0.0
+    q, v, a = guess = np.tensordot(method.prediction(h, recentring), past, 1)
+    np.copyto(guess, system.prescribed(t), where=~free)
     with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
         solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance)
     newton, assessment = solution.newton, solution.assessment
-    if newton.converged and not np.all(np.isfinite(assessment.reaction)):
+    if newton.converged and not math.isfinite(assessment.reaction.sum()):
         newton = NewtonReport(NewtonStatus.NOT_FINITE, newton.iterations, np.inf)
     if not newton.converged:
         return StepResult(None, None, newton, np.inf)
-    q, v, a = solution.q, solution.v, solution.a
-    b = ((1 - f) * a + f * old.a - m * b_old) / (1 - m)
+    a = solution.a
+    b = np.tensordot(method.auxiliary(recentring), past[2:], 1) + (1 - method.alpha_f) / (1 - method.alpha_m) * a
     change = a - old.a
-    error = abs(beta + 0.5 * method.shift - 1 / 6) * h * h * system.norm(np.where(free, change, 0.0))
-    return StepResult(Motion(t, q, v, a, b, change / h, h, assessment.reaction), assessment, newton, error)
+    error = abs(method.beta + 0.5 * method.shift - 1 / 6) * h * h * system.norm(free * change)
+    motion = Motion(t, solution.q, solution.v, a, b, change / h, h, assessment.reaction)
+    return StepResult(motion, assessment, newton, error)
 
 
 def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) -> tuple[Motion, B]:

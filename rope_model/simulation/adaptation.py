@@ -39,7 +39,7 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     carried: dict[str, Any] = {name: transferred(getattr(m, name), old_s, new_s) for name in names}
     reaction = np.zeros_like(m.reaction)
     reaction[[0, -1]] = m.reaction[[0, -1]]
-    moved = replace(state, partition=new, motion=replace(m, **carried, reaction=reaction))
+    moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction))
     return _booked(model, moved, "transformation")
 
 
@@ -64,8 +64,7 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
     q[:, ANGLE] += angle
     rates = [smallest_rotation_rate(p, d.T, m.v[:, SLOPE].T) for p in (old, new)]
     v[:, ANGLE] += rates[0] - rates[1]
-    moved = replace(
-        state,
+    moved = state._replace(
         pole=new,
         offsets=(state.offsets[0] + float(angle[0]), state.offsets[1] + float(angle[-1])),
         motion=replace(m, q=q, v=v),
@@ -79,14 +78,14 @@ def raised(model: RopeModel, state: RopeState, why: str) -> RopeState:
     reason = f"the {state.rung} rung cannot follow {why}"
     log.info("t = %.6f s: model: %s, because %s", state.motion.t, rung, reason)
     event = Event(state.motion.t, f"model {rung}")
-    return model.restarted(replace(state, rung=rung, rung_reason=reason, events=(*state.events, event)))
+    return model.restarted(state._replace(rung=rung, rung_reason=reason, events=(*state.events, event)))
 
 
 def with_loop_yaw(state: RopeState) -> RopeState:
     """The loop's yaw at its lowest node, counted on from its last value."""
     q = state.motion.q
     d = q[np.argmin(q[:, 1]), SLOPE]
-    return replace(state, loop_yaw=counted_on(math.atan2(-d[2], d[0]), state.loop_yaw))
+    return state._replace(loop_yaw=counted_on(math.atan2(-d[2], d[0]), state.loop_yaw))
 
 
 def counted_on(angle: float, last: float) -> float:
@@ -98,14 +97,13 @@ def _booked(model: RopeModel, state: RopeState, what: str) -> RopeState:
     """A changed description with its energy change in the ledger."""
     m, before = state.motion, state.ledger
     assessment = model.system(state).assess(m.q, m.v, m.a, m.reaction)
-    after = replace(before, **energies(assessment.balance))
+    after = before._replace(**energies(assessment.balance))
     kinetic, total = after.kinetic - before.kinetic, after.total - before.total
     event = Event(m.t, what, kinetic, total - kinetic)
     log.debug("t = %.6f s: %s, kinetic energy %+.3g J, potential %+.3g J", *event)
     counts = state.counts
-    return replace(
-        state,
-        ledger=replace(after, transformations=before.transformations + total),
+    return state._replace(
+        ledger=after._replace(transformations=before.transformations + total),
         counts=counts.plus(transformations=1) if what == "transformation" else counts.plus(pole_changes=1),
         events=(*state.events, event),
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -16,20 +17,27 @@ from .state import Powers, RopeState
 
 @dataclass(frozen=True)
 class RopeModel:
-    """Immutable but for the kernels' scratch memory."""
+    """Immutable but for the kernels' scratch memory, and the latest system, kept because the next is mostly alike."""
 
     scene: Scene
     kernels: KernelShelf
+    _latest: list[tuple[tuple[Any, ...], RopeSystem]] = field(default_factory=list, init=False, compare=False)
 
     def system(self, state: RopeState) -> RopeSystem:
         """The equations of motion of ``state``: its mesh, frame, swivel phases and end paths."""
         scene = self.scene
         points = nominal_points(scene.layout.spacing)
         ends = HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
+        key = (state.partition, state.pole, state.swivels, state.offsets, state.rung)
+        for known, system in self._latest:
+            if all(one is other for one, other in zip(known, key, strict=True)):
+                return system.held_by(ends)
         node_mass = np.zeros((state.partition.lengths.size + 1, 7))
         node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
         P = parameter_vector(scene.rope, scene.layout.gravity, state.pole)
-        return RopeSystem(self.kernels.of(flexible(state.rung)), state.partition.lengths, P, ends, node_mass)
+        system = RopeSystem(self.kernels.of(flexible(state.rung)), state.partition.lengths, P, ends, node_mass)
+        self._latest[:] = [(key, system)]
+        return system
 
     @property
     def method(self) -> Coefficients:
@@ -49,7 +57,7 @@ class RopeModel:
         m = state.motion
         system = self.system(state)
         motion, _ = restart(system, m.t, m.q, m.v, m.reaction)
-        return replace(state, motion=motion, powers=powers(system, motion))
+        return state._replace(motion=motion, powers=powers(system, motion))
 
     def committed(self, old: RopeState, system: RopeSystem, result: StepResult[Assessment]) -> RopeState:
         """An accepted step, with energies and work booked."""
@@ -61,15 +69,14 @@ class RopeModel:
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         damping, nonconservative = system.losses(middle, rate)
-        ledger = replace(
-            old.ledger,
+        ledger = old.ledger._replace(
             **energies(assessment.balance),
             work_ends=old.ledger.work_ends + 0.5 * h * (before.ends + now.ends),
             dissipated_swivel=old.ledger.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
             dissipated_material=old.ledger.dissipated_material + h * damping,
             nonconservative=old.ledger.nonconservative + h * nonconservative,
         )
-        return replace(old, motion=motion, ledger=ledger, powers=now)
+        return old._replace(motion=motion, ledger=ledger, powers=now)
 
 
 def ends_of(system: RopeSystem) -> HangingEnds:

@@ -6,6 +6,7 @@ changes makes a new one (cheap: the kernels are shared).
 
 from __future__ import annotations
 
+import copy
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -120,8 +121,8 @@ class Boundary(Protocol):
     def free(self, nodes: int) -> NDArray[np.bool_]:
         """True where a degree of freedom is free."""
 
-    def prescribed(self, t: float, nodes: int) -> tuple[Array, Array, Array]:
-        """q, v, a with the prescribed entries filled in."""
+    def prescribed(self, t: float, nodes: int) -> Array:
+        """(3, nodes, 7): q, v, a with the prescribed entries filled in."""
 
     def load(self, nodes: int) -> Array:
         """Dead loads at the nodes."""
@@ -154,7 +155,13 @@ class RopeSystem:
         self._scale[SLOPE] = lengths.min()
         self._constants = self.lengths, self.load, boundary.grip(nodes), self.node_mass
 
-    def prescribed(self, t: float) -> tuple[Array, Array, Array]:
+    def held_by(self, boundary: Boundary) -> RopeSystem:
+        """The same system with the ends held in the same way but moved otherwise."""
+        other = copy.copy(self)
+        other.boundary = boundary
+        return other
+
+    def prescribed(self, t: float) -> Array:
         return self.boundary.prescribed(t, self.lengths.size + 1)
 
     def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Assessment]:
@@ -187,4 +194,4 @@ class RopeSystem:
         return self.kernels.strains(q, self.lengths, self.P)[0]
 
     def norm(self, x: Array) -> float:
-        return float(np.max(np.abs(x) * self._scale))
+        return float((np.abs(x) * self._scale).max())

@@ -160,8 +160,8 @@ class RopeSimulator:
         except (StaticsError, ValueError) as error:
             return Status(False, str(error))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
-        ledger = replace(state.ledger, start=state.ledger.total)
-        self._accept(with_loop_yaw(with_good_pole(self.model, replace(state, force_mean=force_mean, ledger=ledger))))
+        ledger = state.ledger._replace(start=state.ledger.total)
+        self._accept(with_loop_yaw(with_good_pole(self.model, state._replace(force_mean=force_mean, ledger=ledger))))
         return Status(True)
 
     def _hung(self, state: RopeState) -> RopeState:
@@ -169,15 +169,15 @@ class RopeSimulator:
         system, m = self.model.system(state), state.motion
         equilibrium = find_equilibrium(system, m.q, m.t)
         balance = system.assess(equilibrium.q, m.v, m.a, equilibrium.reaction).balance
-        ledger = replace(state.ledger, **energies(balance))
-        return replace(state, motion=replace(m, q=equilibrium.q, reaction=equilibrium.reaction), ledger=ledger)
+        ledger = state.ledger._replace(**energies(balance))
+        return state._replace(motion=replace(m, q=equilibrium.q, reaction=equilibrium.reaction), ledger=ledger)
 
     def _rigid(self, state: RopeState, t: float) -> RopeState:
         """``state`` as the rigid rung has it at ``t``."""
-        state = transformed_if_due(self.model, replace(state, motion=replace(state.motion, t=t)))
+        state = transformed_if_due(self.model, state._replace(motion=replace(state.motion, t=t)))
         rope = rigid_rope(self.scene, state.paths, t, state.partition.nodes_s)
-        return replace(
-            state, motion=rope.motion, ledger=replace(state.ledger, kinetic=rope.kinetic, gravity=rope.gravity)
+        return state._replace(
+            motion=rope.motion, ledger=state.ledger._replace(kinetic=rope.kinetic, gravity=rope.gravity)
         )
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion) -> Status:
@@ -194,7 +194,7 @@ class RopeSimulator:
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := checked(target, path, side):
                 return Status(False, message)
-        state = replace(state, paths=(paths[0], paths[1]), events=())
+        state = state._replace(paths=(paths[0], paths[1]), events=())
         if why := outgrown(self.scene, state.rung, (left, right)):
             if self.scene.model.rung != "auto":
                 return Status(False, f"the {state.rung} rung cannot follow {why}; set model.rung = auto (or torsional)")
@@ -210,7 +210,7 @@ class RopeSimulator:
             for node in (0, -1):
                 impulse[node] -= 0.5 * (now.t - before.t) * float(before.reaction[node, 1] + now.reaction[node, 1])
         mean = impulse[0] / (t - start), impulse[1] / (t - start)
-        self._accept(replace(state, last_interval=t - start, force_mean=mean))
+        self._accept(state._replace(last_interval=t - start, force_mean=mean))
         return Status(True)
 
     def added_mass(self) -> tuple[float, float]:
@@ -255,13 +255,14 @@ class RopeSimulator:
             if result.motion is None:
                 return f"the step to a swivel event fails: {result.newton.status.text}"
             counts = counts.plus(newton=iterations + result.newton.iterations)
-        after = replace(model.committed(state, system, result), step_next=step.step_next, counts=counts.plus(steps=1))
+        after = model.committed(state, system, result)
+        after = after._replace(step_next=step.step_next, counts=counts.plus(steps=1))
         if switching is not None:
             after = switched(model, after)
             if chatters(after):
                 return "a swivel chatters between stick and slip; check its friction, and whether the end is slack"
         elif reaches_stop:
-            after = replace(after, motion=replace(after.motion, t=stop))  # to the bit, not to rounding
+            after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
         return with_loop_yaw(with_good_pole(model, after))
 
     def _rigid_step(self, state: RopeState, t_end: float) -> RopeState | str:
@@ -272,8 +273,8 @@ class RopeSimulator:
             return str(error)
         now, h = powers(self.model.system(after), after.motion), t_end - state.motion.t
         work = after.ledger.work_ends + 0.5 * h * (state.powers.ends + now.ends)
-        return replace(
-            after, powers=now, ledger=replace(after.ledger, work_ends=work), counts=after.counts.plus(steps=1)
+        return after._replace(
+            powers=now, ledger=after.ledger._replace(work_ends=work), counts=after.counts.plus(steps=1)
         )
 
     def _accepted_step(self, system: RopeSystem, state: RopeState, stop: float) -> _Accepted | str:
