@@ -239,7 +239,9 @@ class RopeComponent:
         if name == "status.message":
             return self.status.message
         if self._rope is None:  # before initialisation zero; after one that failed nothing that looks like a force
-            return 0.0 if self.status.valid or variable.kind != "Real" else math.nan
+            return _NOTHING[variable.kind] if self.status.valid or variable.kind != "Real" else math.nan
+        if name in ("status.rung", "status.rung_reason"):
+            return str(getattr(self._rope.state, name.removeprefix("status.")))
         if name not in self._outputs:
             self._outputs |= group_of(name)(self._rope)
         return self._outputs[name]
