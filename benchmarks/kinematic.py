@@ -53,21 +53,22 @@ def wind(
     travel: float,
     settle: float = 3.0,
     sample: int = 5,
+    interval: float = H,
     progress: Callable[[float], None] | None = None,
 ) -> Winding:
-    """Follow ``reference`` and ``settle`` seconds more."""
+    """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``."""
     rope = RopeSimulator(scene)
     run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
     if not run.status.valid:
         return run
-    for k in range(1, round((reference.duration + settle) / H) + 1):
-        ends = ends_at(reference, travel, k * H)
+    for k in range(1, round((reference.duration + settle) / interval) + 1):
+        ends = ends_at(reference, travel, k * interval)
         start = time.process_time()
-        run.status = rope.advance_to(k * H, *ends)
+        run.status = rope.advance_to(k * interval, *ends)
         run.cpu += time.process_time() - start
         if not run.status.valid:
             break
-        run.simulated = k * H
+        run.simulated = k * interval
         run.events += rope.state.events
         if k % sample == 0:
             state = rope.state

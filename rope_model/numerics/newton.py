@@ -14,12 +14,14 @@ from enum import Enum
 import casadi as ca
 
 #: factorizations at most, and corrections with each
-ROUNDS, PER_ROUND = 5, 5
+ROUNDS, PER_ROUND = 8, 5
 MAX_ITERATIONS = ROUNDS * PER_ROUND
 #: a contraction slower than this calls for a new factorization
-SLOW = 0.2
+SLOW = 0.1
 #: a contraction slower than this promises nothing
 UNSURE = 0.5
+#: a full correction so many times larger than the one before is divergence; a little growth at the start is not
+GROWING = 8.0
 #: what is larger is not a number of ours
 HUGE = 1e200
 
@@ -74,7 +76,7 @@ def judge() -> ca.Function:
     # the first correction says nothing of the contraction: trust it only when it is tiny itself
     trusted = ca.logic_and(ca.logic_not(first), contraction < UNSURE)
     error = ca.if_else(trusted, contraction / (1 - contraction) * norm, norm)
-    diverged = ca.logic_and(ca.logic_not(first), contraction >= 2)
+    diverged = ca.logic_and(ca.logic_not(first), contraction >= GROWING)
     status = ca.if_else(error <= tolerance, NewtonStatus.CONVERGED.code, NewtonStatus.TOO_MANY.code)
     status = ca.if_else(diverged, NewtonStatus.DIVERGED.code, status)
     finite = norm < HUGE  # false for NaN too

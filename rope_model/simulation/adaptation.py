@@ -23,6 +23,8 @@ log = logging.getLogger(__name__)
 POLE_MARGIN = 0.35
 #: cosine of the yaw between pole and the loop's lowest tangent below which the pole follows the loop
 POLE_FOLLOWS = 0.5
+#: s: what is slower keeps its shape in a transformation
+RELAXATION_TIME = 0.01
 
 
 def transformed_if_due(model: RopeModel, state: RopeState) -> RopeState:
@@ -40,7 +42,20 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     reaction = np.zeros_like(m.reaction)
     reaction[[0, -1]] = m.reaction[[0, -1]]
     moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction))
-    return _booked(model, moved, "transformation")
+    return _booked(model, _relaxed(model, moved), "transformation")
+
+
+def _relaxed(model: RopeModel, state: RopeState) -> RopeState:
+    """The state in equilibrium with its accelerations.
+
+    Where two elements became one, the cubic through the nodes that stay is a little too short or too long, which the
+    axial stiffness would turn into a blow.  An inertia that stands for RELAXATION_TIME lets the stiff part give way
+    and holds the rest.
+    """
+    m = state.motion
+    c = np.array([1.0, 0.0, RELAXATION_TIME**-2])
+    solution = model.system(state).solve(m.q, m.v, m.a, m.reaction, c, model.scene.solver.newton_tolerance)
+    return state._replace(motion=replace(m, q=solution.q)) if solution.newton.converged else state
 
 
 def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
