@@ -75,12 +75,12 @@ def locking() -> Finding:
 
 def axial_eigenvalues(points: int) -> Array:
     """Of one straight element's axial stiffness in u1, l u1', u2, l u2', in units of Qa/l, ascending."""
-    u, d = ca.SX.sym("u", 4), 0.0
+    u, energy = ca.SX.sym("u", 4), ca.SX(0)
     for x, weight in zip(*np.polynomial.legendre.leggauss(points), strict=True):
         xi = 0.5 * (1 + x)
         strain = ca.dot(ca.DM([6 * xi**2 - 6 * xi, 1 - 4 * xi + 3 * xi**2, 6 * xi - 6 * xi**2, 3 * xi**2 - 2 * xi]), u)
-        d += 0.5 * weight * strain**2 / 2
-    K = ca.Function("K", [u], [ca.hessian(d, u)[0]])
+        energy += 0.5 * weight * strain**2 / 2
+    K = ca.Function("K", [u], [ca.hessian(energy, u)[0]])
     return np.asarray(np.linalg.eigvalsh(np.asarray(K(np.zeros(4)))), dtype=float)
 
 
@@ -215,10 +215,10 @@ def travelling(kind: str) -> Finding:
             Measured("end force, rms error, fixed mesh", 100 * rms(twin_force), "%", ">", 5.0),
         ),
         ours=(
+            Measured("loop bottom, largest error", 1e3 * float(distance.max()), "mm", "<", 10.0),
             Measured("part of the trip completed", ours.completed, "1", ">", 0.999),
             # the loop travels half the way along the rope, by l = 2 m each time
             Measured("transformations", count, "1", ">", 20.0),
-            Measured("loop bottom, largest error", 1e3 * float(distance.max()), "mm", "<", 10.0),
             Measured("end force, rms error", 100 * rms(force), "%", "<", 0.5),
             # the same limit that the twin exceeds
             Measured(

@@ -137,7 +137,7 @@ def after_release(rho: float) -> tuple[Array, Array, int]:
     for k in range(400):
         assert rope.advance_to((k + 1) * h, EndMotion(), EndMotion(y=6.0)).valid
         force.append(rope.state.motion.reaction[0, 1])
-    return h * np.arange(3, 399), alternation(np.array(force)), rope.state.counts.swivel_events
+    return h * np.arange(3.0, 399.0), alternation(np.array(force)), rope.state.counts.swivel_events
 
 
 def ringing() -> Finding:
@@ -206,7 +206,7 @@ def explicit() -> Finding:
         assert result.motion is not None, result.newton
         motion = result.motion
         moved.append(np.abs(motion.q - m.q).max())
-    k = np.arange(1, steps + 1)
+    k = np.arange(1.0, steps + 1)
     return Finding(
         twin=(
             # an element of 0.2 m is crossed by an axial wave in 51 us, and r' of the nodes oscillates faster
