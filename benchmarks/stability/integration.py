@@ -163,7 +163,7 @@ def ringing() -> Finding:
             "t / s",
             "alternating force / N",
             tuple(
-                Curve(label, runs[rho][0][15:], runs[rho][1][15:])
+                Curve(label, runs[rho][0][20:], runs[rho][1][20:])
                 for label, rho in (("rho_inf = 1", 1.0), ("ours: rho_inf = 0.6", 0.6))
             ),
             log_y=True,
