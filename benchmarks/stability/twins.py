@@ -19,9 +19,12 @@ def element_twin(frame_rate: FrameRate = smallest_rotation_rate, gauss_points: i
     """Ropes made inside have the element with another frame of the section or another quadrature."""
     points, weights = np.polynomial.legendre.leggauss(gauss_points)
     uncached = element.element_functions.__wrapped__
-    with patch.multiple(element, _GAUSS_POINTS=points, _GAUSS_WEIGHTS=weights):
-        functions = uncached(frame_rate=frame_rate)
-    with patch.object(rope_system, "element_functions", lambda *_: functions):
+
+    def functions(rung: element.Rung = "torsional") -> element.ElementFunctions:
+        with patch.multiple(element, _GAUSS_POINTS=points, _GAUSS_WEIGHTS=weights):
+            return uncached(rung, frame_rate)
+
+    with patch.object(rope_system, "element_functions", functions):
         yield
 
 
