@@ -188,7 +188,7 @@ def explicit() -> Finding:
     """The critical step of a hanging rope, runs on either side of it, and ours in steps of 10 ms."""
     rope = hung(Scene(rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6)), right=6.0)
     system, m = rope.system, rope.state.motion
-    speed, steps, h = 0.01, 400, 0.01
+    speed, steps, h = 0.1, 400, 0.01
     v = np.zeros_like(m.q)
     v[:, 0] = speed * np.sin(np.pi * rope.state.partition.nodes_s / 30.0) ** 2
     v[:, 3] = speed * np.pi / 30.0 * np.sin(2 * np.pi * rope.state.partition.nodes_s / 30.0)
@@ -200,12 +200,13 @@ def explicit() -> Finding:
     critical = 2 / math.sqrt(largest)
     above, below = (central_differences(K, M, v.ravel()[free], part * critical, steps) for part in (1.01, 0.99))
 
-    motion, moved = restart(system, 0.0, m.q, v, m.reaction)[0], []
-    for _ in range(steps):
-        result = step(system, motion, h, Coefficients(RHO), 1e-7)
-        assert result.motion is not None, result.newton
-        motion = result.motion
-        moved.append(np.abs(motion.q - m.q).max())
+    rope.restore(rope.state._replace(motion=restart(system, 0.0, m.q, v, m.reaction)[0]))
+    moved = []
+    for i in range(steps):
+        status = rope.advance_to((i + 1) * h, EndMotion(), EndMotion(y=6.0))
+        assert status.valid, status.message
+        moved.append(np.abs(rope.state.motion.q - m.q).max())
+    mean = steps * h / rope.state.counts.steps
     k = np.arange(1.0, steps + 1)
     return Finding(
         twin=(
@@ -216,12 +217,13 @@ def explicit() -> Finding:
             Measured("steps for one second, 1 % below it", 1 / (0.99 * critical), "1", ">", 1e4),
         ),
         ours=(
-            # 0.01 m/s for 4 s, if nothing held the rope
+            # 0.1 m/s for 4 s, if nothing held the rope
             Measured("largest displacement within 400 steps of 10 ms", max(moved), "m", "<", speed * steps * h),
-            Measured("its step over the critical one", h / critical, "1", ">", 100.0),
+            # the first steps, out of a sudden speed, are rejected and halved
+            Measured("its mean step over the critical one", mean / critical, "1", ">", 100.0),
         ),
         figure=Figure(
-            "A hanging rope pushed sideways with 0.01 m/s, in steps of different length",
+            "A hanging rope pushed sideways with 0.1 m/s, in steps of different length",
             "step number",
             "largest displacement / m",
             (
@@ -310,13 +312,13 @@ ENTRIES = (
     Entry(
         "explicit",
         "The step limit of explicit integration",
-        "A 30 m rope on the TMN-ETM mesh hangs at rest and is pushed sideways with 0.01 m/s. Explicit: central "
+        "A 30 m rope on the TMN-ETM mesh hangs at rest and is pushed sideways with 0.1 m/s. Explicit: central "
         "differences on its stiffness and consistent mass.",
         "The step may not exceed 2 over the largest frequency of the mesh, and the stiff axial direction of the short "
         "elements around the loop, r' included, sets it: some microseconds, though nothing of interest is faster than "
         "0.1 s. Material damping lowers the limit further.",
-        "The implicit method takes 10 ms, and what it does not resolve decays. A push ten times as strong, which no "
-        "conveyance can give, does not converge in a first step of that length: step control would halve it.",
+        "The implicit method takes 10 ms, and what it does not resolve decays. The push is a jump of "
+        "the speed, and step control takes its first moments in shorter steps.",
         explicit,
     ),
     Entry(
