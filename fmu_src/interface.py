@@ -71,7 +71,14 @@ _MODEL = {
 }
 _TUNABLE = {"step_max", "step_min", "tolerance", "newton_tolerance", "mu_static", "mu_kinetic", "seal_moment"}
 #: what is physically possible, for the parameters where it is one-sided
-_MINIMUM = {"beta_K": 0.0, "mu_static": 0.0, "mu_kinetic": 0.0, "seal_moment": 0.0, "rho_inf": 0.0, "force_tolerance": 0.0}
+_MINIMUM = {
+    "beta_K": 0.0,
+    "mu_static": 0.0,
+    "mu_kinetic": 0.0,
+    "seal_moment": 0.0,
+    "rho_inf": 0.0,
+    "force_tolerance": 0.0,
+}
 _MAXIMUM = {"rho_inf": 1.0}
 _INPUT_UNIT = {"": "m", "v": "m/s", "a": "m/s2"}
 #: names of the inputs of each side in the order of EndMotion

@@ -12,8 +12,8 @@ from numpy.polynomial.polynomial import polyder, polyval
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from tait_bryan import tait_bryan_rate
 
+from benchmarks.stability.twins import tait_bryan_rate
 from rope_model.physics import costello
 from rope_model.physics.element import BALANCE, PARAMETERS, element_functions
 from rope_model.physics.frame import FrameRate, pole_change_angle, smallest_rotation_rate

@@ -1,0 +1,125 @@
+"""The page docs/stability.md with its figures and data."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from .entry import Entry, Figure, Finding, Measured
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+INTRODUCTION = """\
+# Where plausible methods break
+
+This page is written by `make stability`; do not edit it. `tests/test_stability.py` asserts every number on it.
+
+Each section is a scene in which a method that looks reasonable fails: a common choice, the obvious simplification, or
+the formula as printed. The failing method is run here as a twin of ours that differs in this one thing, and the
+numbers under *twin* are claims that it breaks. The numbers under *ours* are claims that this project's method holds in
+the same scene or, where it does not, that it stops with a message and keeps its last state. Bounds come from the
+theory; comments in `benchmarks/stability` say how. The limits that no method here overcomes are in
+[model.md](model.md).
+"""
+
+
+def number(x: float) -> str:
+    """Four digits."""
+    return f"{x:.4g}"
+
+
+def claim(m: Measured) -> str:
+    """The value against its bound."""
+    unit = "" if m.unit == "1" else f" {m.unit}"
+    return f"{number(m.value)}{unit} {m.relation} {m.bound:g}{unit}"
+
+
+def summary(entry: Entry, finding: Finding) -> str:
+    """Row of the table: the first claim of either side."""
+    cells = [f"{m.what}: {number(m.value)}{'' if m.unit == '1' else ' ' + m.unit}" for m in first_claims(finding)]
+    return f"| [{entry.title}](#{anchor(entry.title)}) | {' | '.join(cells)} | {'yes' if finding.holds else '**no**'} |"
+
+
+def first_claims(finding: Finding) -> tuple[Measured, Measured]:
+    return finding.twin[0], finding.ours[0]
+
+
+def anchor(title: str) -> str:
+    """As GitHub makes it."""
+    return "".join(c for c in title.lower().replace(" ", "-") if c.isalnum() or c == "-")
+
+
+def section(entry: Entry, finding: Finding) -> str:
+    """Text, numbers and figure of an entry."""
+    rows = [
+        f"| {side} | {m.what} | {claim(m)} | {'yes' if m.holds else '**no**'} |"
+        for side, claims in (("twin", finding.twin), ("ours", finding.ours))
+        for m in claims
+    ]
+    parts = [
+        f"### {entry.title}",
+        entry.scene,
+        f"*Why it fails.* {entry.fails}",
+        f"*Ours.* {entry.holds}",
+        "\n".join(("| | measured | value and bound | holds |", "|---|---|---|---|", *rows)),
+    ]
+    if finding.message:
+        parts.append(f"The message: `{finding.message}`")
+    if finding.figure is not None:
+        parts += [
+            f"![{finding.figure.title}](images/stability/{entry.key}.png)",
+            f"[Data of the figure](data/stability/{entry.key}.csv)",
+        ]
+    return "\n\n".join(parts)
+
+
+def page(chapters: Mapping[str, tuple[Entry, ...]], findings: Mapping[str, Finding]) -> str:
+    """The whole page."""
+    table = [summary(e, findings[e.key]) for part in chapters.values() for e in part]
+    parts = [INTRODUCTION, "\n".join(("| scene | twin | ours | as claimed |", "|---|---|---|---|", *table))]
+    for heading, part in chapters.items():
+        parts += [f"## {heading}", *(section(entry, findings[entry.key]) for entry in part)]
+    return "\n\n".join(x.strip() for x in parts) + "\n"
+
+
+def draw(figure: Figure, path: Path) -> None:
+    """The figure as a PNG."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with plt.rc_context({"font.size": 10, "axes.titlesize": 10.5}):
+        fig, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
+        for curve in figure.curves:
+            ax.plot(curve.x, curve.y, curve.style, label=curve.label, markersize=10 if curve.style == "*" else 5)
+        ax.set(title=figure.title, xlabel=figure.x_label, ylabel=figure.y_label)
+        if figure.log_x:
+            ax.set_xscale("log")
+        if figure.log_y:
+            ax.set_yscale("log")
+        ax.grid(alpha=0.3)
+        ax.legend()
+        fig.savefig(path, dpi=110)
+        plt.close(fig)
+
+
+def write_data(figure: Figure, path: Path) -> None:
+    """The curves, one point per row, six digits."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("curve", figure.x_label, figure.y_label))
+        for curve in figure.curves:
+            for x, y in zip(np.asarray(curve.x).tolist(), np.asarray(curve.y).tolist(), strict=True):
+                writer.writerow((curve.label, f"{x:.6g}", f"{y:.6g}"))
+
+
+def illustrate(entry: Entry, finding: Finding) -> None:
+    """Figure and data of an entry, if it has one."""
+    if finding.figure is not None:
+        draw(finding.figure, DOCS / "images" / "stability" / f"{entry.key}.png")
+        write_data(finding.figure, DOCS / "data" / "stability" / f"{entry.key}.csv")

@@ -1,0 +1,75 @@
+"""Ropes hung and wound, with the records the entries compare."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from benchmarks.kinematic import ends_at
+from hoist_demo.parameters import Winding
+from hoist_demo.reference import Reference, s_curve
+from rope_model.parameters import Scene
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.simulator import RopeSimulator, Status
+
+from .entry import Array
+
+
+@dataclass(frozen=True)
+class Record:
+    """A run, one row per communication step; ``wanted`` is the duration it was to have, s."""
+
+    rope: RopeSimulator
+    status: Status
+    wanted: float
+    t: Array  # s
+    bottom: Array  # (n, 3) m, the loop's lowest point
+    force: Array  # (n, 2) N, vertical, of the conveyances on the left and right end
+    stretch: Array  # largest | |r'| - 1 | of a node
+
+    @property
+    def completed(self) -> float:
+        """Part of the run that was done."""
+        return float(self.t[-1]) / self.wanted if self.t.size else 0.0
+
+
+def trip(travel: float, speed: float, acceleration: float, jerk: float) -> Reference:
+    """An S-curve that begins at once."""
+    stop = max(acceleration, 5.0)  # not used, but validated
+    return s_curve(Winding(travel, speed, acceleration, jerk, start_delay=0.0, emergency_deceleration=stop))
+
+
+def hung(scene: Scene, left: float = 0.0, right: float = 0.0) -> RopeSimulator:
+    """The rope at rest between ends at these heights, m."""
+    rope = RopeSimulator(scene)
+    status = rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right))
+    assert status.valid, status.message
+    return rope
+
+
+def followed(rope: RopeSimulator, reference: Any, travel: float, interval: float = 0.01, settle: float = 1.0) -> Record:
+    """``reference`` followed from the rope's present time to its end and ``settle`` s more, or to the first failure.
+
+    The left end goes up from height 0, the right one down from ``travel``.
+    """
+    status, rows = Status(True), []
+    wanted = reference.duration + settle
+    first = round(rope.state.motion.t / interval) + 1
+    for k in range(first, round(wanted / interval) + 1):
+        status = rope.advance_to(k * interval, *ends_at(reference, travel, k * interval))
+        if not status.valid:
+            break
+        m = rope.state.motion
+        stretch = np.abs(np.linalg.norm(m.q[:, 3:6], axis=1) - 1).max()
+        rows.append([m.t, *rope.loop.position, *m.reaction[[0, -1], 1], stretch])
+    x = np.array(rows).reshape(-1, 7)
+    return Record(rope, status, wanted, x[:, 0], x[:, 1:4], x[:, 4:6], x[:, 6])
+
+
+def without_transformations(rope: RopeSimulator) -> RopeSimulator:
+    """The same rope, whose mesh stays from now on as it is and is not checked any more."""
+    state = rope.state
+    rope.restore(state._replace(partition=replace(state.partition, counts=())))
+    return rope

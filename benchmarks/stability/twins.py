@@ -1,0 +1,42 @@
+"""The element with one thing done differently: what the entries' failing twins are built of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from rope_model.physics import element
+from rope_model.physics.frame import FrameRate, smallest_rotation_rate
+from rope_model.simulation import rope_system
+
+
+@contextmanager
+def element_twin(frame_rate: FrameRate = smallest_rotation_rate, gauss_points: int = 3) -> Iterator[None]:
+    """Ropes made inside have the element with another frame of the section or another quadrature."""
+    points, weights = np.polynomial.legendre.leggauss(gauss_points)
+    uncached = element.element_functions.__wrapped__
+
+    def functions(rung: element.Rung = "torsional") -> element.ElementFunctions:
+        with patch.multiple(element, _GAUSS_POINTS=points, _GAUSS_WEIGHTS=weights):
+            return uncached(rung, frame_rate)
+
+    with patch.object(rope_system, "element_functions", functions):
+        yield
+
+
+def tait_bryan_rate(p: Any, d: Any, change: Any) -> Any:
+    """Turning of the source's Z-Y-X frame about the tangent while r' = ``d`` changes; singular at r' parallel to Z.
+
+    The pole ``p`` is not used.
+    """
+    length = (d[0] ** 2 + d[1] ** 2 + d[2] ** 2) ** 0.5
+    return d[2] * (d[0] * change[1] - d[1] * change[0]) / ((d[0] ** 2 + d[1] ** 2) * length)
+
+
+def no_rate(p: Any, d: Any, change: Any) -> Any:
+    """A frame that never turns: tau = theta'."""
+    return 0.0 * d[0]
