@@ -1,33 +1,27 @@
-"""Violent motion: a leg that goes slack, its snatch, and a dropped end."""
+"""Violent motion: a leg that goes slack, and its snatch; and, from their own modules, a fall and shapes at rest."""
 
 from __future__ import annotations
 
 import math
-import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.integrate import quad, solve_ivp
 from scipy.sparse.linalg import splu
 
-from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.modal import assembled_matrix
-from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
 from rope_model.simulation.simulator import RopeSimulator
-from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
-from . import bulging, hockling, turn_over
-from .chain import POLE_X, Held, potential
+from . import bulging, falling, hockling, turn_over
 from .entry import Array, Curve, Entry, Figure, Finding, Measured
 
 GRAVITY = Layout().gravity
 
 # an end that is lowered faster than the rope can fall, and stopped
 
-LENGTH, DROP, FALL, END, H = 30.0, 1.5, 0.35, 1.0, 0.0025  # m, m, s, s, s
+LENGTH, DROP, FALL, SHOWN, END, H = 30.0, 1.5, 0.35, 0.6, 1.0, 0.005  # m, m, s, s, s, s
 
 
 def dropped(t: float) -> EndMotion:
@@ -51,10 +45,10 @@ class Drop:
     stopped: str  # '' when it ran to the end
 
 
-def drop(solver: Solver, end: float = END, beta_K: float = Rope.beta_K) -> Drop:
+def drop(solver: Solver, end: float = END, beta_K: float = Rope.beta_K, elements: int = 60) -> Drop:
     """The drop of the left conveyance by the simulator."""
     rope = RopeSimulator(
-        Scene(rope=Rope(length=LENGTH, beta_K=beta_K), mesh=Mesh(kind="eem", elements=60), solver=solver)
+        Scene(rope=Rope(length=LENGTH, beta_K=beta_K), mesh=Mesh(kind="eem", elements=elements), solver=solver)
     )
     status = rope.initialize(0.0, EndMotion(), EndMotion())
     rows = []
@@ -64,7 +58,8 @@ def drop(solver: Solver, end: float = END, beta_K: float = Rope.beta_K) -> Drop:
             break
         state = rope.state
         rows.append((k * H, state.motion.reaction[0, 1], state.ledger.residual, state.ledger.kinetic))
-    return Drop(*np.array(rows).T, status.message)
+    t, pull, unexplained, kinetic = np.array(rows).T
+    return Drop(t, pull, unexplained, kinetic, status.message)
 
 
 def linear_drop(end: float) -> tuple[Array, Array]:
@@ -95,24 +90,35 @@ def linear_drop(end: float) -> tuple[Array, Array]:
     return np.array(times), np.array(pulls)
 
 
-SLACK = (0.04, 0.2)  # s, while the end falls faster than the rope
-
-
 def measure_slack() -> Finding:
-    ours, (t, pull) = drop(Solver(), SLACK[1]), linear_drop(SLACK[1])
-    weight = 0.5 * Rope.mass_per_length * GRAVITY * LENGTH
-    during = t > SLACK[0]
-    push, linear = (-float(np.mean(x[during])) for x in (ours.pull, pull))
-    # a leg fixed at both ends buckles under 4 pi^2 EI / l^2
+    ours, fine, (t, pull) = drop(Solver(), SHOWN), drop(Solver(), SHOWN, elements=120), linear_drop(SHOWN)
+    # a leg clamped at both ends buckles under 4 pi^2 EI / l^2
     buckling = 4 * math.pi**2 * Rope.EI / (0.5 * LENGTH) ** 2
     return Finding(
         twin=(
-            Measured("linear: mean push on the conveyance over what buckles the leg", linear / buckling, "1", ">", 100.0),
+            # one wave up and down of the prescribed acceleration against a blow: no bound but "not nearly"
+            Measured(
+                "linear: largest pull, part of the largest one", float(pull.max() / fine.pull.max()), "1", "<", 0.5
+            ),
         ),
         ours=(
-            Measured("stopped before the end", float(bool(ours.stopped)), "1", "<", 0.5),
-            # a slack rope pulls or pushes with what hangs next to the conveyance, not with the leg's weight
-            Measured("mean force on the conveyance over the leg's weight", abs(push) / weight, "1", "<", 0.5),
+            Measured(
+                "largest push on the conveyance over what buckles the leg",
+                -float(ours.pull.min()) / buckling,
+                "1",
+                ">",
+                10.0,
+            ),
+            Measured("time not reached", SHOWN - float(ours.t[-1]), "s", "<", 1e-9),
+            # buckles of some metres on elements of 0.5 m; the tolerance of the step allows 2 %
+            Measured(
+                f"largest pull of {1e-3 * fine.pull.max():.3g} kN, elements of 0.5 m to 0.25 m",
+                abs(float(ours.pull.max() / fine.pull.max()) - 1),
+                "1",
+                "<",
+                0.05,
+            ),
+            # generalized-alpha takes what the steps do not resolve; it must be small against what moves
             Measured(
                 "energy the books do not explain, part of the largest kinetic energy",
                 float(np.abs(ours.unexplained).max() / ours.kinetic.max()),
@@ -122,12 +128,13 @@ def measure_slack() -> Finding:
             ),
         ),
         figure=Figure(
-            "A conveyance falls away under its rope at up to 7 g",
+            "A conveyance falls away under its rope, and stops",
             "time, s",
             "pull of the rope on the conveyance, kN",
             (
                 Curve("rope linearised about its hanging shape", t, 1e-3 * pull),
                 Curve("ours", ours.t, 1e-3 * ours.pull),
+                Curve("ours, elements half as long", fine.t, 1e-3 * fine.pull, "--"),
             ),
         ),
     )
@@ -170,7 +177,7 @@ def measure_snatch() -> Finding:
             ),
         ),
         figure=Figure(
-            "Slack at 0.02 s, taut again at 0.27 s",
+            "Slack, and taut again at 0.27 s",
             "time, s",
             "pull of the rope on the conveyance, kN",
             (
@@ -183,128 +190,35 @@ def measure_snatch() -> Finding:
     )
 
 
-# a dropped end
-
-CHAIN = 20.0  # m
-
-
-@dataclass(frozen=True)
-class Fall:
-    """Times (s) and depths (m) of the tip until it is lowest, and the energy unexplained over rho g L^2."""
-
-    t: Array
-    depth: Array
-    unexplained: float
-
-
-def folded(EI: float, elements: int) -> tuple[RopeSystem, Array]:
-    """A rope that hangs in its plane as a U of its natural width, one end pinned, the other let go."""
-    width = 2.54307 * (EI / (Rope.mass_per_length * GRAVITY)) ** (1 / 3)
-    s = np.linspace(0.0, CHAIN, elements + 1)
-    ends = np.array([[-0.5 * width, 0.0, 0.0], [0.5 * width, 0.0, 0.0]])
-    q = hanging_guess(s, *ends)
-    # Qa a hundredth of a wire rope's: axial waves pass the rope in 60 ms, and it stretches by 0.2 %
-    rope = Rope(length=CHAIN, EI=EI, Qa=1e6, Qb=0.0, Qc=0.0)
-    kernels, P = RopeKernels(elements), parameter_vector(rope, GRAVITY, POLE_X)
-
-    def held(values: Array, nodes: list[int]) -> RopeSystem:
-        boundary = Held.nothing(values)
-        boundary.held[:, [2, 5, 6]] = True
-        boundary.held[nodes, POSITION] = True
-        return RopeSystem(kernels, np.diff(s), P, boundary)
-
-    hanging = find_equilibrium(held(q, [0, -1]), q).q
-    return held(hanging.copy(), [0]), hanging
-
-
-def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
-    """The tip's fall by generalized-alpha; a step that fails or errs by more than ``tolerance`` (m) is halved."""
-    system, q = folded(EI, elements)
-    rest = np.zeros_like(q)
-    motion, start = restart(system, 0.0, q, rest, rest)
-    method, h, dissipated, unexplained = Coefficients(0.8), largest, 0.0, 0.0
-    rows = [(0.0, 0.0)]
-    while h > 1e-7 and motion.t < 2 * math.sqrt(2 * CHAIN / GRAVITY):
-        result = step(system, motion, h, method, 1e-8)
-        if result.motion is None or result.assessment is None or result.error > tolerance:
-            h *= 0.5
-            continue
-        new = result.motion
-        middle = system.assess(0.0, 0.5 * (motion.q + new.q), (new.q - motion.q) / h, new.a, new.reaction).balance
-        dissipated += h * middle["damping_power"]
-        balance = result.assessment.balance
-        unexplained = potential(balance) + balance["kinetic"] + dissipated - potential(start.balance)
-        motion = new
-        rows.append((motion.t, -float(motion.q[-1, 1])))
-        if rows[-1][1] < rows[-2][1] and rows[-1][1] > 0.5 * CHAIN:
-            break
-        if result.error < 0.1 * tolerance:
-            h = min(2 * h, largest)
-    t, depth = np.array(rows).T
-    return Fall(t, depth, unexplained / (Rope.mass_per_length * GRAVITY * CHAIN**2))
-
-
-def exact_fall() -> tuple[Array, Array]:
-    """Times over sqrt(2L/g) and depths over L of a chain that keeps its energy: v^2 = g x (2L - x) / (L - x)."""
-    # x = sin^2(u) takes the root at both ends away
-    def rate(u: float) -> float:
-        return math.sqrt(2.0) * math.cos(u) ** 2 / math.sqrt(2.0 - math.sin(u) ** 2)
-
-    u = np.linspace(0.0, 0.5 * math.pi, 101)
-    pieces = [quad(rate, a, b)[0] for a, b in zip(u[:-1], u[1:], strict=True)]
-    return np.concatenate(([0.0], np.cumsum(pieces))), np.sin(u) ** 2
-
-
-def inelastic_fall() -> tuple[Array, Array]:
-    """Times over sqrt(2L/g) and depths over L when the fold catches each link without giving its energy on.
-
-    The momentum of the part that falls changes by its weight and by what the caught links take with them.
-    """
-
-    def rates(t: float, y: Array) -> list[float]:
-        x, p = y  # over L and over rho sqrt(g L) L, time over sqrt(L/g)
-        mass = max(0.5 * (1 - x), 1e-12)
-        return [p / mass, mass - 0.5 * (p / mass) ** 2]
-
-    def lowest(t: float, y: Array) -> float:
-        return float(y[0]) - 0.999
-
-    lowest.terminal = True  # type: ignore[attr-defined]
-    solution = solve_ivp(rates, (0.0, 3.0), [0.0, 0.0], rtol=1e-9, atol=1e-12, events=lowest)
-    return solution.t / math.sqrt(2.0), solution.y[0]
-
-
-def measure_fall() -> Finding:
-    unit = math.sqrt(2 * CHAIN / GRAVITY)
-    exact_t, exact_x = exact_fall()
-    falls = {1.0: fall(1.0, 100, 5e-3, 1e-3), 0.1: fall(0.1, 200, 2e-3, 1e-4)}
-    ratios = {EI: float(x.t[-1]) / unit for EI, x in falls.items()}
-    free_t, free_x = inelastic_fall()
-    curves = [Curve(f"ours, EI = {EI:g} N m²", x.t / unit, x.depth / CHAIN) for EI, x in falls.items()]
-    return Finding(
-        twin=(
-            # it falls with g: 1 instead of 0.847
-            Measured("inelastic fold: fall time over that of the energy-conserving chain", float(free_t[-1] / exact_t[-1]), "1", ">", 1.1),
-        ),
-        ours=(
-            Measured("exact fall time over sqrt(2L/g), against the printed 0.847213", abs(float(exact_t[-1]) - 0.847213), "1", "<", 1e-6),
-            # the fold is a part (EI/rho g)^(1/3)/L = 1.2 % and 0.5 % of the rope long, and carries energy
-            *(
-                Measured(f"fall time of {ratios[EI]:.4f}, EI = {EI:g} N m^2: error", abs(ratios[EI] / float(exact_t[-1]) - 1), "1", "<", bound)
-                for EI, bound in ((1.0, 0.012), (0.1, 0.006))
-            ),
-            Measured("energy unexplained over rho g L^2, larger of both", max(abs(x.unexplained) for x in falls.values()), "1", "<", 0.01),
-        ),
-        figure=Figure(
-            "The free end of a folded rope falls faster than g",
-            "time over sqrt(2L/g)",
-            "depth of the tip over L",
-            (
-                *curves,
-                Curve("chain that keeps its energy, exact", exact_t, exact_x, "--"),
-                Curve("inelastic fold: falls with g", free_t, free_x, ":"),
-            ),
-        ),
-    )
-
-
+ENTRIES = (
+    Entry(
+        key="slack-rope",
+        title="A leg that goes slack and is compressed",
+        scene="The left conveyance of a 30 m rope goes down by 1.5 m within 0.35 s, with up to 7 g: faster than the "
+        "rope can fall. The leg is pushed, buckles, and is taut again while the conveyance brakes.",
+        fails="The rope linearised about its hanging shape, as in a modal model: the leg carries the push as it would "
+        "carry a pull, follows the conveyance, and brakes with it. It misses the blow: its largest pull is "
+        "less than a third.",
+        holds="The strain energy knows no sign of the tension and the shape may be anything; implicit steps pass the "
+        "buckling without events. The force is the same with half the element length, and the energy books "
+        "close.",
+        measure=measure_slack,
+    ),
+    Entry(
+        key="snatch-load",
+        title="A snatch load without dissipation at high frequencies",
+        scene="The same drop, followed for 1 s: the taut leg is struck with more than twenty times its weight.",
+        fails="Generalized-alpha with rho_inf = 1, the trapezoidal rule, and a fixed step of 5 ms. It keeps the "
+        "oscillations that the step does not resolve, until Newton's method fails in the blow or before it. "
+        "(With 2.5 ms it gets through this scene.)",
+        holds="rho_inf = 0.6 and a step that follows the local error: rejected, halved, tried again. What the "
+        "integrator takes appears in the books as unexplained, and falls with the tolerance. A user of the "
+        "failing settings is told what failed, and to use shorter elements, a smaller step_min or a gentler "
+        "motion.",
+        measure=measure_snatch,
+    ),
+    *falling.ENTRIES,
+    *bulging.ENTRIES,
+    *turn_over.ENTRIES,
+    *hockling.ENTRIES,
+)
