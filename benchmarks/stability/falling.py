@@ -111,7 +111,7 @@ def inelastic_fall() -> tuple[Array, Array]:
 def measure_fall() -> Finding:
     unit = math.sqrt(2 * CHAIN / GRAVITY)
     exact_t, exact_x = exact_fall()
-    falls = {1.0: fall(1.0, 100, 5e-3, 1e-3), 0.1: fall(0.1, 200, 2e-3, 1e-4)}
+    falls = {1.0: fall(1.0, 100, 5e-3, 1e-3), 0.1: fall(0.1, 160, 2e-3, 2e-4)}
     errors = {EI: abs(float(x.t[-1]) / unit / float(exact_t[-1]) - 1) for EI, x in falls.items()}
     free_t, free_x = inelastic_fall()
     curves = [Curve(f"ours, EI = {EI:g} N m²", x.t / unit, x.depth / CHAIN) for EI, x in falls.items()]

@@ -194,8 +194,8 @@ ENTRIES = (
         "unstable one as soon as a disturbance shows the way (exactly in the plane it stays too). natural_modes "
         "refuses the planar loop as unstable. The frame's pole must follow the loop: here the search is "
         "repeated after each change of the pole. Limit: RopeSimulator.initialize searches once with the pole at "
-        "X. Where the loop is to yaw beyond about 2 rad (5 rad of installed twist in a 60 m rope) the shape it "
-        "finds hangs at that frame's wall, and no message says so: put such a twist in by turning a "
+        "X. Where the loop is to yaw beyond about 2.5 rad (6 rad of installed twist in a 60 m rope) the shape "
+        "it finds hangs at that frame's wall, and no message says so: put such a twist in by turning a "
         "conveyance.",
         measure=measure_turn_over,
     ),
