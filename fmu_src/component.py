@@ -155,10 +155,11 @@ class RopeComponent:
     def _initialize(self) -> Status:
         self._rope = None
         rope = RopeSimulator(scene_of(self.values), self._bundle)
-        self._log(f"kernels: {rope.model.kernels.form}, {rope.model.kernels.elements} elements", False)
         status = rope.initialize(self._start_time, *(motion_of(side, self.values) for side in SIDES))
         if status.valid:
-            self._rope = rope
+            self._rope, state = rope, rope.state
+            self._log(f"model: {state.rung}, {state.rung_reason}", False)
+            self._log(f"kernels: {rope.system.kernels.form}, {rope.model.kernels.elements} elements", False)
         return status
 
     def _step(self, t: float, h: float) -> Status:
@@ -238,7 +239,9 @@ class RopeComponent:
         if name == "status.message":
             return self.status.message
         if self._rope is None:  # before initialisation zero; after one that failed nothing that looks like a force
-            return 0.0 if self.status.valid or variable.kind != "Real" else math.nan
+            return _NOTHING[variable.kind] if self.status.valid or variable.kind != "Real" else math.nan
+        if name in ("status.rung", "status.rung_reason"):
+            return str(getattr(self._rope.state, name.removeprefix("status.")))
         if name not in self._outputs:
             self._outputs |= group_of(name)(self._rope)
         return self._outputs[name]

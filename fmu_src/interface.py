@@ -9,7 +9,7 @@ import dataclasses
 from collections.abc import Iterator
 from typing import Any, Literal, NamedTuple
 
-from rope_model.parameters import Layout, Mesh, Preset, Rope, Scene, Solver, Swivel
+from rope_model.parameters import Layout, Mesh, Model, Preset, Rope, Scene, Solver, Swivel
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
@@ -22,6 +22,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "swivel.mode": ("locked", "free", "coulomb"),
     "mesh.kind": ("tmn", "eem"),
     "solver.kernels": ("auto", "compiled", "portable"),
+    "model.rung": ("auto", "torsional", "spatial", "planar", "rigid"),
 }
 #: name of a field -> unit and description; the order is that of the interface
 _ROPE = {
@@ -64,9 +65,13 @@ _SOLVER = {
     "rho_inf": ("1", "spectral radius of generalized-alpha at infinite frequency"),
     "kernels": ("", "0 compiled when possible, 1 compiled, 2 portable"),
 }
+_MODEL = {
+    "rung": ("", "how much of the rope is computed: 0 auto, 1 torsional (all), 2 spatial, 3 planar, 4 rigid"),
+    "force_tolerance": ("1", "relative error of the end forces that auto may trade for speed"),
+}
 _TUNABLE = {"step_max", "step_min", "tolerance", "newton_tolerance", "mu_static", "mu_kinetic", "seal_moment"}
 #: what is physically possible, for the parameters where it is one-sided
-_MINIMUM = {"beta_K": 0.0, "mu_static": 0.0, "mu_kinetic": 0.0, "seal_moment": 0.0, "rho_inf": 0.0}
+_MINIMUM = {"beta_K": 0.0, "mu_static": 0.0, "mu_kinetic": 0.0, "seal_moment": 0.0, "rho_inf": 0.0, "force_tolerance": 0.0}
 _MAXIMUM = {"rho_inf": 1.0}
 _INPUT_UNIT = {"": "m", "v": "m/s", "a": "m/s2"}
 #: names of the inputs of each side in the order of EndMotion
@@ -100,6 +105,7 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
         *((f"{side}.swivel", getattr(scene, side), _SWIVEL) for side in SIDES),
         ("mesh", scene.mesh, _MESH),
         ("solver", scene.solver, _SOLVER),
+        ("model", scene.model, _MODEL),
     ]
     for group, data, fields in groups:
         for field, (unit, description) in fields.items():
@@ -156,6 +162,8 @@ def _outputs() -> Iterator[Variable]:
         yield Variable(name, "output", variability, kind, unit, None, signal.description)
     yield Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded")
     yield Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty")
+    yield Variable("status.rung", "output", "discrete", "String", "", None, "rung of the model that is computed")
+    yield Variable("status.rung_reason", "output", "discrete", "String", "", None, "why this rung")
 
 
 def scene_of(values: dict[str, Value]) -> Scene:
@@ -186,6 +194,7 @@ def scene_of(values: dict[str, Value]) -> Scene:
         right=part("right.swivel", Swivel),
         mesh=part("mesh", Mesh, counts=counts),
         solver=part("solver", Solver),
+        model=part("model", Model),
     )
 
 

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 SwivelMode = Literal["locked", "free", "coulomb"]
 MeshKind = Literal["tmn", "eem"]
+RungChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 
 
 def _require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
@@ -184,6 +185,26 @@ class Solver:
 
 
 @dataclass(frozen=True)
+class Model:
+    """How much of the rope is computed: the rungs are described in physics.element and simulation.rigid."""
+
+    rung: RungChoice = "auto"  # the lowest rung that gives the same, or one by name
+    force_tolerance: float = 0.0  # relative error of the end forces that 'auto' may trade for speed
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        rungs = ("auto", "torsional", "spatial", "planar", "rigid")
+        _require(self.rung in rungs, "rung", self.rung, f"one of {rungs}", "'auto' takes the lowest that serves")
+        _require(
+            0 <= self.force_tolerance < 1,
+            "force_tolerance",
+            self.force_tolerance,
+            "in [0, 1)",
+            "0 allows only rungs that leave nothing out",
+        )
+
+
+@dataclass(frozen=True)
 class Scene:
     """Everything that does not change during a run."""
 
@@ -193,6 +214,7 @@ class Scene:
     right: Swivel = field(default_factory=Swivel)
     mesh: Mesh = field(default_factory=Mesh)
     solver: Solver = field(default_factory=Solver)
+    model: Model = field(default_factory=Model)
 
     def with_(self, **parts: Any) -> Scene:
         """A copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""

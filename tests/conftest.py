@@ -28,11 +28,14 @@ class Chain:
     def free(self, nodes: int) -> NDArray[np.bool_]:
         return ~self.held
 
-    def prescribed(self, t: float, nodes: int) -> tuple[Array, Array, Array]:
-        return self.values, np.zeros_like(self.values), np.zeros_like(self.values)
+    def prescribed(self, t: float, nodes: int) -> Array:
+        return np.array([self.values, 0 * self.values, 0 * self.values])
 
-    def load(self, t: float, reaction: Array) -> Array:
+    def load(self, nodes: int) -> Array:
         return self.loads
+
+    def grip(self, nodes: int) -> Array:
+        return np.zeros((nodes, 7))
 
 
 def portable_system(lengths: Array, P: Array, boundary: Chain) -> RopeSystem:

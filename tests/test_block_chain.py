@@ -12,12 +12,14 @@ import pytest
 from numpy.typing import NDArray
 
 from rope_model.numerics import kernels
-from rope_model.physics.element import NODE_DOF, PARAMETERS, element_functions
+from rope_model.physics.element import NODE_DOF, PARAMETERS, RUNGS, element_functions
 from rope_model.simulation.rope_system import RopeKernels, write_bundle
 
 Array = NDArray[np.float64]
 
 needs_compiler = pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to compare with")
+#: the arguments of ``assess``
+STATE = ("q", "v", "a", "R", "l", "load", "grip", "node_mass", "P")
 P = np.array([1.3, 9.8, 5.0, 0.8, 0.3, 2.0, 1.5, 0.4, 0.3, 1.0, 0.0, 0.0])
 
 
@@ -34,8 +36,10 @@ def random_chain(elements: int, seed: int) -> dict[str, Array]:
         "q": q,
         "v": rng.normal(size=nodes),
         "a": rng.normal(size=nodes),
+        "R": rng.normal(size=nodes),
         "l": l,
         "load": rng.normal(size=nodes),
+        "grip": rng.normal(size=nodes),
         "node_mass": rng.uniform(0.0, 0.5, nodes),
         "free": free,
         "P": P,
@@ -53,7 +57,8 @@ def direct(x: dict[str, Array]) -> tuple[Array, Array]:
         R_e, J_e = element.tangent(*(x[k][i : i + 2].ravel() for k in ("q", "v", "a")), x["l"][i], x["P"], *x["c"])
         R[at] += np.asarray(R_e).ravel()
         J[at, at] += np.asarray(J_e)
-    R += (x["node_mass"] * x["a"] - x["load"]).ravel()
+    pressed = np.maximum(x["R"][:, 1:2], 0.0)
+    R += (x["node_mass"] * x["a"] - x["load"] - x["grip"] * pressed).ravel()
     J += x["c"][2] * np.diag(x["node_mass"].ravel())
     free = np.flatnonzero(x["free"].ravel())
     correction = np.zeros(size)
@@ -88,7 +93,7 @@ def test_a_rope_that_is_held_all_over_is_not_corrected_at_all() -> None:
 def test_assess_tells_the_residual_that_direction_uses_and_sums_the_balances() -> None:
     elements = 6
     x, k, element = random_chain(elements, 4), RopeKernels(elements, "portable"), element_functions()
-    R, sums = k.assess(*(x[name] for name in ("q", "v", "a", "l", "load", "node_mass", "P")))
+    R, sums = k.assess(*(x[name] for name in STATE))
     np.testing.assert_allclose(R, k.direction(*x.values())[1], rtol=1e-13, atol=1e-13)  # rounding: two texts of code
     each = [
         np.asarray(element.balance(x["q"][i : i + 2].ravel(), x["v"][i : i + 2].ravel(), x["l"][i], P)).ravel()
@@ -110,7 +115,7 @@ def test_the_compiled_kernels_are_the_portable_ones_twins() -> None:
     assert (compiled.form, portable.form) == ("compiled", "portable")
     for seed in range(3):
         x = random_chain(elements, seed)
-        state = [x[name] for name in ("q", "v", "a", "l", "load", "node_mass", "P")]
+        state = [x[name] for name in STATE]
         pairs = [
             *zip(compiled.direction(*x.values()), portable.direction(*x.values()), strict=True),
             *zip(compiled.assess(*state), portable.assess(*state), strict=True),
@@ -208,8 +213,8 @@ def test_a_library_that_does_not_load_is_passed_over_with_a_warning(
     # as on a machine without a compiler
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     monkeypatch.setattr("rope_model.simulation.rope_system.find_compiler", lambda: None)
-    (portable,) = write_bundle(2, tmp_path)
-    library = tmp_path / f"chain-2-{kernels.platform_tag()}{kernels.LIBRARY_SUFFIX}"
+    portable = write_bundle(2, tmp_path)[0]
+    library = tmp_path / f"torsional-2-{kernels.platform_tag()}{kernels.LIBRARY_SUFFIX}"
     library.write_bytes(b"not a library")
     with caplog.at_level(logging.WARNING, logger=kernels.__name__):
         k = RopeKernels(2, "auto", tmp_path)
@@ -225,7 +230,7 @@ def test_a_bundle_brings_its_library_along(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     written = write_bundle(2, tmp_path)
-    assert len(written) == 2
+    assert len(written) == 2 * len(RUNGS)
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     assert RopeKernels(2, "compiled", tmp_path).form == "compiled"
 

@@ -411,7 +411,7 @@ def test_a_section_turned_with_the_rope_has_the_twist_of_the_element() -> None:
 
 
 def test_the_tait_bryan_frame_fails_where_the_tangent_is_out_of_plane_and_the_default_does_not() -> None:
-    source = element_functions(tait_bryan_rate)
+    source = element_functions(frame_rate=tait_bryan_rate)
     torsion = {}
     for name, functions in (("source", source), ("default", ELEMENT)):
         torsion[name] = []

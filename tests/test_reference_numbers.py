@@ -237,7 +237,7 @@ def test_a_torque_yaws_the_loop_and_moves_the_legs_oppositely(torque: float, asi
     assert left * right < 0
     np.testing.assert_allclose(abs(np.degrees(bottom.yaw)), degrees, rtol=0.02)
     # the end that is held gives the torque back
-    np.testing.assert_allclose(system.assess(0.0, q, 0 * q, 0 * q, 0 * q).reaction[0, ANGLE], -torque, rtol=1e-3)
+    np.testing.assert_allclose(system.assess(q, 0 * q, 0 * q, 0 * q).reaction[0, ANGLE], -torque, rtol=1e-3)
 
 
 # rods without weight
@@ -364,7 +364,7 @@ def ring_is_stable(elements: int, EI: float, GJ: float, twist: float) -> bool:
     # in equilibrium by symmetry but for its radius and stretch
     def unbalanced(p: Array) -> Array:
         q = ring(p)
-        return np.asarray(system.assess(0.0, q, 0 * q, 0 * q, 0 * q).reaction[n // 2, [0, 4]])
+        return np.asarray(system.assess(q, 0 * q, 0 * q, 0 * q).reaction[n // 2, [0, 4]])
 
     q = ring(fsolve(unbalanced, np.ones(2), xtol=1e-12))
     closed = np.vstack((np.eye(7 * n), np.eye(7, 7 * n)))

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
+from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends import EndMotion, HangingEnds, Phase, SwivelState
 from rope_model.simulation.rope_system import RopeSystem
@@ -24,7 +24,8 @@ STIFF_BEARING = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.014)
 
 def scene(step: float = 2e-3, **swivels: Swivel) -> Scene:
     solver = Solver(step_max=step, tolerance=1.0, newton_tolerance=1e-10, kernels="portable")
-    return Scene(rope=SOFT, mesh=Mesh(kind="eem", elements=8), solver=solver, **swivels)
+    mesh, model = Mesh(kind="eem", elements=8), Model(rung="torsional")
+    return Scene(rope=SOFT, mesh=mesh, solver=solver, model=model, **swivels)
 
 
 #: the right conveyance yaws by so much in the first of these times, and stands until the second
@@ -73,7 +74,7 @@ class Phased:
 
     def __init__(self, rope: RopeSimulator, ends: HangingEnds, since: float) -> None:
         self.ends, self.since, self.shape = ends, since, rope.state.motion.q.shape
-        self.system = RopeSystem(rope.model.kernels, rope.system.lengths, rope.system.P, ends, rope.system.node_mass)
+        self.system = RopeSystem(rope.system.kernels, rope.system.lengths, rope.system.P, ends, rope.system.node_mass)
 
     def motion(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         free = self.system.free
@@ -82,9 +83,9 @@ class Phased:
         v = np.where(free, y[q.size :].reshape(self.shape), v)
         reaction = np.zeros(self.shape)
         for _ in range(3):  # friction depends on the end tension, which depends on the acceleration
-            x, _ = self.system.direction(t, q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
+            x, _ = self.system.direction(q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
             a = a + x
-            reaction = self.system.assess(t, q, v, a, reaction).reaction
+            reaction = self.system.assess(q, v, a, reaction).reaction
         return q, v, a, reaction
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:

@@ -78,7 +78,7 @@ def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn(elements: int, bound
 def test_tait_bryan_frame_fails_where_the_loop_yaws_90_degrees(monkeypatch: pytest.MonkeyPatch) -> None:
     # its singularity at t parallel to Z is a wall: the ends go on to 180 degrees, the loop hangs at 90
     regular, _ = turn_through(TURNED, math.pi, 6.0)
-    monkeypatch.setattr(rope_system, "element_functions", lambda: element_functions(tait_bryan_rate))
+    monkeypatch.setattr(rope_system, "element_functions", lambda rung: element_functions(rung, tait_bryan_rate))
     stuck, _ = turn_through(TURNED, math.pi, 6.0)
     assert regular.state.loop_yaw > math.pi
     assert stuck.state.loop_yaw < 0.55 * math.pi

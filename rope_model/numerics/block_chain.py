@@ -1,10 +1,11 @@
-"""Equations of a chain of equal two-node elements, and the direction of Newton's method by block elimination.
+"""Equations of a chain of equal two-node elements, solved by Newton's method with block elimination.
 
 Element i joins nodes i and i + 1, so the matrix of the chain is block tridiagonal with blocks of the node's size.
 Forward elimination carries the Schur complement of everything to the left, back substitution returns:
 
-    W_i = D_i^-1 U_i,   z_i = D_i^-1 y_i,   D_{i+1} = J22 - L_i W_i,   y_{i+1} = y2 - L_i z_i
-    x_n = z_n,          x_i = z_i - W_i x_{i+1}
+    W_i = D_i^-1 U_i,   D_{i+1} = J22 - L_i W_i                       factorization
+    z_i = D_i^-1 y_i,   y_{i+1} = R_{i+1} - L_i z_i,   y_0 = R_0      for each right hand side
+    x_n = -z_n,         x_i = -z_i - W_i x_{i+1}
 
 There is no pivoting beyond the block: the matrices of a time step and of pseudo-transient continuation are nearly
 symmetric and positive definite.  Rows and columns of degrees of freedom that are not free are replaced by those of
@@ -16,124 +17,232 @@ Everything is built from CasADi functions of one element; this module does not k
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import casadi as ca
+
+from .newton import newton
+
+#: the degree of freedom whose reaction presses the bearings at a node, for friction
+PRESSED = 1
+
+
+class ElementSource(Protocol):
+    """CasADi functions of one element with m degrees of freedom at each of its two nodes; see physics.element."""
+
+    @property
+    def residual(self) -> ca.Function: ...
+
+    @property
+    def tangent(self) -> ca.Function: ...
+
+    @property
+    def balance(self) -> ca.Function: ...
+
+    @property
+    def losses(self) -> ca.Function: ...
+
+    @property
+    def strains(self) -> ca.Function: ...
 
 
 @dataclass(frozen=True)
 class ChainFunctions:
-    """CasADi functions of a chain of n elements, n + 1 nodes with m degrees of freedom each, columns are nodes.
+    """CasADi functions of a chain of n elements; arrays are (dof, n + 1), columns are nodes.
 
-    direction: (q, v, a, l, load, node_mass, free, P, c) -> correction (m, n + 1), R (m, n + 1)
+    A node has ``dof`` degrees of freedom of which the element may know but some; the others stay zero.
+
+    solve:     (q, v, a, R, l, load, grip, node_mass, free, P, c, scale, tolerance) -> q, v, a, R, balance, progress
+        Newton's method for q; v and a follow by c[1] and c[2] times the corrections, whose size is the largest
+        entry times ``scale`` (dof,).  ``progress`` is that of numerics.newton.
+    direction: (q, v, a, R, l, load, grip, node_mass, free, P, c) -> correction, R
         solves J x = -R on the free degrees of freedom, J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da
-    assess:    (q, v, a, l, load, node_mass, P) -> R (m, n + 1), balance summed over the elements
+    assess:    (q, v, a, R, l, load, grip, node_mass, P) -> R, balance summed over the elements
+    losses:    (q, v, l, P) -> the balance's powers, summed
     strains:   (q, l, P) -> one column per element
 
-    ``load`` and ``node_mass`` (m, n + 1) are dead loads and concentrated masses (inertias) at the nodes.
+    ``load`` are dead loads, ``grip`` those that grow with the last known reaction R in direction 1 of the same node
+    (friction), ``node_mass`` concentrated masses (inertias).
     """
 
+    solve: ca.Function
     direction: ca.Function
     assess: ca.Function
+    losses: ca.Function
     strains: ca.Function
 
-    def all(self) -> tuple[ca.Function, ca.Function, ca.Function]:
+    def all(self) -> tuple[ca.Function, ...]:
         """The functions in the order in which a compiled library and a portable file hold them."""
-        return self.direction, self.assess, self.strains
+        return self.solve, self.direction, self.assess, self.losses, self.strains
 
 
-def chain_functions(
-    n: int, residual: ca.Function, tangent: ca.Function, balance: ca.Function, strains: ca.Function
-) -> ChainFunctions:
-    """Functions for ``n`` elements from those of one, with the signatures of an element (see physics.element)."""
-    m = residual.size1_out(0) // 2
-    parameters = residual.size1_in(4)
-    q, v, a, load, node_mass, free = (ca.MX.sym(s, m, n + 1) for s in ("q", "v", "a", "load", "node_mass", "free"))
-    l, P, c = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3)
+def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, ...]) -> ChainFunctions:
+    """Functions for ``n`` elements that know the degrees of freedom ``kept`` of a node's ``dof``."""
+    m, parameters = len(kept), element.residual.size1_in(4)
+    names = ("q", "v", "a", "R", "load", "grip", "node_mass", "free")
+    q, v, a, R, load, grip, node_mass, free = (ca.MX.sym(name, m, n + 1) for name in names)
+    l, P, c, scale = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3), ca.MX.sym("scale", m)
+    Ps = ca.repmat(P, 1, n)
+    factorize, substitute = _factorize(n, element.tangent, m), _substitute(n, m)
 
-    def both_ends(x: ca.MX) -> ca.MX:
-        return ca.vertcat(x[:, :-1], x[:, 1:])
+    def nodal(a: ca.MX, R: ca.MX) -> ca.MX:
+        pressed = ca.fmax(R[PRESSED, :], 0)
+        return node_mass * a - load - grip * ca.repmat(pressed, m, 1)
 
-    def assembled(R: ca.MX) -> ca.MX:
-        zero = ca.MX.zeros(m, 1)
-        return ca.horzcat(R[:m, :], zero) + ca.horzcat(zero, R[m:, :])
+    residual_map, balance_map = element.residual.map(n), element.balance.map(n)
 
-    nodal = node_mass * a - load
+    def residual(q: ca.MX, v: ca.MX, a: ca.MX, R: ca.MX) -> ca.MX:
+        return _assembled(residual_map(*(_both_ends(x) for x in (q, v, a)), l, Ps), m) + nodal(a, R)
 
-    # one sweep evaluates the elements and eliminates their left node
-    forward = _forward_step(tangent, m).mapaccum("forward_sweep", n, 2)
+    # Newton's method: x holds q, v, a and R side by side
+    x = ca.MX.sym("x", m, 4 * (n + 1))
+    parts = ca.horzsplit(x, n + 1)
+    fixed = [l, load, grip, node_mass, free, P, c, scale]
+    factors = [ca.MX.sym(f"factor{i}", factorize.sparsity_out(i)) for i in range(factorize.n_out())]
+    made = factorize(*parts[:3], l, node_mass, free, P, c)
+    R_x = residual(*parts)
+    step = substitute(*factors, free * R_x)
+    moved = ca.horzcat(*(part + c[i] * step for i, part in enumerate(parts[:3])), R_x)
+    weighted = ca.vec(step * ca.repmat(scale, 1, n + 1))
+    # the largest entry loses NaN, the sum of squares does not
+    norm = ca.if_else(ca.sumsqr(weighted) < ca.inf, ca.norm_inf(weighted), ca.inf)
+    iteration = newton(
+        ca.Function("factorize", [x, *fixed], list(made)), ca.Function("correct", [x, *factors, *fixed], [moved, norm])
+    )
+    tolerance = ca.MX.sym("tolerance")
+    solution, progress = iteration(ca.horzcat(q, v, a, R), *fixed, tolerance)
+    solved = ca.horzsplit(solution, n + 1)
+
+    def sums(q: ca.MX, v: ca.MX) -> ca.MX:
+        return ca.sum2(balance_map(_both_ends(q), _both_ends(v), l, Ps))
+
+    R_a = residual(q, v, a, R)
+    correction = substitute(*factorize(q, v, a, l, node_mass, free, P, c), free * R_a)
+    losses = ca.sum2(element.losses.map(n)(_both_ends(q), _both_ends(v), l, Ps))
+    strains = element.strains.map(n)(_both_ends(q), l, Ps)
+    system = {"l": l, "load": load, "grip": grip, "node_mass": node_mass}
+    motion = {"q": q, "v": v, "a": a, "R": R}
+    method = {"free": free, "P": P, "c": c}
+    limits = {"scale": scale, "tolerance": tolerance}
+    after = dict(zip(("q", "v", "a", "R"), (*solved[:3], residual(*solved)), strict=True))
+
+    def function(name: str, inputs: dict[str, ca.MX], outputs: dict[str, ca.MX]) -> ca.Function:
+        return _widened(name, inputs, outputs, dof, kept)
+
+    return ChainFunctions(
+        solve=function(
+            "solve",
+            motion | system | method | limits,
+            after | {"balance": sums(solved[0], solved[1]), "progress": progress},
+        ),
+        direction=function("direction", motion | system | method, {"q": correction, "R": R_a}),
+        assess=function("assess", motion | system | {"P": P}, {"R": R_a, "balance": sums(q, v)}),
+        losses=function("losses", {"q": q, "v": v, "l": l, "P": P}, {"powers": losses}),
+        strains=function("strains", {"q": q, "l": l, "P": P}, {"strains": strains}),
+    )
+
+
+#: arguments and results with a row for each degree of freedom of a node
+_NODAL = ("q", "v", "a", "R", "load", "grip", "node_mass", "free", "scale")
+
+
+def _widened(
+    name: str, inputs: dict[str, ca.MX], outputs: dict[str, ca.MX], dof: int, kept: tuple[int, ...]
+) -> ca.Function:
+    """The function with ``dof`` rows wherever it has those ``kept``; what is left out is ignored, and zero."""
+    narrow = ca.Function(name, [*inputs.values()], [*outputs.values()])
+    if kept == tuple(range(dof)):
+        return narrow
+    rows = list(kept)
+    wide = {key: ca.MX.sym(key, dof if key in _NODAL else x.shape[0], x.shape[1]) for key, x in inputs.items()}
+    results = narrow.call([x[rows, :] if key in _NODAL else x for key, x in wide.items()])
+    for i, key in enumerate(outputs):
+        if key in _NODAL:
+            y = ca.MX.zeros(dof, results[i].shape[1])
+            y[rows, :] = results[i]
+            results[i] = y
+    return ca.Function(name, [*wide.values()], results)
+
+
+def _both_ends(x: ca.MX) -> ca.MX:
+    return ca.vertcat(x[:, :-1], x[:, 1:])
+
+
+def _assembled(R: ca.MX, m: int) -> ca.MX:
+    zero = ca.MX.zeros(m, 1)
+    return ca.horzcat(R[:m, :], zero) + ca.horzcat(zero, R[m:, :])
+
+
+def _factorize(n: int, tangent: ca.Function, m: int) -> ca.Function:
+    """(q, v, a, l, node_mass, free, P, c) -> factors: of the n eliminated blocks, W, L, and of the last block."""
+    # one step: the element's tangent, the elimination of its left node
+    D, J = ca.SX.sym("D", m, m), ca.SX.sym("J", 2 * m, 2 * m)
+    both, mass = ca.SX.sym("free", 2 * m), ca.SX.sym("mass", m)
+    J_f = J * (both @ both.T)
+    factor = _factored(D + J_f[:m, :m])
+    W = _solved(factor, J_f[:m, m:])
+    next_D = J_f[m:, m:] + ca.diag(both[m:] * mass + 1 - both[m:]) - J_f[m:, :m] @ W
+    eliminate = ca.Function("eliminate", [D, J, both, mass], ca.cse([next_D, factor, W, J_f[m:, :m]]))
+    D_m, _, both_m, mass_m = eliminate.mx_in()
+    element = tangent.mx_in()
+    out = eliminate(D_m, tangent(*element)[1], both_m, mass_m)
+    step = ca.Function("factor_step", [D_m, *element[:4], both_m, mass_m, *element[4:]], [*out])
+
+    q, v, a, node_mass, free = (ca.MX.sym(s, m, n + 1) for s in ("q", "v", "a", "node_mass", "free"))
+    l, P, c = ca.MX.sym("l", 1, n), ca.MX.sym("P", tangent.size1_in(4)), ca.MX.sym("c", 3)
     diagonal = c[2] * node_mass
-    D, y, W, z, R = forward(
+    Ds, factors, Ws, Ls = step.mapaccum("factor_sweep", n)(
         ca.diag(free[:, 0] * diagonal[:, 0] + 1 - free[:, 0]),
-        free[:, 0] * nodal[:, 0],
-        *(both_ends(x) for x in (q, v, a)),
+        *(_both_ends(x) for x in (q, v, a)),
         l,
-        both_ends(free),
+        _both_ends(free),
         diagonal[:, 1:],
-        nodal[:, 1:],
         ca.repmat(P, 1, n),
         *(ca.repmat(c[i], 1, n) for i in range(3)),
     )
-    last = _last_solve(m)(D[:, -m:], y[:, -1])
-    backward = _backward_step(m).mapaccum("backward_sweep", n, 1)
+    A = ca.SX.sym("A", m, m)
+    last = ca.Function("last_factor", [A], [_factored(A)])(Ds[:, -m:])
+    return ca.Function("factorized", [q, v, a, l, node_mass, free, P, c], [factors, Ws, Ls, last])
+
+
+def _substitute(n: int, m: int) -> ca.Function:
+    """(factors, R (m, n + 1)) -> x (m, n + 1) with J x = -R."""
+    F, W, L = (ca.SX.sym(s, m, m) for s in "FWL")
+    y, r, z, x = (ca.SX.sym(s, m) for s in "yrzx")
+    z_y = _solved(F, y)
+    down = ca.Function("substitute_down", [y, F, L, r], ca.cse([r - L @ z_y, z_y])).mapaccum("down_sweep", n)
+    up = ca.Function("substitute_up", [x, W, z], [-z - W @ x]).mapaccum("up_sweep", n)
+    bottom = ca.Function("substitute_last", [F, y], [-z_y])
+
+    Fs, Ws, Ls = (ca.MX.sym(s, m, m * n) for s in ("Fs", "Ws", "Ls"))
+    last, R = ca.MX.sym("last", m, m), ca.MX.sym("R", m, n + 1)
+    ys, zs = down(R[:, 0], Fs, Ls, R[:, 1:])
     order = list(range(n - 1, -1, -1))
     columns = [i * m + j for i in order for j in range(m)]
-    x = backward(last, W[:, columns], z[:, order])
-    correction = ca.horzcat(x[:, order], last)
-
-    R_map = residual.map(n)(*(both_ends(x) for x in (q, v, a)), l, ca.repmat(P, 1, n))
-    sums = ca.sum2(balance.map(n)(*(both_ends(x) for x in (q, v)), l, ca.repmat(P, 1, n)))
-    return ChainFunctions(
-        direction=ca.Function(
-            "direction", [q, v, a, l, load, node_mass, free, P, c], [correction, assembled(R) + nodal]
-        ),
-        assess=ca.Function("assess", [q, v, a, l, load, node_mass, P], [assembled(R_map) + nodal, sums]),
-        strains=ca.Function("strains", [q, l, P], [strains.map(n)(both_ends(q), l, ca.repmat(P, 1, n))]),
-    )
+    x_n = bottom(last, ys[:, -1])
+    xs = up(x_n, Ws[:, columns], zs[:, order])
+    return ca.Function("substitute", [Fs, Ws, Ls, last, R], [ca.horzcat(xs[:, order], x_n)])
 
 
-def _forward_step(tangent: ca.Function, m: int) -> ca.Function:
-    """(D, y; element inputs; free of both nodes, diagonal and residual of the right one) -> next D, y; W, z, R."""
-    D, y = ca.SX.sym("D", m, m), ca.SX.sym("y", m)
-    free, diagonal, nodal = ca.SX.sym("free", 2 * m), ca.SX.sym("diagonal", m), ca.SX.sym("nodal", m)
-    R_e, J_e = ca.SX.sym("R", 2 * m), ca.SX.sym("J", 2 * m, 2 * m)
-    J, R = J_e * (free @ free.T), R_e * free
-    solved = _solve(D + J[:m, :m], ca.horzcat(J[:m, m:], y + R[:m]))
-    W, z = solved[:, :m], solved[:, m]
-    fixed = 1 - free[m:]
-    D_next = J[m:, m:] + ca.diag(free[m:] * diagonal + fixed) - J[m:, :m] @ W
-    y_next = R[m:] + free[m:] * nodal - J[m:, :m] @ z
-    eliminate = ca.Function("eliminate", [D, y, R_e, J_e, free, diagonal, nodal], ca.cse([D_next, y_next, W, z]))
-
-    element = tangent.mx_in()
-    D_m, y_m, _, _, *node = eliminate.mx_in()
-    R_m, J_m = tangent(*element)
-    outputs = eliminate(D_m, y_m, R_m, J_m, *node)
-    return ca.Function("forward_step", [D_m, y_m, *element[:4], *node, *element[4:]], [*outputs, R_m])
+def _factored(A: ca.SX) -> ca.SX:
+    """LU without pivoting, unrolled; the inverse pivots on the diagonal."""
+    A = ca.SX(A)
+    for i in range(A.shape[0]):
+        A[i, i] = 1 / A[i, i]
+        for j in range(i + 1, A.shape[0]):
+            A[j, i] *= A[i, i]
+            A[j, i + 1 :] -= A[j, i] * A[i, i + 1 :]
+    return A
 
 
-def _backward_step(m: int) -> ca.Function:
-    """(x of the node to the right; W, z) -> x of this node."""
-    x, W, z = ca.SX.sym("x", m), ca.SX.sym("W", m, m), ca.SX.sym("z", m)
-    return ca.Function("backward_step", [x, W, z], [-z - W @ x])
-
-
-def _last_solve(m: int) -> ca.Function:
-    D, y = ca.SX.sym("D", m, m), ca.SX.sym("y", m)
-    return ca.Function("last_solve", [D, y], [-_solve(D, y)])
-
-
-def _solve(A: ca.SX, b: ca.SX) -> ca.SX:
-    """A^-1 b by Gaussian elimination without pivoting, unrolled."""
-    A, b = ca.SX(A), ca.SX(b)
-    m = A.shape[0]
+def _solved(F: ca.SX, b: ca.SX) -> ca.SX:
+    """A^-1 b from the factors of A."""
+    b, m = ca.SX(b), F.shape[0]
     for i in range(m):
-        pivot = 1 / A[i, i]
-        for j in range(i + 1, m):
-            factor = A[j, i] * pivot
-            A[j, i + 1 :] -= factor * A[i, i + 1 :]
-            b[j, :] -= factor * b[i, :]
+        for j in range(i):
+            b[i, :] -= F[i, j] * b[j, :]
     for i in reversed(range(m)):
         for j in range(i + 1, m):
-            b[i, :] -= A[i, j] * b[j, :]
-        b[i, :] /= A[i, i]
+            b[i, :] -= F[i, j] * b[j, :]
+        b[i, :] *= F[i, i]
     return b

@@ -18,13 +18,14 @@ form with auxiliary accelerations; Bruels and Arnold, J. Comput. Nonlinear Dyn. 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .newton import NewtonReport, NewtonStatus, iterate
+from .newton import NewtonReport, NewtonStatus
 
 Array = NDArray[np.float64]
 
@@ -58,24 +59,37 @@ class Assessed(Protocol):
         """R: zero where free, the force of the surroundings where prescribed."""
 
 
-A = TypeVar("A", bound=Assessed, covariant=True)
 B = TypeVar("B", bound=Assessed)
 
 
-class System(Protocol[A]):
+@dataclass(frozen=True)
+class Solution(Generic[B]):
+    """What Newton's method found: q, v, a, their assessment, and how it ended."""
+
+    q: Array
+    v: Array
+    a: Array
+    assessment: B
+    newton: NewtonReport
+
+
+class System(Protocol[B]):
     """What is integrated.  ``reaction`` is the last known one, for loads that depend on it (friction)."""
 
     @property
     def free(self) -> NDArray[np.bool_]:
         """True where a degree of freedom is free, False where it is prescribed."""
 
-    def prescribed(self, t: float) -> tuple[Array, Array, Array]:
-        """Full arrays of q, v and a, of which the prescribed entries count."""
+    def prescribed(self, t: float) -> Array:
+        """(3, ...): full arrays of q, v and a, of which the prescribed entries count."""
 
-    def direction(self, t: float, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+    def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[B]:
+        """Equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x."""
+
+    def direction(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         """(x, R): J x = -R on the free degrees of freedom with J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da."""
 
-    def assess(self, t: float, q: Array, v: Array, a: Array, reaction: Array) -> A:
+    def assess(self, q: Array, v: Array, a: Array, reaction: Array) -> B:
         """R, and whatever else the system wants to tell of this instant."""
 
     def norm(self, x: Array) -> float:
@@ -109,6 +123,23 @@ class Coefficients:
         m, f = self.alpha_m, self.alpha_f
         return np.array([1.0, self.gamma / (self.beta * h), (1 - m) / (self.beta * h * h * (1 - f))])
 
+    def prediction(self, h: float, recentring: float) -> Array:
+        """(3, 5): q, v, a at the end of a step ``h`` with a constant acceleration, from q, v, a, b, a_rate.
+
+        ``recentring`` is the time by which b is moved.
+        """
+        m, gamma, beta = self.alpha_m, self.gamma, self.beta
+        q_a, v_a = h * h * beta / (1 - m), h * gamma / (1 - m)
+        q_b, v_b = h * h * (0.5 - beta) - m * q_a, h * (1 - gamma) - m * v_a
+        return np.array(
+            [[1.0, h, q_a, q_b, q_b * recentring], [0.0, 1.0, v_a, v_b, v_b * recentring], [0.0, 0.0, 1.0, 0.0, 0.0]]
+        )
+
+    def auxiliary(self, recentring: float) -> Array:
+        """(3,): what a, b, a_rate at the start of a step contribute to b at its end."""
+        m = self.alpha_m
+        return np.array([self.alpha_f, -m, -m * recentring]) / (1 - m)
+
     @property
     def shift(self) -> float:
         """Where b lives, in steps from t_n."""
@@ -128,46 +159,26 @@ class StepResult(Generic[B]):
     error: float
 
 
-def step(
-    system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float, max_iterations: int = 10
-) -> StepResult[B]:
+def step(system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float) -> StepResult[B]:
     """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
-    m, f, gamma, beta = method.alpha_m, method.alpha_f, method.gamma, method.beta
     t, free = old.t + h, system.free
-    b_old = old.b
-    if 0 < h <= LARGEST_GROWTH * old.h:
-        b_old = old.b + method.shift * (h - old.h) * old.a_rate
-
-    # predict with a constant acceleration
-    a = old.a.copy()
-    b = ((1 - f) * a + f * old.a - m * b_old) / (1 - m)
-    q = old.q + h * old.v + h * h * ((0.5 - beta) * b_old + beta * b)
-    v = old.v + h * ((1 - gamma) * b_old + gamma * b)
-    for x, given in zip((q, v, a), system.prescribed(t), strict=True):
-        np.copyto(x, given, where=~free)
-
-    c = method.newton(h)
-    reaction = old.reaction
-
-    def correct() -> float:
-        nonlocal q, v, a, reaction
-        x, reaction = system.direction(t, q, v, a, reaction, c)
-        q = q + x
-        v = v + c[1] * x
-        a = a + c[2] * x
-        return system.norm(x)
-
+    past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
+    recentring = method.shift * (h - old.h) if 0 < h <= LARGEST_GROWTH * old.h else 0.0
+    q, v, a = guess = np.tensordot(method.prediction(h, recentring), past, 1)
+    np.copyto(guess, system.prescribed(t), where=~free)
     with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
-        report = iterate(correct, tolerance, max_iterations)
-    if not report.converged:
-        return StepResult(None, None, report, np.inf)
-    assessment = system.assess(t, q, v, a, reaction)
-    if not np.all(np.isfinite(assessment.reaction)):
-        return StepResult(None, None, NewtonReport(NewtonStatus.NOT_FINITE, report.iterations, np.inf), np.inf)
-    b = ((1 - f) * a + f * old.a - m * b_old) / (1 - m)
+        solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance)
+    newton, assessment = solution.newton, solution.assessment
+    if newton.converged and not math.isfinite(assessment.reaction.sum()):
+        newton = NewtonReport(NewtonStatus.NOT_FINITE, newton.iterations, np.inf)
+    if not newton.converged:
+        return StepResult(None, None, newton, np.inf)
+    a = solution.a
+    b = np.tensordot(method.auxiliary(recentring), past[2:], 1) + (1 - method.alpha_f) / (1 - method.alpha_m) * a
     change = a - old.a
-    error = abs(beta + 0.5 * method.shift - 1 / 6) * h * h * system.norm(np.where(free, change, 0.0))
-    return StepResult(Motion(t, q, v, a, b, change / h, h, assessment.reaction), assessment, report, error)
+    error = abs(method.beta + 0.5 * method.shift - 1 / 6) * h * h * system.norm(free * change)
+    motion = Motion(t, solution.q, solution.v, a, b, change / h, h, assessment.reaction)
+    return StepResult(motion, assessment, newton, error)
 
 
 def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) -> tuple[Motion, B]:
@@ -180,7 +191,7 @@ def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) ->
     q, v = np.where(free, q, q_p), np.where(free, v, v_p)
     a = np.where(free, 0.0, a_p)
     for _ in range(2):  # the second time with friction from the right reactions
-        x, reaction = system.direction(t, q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
+        x, reaction = system.direction(q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
         a = a + x
-    assessment = system.assess(t, q, v, a, reaction)
+    assessment = system.assess(q, v, a, reaction)
     return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, assessment.reaction), assessment

@@ -53,9 +53,9 @@ class Kernel:
         for i, x in enumerate(self._outputs):
             buffer.set_res(i, x.data)
 
-    def __call__(self, *arguments: Array) -> list[Array]:
+    def __call__(self, *arguments: Array | float) -> list[Array]:
         for destination, source in zip(self._inputs, arguments, strict=True):
-            destination[:] = np.ravel(source)
+            destination[:] = source.ravel() if isinstance(source, np.ndarray) else source
         self._evaluate()
         return [x.reshape(shape).copy() for x, shape in zip(self._outputs, self._shapes, strict=True)]
 

@@ -1,24 +1,39 @@
-"""Newton's method seen from outside: when it has converged, and why it has not.
+"""Newton's method as one CasADi function: a full correction, then cheap ones with the same factorization.
 
 The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms,
-error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).
+error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round
+begins with a new factorization and goes on with it while the contraction pays; a slow round is followed by another.
+The iterations are branches and loops of generated code: what is not needed is not evaluated.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
+import casadi as ca
+
+#: factorizations at most, and corrections with each
+ROUNDS, PER_ROUND = 5, 5
+MAX_ITERATIONS = ROUNDS * PER_ROUND
+#: a contraction slower than this calls for a new factorization
+SLOW = 0.2
+#: a contraction slower than this promises nothing
+UNSURE = 0.5
+#: what is larger is not a number of ours
+HUGE = 1e200
+
 
 class NewtonStatus(Enum):
-    """How an iteration ended; the value is what the user is told."""
+    """How an iteration ended; the text is what the user is told."""
 
-    CONVERGED = "Newton iteration converged"
-    DIVERGED = "Newton iteration diverged: the step is too large or the elements are too long for this motion"
-    TOO_MANY = "Newton iteration did not converge within the allowed iterations"
-    NOT_FINITE = "Newton iteration met a value that is not finite"
+    TOO_MANY = 0, "Newton iteration did not converge within the allowed iterations"
+    CONVERGED = 1, "Newton iteration converged"
+    DIVERGED = 2, "Newton iteration diverged: the step is too large or the elements are too long for this motion"
+    NOT_FINITE = 3, "Newton iteration met a value that is not finite"
+
+    def __init__(self, code: int, text: str) -> None:
+        self.code, self.text = code, text
 
 
 @dataclass(frozen=True)
@@ -35,19 +50,77 @@ class NewtonReport:
         return self.status is NewtonStatus.CONVERGED
 
 
-def iterate(correct: Callable[[], float], tolerance: float, max_iterations: int) -> NewtonReport:
-    """Call ``correct``, which applies one correction and returns its norm, until the rest is below ``tolerance``."""
-    previous = math.inf
-    for k in range(1, max_iterations + 1):
-        norm = correct()
-        if not math.isfinite(norm):
-            return NewtonReport(NewtonStatus.NOT_FINITE, k, norm)
-        contraction = norm / previous if previous > 0 else 0.0
-        if k > 1 and contraction >= 2:
-            return NewtonReport(NewtonStatus.DIVERGED, k, norm)
-        # the first correction says nothing of the contraction: trust it only when it is tiny itself
-        error = norm if k == 1 or contraction >= 0.5 else contraction / (1 - contraction) * norm
-        if error <= tolerance:
-            return NewtonReport(NewtonStatus.CONVERGED, k, error)
-        previous = norm
-    return NewtonReport(NewtonStatus.TOO_MANY, max_iterations, norm)
+#: names of the progress vector that goes through the iterations; status 0 goes on
+PROGRESS = ("status", "iterations", "norm", "error", "contraction")
+
+
+def started() -> ca.DM:
+    """The progress before the first correction."""
+    return ca.DM([0.0, 0.0, ca.inf, ca.inf, 0.0])
+
+
+def report(progress: list[float]) -> NewtonReport:
+    """What a finished progress vector says."""
+    status = next(s for s in NewtonStatus if s.code == int(progress[0]))
+    return NewtonReport(status, int(progress[1]), progress[3])
+
+
+def judge() -> ca.Function:
+    """(progress, norm of the correction, tolerance) -> progress after it."""
+    before, norm, tolerance = ca.SX.sym("progress", len(PROGRESS)), ca.SX.sym("norm"), ca.SX.sym("tolerance")
+    _, iterations, previous, _, _ = ca.vertsplit(before)
+    first = iterations < 1
+    contraction = ca.if_else(previous > 0, norm / previous, 0.0)
+    # the first correction says nothing of the contraction: trust it only when it is tiny itself
+    trusted = ca.logic_and(ca.logic_not(first), contraction < UNSURE)
+    error = ca.if_else(trusted, contraction / (1 - contraction) * norm, norm)
+    diverged = ca.logic_and(ca.logic_not(first), contraction >= 2)
+    status = ca.if_else(error <= tolerance, NewtonStatus.CONVERGED.code, NewtonStatus.TOO_MANY.code)
+    status = ca.if_else(diverged, NewtonStatus.DIVERGED.code, status)
+    finite = norm < HUGE  # false for NaN too
+    status = ca.if_else(finite, status, NewtonStatus.NOT_FINITE.code)
+    error = ca.if_else(finite, error, ca.inf)
+    after = ca.vertcat(status, iterations + 1, norm, error, contraction)
+    return ca.Function("judge", [before, norm, tolerance], [after])
+
+
+def newton(factorize: ca.Function, correct: ca.Function) -> ca.Function:
+    """The whole iteration.
+
+    factorize: (x, *fixed) -> factors ...                     the derivative at x, ready to be solved with
+    correct:   (x, *factors, *fixed) -> x, norm               one correction of x with these factors
+    returns    (x, *fixed, tolerance) -> x, progress
+    """
+    number = factorize.n_out()
+    x, *fixed = factorize.mx_in()
+    factors = [ca.MX.sym(f"factor{i}", factorize.sparsity_out(i)) for i in range(number)]
+    progress, tolerance = ca.MX.sym("progress", len(PROGRESS)), ca.MX.sym("tolerance")
+
+    x_new, norm = correct(x, *factors, *fixed)
+    inputs = [x, progress, *factors, *fixed, tolerance]
+    judged = judge()(progress, norm, tolerance)
+    # a cheap correction that contracts badly is not applied: it only says that a new factorization is due
+    refused = ca.logic_not(judged[4] < UNSURE)
+    waiting = ca.vertcat(0.0, progress[1] + 1, progress[2], ca.inf, ca.inf)
+    cheap = [ca.if_else(refused, x, x_new), ca.if_else(refused, waiting, judged)]
+    again = _where(ca.Function("newton_again", inputs, cheap), 2)
+    after = ca.Function("newton_first", inputs, [x_new, judged])(x, progress, *factors, *fixed, tolerance)
+    for _ in range(PER_ROUND - 1):
+        goes_on = ca.logic_and(after[1][0] == 0, after[1][4] < SLOW)
+        after = again(goes_on, *after, *factors, *fixed, tolerance)
+    corrections = ca.Function("newton_corrections", [x, progress, *factors, *fixed, tolerance], [*after])
+    inputs = [x, progress, *fixed, tolerance]
+    made = factorize.call([x, *fixed])
+    one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *made, *fixed, tolerance]))
+    another = _where(one_round, 2)
+    result = one_round(x, started(), *fixed, tolerance)
+    for _ in range(ROUNDS - 1):
+        result = another(result[1][0] == 0, *result, *fixed, tolerance)
+    return ca.Function("newton", [x, *fixed, tolerance], list(result))
+
+
+def _where(function: ca.Function, states: int) -> ca.Function:
+    """(condition, inputs) -> ``function`` of the inputs, or its first ``states`` inputs as they are."""
+    inputs = function.mx_in()
+    passed = ca.Function(f"{function.name()}_not", inputs, inputs[:states])
+    return ca.Function.if_else(f"{function.name()}_if", function, passed)

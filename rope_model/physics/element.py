@@ -16,13 +16,19 @@ nodes r is the cubic Hermite interpolant and theta is linear.  With t = r'/|r'|
 The rate of k is the one seen by an observer who turns with the cross-section, so that rigid motion dissipates
 nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
 leave an hourglass mode in the axial strain.
+
+The rungs of the model are this one text with degrees of freedom left out:
+
+    torsional   r, r', theta     complete
+    spatial     r, r'            no torsion: tau = 0, w = 0, no torque
+    planar      r, r' in X, Y    the same in the plane
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -31,6 +37,13 @@ from . import costello
 from .frame import FrameRate, smallest_rotation_rate
 
 NODE_DOF = 7
+Rung = Literal["torsional", "spatial", "planar"]
+#: the degrees of freedom of a node that a rung keeps
+RUNGS: dict[Rung, tuple[int, ...]] = {
+    "torsional": (0, 1, 2, 3, 4, 5, 6),
+    "spatial": (0, 1, 2, 3, 4, 5),
+    "planar": (0, 1, 3, 4),
+}
 #: order of the entries of the parameter vector
 PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K", "pole_x", "pole_y", "pole_z")
 #: order of the entries of an element's balance
@@ -53,28 +66,36 @@ _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 @dataclass(frozen=True)
 class ElementFunctions:
-    """The element as CasADi functions; q, v, a are (14,), ``l`` the reference length in m, ``P`` see PARAMETERS.
+    """The element as CasADi functions; q, v, a are (2 m,) with m degrees of freedom of a node, 7 for ``torsional``.
 
-    residual: (q, v, a, l, P) -> R (14,): inertia + internal - gravity, what external loads must balance
-    tangent:  (q, v, a, l, P, cq, cv, ca) -> R, J (14, 14): J = cq dR/dq + cv dR/dv + ca dR/da
+    ``l`` is the reference length in m, ``P`` see PARAMETERS.
+
+    residual: (q, v, a, l, P) -> R (2 m,): inertia + internal - gravity, what external loads must balance
+    tangent:  (q, v, a, l, P, cq, cv, ca) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da
     balance:  (q, v, l, P) -> (9,), see BALANCE
+    losses:   (q, v, l, P) -> (2,), the two powers of the balance alone
     strains:  (q, l, P) -> (4,), see STRAINS
     """
 
     residual: ca.Function
     tangent: ca.Function
     balance: ca.Function
+    losses: ca.Function
     strains: ca.Function
 
 
 @cache
-def element_functions(frame_rate: FrameRate = smallest_rotation_rate) -> ElementFunctions:
-    """Build the four functions; a second call with the same frame returns the same objects."""
-    q, v, a = ca.SX.sym("q", 14), ca.SX.sym("v", 14), ca.SX.sym("a", 14)
+def element_functions(rung: Rung = "torsional", frame_rate: FrameRate = smallest_rotation_rate) -> ElementFunctions:
+    """Build the functions; a second call with the same arguments returns the same objects."""
+    kept = [*RUNGS[rung], *(NODE_DOF + i for i in RUNGS[rung])]
+    symbols = [ca.SX.sym(name, len(kept)) for name in ("q", "v", "a")]
+    q, v, a = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
+    for x, symbol in zip((q, v, a), symbols, strict=True):
+        x[kept] = symbol
     l, P = ca.SX.sym("l"), ca.SX.sym("P", len(PARAMETERS))
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
 
-    point = _point_functions(frame_rate)
+    point = _point_functions(frame_rate, rung == "torsional")
     mass, weight = _translational_mass(l, P), _weight(l, P)
     balance, strains = ca.SX.zeros(len(BALANCE)), ca.SX.zeros(len(STRAINS))
     balance[4], balance[6] = 0.5 * ca.dot(v, mass @ v), -ca.dot(weight, q)
@@ -90,22 +111,24 @@ def element_functions(frame_rate: FrameRate = smallest_rotation_rate) -> Element
         J_r += B.T @ (dx * J_p) @ B
         balance += dx * point["balance"](z, z_t, P)
         strains += weight_xi * point["strains"](z, P)
-    R = mass @ a - weight + relative.T @ R_r
-    J = c_a * mass + relative.T @ J_r @ relative
+    R = (mass @ a - weight + relative.T @ R_r)[kept]
+    J = (c_a * mass + relative.T @ J_r @ relative)[kept, kept]
     strains[2:] = ca.sqrt(strains[2:])
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         return ca.Function(name, inputs, ca.cse(outputs))
 
+    q, v, a = symbols
     return ElementFunctions(
         residual=function("element_residual", [q, v, a, l, P], [R]),
         tangent=function("element_tangent", [q, v, a, l, P, cq, cv, c_a], [R, J]),
         balance=function("element_balance", [q, v, l, P], [balance]),
+        losses=function("element_losses", [q, v, l, P], [balance[7:]]),
         strains=function("element_strains", [q, l, P], [strains]),
     )
 
 
-def _point_functions(frame_rate: FrameRate) -> dict[str, ca.Function]:
+def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Function]:
     """The continuum at one point: z = (r', r'', theta', theta), its rates, and the work-conjugate forces (8,)."""
     z, z_t, z_tt = ca.SX.sym("z", 8), ca.SX.sym("z_t", 8), ca.SX.sym("z_tt", 8)
     P = ca.SX.sym("P", len(PARAMETERS))
@@ -115,8 +138,9 @@ def _point_functions(frame_rate: FrameRate) -> dict[str, ca.Function]:
 
     # strains, and the spin of the section
     d, c, theta_x = z[0:3], z[3:6], z[6]
-    strain = ca.vertcat(ca.norm_2(d) - 1, theta_x + frame_rate(pole, d, c), ca.cross(d, c) / ca.dot(d, d))
-    w = z_t[7] + frame_rate(pole, d, z_t[0:3])
+    tau = theta_x + frame_rate(pole, d, c) if torsional else ca.SX(0)
+    strain = ca.vertcat(ca.norm_2(d) - 1, tau, ca.cross(d, c) / ca.dot(d, d))
+    w = z_t[7] + frame_rate(pole, d, z_t[0:3]) if torsional else ca.SX(0)
 
     # their rates; the curvature's as seen from the section
     turning = ca.cross(d, z_t[0:3]) / ca.dot(d, d) + w * d / ca.norm_2(d)

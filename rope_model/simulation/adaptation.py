@@ -1,4 +1,4 @@
-"""Changes of the rope's description that leave the rope as it is: mesh transformations, and the frame's pole."""
+"""Changes of the rope's description that leave the rope as it is: mesh, the frame's pole, the rung of the model."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from ..physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
 from .mesh import Partition, transformation_due, transformed
-from .model import RopeModel, with_energies
+from .model import RopeModel, energies
 from .rope_system import ANGLE, SLOPE
+from .rungs import RungName
 from .state import Event, RopeState
 from .transfer import transferred
 
@@ -38,17 +39,19 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     carried: dict[str, Any] = {name: transferred(getattr(m, name), old_s, new_s) for name in names}
     reaction = np.zeros_like(m.reaction)
     reaction[[0, -1]] = m.reaction[[0, -1]]
-    moved = replace(state, partition=new, motion=replace(m, **carried, reaction=reaction))
+    moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction))
     return _booked(model, moved, "transformation")
 
 
 def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
     """Theta expressed in a frame whose singularity is far from every tangent of the rope."""
+    if state.rung != "torsional":  # nothing is counted from the frame
+        return state
     d = state.motion.q[:, SLOPE]
-    t = d / np.linalg.norm(d, axis=1)[:, None]
+    t = d / np.sqrt(np.einsum("ij,ij->i", d, d))[:, None]
     bottom = t[np.argmin(state.motion.q[:, 1])] * [1.0, 0.0, 1.0]
     margin = pole_margin(state.pole, t)
-    if margin >= POLE_MARGIN and state.pole @ bottom >= POLE_FOLLOWS * np.linalg.norm(bottom):
+    if margin >= POLE_MARGIN and state.pole @ bottom >= POLE_FOLLOWS * math.hypot(bottom[0], bottom[2]):
         return state
     # the lowest tangent suits a loop that hangs in any vertical plane as X suits it at the start
     old, new, m = state.pole, bottom / max(float(np.linalg.norm(bottom)), 1e-12), state.motion
@@ -61,8 +64,7 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
     q[:, ANGLE] += angle
     rates = [smallest_rotation_rate(p, d.T, m.v[:, SLOPE].T) for p in (old, new)]
     v[:, ANGLE] += rates[0] - rates[1]
-    moved = replace(
-        state,
+    moved = state._replace(
         pole=new,
         offsets=(state.offsets[0] + float(angle[0]), state.offsets[1] + float(angle[-1])),
         motion=replace(m, q=q, v=v),
@@ -70,11 +72,20 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
     return _booked(model, model.restarted(moved), "new frame pole")
 
 
+def raised(model: RopeModel, state: RopeState, why: str) -> RopeState:
+    """The state on the lowest rung that can follow what this one cannot, with nothing changed but that."""
+    rung: RungName = "torsional"
+    reason = f"the {state.rung} rung cannot follow {why}"
+    log.info("t = %.6f s: model: %s, because %s", state.motion.t, rung, reason)
+    event = Event(state.motion.t, f"model {rung}")
+    return model.restarted(state._replace(rung=rung, rung_reason=reason, events=(*state.events, event)))
+
+
 def with_loop_yaw(state: RopeState) -> RopeState:
     """The loop's yaw at its lowest node, counted on from its last value."""
     q = state.motion.q
     d = q[np.argmin(q[:, 1]), SLOPE]
-    return replace(state, loop_yaw=counted_on(math.atan2(-d[2], d[0]), state.loop_yaw))
+    return state._replace(loop_yaw=counted_on(math.atan2(-d[2], d[0]), state.loop_yaw))
 
 
 def counted_on(angle: float, last: float) -> float:
@@ -85,15 +96,14 @@ def counted_on(angle: float, last: float) -> float:
 def _booked(model: RopeModel, state: RopeState, what: str) -> RopeState:
     """A changed description with its energy change in the ledger."""
     m, before = state.motion, state.ledger
-    assessment = model.system(state).assess(m.t, m.q, m.v, m.a, m.reaction)
-    after = with_energies(before, assessment.balance)
+    assessment = model.system(state).assess(m.q, m.v, m.a, m.reaction)
+    after = before._replace(**energies(assessment.balance))
     kinetic, total = after.kinetic - before.kinetic, after.total - before.total
     event = Event(m.t, what, kinetic, total - kinetic)
     log.debug("t = %.6f s: %s, kinetic energy %+.3g J, potential %+.3g J", *event)
     counts = state.counts
-    return replace(
-        state,
-        ledger=replace(after, transformations=before.transformations + total),
+    return state._replace(
+        ledger=after._replace(transformations=before.transformations + total),
         counts=counts.plus(transformations=1) if what == "transformation" else counts.plus(pole_changes=1),
         events=(*state.events, event),
     )

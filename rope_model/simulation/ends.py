@@ -13,6 +13,7 @@ acceleration are continuous whatever the host's step.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -28,8 +29,6 @@ from .rope_system import ANGLE, POSITION, Array
 SIDES = ("left", "right")
 #: sense of the conveyance's yaw in theta, left and right
 YAW_SENSE = (-1.0, 1.0)
-#: instants of a path at which its acceleration is looked at, from 0 to 1
-_SAMPLES = np.linspace(0.0, 1.0, 9)[:, None]
 #: columns of an end's path
 PATH = ("x", "y", "z", "yaw")
 
@@ -73,54 +72,63 @@ class EndMotion:
         return self.ax, self.ay, self.az
 
 
-@dataclass(frozen=True)
-class EndPath:
-    """Quintic in (t - start) for x, y, z, yaw: ``coefficients`` (6, 4), lowest power first; held after ``stop``."""
+#: coefficients of 1, s, s^2 ... of one coordinate
+Quintic = tuple[float, ...]
+
+
+class EndPath(NamedTuple):
+    """A quintic in s = t - start for each of x, y, z and yaw; held after ``stop``."""
 
     start: float
     stop: float
-    coefficients: Array
+    coefficients: tuple[Quintic, ...]
 
     @staticmethod
     def resting(t: float, at: EndMotion) -> EndPath:
         """No motion at all."""
-        c = np.zeros((6, 4))
-        c[0] = *at.position, at.yaw
-        return EndPath(t, t, c)
+        return EndPath(t, t, tuple((x, 0.0, 0.0, 0.0, 0.0, 0.0) for x in (*at.position, at.yaw)))
 
     def to(self, stop: float, target: EndMotion) -> EndPath:
         """The path that leaves this one's end and is at ``target`` at ``stop``."""
         start, h = self.stop, stop - self.stop
-        x0, v0, a0 = self(start)
-        x1 = np.array([*target.position, target.yaw])
-        v1 = np.array([*target.velocity, target.yaw_rate])
+        places, speeds = (*target.position, target.yaw), (*target.velocity, target.yaw_rate)
         # FMI gives no yaw acceleration: take the mean over the step
-        a1 = np.array([*target.acceleration, (target.yaw_rate - v0[3]) / h])
-        dx, dv, da = x1 - x0 - h * v0 - 0.5 * h * h * a0, h * (v1 - v0 - h * a0), h * h * (a1 - a0)
-        c3, c4, c5 = 10 * dx - 4 * dv + 0.5 * da, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + 0.5 * da
-        return EndPath(start, stop, np.array([x0, v0, 0.5 * a0, c3 / h**3, c4 / h**4, c5 / h**5]))
+        yaw_rate = self.rates(start, 3)[1]
+        accelerations = (*target.acceleration, (target.yaw_rate - yaw_rate) / h)
+        quintics = []
+        for axis, (x1, v1, a1) in enumerate(zip(places, speeds, accelerations, strict=True)):
+            x0, v0, a0 = self.rates(start, axis)
+            dx, dv, da = x1 - x0 - h * v0 - 0.5 * h * h * a0, h * (v1 - v0 - h * a0), h * h * (a1 - a0)
+            c3, c4, c5 = 10 * dx - 4 * dv + 0.5 * da, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + 0.5 * da
+            quintics.append((x0, v0, 0.5 * a0, c3 / h**3, c4 / h**4, c5 / h**5))
+        return EndPath(start, stop, tuple(quintics))
 
-    def __call__(self, t: float) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration, each (4,), at ``t``."""
+    def rates(self, t: float, axis: int) -> tuple[float, float, float]:
+        """Value, rate and acceleration of one coordinate at ``t``."""
+        c0, c1, c2, c3, c4, c5 = self.coefficients[axis]
         s = min(t, self.stop) - self.start
-        s2 = s * s
-        s3 = s2 * s
-        powers = np.array(
-            [
-                [1.0, s, s2, s3, s2 * s2, s3 * s2],
-                [0.0, 1.0, 2 * s, 3 * s2, 4 * s3, 5 * s2 * s2],
-                [0.0, 0.0, 2.0, 6 * s, 12 * s2, 20 * s3],
-            ]
+        return (
+            c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5)))),
+            c1 + s * (2 * c2 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5))),
+            2 * c2 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5)),
         )
-        x, v, a = powers @ self.coefficients
-        return x, v, a
 
-    def peak_acceleration(self) -> Array:
-        """Largest acceleration (4,) on the path, sampled."""
-        s = (self.stop - self.start) * _SAMPLES
-        c = self.coefficients
-        peak: Array = np.max(np.abs(2 * c[2] + s * (6 * c[3] + s * (12 * c[4] + s * 20 * c[5]))), axis=0)
-        return peak
+    def height(self, t: float) -> float:
+        """y at ``t``."""
+        return self.rates(t, 1)[0]
+
+    def __call__(self, t: float) -> Array:
+        """Position, velocity and acceleration at ``t``, shape (3, 4)."""
+        return np.array([self.rates(t, axis) for axis in range(4)]).T
+
+    def peak_acceleration(self) -> list[float]:
+        """Largest acceleration on the path, sampled: of x, y, z and yaw."""
+        times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
+        peaks = []
+        for _, _, c2, c3, c4, c5 in self.coefficients:
+            samples = (2 * c2 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5)) for s in times)
+            peaks.append(max(map(abs, samples)))
+        return peaks
 
 
 class Phase(Enum):
@@ -160,20 +168,27 @@ class HangingEnds:
             free[node, ANGLE] = state.phase is Phase.SLIP
         return free
 
-    def prescribed(self, t: float, nodes: int) -> tuple[Array, Array, Array]:
-        q, v, a = np.zeros((3, nodes, 7))
+    def prescribed(self, t: float, nodes: int) -> Array:
+        q, v, a = motion = np.zeros((3, nodes, 7))
         for side, node in enumerate((0, -1)):
-            x, x_t, x_tt = self.paths[side](t)
+            (x, x_t, x_tt), sense = self.paths[side](t), YAW_SENSE[side]
             q[node, POSITION], v[node, POSITION], a[node, POSITION] = self.points[side] + x[:3], x_t[:3], x_tt[:3]
             q[node, ANGLE] = self.theta_held(side, x[3])
-            v[node, ANGLE], a[node, ANGLE] = YAW_SENSE[side] * x_t[3], YAW_SENSE[side] * x_tt[3]
-        return q, v, a
+            v[node, ANGLE], a[node, ANGLE] = sense * x_t[3], sense * x_tt[3]
+        return motion
 
-    def load(self, t: float, reaction: Array) -> Array:
-        load = np.zeros_like(reaction)
-        for side, node in enumerate((0, -1)):
-            if self.states[side].phase is Phase.SLIP:
-                load[node, ANGLE] = -self.states[side].sign * self.friction(side, reaction, kinetic=True)
+    def load(self, nodes: int) -> Array:
+        return self._slipping(nodes, [x.seal_moment for x in self.swivels])
+
+    def grip(self, nodes: int) -> Array:
+        return self._slipping(nodes, [friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, 1.0) for x in self.swivels])
+
+    def _slipping(self, nodes: int, moments: Sequence[float]) -> Array:
+        """(nodes, 7): ``moments`` against the slip of the ends that slip."""
+        load = np.zeros((nodes, 7))
+        for node, state, swivel, moment in zip((0, -1), self.states, self.swivels, moments, strict=True):
+            if state.phase is Phase.SLIP and swivel.mode != "free":
+                load[node, ANGLE] = -state.sign * moment
         return load
 
     def friction(self, side: int, reaction: Array, kinetic: bool) -> float:
@@ -198,8 +213,8 @@ class HangingEnds:
 
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
         """The swivel's angle b (rad) and rate b_t (rad/s)."""
-        x, v, _ = self.paths[side](t)
-        return theta - self.offsets[side] - YAW_SENSE[side] * x[3], theta_t - YAW_SENSE[side] * v[3]
+        yaw, yaw_rate, _ = self.paths[side].rates(t, 3)
+        return theta - self.offsets[side] - YAW_SENSE[side] * yaw, theta_t - YAW_SENSE[side] * yaw_rate
 
 
 def nominal_points(spacing: float) -> Array:
@@ -212,17 +227,15 @@ def checked(target: EndMotion, path: EndPath, side: str, limits: Sequence[float]
 
     ``limits`` bound position (m; rad for the yaw), speed (m/s; rad/s) and the acceleration inside the step (m/s^2).
     """
-    names = tuple(EndMotion.__dataclass_fields__)
-    values = [getattr(target, name) for name in names]
     bounds = [limits[0]] * 3 + [limits[1]] * 3 + [limits[2]] * 3 + [limits[0], limits[1]]
-    for name, value, bound in zip(names, values, bounds, strict=True):
-        if not np.isfinite(value):
+    for (name, value), bound in zip(vars(target).items(), bounds, strict=True):
+        if not math.isfinite(value):
             return f"input {side}.{name} = {value} is not finite; check the signal connected to it"
         if abs(value) > bound:
             return f"input {side}.{name} = {value:g} is beyond +-{bound:g} (SI units); check its unit and connection"
     peak = path.peak_acceleration()
-    worst = int(np.argmax(peak))
-    if not np.max(peak) <= limits[2]:
+    worst = max(range(4), key=peak.__getitem__)
+    if not peak[worst] <= limits[2]:
         unit = "rad/s^2" if worst == 3 else "m/s^2"
         return (
             f"inputs {side}.{PATH[worst]} and its derivatives do not fit together: reaching them within the step "

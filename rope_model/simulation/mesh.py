@@ -18,6 +18,7 @@ long, is shorter than l; unresolved, it leans the whole leg.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -51,7 +52,7 @@ class Partition:
         """Arc length of the nodes from the left end, m."""
         return arc_lengths(self.lengths)
 
-    @property
+    @cached_property
     def centre(self) -> float:
         """Arc length of the middle of segment IV, m."""
         inner = float(np.dot(self.counts[1:6], LADDER[1:6]))

@@ -2,33 +2,42 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, restart, step
 from ..parameters import Scene
 from .ends import EndPath, HangingEnds, Phase, nominal_points
-from .rope_system import ANGLE, POSITION, Assessment, RopeKernels, RopeSystem, parameter_vector
-from .state import Ledger, Powers, RopeState
+from .rope_system import ANGLE, POSITION, Assessment, KernelShelf, RopeSystem, parameter_vector
+from .rungs import flexible
+from .state import Powers, RopeState
 
 
 @dataclass(frozen=True)
 class RopeModel:
-    """Immutable but for the kernels' scratch memory."""
+    """Immutable but for the kernels' scratch memory, and the latest system, kept because the next is mostly alike."""
 
     scene: Scene
-    kernels: RopeKernels
+    kernels: KernelShelf
+    _latest: list[tuple[tuple[Any, ...], RopeSystem]] = field(default_factory=list, init=False, compare=False)
 
     def system(self, state: RopeState) -> RopeSystem:
         """The equations of motion of ``state``: its mesh, frame, swivel phases and end paths."""
         scene = self.scene
         points = nominal_points(scene.layout.spacing)
         ends = HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
+        key = (state.partition, state.pole, state.swivels, state.offsets, state.rung)
+        for known, system in self._latest:
+            if all(one is other for one, other in zip(known, key, strict=True)):
+                return system.held_by(ends)
         node_mass = np.zeros((state.partition.lengths.size + 1, 7))
         node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
         P = parameter_vector(scene.rope, scene.layout.gravity, state.pole)
-        return RopeSystem(self.kernels, state.partition.lengths, P, ends, node_mass)
+        system = RopeSystem(self.kernels.of(flexible(state.rung)), state.partition.lengths, P, ends, node_mass)
+        self._latest[:] = [(key, system)]
+        return system
 
     @property
     def method(self) -> Coefficients:
@@ -41,14 +50,14 @@ class RopeModel:
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Arc length (m) of the loop's lowest point by the ends' heights alone."""
-        return 0.5 * (self.scene.rope.length + float(paths[0](t)[0][1] - paths[1](t)[0][1]))
+        return 0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t))
 
     def restarted(self, state: RopeState) -> RopeState:
         """The state with consistent accelerations and no history."""
         m = state.motion
         system = self.system(state)
         motion, _ = restart(system, m.t, m.q, m.v, m.reaction)
-        return replace(state, motion=motion, powers=powers(system, motion))
+        return state._replace(motion=motion, powers=powers(system, motion))
 
     def committed(self, old: RopeState, system: RopeSystem, result: StepResult[Assessment]) -> RopeState:
         """An accepted step, with energies and work booked."""
@@ -58,17 +67,16 @@ class RopeModel:
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
-        q, v = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
-        middle = system.assess(motion.t - 0.5 * h, q, v, motion.a, motion.reaction).balance
-        ledger = with_energies(old.ledger, assessment.balance)
-        ledger = replace(
-            ledger,
-            work_ends=ledger.work_ends + 0.5 * h * (before.ends + now.ends),
-            dissipated_swivel=ledger.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
-            dissipated_material=ledger.dissipated_material + h * middle["damping_power"],
-            nonconservative=ledger.nonconservative + h * middle["nonconservative_power"],
+        middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
+        damping, nonconservative = system.losses(middle, rate)
+        ledger = old.ledger._replace(
+            **energies(assessment.balance),
+            work_ends=old.ledger.work_ends + 0.5 * h * (before.ends + now.ends),
+            dissipated_swivel=old.ledger.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
+            dissipated_material=old.ledger.dissipated_material + h * damping,
+            nonconservative=old.ledger.nonconservative + h * nonconservative,
         )
-        return replace(old, motion=motion, ledger=ledger, powers=now, counts=old.counts.plus(steps=1))
+        return old._replace(motion=motion, ledger=ledger, powers=now)
 
 
 def ends_of(system: RopeSystem) -> HangingEnds:
@@ -77,11 +85,13 @@ def ends_of(system: RopeSystem) -> HangingEnds:
     return system.boundary
 
 
-def with_energies(ledger: Ledger, balance: dict[str, float]) -> Ledger:
-    """The ledger with the energies of ``balance`` (J)."""
-    strain = balance["axial"] + balance["coupling"] + balance["torsion"] + balance["bending"]
-    kinetic = balance["kinetic"] + balance["spin"]
-    return replace(ledger, kinetic=kinetic, strain=strain, gravity=balance["gravity"])
+def energies(balance: dict[str, float]) -> dict[str, float]:
+    """The energies of a Ledger (J) from a balance."""
+    return {
+        "kinetic": balance["kinetic"] + balance["spin"],
+        "strain": balance["axial"] + balance["coupling"] + balance["torsion"] + balance["bending"],
+        "gravity": balance["gravity"],
+    }
 
 
 def powers(system: RopeSystem, motion: Motion) -> Powers:
@@ -90,9 +100,11 @@ def powers(system: RopeSystem, motion: Motion) -> Powers:
     for side in (0, 1):
         force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]
         moment = ends.moment(side, motion.reaction)
+        at_ends += float(force @ velocity)
         spin = float(motion.v[-side, ANGLE])
-        rate = float(ends.relative(side, motion.t, 0.0, spin)[1])
-        at_ends += float(force @ velocity) + moment * (spin - rate)
         if ends.states[side].phase is Phase.SLIP:
+            rate = float(ends.relative(side, motion.t, 0.0, spin)[1])
             at_swivels -= moment * rate
+            spin -= rate
+        at_ends += moment * spin
     return Powers(at_ends, at_swivels)

@@ -6,6 +6,7 @@ changes makes a new one (cheap: the kernels are shared).
 
 from __future__ import annotations
 
+import copy
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.block_chain import ChainFunctions, chain_functions
+from ..numerics.generalized_alpha import Solution
 from ..numerics.kernels import (
     LIBRARY_SUFFIX,
     Kernel,
@@ -27,8 +29,9 @@ from ..numerics.kernels import (
     prepare,
     save_portable,
 )
+from ..numerics.newton import PROGRESS, report
 from ..parameters import Rope
-from ..physics.element import BALANCE, NODE_DOF, STRAINS, element_functions
+from ..physics.element import BALANCE, NODE_DOF, RUNGS, STRAINS, Rung, element_functions
 
 Array = NDArray[np.float64]
 
@@ -37,47 +40,68 @@ POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 
 
 class RopeKernels:
-    """The chain's functions for ``elements`` elements, ready to be called on arrays of shape (nodes, 7).
+    """The chain's functions for ``elements`` elements on one rung, to be called on arrays of shape (nodes, 7).
 
-    ``bundle`` is a folder written by ``write_bundle``; without it, or without files for this size and platform in
-    it, the functions are built from the element and compiled when that is possible.
+    What a rung leaves out stays zero.  ``bundle`` is a folder written by ``write_bundle``; without it, or without
+    files for this size, rung and platform in it, the functions are built from the element and compiled when that is
+    possible.
     """
 
-    def __init__(self, elements: int, form: KernelForm = "auto", bundle: Path | None = None) -> None:
-        library, portable = _bundle_files(bundle, elements) if bundle else (None, None)
+    def __init__(
+        self, elements: int, form: KernelForm = "auto", bundle: Path | None = None, rung: Rung = "torsional"
+    ) -> None:
+        library, portable = _bundle_files(bundle, elements, rung) if bundle else (None, None)
         if portable is not None and portable.exists():
             functions = load_portable(portable)
         else:
-            functions = list(rope_functions(elements).all())
-        (direction, assess, strains), self.form = prepare(functions, form, library)
-        nodes = (elements + 1, NODE_DOF)
-        self.elements = elements
+            functions = list(rope_functions(elements, rung).all())
+        (solve, direction, assess, losses, strains), self.form = prepare(functions, form, library)
+        nodes, balance = (elements + 1, NODE_DOF), (len(BALANCE),)
+        self.elements, self.rung = elements, rung
+        self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
         self.direction = Kernel(direction, (nodes, nodes))
-        self.assess = Kernel(assess, (nodes, (len(BALANCE),)))
+        self.assess = Kernel(assess, (nodes, balance))
+        self.losses = Kernel(losses, ((2,),))
         self.strains = Kernel(strains, ((elements, len(STRAINS)),))
 
 
+class KernelShelf:
+    """The kernels of every rung for one number of elements, made when first needed."""
+
+    def __init__(self, elements: int, form: KernelForm = "auto", bundle: Path | None = None) -> None:
+        self.elements, self._form, self._bundle = elements, form, bundle
+        self._made: dict[Rung, RopeKernels] = {}
+
+    def of(self, rung: Rung) -> RopeKernels:
+        """Those of ``rung``."""
+        if rung not in self._made:
+            self._made[rung] = RopeKernels(self.elements, self._form, self._bundle, rung)
+        return self._made[rung]
+
+
 def write_bundle(elements: int, folder: Path) -> list[Path]:
-    """Write the portable kernels and, with a compiler, those for this platform into ``folder``."""
+    """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every rung."""
     folder.mkdir(parents=True, exist_ok=True)
-    functions = rope_functions(elements).all()
-    library, portable = _bundle_files(folder, elements)
-    save_portable(functions, portable)
-    written = [portable]
-    if (compiler := find_compiler()) is not None:
-        shutil.copyfile(build_library(functions, compiler, cache_folder()), library)
-        written.append(library)
+    written, compiler = [], find_compiler()
+    for rung in RUNGS:
+        functions = rope_functions(elements, rung).all()
+        library, portable = _bundle_files(folder, elements, rung)
+        save_portable(functions, portable)
+        written.append(portable)
+        if compiler is not None:
+            shutil.copyfile(build_library(functions, compiler, cache_folder()), library)
+            written.append(library)
     return written
 
 
-def _bundle_files(folder: Path, elements: int) -> tuple[Path, Path]:
-    return folder / f"chain-{elements}-{platform_tag()}{LIBRARY_SUFFIX}", folder / f"chain-{elements}.casadi"
+def _bundle_files(folder: Path, elements: int, rung: Rung) -> tuple[Path, Path]:
+    name = f"{rung}-{elements}"
+    return folder / f"{name}-{platform_tag()}{LIBRARY_SUFFIX}", folder / f"{name}.casadi"
 
 
-def rope_functions(elements: int) -> ChainFunctions:
+def rope_functions(elements: int, rung: Rung = "torsional") -> ChainFunctions:
     """CasADi functions of a rope of ``elements`` elements."""
-    element = element_functions()
-    return chain_functions(elements, element.residual, element.tangent, element.balance, element.strains)
+    return chain_functions(elements, element_functions(rung), NODE_DOF, RUNGS[rung])
 
 
 def parameter_vector(rope: Rope, gravity: float, pole: Array) -> Array:
@@ -97,11 +121,14 @@ class Boundary(Protocol):
     def free(self, nodes: int) -> NDArray[np.bool_]:
         """True where a degree of freedom is free."""
 
-    def prescribed(self, t: float, nodes: int) -> tuple[Array, Array, Array]:
-        """q, v, a with the prescribed entries filled in."""
+    def prescribed(self, t: float, nodes: int) -> Array:
+        """(3, nodes, 7): q, v, a with the prescribed entries filled in."""
 
-    def load(self, t: float, reaction: Array) -> Array:
-        """Loads at the nodes."""
+    def load(self, nodes: int) -> Array:
+        """Dead loads at the nodes."""
+
+    def grip(self, nodes: int) -> Array:
+        """Loads per newton of the node's own vertical reaction, where that pulls upwards: friction."""
 
 
 @dataclass(frozen=True)
@@ -121,30 +148,50 @@ class RopeSystem:
         nodes = lengths.size + 1
         self.kernels, self.lengths, self.P, self.boundary = kernels, lengths, P, boundary
         self.free = boundary.free(nodes)
+        self.load = boundary.load(nodes)
         self.node_mass = np.zeros((nodes, NODE_DOF)) if node_mass is None else node_mass
         self._free = self.free.astype(float)
         self._scale = np.ones(NODE_DOF)
         self._scale[SLOPE] = lengths.min()
+        self._constants = self.lengths, self.load, boundary.grip(nodes), self.node_mass
 
-    def prescribed(self, t: float) -> tuple[Array, Array, Array]:
+    def held_by(self, boundary: Boundary) -> RopeSystem:
+        """The same system with the ends held in the same way but moved otherwise."""
+        other = copy.copy(self)
+        other.boundary = boundary
+        return other
+
+    def prescribed(self, t: float) -> Array:
         return self.boundary.prescribed(t, self.lengths.size + 1)
 
-    def direction(self, t: float, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
-        x, R = self.kernels.direction(
-            q, v, a, self.lengths, self.boundary.load(t, reaction), self.node_mass, self._free, self.P, c
+    def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Assessment]:
+        q, v, a, R, sums, progress = self.kernels.solve(
+            q, v, a, reaction, *self._constants, self._free, self.P, c, self._scale, tolerance
         )
+        return Solution(q, v, a, self._assessment(v, R, sums), report(progress.tolist()))
+
+    def direction(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+        x, R = self.kernels.direction(q, v, a, reaction, *self._constants, self._free, self.P, c)
         return x, R
 
-    def assess(self, t: float, q: Array, v: Array, a: Array, reaction: Array) -> Assessment:
+    def assess(self, q: Array, v: Array, a: Array, reaction: Array) -> Assessment:
         """Residual and balance; the inertia of concentrated masses is added to the kinetic energy."""
-        R, sums = self.kernels.assess(q, v, a, self.lengths, self.boundary.load(t, reaction), self.node_mass, self.P)
+        R, sums = self.kernels.assess(q, v, a, reaction, *self._constants, self.P)
+        return self._assessment(v, R, sums)
+
+    def _assessment(self, v: Array, R: Array, sums: Array) -> Assessment:
         balance = dict(zip(BALANCE, sums.tolist(), strict=True))
-        balance["kinetic"] += 0.5 * float(np.sum(self.node_mass * v * v))
+        balance["kinetic"] += 0.5 * float(np.vdot(self.node_mass, v * v))
         return Assessment(R, balance)
+
+    def losses(self, q: Array, v: Array) -> tuple[float, float]:
+        """Damping power and the power of the non-conservative coupling, W."""
+        damping, nonconservative = self.kernels.losses(q, v, self.lengths, self.P)[0].tolist()
+        return damping, nonconservative
 
     def strains(self, q: Array) -> Array:
         """(elements, 4), columns as in physics.element.STRAINS."""
         return self.kernels.strains(q, self.lengths, self.P)[0]
 
     def norm(self, x: Array) -> float:
-        return float(np.max(np.abs(x) * self._scale))
+        return float((np.abs(x) * self._scale).max())

@@ -18,13 +18,15 @@ import numpy as np
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
-from .adaptation import transformed_if_due, with_good_pole, with_loop_yaw
+from .adaptation import raised, transformed_if_due, with_good_pole, with_loop_yaw
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
 from .mesh import distance_to_due, misplaced, partition
-from .model import RopeModel, ends_of, with_energies
-from .rope_system import Assessment, RopeKernels, RopeSystem
-from .state import Counts, Ledger, RopeState
+from .model import RopeModel, ends_of, energies, powers
+from .rigid import rigid_rope
+from .rope_system import Assessment, KernelShelf, RopeSystem
+from .rungs import chosen, outgrown
+from .state import Counts, RopeState
 from .statics import StaticsError, find_equilibrium, hanging_guess
 from .switching import chatters, next_release, released, switched, switching_step
 
@@ -64,7 +66,7 @@ class RopeSimulator:
 
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
         elements = partition(scene.mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
-        self.model = RopeModel(scene, RopeKernels(elements, scene.solver.kernels, bundle))
+        self.model = RopeModel(scene, KernelShelf(elements, scene.solver.kernels, bundle))
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
@@ -132,16 +134,16 @@ class RopeSimulator:
                 return Status(False, f"the {side} end moves at the start; a run starts from rest: give zero speeds")
         ends = nominal_points(scene.layout.spacing) + np.array([left.position, right.position])
         held = (SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0))
+        rung, reason = chosen(scene, (left, right))
         try:
             bottom = self.model.bottom(paths, t)
             cells = partition(scene.mesh, rope.length, bottom)
             guess = hanging_guess(cells.nodes_s, *ends)
-            if message := misplaced(cells, bottom):
+            if message := outgrown(scene, rung, (left, right)) or misplaced(cells, bottom):
                 return Status(False, message)
             rest = np.zeros_like(guess)
-            motion = Motion(t, guess, rest, rest, rest, rest, 0.0, rest)
             state = RopeState(
-                motion=motion,
+                motion=Motion(t, guess, rest, rest, rest, rest, 0.0, rest),
                 partition=cells,
                 pole=np.array([1.0, 0.0, 0.0]),
                 offsets=(0.0, 0.0),
@@ -151,21 +153,32 @@ class RopeSimulator:
                 last_interval=scene.solver.step_max,
                 force_mean=(0.0, 0.0),
                 loop_yaw=0.0,
+                rung=rung,
+                rung_reason=reason,
             )
-            equilibrium = find_equilibrium(self.model.system(state), guess, t)
+            state = self._rigid(state, t) if rung == "rigid" else self._hung(state)
         except (StaticsError, ValueError) as error:
             return Status(False, str(error))
-        reaction = equilibrium.reaction
-        state = replace(
-            state,
-            motion=replace(motion, q=equilibrium.q, reaction=reaction),
-            force_mean=(-float(reaction[0, 1]), -float(reaction[-1, 1])),
-        )
-        balance = self.model.system(state).assess(t, equilibrium.q, rest, rest, reaction).balance
-        ledger = with_energies(Ledger(), balance)
-        state = replace(state, ledger=replace(ledger, start=ledger.total))
-        self._accept(with_loop_yaw(with_good_pole(self.model, state)))
+        force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
+        ledger = state.ledger._replace(start=state.ledger.total)
+        self._accept(with_loop_yaw(with_good_pole(self.model, state._replace(force_mean=force_mean, ledger=ledger))))
         return Status(True)
+
+    def _hung(self, state: RopeState) -> RopeState:
+        """``state`` at rest in equilibrium."""
+        system, m = self.model.system(state), state.motion
+        equilibrium = find_equilibrium(system, m.q, m.t)
+        balance = system.assess(equilibrium.q, m.v, m.a, equilibrium.reaction).balance
+        ledger = state.ledger._replace(**energies(balance))
+        return state._replace(motion=replace(m, q=equilibrium.q, reaction=equilibrium.reaction), ledger=ledger)
+
+    def _rigid(self, state: RopeState, t: float) -> RopeState:
+        """``state`` as the rigid rung has it at ``t``."""
+        state = transformed_if_due(self.model, state._replace(motion=replace(state.motion, t=t)))
+        rope = rigid_rope(self.scene, state.paths, t, state.partition.nodes_s)
+        return state._replace(
+            motion=rope.motion, ledger=state.ledger._replace(kinetic=rope.kinetic, gravity=rope.gravity)
+        )
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         """Follow the conveyances to their motions at ``t``.  On failure the state stays what it was."""
@@ -181,18 +194,23 @@ class RopeSimulator:
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := checked(target, path, side):
                 return Status(False, message)
-        state = replace(state, paths=(paths[0], paths[1]), events=())
-        impulse = np.zeros(2)
+        state = state._replace(paths=(paths[0], paths[1]), events=())
+        if why := outgrown(self.scene, state.rung, (left, right)):
+            if self.scene.model.rung != "auto":
+                return Status(False, f"the {state.rung} rung cannot follow {why}; set model.rung = auto (or torsional)")
+            state = raised(self.model, state, why)
+        impulse = [0.0, 0.0]
         while state.motion.t < t:
-            before = state
+            before = state.motion
             advanced = self._step_towards(state, t)
             if isinstance(advanced, str):
-                return Status(False, f"t = {state.motion.t:.6g} s: {advanced}")
+                return Status(False, f"t = {before.t:.6g} s: {advanced}")
             state = advanced
-            forces = [-x.motion.reaction[[0, -1], 1] for x in (before, state)]
-            impulse += 0.5 * (state.motion.t - before.motion.t) * (forces[0] + forces[1])
-        mean = impulse / (t - start)
-        self._accept(replace(state, last_interval=t - start, force_mean=(float(mean[0]), float(mean[1]))))
+            now = state.motion
+            for node in (0, -1):
+                impulse[node] -= 0.5 * (now.t - before.t) * float(before.reaction[node, 1] + now.reaction[node, 1])
+        mean = impulse[0] / (t - start), impulse[1] / (t - start)
+        self._accept(state._replace(last_interval=t - start, force_mean=mean))
         return Status(True)
 
     def added_mass(self) -> tuple[float, float]:
@@ -203,15 +221,15 @@ class RopeSimulator:
         """
         m, h, system = self.state.motion, self.state.last_interval, self.system
         c = self.model.method.newton(h)
-        unperturbed, rest = system.direction(m.t, m.q, m.v, m.a, m.reaction, c)
+        unperturbed, rest = system.direction(m.q, m.v, m.a, m.reaction, c)
         size, masses = 1e-3, []
         for node in (0, -1):
             q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
             q[node, 1] += 0.5 * h * h * size
             v[node, 1] += h * size
             a[node, 1] += size
-            x = system.direction(m.t, q, v, a, m.reaction, c)[0] - unperturbed
-            reaction = system.assess(m.t, q + x, v + c[1] * x, a + c[2] * x, m.reaction).reaction
+            x = system.direction(q, v, a, m.reaction, c)[0] - unperturbed
+            reaction = system.assess(q + x, v + c[1] * x, a + c[2] * x, m.reaction).reaction
             masses.append(float(reaction[node, 1] - rest[node, 1]) / size)
         return masses[0], masses[1]
 
@@ -220,6 +238,8 @@ class RopeSimulator:
     def _step_towards(self, state: RopeState, t_end: float) -> RopeState | str:
         """The state after one accepted step, or why there is none."""
         model = self.model
+        if state.rung == "rigid":
+            return self._rigid_step(state, t_end)
         state = released(model, transformed_if_due(model, state))
         if message := misplaced(state.partition, model.bottom(state.paths, state.motion.t)):
             return message
@@ -228,41 +248,54 @@ class RopeSimulator:
         step = self._accepted_step(system, state, stop)
         if isinstance(step, str):
             return step
-        state = replace(state, step_next=step.step_next, counts=step.counts)
-        result, reaches_stop = step.result, step.reaches_stop
+        result, reaches_stop, counts = step.result, step.reaches_stop, step.counts
         if (switching := switching_step(model, system, state, result)) is not None:
             h, iterations = switching
             result = model.trial(system, state.motion, h)
             if result.motion is None:
-                return f"the step to a swivel event fails: {result.newton.status.value}"
-            state = replace(state, counts=state.counts.plus(newton=iterations + result.newton.iterations))
+                return f"the step to a swivel event fails: {result.newton.status.text}"
+            counts = counts.plus(newton=iterations + result.newton.iterations)
         after = model.committed(state, system, result)
+        after = after._replace(step_next=step.step_next, counts=counts.plus(steps=1))
         if switching is not None:
             after = switched(model, after)
             if chatters(after):
                 return "a swivel chatters between stick and slip; check its friction, and whether the end is slack"
         elif reaches_stop:
-            after = replace(after, motion=replace(after.motion, t=stop))  # to the bit, not to rounding
+            after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
         return with_loop_yaw(with_good_pole(model, after))
+
+    def _rigid_step(self, state: RopeState, t_end: float) -> RopeState | str:
+        """The rigid rope follows its ends in one go."""
+        try:
+            after = self._rigid(state, t_end)
+        except ValueError as error:
+            return str(error)
+        now, h = powers(self.model.system(after), after.motion), t_end - state.motion.t
+        work = after.ledger.work_ends + 0.5 * h * (state.powers.ends + now.ends)
+        return after._replace(
+            powers=now, ledger=after.ledger._replace(work_ends=work), counts=after.counts.plus(steps=1)
+        )
 
     def _accepted_step(self, system: RopeSystem, state: RopeState, stop: float) -> _Accepted | str:
         """A step towards ``stop`` that converges and errs little enough, halved as often as it takes."""
         solver, t = self.scene.solver, state.motion.t
-        step_next, counts, cause = min(state.step_next, solver.step_max), state.counts, ""
+        step_next, cause = min(state.step_next, solver.step_max), ""
+        iterations = rejections = 0
         parts = max(math.ceil((stop - t) / step_next - 1e-9), 1)
         h = (stop - t) / parts
         while True:
             result = self.model.trial(system, state.motion, h)
-            counts = counts.plus(newton=result.newton.iterations)
+            iterations += result.newton.iterations
             if result.motion is not None and result.error <= solver.tolerance:
                 break
             cause = (
-                result.newton.status.value
+                result.newton.status.text
                 if result.motion is None
                 else f"the local error {result.error:.3g} exceeds the tolerance {solver.tolerance:.3g}"
             )
             log.debug("t = %.6f s: step %.3g s rejected: %s", t, h, cause)
-            counts = counts.plus(rejections=1)
+            rejections += 1
             if h <= solver.step_min:
                 return (
                     f"a step of {h:.3g} s, step_min = {solver.step_min:g} s, fails too: {cause}. "
@@ -272,7 +305,7 @@ class RopeSimulator:
             step_next = h
         if not cause and result.error < GROW_BELOW * solver.tolerance:
             step_next = min(2.0 * step_next, solver.step_max)
-        return _Accepted(result, step_next, counts, parts == 1)
+        return _Accepted(result, step_next, state.counts.plus(newton=iterations, rejections=rejections), parts == 1)
 
     def _next_stop(self, state: RopeState, t_end: float) -> float:
         """The instant at which the coming steps must end: the host's, a release, or a transformation."""

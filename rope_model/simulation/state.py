@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-from dataclasses import asdict, dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,10 +12,10 @@ from ..numerics.generalized_alpha import Motion
 from .ends import EndPath, Phase, SwivelState
 from .mesh import Partition
 from .rope_system import Array
+from .rungs import RungName
 
 
-@dataclass(frozen=True)
-class Ledger:
+class Ledger(NamedTuple):
     """Energies now and work done since the start, J."""
 
     kinetic: float = 0.0
@@ -41,8 +40,7 @@ class Ledger:
         return self.total - self.start - explained + self.nonconservative
 
 
-@dataclass(frozen=True)
-class Counts:
+class Counts(NamedTuple):
     """Work done since the start."""
 
     steps: int = 0
@@ -54,7 +52,7 @@ class Counts:
 
     def plus(self, **more: int) -> Counts:
         """A copy with some counts raised."""
-        return replace(self, **{name: getattr(self, name) + n for name, n in more.items()})
+        return self._replace(**{name: getattr(self, name) + n for name, n in more.items()})
 
 
 class Event(NamedTuple):
@@ -66,16 +64,14 @@ class Event(NamedTuple):
     potential: float = 0.0
 
 
-@dataclass(frozen=True)
-class Powers:
+class Powers(NamedTuple):
     """Powers at the ends in W, integrated by the trapezoidal rule."""
 
     ends: float = 0.0
     swivel: float = 0.0
 
 
-@dataclass(frozen=True)
-class RopeState:
+class RopeState(NamedTuple):
     """Immutable: a step makes a new one, and keeping the old one is the rollback."""
 
     motion: Motion
@@ -88,17 +84,19 @@ class RopeState:
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance
     loop_yaw: float  # rad, at the lowest node, counted on through full turns
+    rung: RungName  # of the model
+    rung_reason: str
     events: tuple[Event, ...] = ()  # of the last advance
-    ledger: Ledger = field(default_factory=Ledger)
-    powers: Powers = field(default_factory=Powers)
-    counts: Counts = field(default_factory=Counts)
+    ledger: Ledger = Ledger()
+    powers: Powers = Powers()
+    counts: Counts = Counts()
 
     def to_bytes(self) -> bytes:
         """The state as bytes that depend on nothing but the state."""
         m = self.motion
         arrays = {name: getattr(m, name) for name in ("q", "v", "a", "b", "a_rate", "reaction")}
         arrays |= {"pole": self.pole, "lengths": self.partition.lengths}
-        arrays |= {f"path{i}": path.coefficients for i, path in enumerate(self.paths)}
+        arrays |= {f"path{i}": np.array(path.coefficients) for i, path in enumerate(self.paths)}
         scalars = {
             "t": m.t,
             "h": m.h,
@@ -112,10 +110,12 @@ class RopeState:
             "last_interval": self.last_interval,
             "force_mean": self.force_mean,
             "loop_yaw": self.loop_yaw,
+            "rung": self.rung,
+            "rung_reason": self.rung_reason,
             "events": self.events,
-            "ledger": asdict(self.ledger),
-            "powers": asdict(self.powers),
-            "counts": asdict(self.counts),
+            "ledger": self.ledger._asdict(),
+            "powers": self.powers._asdict(),
+            "counts": self.counts._asdict(),
         }
         arrays["scalars"] = np.frombuffer(json.dumps(scalars).encode(), dtype=np.uint8)
         out = io.BytesIO()
@@ -135,11 +135,15 @@ class RopeState:
                 pole=x["pole"],
                 offsets=(s["offsets"][0], s["offsets"][1]),
                 swivels=tuple(SwivelState(Phase(p), angle, sign) for p, angle, sign in s["swivels"]),  # type: ignore[arg-type]
-                paths=tuple(EndPath(a, b, x[f"path{i}"]) for i, (a, b) in enumerate(s["paths"])),  # type: ignore[arg-type]
+                paths=tuple(
+                    EndPath(a, b, tuple(map(tuple, x[f"path{i}"].tolist()))) for i, (a, b) in enumerate(s["paths"])
+                ),  # type: ignore[arg-type]
                 step_next=s["step_next"],
                 last_interval=s["last_interval"],
                 force_mean=(s["force_mean"][0], s["force_mean"][1]),
                 loop_yaw=s["loop_yaw"],
+                rung=s["rung"],
+                rung_reason=s["rung_reason"],
                 events=tuple(Event(*event) for event in s["events"]),
                 ledger=Ledger(**s["ledger"]),
                 powers=Powers(**s["powers"]),
@@ -147,3 +151,7 @@ class RopeState:
             )
         except Exception as error:
             raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error
+
+
+def _rows(x: Array) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(row) for row in x.tolist())

@@ -39,17 +39,17 @@ def find_equilibrium(
     q = np.where(system.free, guess, system.prescribed(t)[0])
     rest = np.zeros_like(q)
     scale = float(np.sum(system.lengths))
-    reaction, energy = _at_rest(system, t, q, rest)
+    reaction, energy = _at_rest(system, q, rest)
     tau, largest_move, previous = 0.1, 0.3, _force(system, reaction)
     for k in range(1, max_iterations + 1):
-        x, _ = system.direction(t, q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
+        x, _ = system.direction(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
         if not np.all(np.isfinite(x)):
             tau *= 0.1
             continue
         step = min(1.0, largest_move / max(*move, 1e-300))
         trial = q + step * x
-        trial_reaction, trial_energy = _at_rest(system, t, trial, reaction)
+        trial_reaction, trial_energy = _at_rest(system, trial, reaction)
         force = _force(system, trial_reaction)
         # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them
         falls = trial_energy < energy + 1e-12 * abs(energy)
@@ -71,12 +71,12 @@ def find_equilibrium(
     )
 
 
-def _at_rest(system: RopeSystem, t: float, q: Array, reaction: Array) -> tuple[Array, float]:
+def _at_rest(system: RopeSystem, q: Array, reaction: Array) -> tuple[Array, float]:
     """Residual, and potential energy (J) of rope and dead loads."""
     rest = np.zeros_like(q)
-    assessment = system.assess(t, q, rest, rest, reaction)
+    assessment = system.assess(q, rest, rest, reaction)
     stored = sum(assessment.balance[name] for name in ("axial", "coupling", "torsion", "bending", "gravity"))
-    return assessment.reaction, stored - float(np.sum(system.boundary.load(t, reaction) * q))
+    return assessment.reaction, stored - float(np.sum(system.load * q))
 
 
 def _force(system: RopeSystem, reaction: Array) -> float:

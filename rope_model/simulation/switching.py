@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import logging
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -41,7 +40,7 @@ def released(model: RopeModel, state: RopeState) -> RopeState:
             swivels[side] = SwivelState(phase, state.swivels[side].angle, 1.0)
     if swivels == list(state.swivels):
         return state
-    state = model.restarted(replace(state, swivels=(swivels[0], swivels[1])))
+    state = model.restarted(state._replace(swivels=(swivels[0], swivels[1])))
     return switched(model, state) if excess(model.system(state), state.motion) >= 0 else state
 
 
@@ -109,12 +108,11 @@ def switched(model: RopeModel, state: RopeState) -> RopeState:
     for side in (0, 1):
         if _excess_of(side, system, motion) < 0:
             continue
-        swivels[side] = _next_phase(side, model, replace(state, swivels=(swivels[0], swivels[1])))
+        swivels[side] = _next_phase(side, model, state._replace(swivels=(swivels[0], swivels[1])))
         what = "sticks" if swivels[side].phase is Phase.STICK else f"slips {'+' if swivels[side].sign > 0 else '-'}"
         events.append(Event(motion.t, f"{SIDES[side]} swivel {what}"))
         log.debug("t = %.9f s: %s", *events[-1][:2])
-    state = replace(
-        state,
+    state = state._replace(
         swivels=(swivels[0], swivels[1]),
         counts=state.counts.plus(swivel_events=len(events)),
         events=(*state.events, *events),
@@ -136,7 +134,7 @@ def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
         angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[-side, ANGLE], 0.0)[0]
         now = SwivelState(Phase.STICK, float(angle), 0.0)
         swivels = (now, state.swivels[1]) if side == 0 else (state.swivels[0], now)
-        state = model.restarted(replace(state, swivels=swivels))
+        state = model.restarted(state._replace(swivels=swivels))
         if _excess_of(side, model.system(state), state.motion) < 0:
             return now
     return SwivelState(Phase.SLIP, now.angle, math.copysign(1.0, -state.motion.reaction[-side, ANGLE]))
