@@ -37,10 +37,13 @@ class Held:
     def free(self, nodes: int) -> NDArray[np.bool_]:
         return ~self.held
 
-    def prescribed(self, t: float, nodes: int) -> tuple[Array, Array, Array]:
-        return self.values, np.zeros_like(self.values), np.zeros_like(self.values)
+    def prescribed(self, t: float, nodes: int) -> Array:
+        return np.array([self.values, 0 * self.values, 0 * self.values])
 
-    def load(self, t: float, reaction: Array) -> Array:
+    def load(self, nodes: int) -> Array:
+        return np.zeros_like(self.values)
+
+    def grip(self, nodes: int) -> Array:
         return np.zeros_like(self.values)
 
 
@@ -59,7 +62,7 @@ def plain_newton(system: RopeSystem, guess: Array, tolerance: float = 1e-9, most
     rest, unbalanced = np.zeros_like(q), []
     with np.errstate(all="ignore"):  # divergence is what the caller looks for
         for _ in range(most):
-            x, R = system.direction(0.0, q, rest, rest, rest, STATIC)
+            x, R = system.direction(q, rest, rest, rest, STATIC)
             unbalanced.append(float(np.max(np.abs(np.where(system.free, R, 0.0)))))
             if not np.all(np.isfinite(x)):
                 break

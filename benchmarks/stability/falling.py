@@ -63,7 +63,7 @@ def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
             h *= 0.5
             continue
         new = result.motion
-        middle = system.assess(0.0, 0.5 * (motion.q + new.q), (new.q - motion.q) / h, new.a, new.reaction).balance
+        middle = system.assess(0.5 * (motion.q + new.q), (new.q - motion.q) / h, new.a, new.reaction).balance
         dissipated += h * middle["damping_power"]
         balance = result.assessment.balance
         unexplained = potential(balance) + balance["kinetic"] + dissipated - potential(start.balance)

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from rope_model.numerics.generalized_alpha import restart
-from rope_model.parameters import Mesh, Rope, Scene, Swivel
+from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.ends import EndMotion, Phase, SwivelState
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.simulator import RopeSimulator, Status
@@ -26,7 +26,9 @@ UNCOUPLED = Rope(length=LENGTH, Qb=0.0, Qc=0.0)
 
 def hanging(rope: Rope, left: Swivel, elements: int = 40) -> RopeSimulator:
     """At rest with both conveyances at height zero."""
-    simulator = RopeSimulator(Scene(rope=rope, left=left, mesh=Mesh(kind="eem", elements=elements)))
+    simulator = RopeSimulator(
+        Scene(rope=rope, left=left, mesh=Mesh(kind="eem", elements=elements), model=Model("torsional"))
+    )
     _require(simulator.initialize(0.0, EndMotion(), EndMotion()))
     return simulator
 
@@ -119,7 +121,7 @@ def explicit_sign(rope: RopeSimulator) -> Array:
         state, (angle, rate) = rope.state, relative(rope)
         paths = (state.paths[0].to(k * H, turning(k * H)), state.paths[1].to(k * H, EndMotion()))
         slip = SwivelState(Phase.SLIP, angle, math.copysign(1.0, rate))
-        state = replace(state, swivels=(slip, state.swivels[1]), paths=paths)
+        state = state._replace(swivels=(slip, state.swivels[1]), paths=paths)
         system, motion = model.system(state), state.motion
         if k == 1:
             motion, _ = restart(system, motion.t, motion.q, motion.v, motion.reaction)
@@ -197,7 +199,7 @@ def release(inertia: float, elements: int) -> tuple[float, float, float]:
     _require(rope.advance_to(RELEASE, EndMotion(), EndMotion()))
     state = rope.state
     slip = SwivelState(Phase.SLIP, state.swivels[0].angle, 1.0)
-    freed = rope.model.restarted(replace(state, swivels=(slip, state.swivels[1])))
+    freed = rope.model.restarted(state._replace(swivels=(slip, state.swivels[1])))
     _require(rope.advance_to(RELEASE + AFTER, EndMotion(), EndMotion()))
     return abs(float(freed.motion.a[0, ANGLE])), abs(relative(rope)[1]), moment
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rope_model.parameters import Layout, Mesh, Rope, Scene
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.simulation.adaptation import with_good_pole, with_loop_yaw
 from rope_model.simulation.ends import EndMotion, Phase, SwivelState
 from rope_model.simulation.modal import natural_modes
@@ -20,7 +20,12 @@ from .chain import POLE_X, Solve, by_continuation, by_newton, is_stable, plain_n
 from .entry import Array, Curve, Entry, Figure, Finding, Measured
 
 TWISTS = np.concatenate((np.arange(1.0, 7.0), np.arange(7.0, 9.01, 0.2)))  # rad
-LONG = Scene(rope=Rope(length=240.0, Qb=0.0, Qc=0.0), layout=Layout(spacing=3.0), mesh=Mesh(kind="eem", elements=160))
+LONG = Scene(
+    rope=Rope(length=240.0, Qb=0.0, Qc=0.0),
+    layout=Layout(spacing=3.0),
+    mesh=Mesh(kind="eem", elements=160),
+    model=Model("torsional"),
+)
 
 
 def started(scene: Scene) -> RopeSimulator:
@@ -33,7 +38,7 @@ def started(scene: Scene) -> RopeSimulator:
 
 def twisted(state: RopeState, twist: float) -> RopeState:
     """The right end turned by ``twist`` (rad) in its conveyance."""
-    return replace(state, swivels=(state.swivels[0], SwivelState(Phase.LOCKED, twist, 0.0)))
+    return state._replace(swivels=(state.swivels[0], SwivelState(Phase.LOCKED, twist, 0.0)))
 
 
 def rested(rope: RopeSimulator, state: RopeState, solve: Solve) -> RopeState | None:
@@ -43,7 +48,7 @@ def rested(rope: RopeSimulator, state: RopeState, solve: Solve) -> RopeState | N
         if q is None:
             return None
         before = state.loop_yaw
-        state = with_loop_yaw(with_good_pole(rope.model, replace(state, motion=replace(state.motion, q=q))))
+        state = with_loop_yaw(with_good_pole(rope.model, state._replace(motion=replace(state.motion, q=q))))
         if abs(state.loop_yaw - before) < 1e-3:
             break
     return state
@@ -71,8 +76,8 @@ def turned_over(rope: RopeSimulator) -> tuple[RopeState, Array]:
     q[:, [2, 5, ANGLE]] = 0.0
     aside = np.zeros_like(q)
     aside[:, 2] = 0.02 * np.sin(np.pi * s / s[-1]) * np.sin(2 * np.pi * s / s[-1])
-    state = replace(rope.state, pole=-POLE_X, loop_yaw=math.pi)
-    return replace(state, motion=replace(state.motion, q=q)), aside
+    state = rope.state._replace(pole=-POLE_X, loop_yaw=math.pi)
+    return state._replace(motion=replace(state.motion, q=q)), aside
 
 
 def refused(system: RopeSystem, q: Array) -> str:
@@ -102,7 +107,7 @@ def measure_turn_over() -> Finding:
     critical = 0.5 * (TWISTS[jump] + TWISTS[jump + 1])
     first = rope.model.system(ours[0])
     rest = np.zeros_like(ours[0].motion.q)
-    torque = float(first.assess(0.0, ours[0].motion.q, rest, rest, rest).reaction[-1, ANGLE])
+    torque = float(first.assess(ours[0].motion.q, rest, rest, rest).reaction[-1, ANGLE])
     bound = bifilar_limit(ours[0].loop_yaw, torque, LONG)
     unstable = sum(not is_stable(rope.model.system(x), x.motion.q) for x in ours)
 
@@ -111,13 +116,13 @@ def measure_turn_over() -> Finding:
     system = rope.model.system(planar)
     flat = plain_newton(system, plain_newton(system, planar.motion.q).q + aside)
     message = refused(system, flat.q)
-    left = rested(rope, replace(planar, motion=replace(planar.motion, q=flat.q + aside)), by_continuation)
+    left = rested(rope, planar._replace(motion=replace(planar.motion, q=flat.q + aside)), by_continuation)
     assert left is not None
     same = np.interp(2 * math.pi, TWISTS, yaws)
 
     # the last twist at once with the pole left at X, as a program with one fixed frame has it
     at_once = find_equilibrium(rope.model.system(twisted(rope.state, float(TWISTS[-1]))), rope.state.motion.q).q
-    stuck = with_loop_yaw(replace(rope.state, motion=replace(rope.state.motion, q=at_once))).loop_yaw
+    stuck = with_loop_yaw(rope.state._replace(motion=replace(rope.state.motion, q=at_once))).loop_yaw
     reached = np.array([state.loop_yaw for state in newton])
     return Finding(
         twin=(
