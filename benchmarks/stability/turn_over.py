@@ -141,7 +141,7 @@ def measure_turn_over() -> Finding:
                 1e-6,
             ),
             Measured("that planar loop is refused as unstable by natural_modes", float(bool(message)), "1", ">", 0.5),
-            # one turn of the loop is what the shape found there differs by at least when it hangs at the frame's wall
+            # turned over or not is a matter of some rad
             Measured(
                 "one frame pole, last twist at once: yaw short of the turned-over loop",
                 yaws[-1] - stuck,
@@ -193,15 +193,16 @@ ENTRIES = (
         "same loop after a full turn at once: planar, free of twist, legs crossed, and unstable.",
         fails="Plain Newton follows the twist to the limit point and finds nothing beyond it. From the disturbed "
         "planar loop it returns to the plane: it does not tell a stable equilibrium from an unstable one. And "
-        "whoever measures the section's angle in one fixed frame meets its singularity: the shape found hangs "
-        "at the frame's wall.",
+        "whoever searches in one fixed frame of the section finds, with all the twist put in at once, a shape "
+        "that has not turned over. It is no equilibrium of the rope: in a frame that suits it the search goes "
+        "on to the turned-over loop.",
         holds="Pseudo-transient continuation goes down in energy: it finds the turned-over loop and leaves the "
         "unstable one as soon as a disturbance shows the way (exactly in the plane it stays too). natural_modes "
         "refuses the planar loop as unstable. The frame's pole must follow the loop: here the search is "
-        "repeated after each change of the pole. Limit: RopeSimulator.initialize searches once with the pole at "
-        "X. Where the loop is to yaw beyond about 2.5 rad (6 rad of installed twist in a 60 m rope) the shape "
-        "it finds hangs at that frame's wall, and no message says so: put such a twist in by turning a "
-        "conveyance.",
+        "repeated after each change of the pole. Limit: RopeSimulator.initialize searches once, with the pole "
+        "at X. With 8 rad of installed twist it gives this rope a yaw of 1.5 rad instead of 5.5 rad, and with 7 "
+        "rad a 60 m rope 2.9 instead of 3.7 rad, where the loop hangs at the frame's singularity; no message "
+        "says so. Put more than 5 rad in by turning a conveyance.",
         measure=measure_turn_over,
     ),
 )
