@@ -1,0 +1,105 @@
+"""A rope held in any way, plain Newton on it, and its stability: what scenes without conveyances share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigvals_banded
+
+from rope_model.physics.element import NODE_DOF
+from rope_model.simulation.modal import assembled_matrix
+from rope_model.simulation.rope_system import RopeSystem
+from rope_model.simulation.statics import find_equilibrium
+
+from .entry import Array
+
+POLE_X = np.array([1.0, 0.0, 0.0])
+STATIC = np.array([1.0, 0.0, 0.0])  # the stiffness alone
+
+#: the shape at rest from a guess, or None
+Solve = Callable[[RopeSystem, Array], Array | None]
+
+
+@dataclass(frozen=True)
+class Held:
+    """A rope_system.Boundary at rest: what is held, and at which values; arrays (nodes, 7)."""
+
+    held: NDArray[np.bool_]
+    values: Array
+
+    @staticmethod
+    def nothing(values: Array) -> Held:
+        return Held(np.zeros(values.shape, dtype=bool), values)
+
+    def free(self, nodes: int) -> NDArray[np.bool_]:
+        return ~self.held
+
+    def prescribed(self, t: float, nodes: int) -> Array:
+        return np.array([self.values, 0 * self.values, 0 * self.values])
+
+    def load(self, nodes: int) -> Array:
+        return np.zeros_like(self.values)
+
+    def grip(self, nodes: int) -> Array:
+        return np.zeros_like(self.values)
+
+
+@dataclass(frozen=True)
+class Iterated:
+    """Where plain Newton arrived, whether it converged, and the largest unbalanced force (N, N m) before each step."""
+
+    q: Array
+    converged: bool
+    unbalanced: Array
+
+
+def plain_newton(system: RopeSystem, guess: Array, tolerance: float = 1e-9, most: int = 100) -> Iterated:
+    """Full corrections with the tangent stiffness from ``guess``, until one is below ``tolerance``."""
+    q = np.where(system.free, guess, system.prescribed(0.0)[0])
+    rest, unbalanced = np.zeros_like(q), []
+    with np.errstate(all="ignore"):  # divergence is what the caller looks for
+        for _ in range(most):
+            x, R = system.direction(q, rest, rest, rest, STATIC)
+            unbalanced.append(float(np.max(np.abs(np.where(system.free, R, 0.0)))))
+            if not np.all(np.isfinite(x)):
+                break
+            q = q + x
+            if np.max(np.abs(x)) < tolerance:
+                return Iterated(q, True, np.array(unbalanced))
+    return Iterated(q, False, np.array(unbalanced))
+
+
+def by_newton(system: RopeSystem, q: Array) -> Array | None:
+    found = plain_newton(system, q)
+    return found.q if found.converged else None
+
+
+def by_continuation(system: RopeSystem, q: Array) -> Array | None:
+    return find_equilibrium(system, q).q
+
+
+def potential(balance: dict[str, float]) -> float:
+    """Strain and potential energy, J."""
+    return sum(balance[name] for name in ("axial", "coupling", "torsion", "bending", "gravity"))
+
+
+def softest(system: RopeSystem, q: Array) -> float:
+    """Smallest eigenvalue of the tangent stiffness (N/m, N m): negative where the equilibrium is unstable.
+
+    natural_modes looks for the eigenvalues next to zero, and misses one that lies far below.
+    """
+    free = np.flatnonzero(system.free.ravel())
+    stiffness = assembled_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
+    # the chain couples neighbouring nodes only
+    band = np.zeros((2 * NODE_DOF, free.size))
+    for k in range(2 * NODE_DOF):
+        band[k, : free.size - k] = stiffness.diagonal(-k)
+    return float(eigvals_banded(band, lower=True, select="i", select_range=(0, 0))[0])
+
+
+def is_stable(system: RopeSystem, q: Array) -> bool:
+    """Whether no small motion lowers the energy; Qa eps / l, the rounding, is some 1e-7 N/m."""
+    return softest(system, q) > -1e-5
