@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness fmu clean
+.PHONY: demo test test-slow lint bench winding robustness reproduce fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -28,6 +28,9 @@ winding: $(READY)
 
 robustness: $(READY)
 	$(BIN)/python -m benchmarks.robustness
+
+reproduce: $(READY)
+	$(BIN)/python -m benchmarks.reproduce
 
 fmu: $(READY)
 	$(BIN)/balance-rope export
