@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import Winding
@@ -164,6 +165,9 @@ def draw(tables: Tables) -> Figure:
             ax.axhline(level, color="black", lw=0.6, ls=":")
     for ax, label in zip(axes[1], ("elements", "processor time of the winding [s]"), strict=True):
         ax.set_xlabel(label)
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
+        ax.xaxis.set_major_formatter("{x:g}")
+        ax.xaxis.set_minor_formatter(NullFormatter())
     made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     made.suptitle(
         f"Error against EEM with {REFERENCE_ELEMENTS} elements, same time step", x=0.01, ha="left", fontsize=11

@@ -125,8 +125,7 @@ def reading(tables: Tables) -> str:
 
 TEXT = """In plane the legs swing by up to two metres when the conveyances change speed. Without coupling nothing
 pushes the rope out of plane and it stays in its plane exactly; with coupling the torque moves the legs to opposite
-sides from the first instant on (the rope hangs so already at rest) and they stay there. The differences are below
-a millimetre; their short waves come from the transformations. theta is the angle of the
+sides from the first instant on (the rope hangs so already at rest) and they stay there. theta is the angle of the
 section about the tangent, counted from the frame that the smallest rotation carries along.
 
 """

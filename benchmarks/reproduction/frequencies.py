@@ -25,7 +25,7 @@ from .tables import Table, Tables, table
 
 Array = NDArray[np.float64]
 
-#: theory.md, section 7: an independent discrete-rod model, Hz
+#: an independent discrete-rod model, Hz; tests.test_reference_numbers has the same
 REFERENCE_HZ = {
     ("out", 0.0): (0.06518, 0.07751, 0.17880, 0.18815),
     ("in", 0.0): (0.07759, 0.11735, 0.18137, 0.24060),
@@ -118,7 +118,7 @@ def mac(a: Array, b: Array) -> float:
 def approaches(heights: Array, f: Array, shapes: Array) -> list[tuple[float, ...]]:
     """Where the gap between neighbouring curves is smallest and doubles on both sides: how close, which shapes swap."""
     rows = []
-    for k in range(COUNT - 1):
+    for k in range(f.shape[1] - 1):
         gap = f[:, k + 1] - f[:, k]
         for i in range(1, gap.size - 1):
             if not gap[i - 1] >= gap[i] < gap[i + 1]:

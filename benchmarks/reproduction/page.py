@@ -15,11 +15,11 @@ HEAD = f"""# The source's evaluation, run anew
 
 This page is written by `make reproduce`; edit the generator, `benchmarks/reproduction`, and not the page. It follows
 the source's evaluation figure by figure. The source's tables are not available: what it states in words or numbers is
-compared, not its curves. {ASSUMED_DATA} Only the lengths, Qb and Qc, the travel and speed, the release time and the
-observation points are the source's.
+compared, not its curves. Only the lengths, Qb and Qc, the travel and speed, the release time and the observation
+points are the source's. {ASSUMED_DATA}
 
-Each claim is decided by one number, computed from the CSV files in [{DATA}]({DATA}), the same that the figures are
-drawn from. Where the source gives words ("little", "a few") and no number, the bound is ours.
+Each claim is decided by one number, computed from the CSV files in [{DATA}]({DATA}), the same that the
+figures are drawn from. Where the source gives words ("little", "a few") and no number, the bound is ours.
 """
 
 

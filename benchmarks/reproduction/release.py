@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 RELEASE, END = 20.0, 45.0  # s
 FROM = 17.0  # s, start of the swivel's record
-INSTANTS = (10.0, 15.0, 19.9, 20.2, 20.8, 22.0, 25.0, 30.0)
+INSTANTS = (10.0, 19.9, 20.2, 20.8, 22.0, 25.0, 30.0, 38.0)
 EVERY = 5  # samples per row of the table of the loop
 SWIVEL = ("acceleration [rad/s^2]", "rate [rad/s]", "angle [rad]", "torque [N m]", "static limit [N m]")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -86,8 +87,8 @@ def claims(tables: Tables) -> list[Claim]:
             "in-plane motion changes little on release",
             Measured("RMS change over RMS motion in plane", in_plane_change(tables), "%", "<", 10.0),
             f"the change grows while the loop turns (by {np.degrees(turn):.0f} degrees against the locked one): it is "
-            f"{in_plane_change(tables, SOON):.1f} % up to {SOON:g} s; the bound and the length of the run are ours, and "
-            f"the RMS change out of plane is {ratio:.0f} times larger",
+            f"{in_plane_change(tables, SOON):.1f} % up to {SOON:g} s; the bound and the length of the run are ours, "
+            f"and the RMS change out of plane is {ratio:.0f} times larger",
         ),
         Claim(
             "out-of-plane motion is violent after the release",
@@ -120,8 +121,6 @@ def claims(tables: Tables) -> list[Claim]:
 
 
 def _shades(count: int) -> list[tuple[float, ...]]:
-    from matplotlib import colormaps
-
     return [colormaps["viridis"](x) for x in np.linspace(0.0, 0.9, count)]
 
 
@@ -225,7 +224,7 @@ def draw_swing(tables: Tables) -> Figure:
         ax.set_xlabel("time [s]")
     made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     made.suptitle(
-        "Releasing the swivels leaves the motion in plane and turns the one out of plane over",
+        "Releasing the swivels changes the motion in plane little and the motion out of plane much",
         x=0.01,
         ha="left",
         fontsize=11,
@@ -246,6 +245,7 @@ def reading(tables: Tables) -> str:
         f"Before the release the right swivel holds {torque[0]:.1f} N m at {time[0]:.1f} s, where its healthy "
         f"bearing could hold {limit[0]:.2f} N m: it slips at once. The rope's torque drives it to and fro at the rate "
         "at which torsional waves pass the rope (0.2 s one way), friction takes the energy, and it sticks and slips. "
+        "The short waves of the torque at the loop are the time step's, as in section 3. "
         f"After the release the loop's lowest point reaches {sides['released'][0]:.2f} m to one side of the plane and "
         f"{sides['released'][1]:.2f} m to the other; with locked swivels {sides['locked'][0]:.2f} m and "
         f"{sides['locked'][1]:.2f} m (negative: it never leaves its side). The out-of-plane displacements of the legs, "
