@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from tqdm import tqdm
 
 from hoist_demo.reference import Reference
 from rope_model.parameters import Scene
@@ -55,8 +57,12 @@ def wind(
     sample: int = 5,
     interval: float = H,
     progress: Callable[[float], None] | None = None,
+    watch: Callable[[RopeSimulator], None] | None = None,
 ) -> Winding:
-    """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``."""
+    """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``.
+
+    ``watch`` sees the rope at every record.
+    """
     rope = RopeSimulator(scene)
     run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
     if not run.status.valid:
@@ -78,6 +84,20 @@ def wind(
             run.bottom.append(bottom)
             run.observed.append(observation_points(state.motion.q, bottom))
             run.kinetic.append(state.ledger.kinetic)
+            if watch is not None:
+                watch(rope)
         if progress is not None:
             progress(run.simulated)
     return run
+
+
+@contextmanager
+def progress_bar(name: str, duration: float) -> Iterator[Callable[[float], None]]:
+    """A bar on stderr for a run of ``duration`` (s of simulated time); the function given tells how far it is."""
+    with tqdm(total=round(duration), desc=name, unit="s", leave=False) as bar:
+
+        def advance(t: float) -> None:
+            if int(t) > bar.n:
+                bar.update(int(t) - bar.n)
+
+        yield advance

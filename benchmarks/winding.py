@@ -8,13 +8,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from tqdm import tqdm
 
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
 from rope_model.parameters import Mesh, Scene, rope_120
 
-from .kinematic import Winding, wind
+from .kinematic import Winding, progress_bar, wind
 
 SOURCE_SAVED = {"uncoupled": 86.5, "coupled": 92.7}  # % of the computation time
 
@@ -22,12 +21,7 @@ SOURCE_SAVED = {"uncoupled": 86.5, "coupled": 92.7}  # % of the computation time
 def run(scene: Scene, name: str) -> Winding:
     """One winding of 90 m with a progress bar."""
     reference = s_curve(Trip())
-    with tqdm(total=round(reference.duration + 3.0), desc=name, unit="s", leave=False) as bar:
-
-        def advance(t: float) -> None:
-            bar.n = int(t)
-            bar.refresh() if int(t * 100) % 100 == 0 else None
-
+    with progress_bar(name, reference.duration + 3.0) as advance:
         return wind(scene, reference, 90.0, progress=advance)
 
 

@@ -1,0 +1,52 @@
+"""Tables as CSV files: columns by name, numbers to six digits."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: columns by name with their unit; numbers, or text
+Table = Mapping[str, NDArray[Any]]
+#: tables by the name of their file
+Tables = Mapping[str, Table]
+
+
+def table(names: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
+    """Columns from rows."""
+    return {name: np.array(column) for name, column in zip(names, zip(*rows, strict=True), strict=True)}
+
+
+def write(tables: Tables, folder: Path) -> None:
+    """One CSV file per table."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, columns in tables.items():
+        with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+            out = csv.writer(file, lineterminator="\n")
+            out.writerow(columns)
+            out.writerows([_cell(x) for x in row] for row in zip(*columns.values(), strict=True))
+
+
+def read(folder: Path) -> Tables:
+    """Every table of a folder; a column is numeric when all its cells are."""
+    tables = {}
+    for path in sorted(folder.glob("*.csv")):
+        with path.open(newline="", encoding="utf-8") as file:
+            names, *rows = csv.reader(file)
+        tables[path.stem] = {name: _column(cells) for name, cells in zip(names, zip(*rows, strict=True), strict=True)}
+    return tables
+
+
+def _cell(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:.6g}"
+
+
+def _column(cells: Sequence[str]) -> NDArray[Any]:
+    try:
+        return np.array([float(cell) for cell in cells])
+    except ValueError:
+        return np.array(cells)
