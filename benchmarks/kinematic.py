@@ -55,9 +55,9 @@ def wind(
     travel: float,
     settle: float = 3.0,
     sample: int = 5,
-    interval: float = H,
     progress: Callable[[float], None] | None = None,
     watch: Callable[[RopeSimulator], None] | None = None,
+    interval: float = H,
 ) -> Winding:
     """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``.
 
