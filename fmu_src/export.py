@@ -22,7 +22,7 @@ from pathlib import Path
 from pythonfmu.builder import FmuBuilder
 
 from rope_model.parameters import PRESETS
-from rope_model.simulation.mesh import partition
+from rope_model.simulation.mesh import partition, suited
 from rope_model.simulation.rope_system import write_bundle
 
 SOURCES = ("rope_model", "fmu_src")
@@ -36,7 +36,8 @@ def export_fmu(destination: Path, preset: str = "rope-120") -> Path:
     if preset not in PRESETS:
         raise ValueError(f"there is no scene {preset!r}; choose one of {', '.join(PRESETS)}")
     scene = PRESETS[preset]().scene
-    elements = partition(scene.mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
+    mesh = suited(scene.mesh, scene.rope, scene.layout)
+    elements = partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
     destination.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)

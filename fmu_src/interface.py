@@ -20,7 +20,7 @@ Value = float | int | bool | str
 #: words for the integer codes of parameters that choose one of a few; the code is the place in the list
 CHOICES: dict[str, tuple[str, ...]] = {
     "swivel.mode": ("locked", "free", "coulomb"),
-    "mesh.kind": ("tmn", "eem"),
+    "mesh.kind": ("tmn", "eem", "auto"),
     "solver.kernels": ("auto", "compiled", "portable"),
     "model.rung": ("auto", "torsional", "spatial", "planar", "rigid"),
 }
@@ -52,10 +52,14 @@ _SWIVEL = {
     "release_time": ("s", "the {side} swivel is locked before"),
 }
 _MESH = {
-    "kind": ("", "0 TMN-ETM (seven segments that follow the loop), 1 EEM (equal lengths)"),
+    "kind": (
+        "",
+        "0 TMN-ETM (seven segments that follow the loop), 1 EEM (equal lengths), 2 TMN-ETM fitted to the rope",
+    ),
     "elements": ("", "number of elements, EEM only"),
     "coarse_length": ("m", "element length of segments I and VII, TMN-ETM only; the loop's are an eighth of it"),
     "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, TMN-ETM only"),
+    "loop_error": ("m", "error of the loop's place that the mesh may bring, kind 2 only"),
 }
 _SOLVER = {
     "step_max": ("s", "largest time step"),

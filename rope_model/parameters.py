@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
 
 SwivelMode = Literal["locked", "free", "coulomb"]
-MeshKind = Literal["tmn", "eem"]
+MeshKind = Literal["tmn", "eem", "auto"]
 RungChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 
 
@@ -120,16 +120,23 @@ class Swivel:
 
 @dataclass(frozen=True)
 class Mesh:
-    """EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l."""
+    """EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.
+
+    auto: the TMN-ETM that the rope's own lengths and ``loop_error`` ask for; see simulation.mesh.suited.
+    """
 
     kind: MeshKind = "tmn"
     elements: int = 600  # EEM only
     coarse_length: float = 2.0  # m, l of segments I and VII; the loop's elements are an eighth of it
     counts: tuple[int, int, int, int, int] = (2, 4, 40, 4, 2)  # elements of segments II to VI
     end_levels: int = 2  # how often the outermost element is halved towards the clamped end; 0 is the source's mesh
+    loop_error: float = 5e-3  # m, auto only: error of the loop's place that the mesh may bring
 
     def __post_init__(self) -> None:
-        _require(self.kind in ("tmn", "eem"), "mesh kind", self.kind, "'tmn' or 'eem'", "choose one of the two")
+        _require(self.kind in ("tmn", "eem", "auto"), "mesh kind", self.kind, "'tmn', 'eem' or 'auto'", "choose one")
+        _require(
+            1e-5 <= self.loop_error <= 1.0, "loop_error", self.loop_error, "1e-5 to 1 m", "5e-3 m suits most studies"
+        )
         _require(2 <= self.elements <= 20000, "elements", self.elements, "2 to 20000", "use fewer or more")
         _require(
             math.isfinite(self.coarse_length) and self.coarse_length > 0,
@@ -155,7 +162,7 @@ class Mesh:
 class Solver:
     """Time integration: generalized-alpha with step control."""
 
-    step_max: float = 0.01  # s
+    step_max: float = 0.02  # s
     step_min: float = 1.0e-5  # s, below it the run fails and says why
     tolerance: float = 1.0e-3  # local error per step: m for positions, rad for twist angles
     newton_tolerance: float = 1.0e-7  # same units; of r' the change over the shortest element
@@ -212,13 +219,27 @@ class Scene:
     layout: Layout = field(default_factory=Layout)
     left: Swivel = field(default_factory=Swivel)
     right: Swivel = field(default_factory=Swivel)
-    mesh: Mesh = field(default_factory=Mesh)
+    mesh: Mesh = Mesh(kind="auto")
     solver: Solver = field(default_factory=Solver)
     model: Model = field(default_factory=Model)
 
     def with_(self, **parts: Any) -> Scene:
         """A copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""
         return replace(self, **parts)
+
+
+Level = Literal["draft", "standard", "reference"]
+#: mesh and solver of each level of accuracy, chosen on the front of docs/chart.md
+LEVELS: dict[Level, dict[str, Any]] = {
+    "draft": {"mesh": Mesh("auto", loop_error=0.05), "solver": Solver(step_max=0.04, newton_tolerance=1e-5)},
+    "standard": {"mesh": Mesh("auto"), "solver": Solver()},
+    "reference": {"mesh": Mesh("auto", loop_error=2e-4), "solver": Solver(step_max=2.5e-3, tolerance=1e-5)},
+}
+
+
+def at_level(scene: Scene, level: Level) -> Scene:
+    """The scene with mesh and solver of one of LEVELS; what else its solver had is lost."""
+    return scene.with_(**LEVELS[level])
 
 
 @dataclass(frozen=True)

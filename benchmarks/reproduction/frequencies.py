@@ -13,7 +13,7 @@ from tqdm import tqdm
 from benchmarks.stability.entry import Measured
 from rope_model.parameters import Swivel, rope_120
 from rope_model.simulation.ends import EndMotion, EndPath, HangingEnds, Phase, SwivelState, nominal_points
-from rope_model.simulation.mesh import partition
+from rope_model.simulation.mesh import partition, suited
 from rope_model.simulation.modal import natural_modes
 from rope_model.simulation.rope_system import RopeKernels, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
@@ -53,7 +53,8 @@ class HangingRope:
     def __init__(self) -> None:
         self.scene = rope_120().scene
         self.rope = replace(self.scene.rope, Qb=0.0, Qc=0.0)
-        cells = partition(self.scene.mesh, self.rope.length, 0.5 * self.rope.length)
+        self.mesh = suited(self.scene.mesh, self.rope, self.scene.layout)
+        cells = partition(self.mesh, self.rope.length, 0.5 * self.rope.length)
         self.kernels = RopeKernels(cells.lengths.size, self.scene.solver.kernels)
 
     def modes(self, height: float) -> dict[tuple[str, str], tuple[Array, Array]]:
@@ -61,7 +62,7 @@ class HangingRope:
 
         The left end is ``height`` (m) above the right one.
         """
-        lengths = partition(self.scene.mesh, self.rope.length, 0.5 * (self.rope.length + height)).lengths
+        lengths = partition(self.mesh, self.rope.length, 0.5 * (self.rope.length + height)).lengths
         paths = EndPath.resting(0.0, EndMotion(y=0.5 * height)), EndPath.resting(0.0, EndMotion(y=-0.5 * height))
         points = nominal_points(self.scene.layout.spacing)
         P = parameter_vector(self.rope, self.scene.layout.gravity, np.array([1.0, 0.0, 0.0]))

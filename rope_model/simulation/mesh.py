@@ -17,12 +17,13 @@ long, is shorter than l; unresolved, it leans the whole leg.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..parameters import Mesh
+from ..parameters import Layout, Mesh, Rope
 from .rope_system import Array, arc_lengths
 
 LADDER = np.array([1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0])
@@ -30,6 +31,12 @@ LADDER = np.array([1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0])
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, and a margin that
 #: keeps a loop which trembles about the limit from transforming to and fro
 DUE = 0.6
+#: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
+NATURAL_RADIUS = 0.912
+#: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
+LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
+#: 'auto': end elements in units of the bending layer there
+END_LENGTH = 2.0
 #: more would be a mistake in the unit of an element's length
 MOST_ELEMENTS = 20000
 
@@ -59,8 +66,35 @@ class Partition:
         return self.coarse * (self.counts[0] + 0.5 * inner)
 
 
+def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
+    """``mesh`` as it is, or in place of 'auto' one from the rope's own lengths.
+
+    The loop bends with a radius R, half the spacing or what its stiffness w = (EI / rho g)^(1/3) gives it; the error
+    of its place grows with the fifth power of the elements' length there (measured, see docs/chart.md).  Segment IV
+    covers the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped
+    ends resolve the bending layer sqrt(EI / T).  A rope too short for seven segments gets equal elements.
+    """
+    if mesh.kind != "auto":
+        return mesh
+    weight = rope.mass_per_length * layout.gravity
+    w = (rope.EI / weight) ** (1 / 3)
+    R = min(0.5 * layout.spacing, NATURAL_RADIUS * w)
+    fine = min(LOOP_LENGTH * (mesh.loop_error / (LOOP_ERROR * R)) ** 0.2, LONGEST) * R
+    coarse = fine / LADDER[3]
+    layer = math.sqrt(rope.EI / (0.5 * weight * rope.length))
+    covered = math.pi * R + 2 * w + 2 * DUE * coarse
+    multiple = round(1 / LADDER[3])
+    counts = (2, 4, multiple * math.ceil(covered / coarse), 4, 2)
+    if coarse * (float(np.dot(counts, LADDER[1:6])) + 2) > rope.length:
+        return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
+    levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer))), 0)
+    return replace(mesh, kind="tmn", coarse_length=coarse, counts=counts, end_levels=min(levels, 8))
+
+
 def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
     """The partition of a rope of ``length`` whose loop hangs at arc length ``bottom``."""
+    if mesh.kind == "auto":
+        raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.suited")
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = float(np.dot(mesh.counts, LADDER[1:6]))

@@ -21,7 +21,7 @@ from ..parameters import Scene
 from .adaptation import raised, transformed_if_due, with_good_pole, with_loop_yaw
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
-from .mesh import distance_to_due, misplaced, partition
+from .mesh import distance_to_due, misplaced, partition, suited
 from .model import RopeModel, ends_of, energies, powers
 from .rigid import rigid_rope
 from .rope_system import Assessment, KernelShelf, RopeSystem
@@ -65,7 +65,8 @@ class RopeSimulator:
     """
 
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
-        elements = partition(scene.mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
+        self._mesh = suited(scene.mesh, scene.rope, scene.layout)
+        elements = partition(self._mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
         self.model = RopeModel(scene, KernelShelf(elements, scene.solver.kernels, bundle))
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
@@ -137,7 +138,7 @@ class RopeSimulator:
         rung, reason = chosen(scene, (left, right))
         try:
             bottom = self.model.bottom(paths, t)
-            cells = partition(scene.mesh, rope.length, bottom)
+            cells = partition(self._mesh, rope.length, bottom)
             guess = hanging_guess(cells.nodes_s, *ends)
             if message := outgrown(scene, rung, (left, right)) or misplaced(cells, bottom):
                 return Status(False, message)
