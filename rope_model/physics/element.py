@@ -71,7 +71,8 @@ class ElementFunctions:
     ``l`` is the reference length in m, ``P`` see PARAMETERS.
 
     residual: (q, v, a, l, P) -> R (2 m,): inertia + internal - gravity, what external loads must balance
-    tangent:  (q, v, a, l, P, cq, cv, ca) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da
+    tangent:  (q, v, a, l, P, cq, cv, ca) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da at rest, symmetric;
+              for Newton's method also in motion, where it leaves out how q and v change damping and spin inertia
     balance:  (q, v, l, P) -> (9,), see BALANCE
     losses:   (q, v, l, P) -> (2,), the two powers of the balance alone
     strains:  (q, l, P) -> (4,), see STRAINS
@@ -112,7 +113,7 @@ def element_functions(rung: Rung = "torsional", frame_rate: FrameRate = smallest
         balance += dx * point["balance"](z, z_t, P)
         strains += weight_xi * point["strains"](z, P)
     R = (mass @ a - weight + relative.T @ R_r)[kept]
-    J = (c_a * mass + relative.T @ J_r @ relative)[kept, kept]
+    J = _symmetric(c_a * mass + relative.T @ _symmetric(J_r) @ relative)[kept, kept]
     strains[2:] = ca.sqrt(strains[2:])
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
@@ -159,17 +160,12 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     values = [strain, rate]
     force = B.T @ ca.substitute(stress, ca.vertcat(e, e_t), ca.vertcat(*values)) + inertia
 
-    # its derivative along (cq, cv, ca), by the chain rule through strains and stresses to keep it short
-    held = ca.SX.sym("held", 5)
-    geometric = ca.substitute(
-        ca.jacobian(B.T @ held, z), held, ca.substitute(stress, ca.vertcat(e, e_t), ca.vertcat(*values))
-    )
-    d_strain, d_rate = cq * ca.jacobian(strain, z), cq * ca.jacobian(rate, z) + cv * B
-    d_stress = [ca.substitute(ca.jacobian(stress, x), ca.vertcat(e, e_t), ca.vertcat(*values)) for x in (e, e_t)]
-    J = cq * geometric + B.T @ (d_stress[0] @ d_strain + d_stress[1] @ d_rate)
-    J += cq * ca.jacobian(inertia, z) + cv * ca.jacobian(inertia, z_t) + c_a * ca.jacobian(inertia, z_tt)
+    # its derivative along (cq, cv, ca), exact at rest; how motion changes damping and spin inertia is left out
+    put = ca.vertcat(e, e_t), ca.vertcat(*values)
+    damping = ca.substitute(ca.jacobian(stress, e_t), *put)
+    stiffness = ca.hessian(ca.substitute(U, *put), z)[0]
+    J = _symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
-    at = ca.vertcat(e, e_t), ca.vertcat(strain, rate)
     k = strain[2:]
     balance = ca.vertcat(
         0.5 * Qa * strain[0] ** 2,
@@ -179,14 +175,19 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
         0,
         K,
         0,
-        ca.substitute(2 * D, *at),
-        ca.substitute(P_n, *at),
+        ca.substitute(2 * D, *put),
+        ca.substitute(P_n, *put),
     )
     return {
         "tangent": ca.Function("point_tangent", [z, z_t, z_tt, P, cq, cv, c_a], ca.cse([force, J])),
         "balance": ca.Function("point_balance", [z, z_t, P], ca.cse([balance])),
         "strains": ca.Function("point_strains", [z, P], [ca.vertcat(strain[:2], ca.dot(k, k), strain[1] ** 2)]),
     }
+
+
+def _symmetric(A: ca.SX) -> ca.SX:
+    """A symmetric matrix from its upper half: the lower need not be computed."""
+    return ca.triu2symm(ca.triu(A))
 
 
 def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -35,6 +35,8 @@ DUE = 0.6
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
 LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
+#: 'auto': how near an end the loop may hang, in rope lengths
+NEAREST = 0.12
 #: 'auto': end elements in units of the bending layer there
 END_LENGTH = 2.0
 #: more would be a mistake in the unit of an element's length
@@ -82,9 +84,16 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     fine = min(LOOP_LENGTH * (mesh.loop_error / (LOOP_ERROR * R)) ** 0.2, LONGEST) * R
     coarse = fine / LADDER[3]
     layer = math.sqrt(rope.EI / (0.5 * weight * rope.length))
-    covered = math.pi * R + 2 * w + 2 * DUE * coarse
     multiple = round(1 / LADDER[3])
-    counts = (2, 4, multiple * math.ceil(covered / coarse), 4, 2)
+
+    def pattern(coarse: float) -> tuple[int, int, int, int, int]:
+        covered = math.pi * R + 2 * w + 2 * DUE * coarse
+        return (2, 4, multiple * math.ceil(covered / coarse), 4, 2)
+
+    # the loop comes near an end: segment IV must be able to follow
+    inner = float(np.dot(pattern(coarse), LADDER[1:6]))
+    coarse = min(coarse, 2 * NEAREST * rope.length / inner)
+    fine, counts = coarse * LADDER[3], pattern(coarse)
     if coarse * (float(np.dot(counts, LADDER[1:6])) + 2) > rope.length:
         return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
     levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer))), 0)
