@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness fmu clean
+.PHONY: demo test test-slow lint bench winding robustness peer fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -28,6 +28,10 @@ winding: $(READY)
 
 robustness: $(READY)
 	$(BIN)/python -m benchmarks.robustness
+
+peer: $(READY)
+	$(BIN)/python -m pip install --quiet -e '.[peer]'
+	$(BIN)/python -m benchmarks.peer
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

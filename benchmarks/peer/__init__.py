@@ -1,0 +1,1 @@
+"""The rope in an independent multibody code, Exudyn, beside ours: ``make peer``."""
