@@ -1,7 +1,12 @@
-"""Run the comparison and write docs/peer.md, docs/data/peer and docs/images/peer."""
+"""Run the comparison and write docs/peer.md, docs/data/peer and docs/images/peer.
+
+``--again`` writes them from the results of the last run, kept in out/.
+"""
 
 from __future__ import annotations
 
+import pickle
+import sys
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,12 +22,27 @@ from .precision import LEVELS, Measured
 from .runs import UNCOUPLED, Error, Run, error, exudyn, ours, timed
 from .statics import frequencies, yaws
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
+ROOT = Path(__file__).resolve().parents[2]
+DOCS, KEPT = ROOT / "docs", ROOT / "out" / "peer.pickle"
 ROUNDS, SHORT = 3, 3.0  # s
 
 
-def main() -> None:
-    """Takes some ten minutes."""
+def main(again: bool) -> None:
+    """Compute or load, and write."""
+    if not again:
+        KEPT.parent.mkdir(exist_ok=True)
+        KEPT.write_bytes(pickle.dumps(compute()))
+    results: Results = pickle.loads(KEPT.read_bytes())
+    write_data(results, DOCS / "data" / "peer")
+    shown = [m for m in results.measured if np.isfinite(m.run.cpu)]
+    for metric in LEVELS:
+        work_precision(shown, metric, DOCS / "images" / "peer" / f"{metric}.png")
+    (DOCS / "peer.md").write_text(page(results), encoding="utf-8")
+    print(f"written: docs/peer.md, {len(results.measured)} runs of the planar winding")
+
+
+def compute() -> Results:
+    """Everything; takes some ten minutes on a free machine."""
     with tqdm(desc="runs", unit="run", leave=False) as bar:
 
         def tell(key: str) -> None:
@@ -40,36 +60,36 @@ def main() -> None:
             f"{1e3 * m.step:g} ms, {m.newton} Newton, radius {m.spectral_radius:g}": partial(exudyn, element, count, m)
             for m in OPTIONS
         }
-        cases["10 ms, full Newton, radius 0.8, Python functions"] = partial(
-            exudyn, element, count, Method(0.01, "full"), symbolic=False
-        )
         options = timed(cases, ROUNDS, SHORT, tell)
-        undamped = exudyn(
-            element, count, Method(0.01, "full"), UNCOUPLED.with_(rope=replace(UNCOUPLED.rope, beta_K=0.0))
-        )
-        damping = error(undamped, options["10 ms, full Newton, radius 0.8"])
+        method = Method(0.01, "full")
+        forms = {f"symbolic: {x}": partial(exudyn, element, count, method, symbolic=x) for x in (True, False)}
+        functions = timed(forms, ROUNDS, SHORT, tell)
+        damping = difference_without_damping(element, count, method)
+        damping_3d = difference_without_damping("beam-3d", 120, Method(0.02, "full"))
         planar = timed(planar_cases(), ROUNDS, SHORT, tell)
         space: list[tuple[str, list[tuple[str, Run, Error]]]] = []
         for scene in SPACE:
             runs = timed(space_cases(scene), ROUNDS, SHORT, tell)
             reference = next(iter(runs.values()))
             space.append((scene.title, [(label, run, error(run, reference)) for label, run in runs.items()]))
-    results = Results(
+    return Results(
         frequencies=frequencies(),
         yaws=yaws(),
         references=error(mine, theirs),
         measured=[measured(run) for run in (mine, *planar.values())],
         options=[(name, measured(run)) for name, run in options.items()],
         damping=damping,
+        damping_3d=damping_3d,
+        functions=(functions["symbolic: True"], functions["symbolic: False"]),
         space=space,
     )
-    write_data(results, DOCS / "data" / "peer")
-    shown = [m for m in results.measured if np.isfinite(m.run.cpu)]
-    for metric in LEVELS:
-        work_precision(shown, metric, DOCS / "images" / "peer" / f"{metric}.png")
-    (DOCS / "peer.md").write_text(page(results), encoding="utf-8")
-    print(f"written: docs/peer.md, {len(results.measured)} runs of the planar winding")
+
+
+def difference_without_damping(element: str, count: int, method: Method) -> Error:
+    """What beta_K changes in Exudyn."""
+    undamped = UNCOUPLED.with_(rope=replace(UNCOUPLED.rope, beta_K=0.0))
+    return error(exudyn(element, count, method), exudyn(element, count, method, undamped))
 
 
 if __name__ == "__main__":
-    main()
+    main("--again" in sys.argv[1:])

@@ -8,7 +8,8 @@ from functools import partial
 
 from rope_model.parameters import Mesh, Scene, Solver
 
-from .exudyn_rope import ELEMENTS, Method
+from .elements import ELEMENTS
+from .exudyn_rope import Method
 from .runs import SIDEWAYS, TORSION_FREE, UNCOUPLED, Run, exudyn, ours, swinging_ends
 
 

@@ -4,77 +4,34 @@ The material is ours: strain |r'| - 1 with Qa, curvature per reference length wi
 same stiffnesses.  The ends move along an S-curve written as a sum of truncated cubics; Exudyn evaluates it itself
 (a symbolic user function), so that no Python code runs inside its time steps.
 
-The only module that knows Exudyn.
+With ``motions`` the only module that knows Exudyn.
 """
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-# Exudyn's build without range checks
-sys.exudynFast = True  # type: ignore[attr-defined]
 import exudyn as exu
+import numpy as np
 from exudyn import itemInterface as items
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
+from numpy.typing import NDArray
 
 from hoist_demo.reference import Reference
 from rope_model.parameters import Rope, Scene
 from rope_model.simulation.transfer import transferred
+
+from .elements import BEAM_2D, ELEMENTS, RIGID, euler_parameters
+from .motions import s_curve, swing
 
 Array = NDArray[np.float64]
 VERSION: str = exu.config.Version()
 
 #: N, of the elements with shear; 1e5 to 1.2e8 N move the loop by less than 0.6 mm.
 SHEAR_STIFFNESS = 1e6
-
-
-@dataclass(frozen=True)
-class Element:
-    """One of Exudyn's elements; ``options`` are its own, ``held`` the coordinates of an end node that are prescribed."""
-
-    key: str
-    label: str
-    item: str
-    node: str
-    held: tuple[int, ...]
-    middle: bool = False  # has a node in its middle
-    options: dict[str, Any] = field(default_factory=dict)
-
-
-_PLANAR, _SLOPE, _RIGID = "NodePoint2DSlope1", "NodePointSlope1", "NodeRigidBodyEP"
-_ANCF_2D, _BEAM_2D = "ObjectANCFCable2D", "ObjectBeamGeometricallyExact2D"
-ELEMENTS = {
-    e.key: e
-    for e in (
-        Element("ancf", "ANCFCable2D, Gauss", _ANCF_2D, _PLANAR, (0, 1, 2), options={"useReducedOrderIntegration": 1}),
-        Element(
-            "ancf-lobatto",
-            "ANCFCable2D, Lobatto",
-            _ANCF_2D,
-            _PLANAR,
-            (0, 1, 2),
-            options={"useReducedOrderIntegration": 2},
-        ),
-        Element("beam", "BeamGeometricallyExact2D, linear", _BEAM_2D, "NodeRigidBody2D", (0, 1, 2)),
-        Element("beam-quadratic", "BeamGeometricallyExact2D, quadratic", _BEAM_2D, "NodeRigidBody2D", (0, 1, 2), True),
-        Element(
-            "ancf-3d",
-            "ANCFCable (3-D)",
-            "ObjectANCFCable",
-            _SLOPE,
-            (0, 1, 2, 3, 5),
-            options={"useReducedOrderIntegration": 1},
-        ),
-        Element("beam-3d", "BeamGeometricallyExact (3-D)", "ObjectBeamGeometricallyExact", _RIGID, (0, 1, 2, 4, 5, 6)),
-    )
-}
 
 
 @dataclass(frozen=True)
@@ -108,7 +65,8 @@ class PeerRope:
     """``count`` elements between two vertical ends, at first where ``q`` (nodes, 7) at arc lengths ``s`` hangs.
 
     ``heights`` are those of the ends, m; ``reference`` moves the left end up by it and the right end down;
-    ``sideways`` is (amplitude, duration) of a swing A sin^4(pi t / T) of the left end out of plane.
+    ``sideways`` is (amplitude, duration) of a swing A sin^4(pi t / T) of the left end out of plane.  Unless
+    ``symbolic`` Exudyn calls Python for the S-curve.
     """
 
     def __init__(
@@ -135,10 +93,10 @@ class PeerRope:
         self._functions: list[Any] = []
         if reference is not None:
             for node, sense in ((0, 1.0), (1, -1.0)):
-                offset, rate = _s_curve(reference, sense)
+                offset, rate = s_curve(reference, sense, symbolic)
                 self._prescribe(self._constraints[node][1], offset, rate, symbolic)
         if sideways is not None:
-            self._prescribe(self._constraints[0][2], *_swing(*sideways), symbolic)
+            self._prescribe(self._constraints[0][2], *swing(*sideways), True)
         self._samples: list[tuple[float, Array, tuple[float, float]]] = []
         self._sampling = 0.0
         sensor = items.SensorUserFunction(sensorNumbers=[], writeToFile=False, sensorUserFunction=self._sample)
@@ -146,13 +104,13 @@ class PeerRope:
         self.mbs.Assemble()
 
     def rest(self) -> None:
-        """Find the equilibrium from where it hangs now, and start from it."""
+        """Find the equilibrium near the present shape, and start from it."""
         settings = _settings()
         static = settings.staticSolver
         static.numberOfLoadSteps, static.adaptiveStep, static.newton.maxIterations = 1, False, 300
         static.loadStepDuration, static.useLoadFactor = 1e-9, False  # the ends' motions are functions of its time
         static.newton.relativeTolerance, static.newton.absoluteTolerance = 1e-7, 1e-6
-        static.newton.numericalDifferentiation.forODE2 = self.element.node == _RIGID  # its own Jacobian converges worse
+        static.newton.numericalDifferentiation.forODE2 = self.element.node == RIGID  # its own Jacobian converges worse
         try:
             self.mbs.SolveStatic(settings, updateInitialValues=True)
         except (exu.ExudynError, ValueError) as error:
@@ -178,13 +136,13 @@ class PeerRope:
         cpu = time.process_time() - start - self._sampling
         iterations = self.mbs.sys["dynamicSolver"].it
         # the start is recorded too, twice
-        wanted = sample * np.arange(1, round(duration / sample) + 1)
+        wanted: Array = sample * np.arange(1.0, round(duration / sample) + 1)
         times = np.array([t for t, _, _ in self._samples])
         rows = [int(np.argmin(np.abs(times - t))) for t in wanted]
         return Record(
             t=wanted,
             force=-np.array([self._samples[k][2] for k in rows]),  # its multipliers change sign with the solver
-            q=np.array([self._hermite(self._samples[k][1]) for k in rows]),
+            q=np.array([self._ours(self._samples[k][1]) for k in rows]),
             lengths=self.lengths,
             cpu=cpu,
             newton=iterations.newtonStepsCount,
@@ -193,7 +151,7 @@ class PeerRope:
 
     def configuration(self) -> Array:
         """(nodes, 7): r, r' and a zero angle, now."""
-        return self._hermite(np.array(self.mbs.systemData.GetODE2Coordinates()))
+        return self._ours(np.array(self.mbs.systemData.GetODE2Coordinates()))
 
     def end_forces(self) -> tuple[float, float]:
         """Vertical forces on the ends, N, up."""
@@ -204,7 +162,7 @@ class PeerRope:
         """Natural frequencies (count,), Hz, about the equilibrium, and the out-of-plane share of each mode."""
         width = self._reference.shape[1]
         options: dict[str, Any] = {"numberOfEigenvalues": count}
-        if self.element.node != _RIGID:  # else the norms of the Euler parameters are constraints too
+        if self.element.node != RIGID:  # else the norms of the Euler parameters are constraints too
             last = self._reference.size - width
             fixed = [j + k for k in (0, last) for j in self.element.held]
             options |= {"constrainedCoordinates": fixed, "ignoreAlgebraicEquations": True}
@@ -216,7 +174,7 @@ class PeerRope:
 
     def twist_right_end(self, angle: float) -> None:
         """Turn the right end about its tangent (rad); for the element with rigid-body nodes."""
-        target = _euler_parameters(0.5 * np.pi, angle)
+        target = euler_parameters(0.5 * np.pi, angle)
         for constraint, j in zip(self._constraints[1][3:], (1, 2, 3), strict=True):
             self.mbs.SetObjectParameter(constraint, "offset", float(target[j] - self._reference[-1, 3 + j]))
         self.rest()
@@ -234,8 +192,8 @@ class PeerRope:
         straight = np.zeros_like(self._start)
         straight[:, 0], straight[:, 4] = -self._half, -1.0
         straight[1:, 1] = -np.cumsum(self.lengths)
-        self._reference = self._coordinates(straight)
-        displaced = self._coordinates(self._start) - self._reference
+        self._reference = self.element.coordinates(straight)
+        displaced = self.element.coordinates(self._start) - self._reference
         node = getattr(items, element.node)
         self._nodes = [
             self.mbs.AddNode(node(referenceCoordinates=r, initialCoordinates=u))
@@ -270,7 +228,7 @@ class PeerRope:
             "bendingDamping": beta * rope.EI,
             "axialDamping": beta * rope.Qa,
         }
-        if self.element.item == _BEAM_2D:
+        if self.element.item == BEAM_2D:
             data |= {"crossSectionInertia": 0.5 * rope.rhoJ, "shearStiffness": GA, "shearDamping": beta * GA}
         return data
 
@@ -281,7 +239,7 @@ class PeerRope:
         for k, side in enumerate((-1.0, 1.0)):
             targets[k, :3] = side * self._half, self._heights[k], 0.0
             targets[k, 3:6] = 0.0, side, 0.0
-        at = self._coordinates(targets)
+        at = self.element.coordinates(targets)
         constraints = []
         for k, end in ((0, 0), (1, -1)):
             held = []
@@ -302,49 +260,14 @@ class PeerRope:
             self._functions.append(made)  # Exudyn keeps no reference
             self.mbs.SetObjectParameter(constraint, name, made)
 
+    def _ours(self, displaced: Array) -> Array:
+        return self.element.ours(self._reference + displaced.reshape(self._reference.shape))
+
     def _sample(self, mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> list[float]:
         start = time.process_time()
         self._samples.append((t, np.array(mbs.systemData.GetODE2Coordinates()), self.end_forces()))
         self._sampling += time.process_time() - start
         return [0.0]
-
-    # our coordinates (r, r', angle) and theirs
-
-    def _coordinates(self, q: Array) -> Array:
-        match self.element.node:
-            case "NodePoint2DSlope1":
-                return q[:, [0, 1, 3, 4]]
-            case "NodePointSlope1":
-                return q[:, :6]
-            case "NodeRigidBody2D":
-                return np.column_stack((q[:, :2], np.unwrap(np.arctan2(q[:, 4], q[:, 3]))))
-            case _:
-                angle = np.unwrap(np.arctan2(q[:, 4], q[:, 3]))
-                return np.column_stack((q[:, :3], np.array([_euler_parameters(a, 0.0) for a in angle])))
-
-    def _hermite(self, displaced: Array) -> Array:
-        c = self._reference + displaced.reshape(self._reference.shape)
-        q = np.zeros((c.shape[0], 7))
-        match self.element.node:
-            case "NodePoint2DSlope1":
-                q[:, [0, 1, 3, 4]] = c
-            case "NodePointSlope1":
-                q[:, :6] = c
-            case "NodeRigidBody2D":
-                q[:, [0, 1]], q[:, 3], q[:, 4] = c[:, :2], np.cos(c[:, 2]), np.sin(c[:, 2])
-            case _:
-                e0, e1, e2, e3 = c[:, 3:].T
-                q[:, :3] = c[:, :3]
-                q[:, 3:6] = np.column_stack(
-                    (1 - 2 * (e2 * e2 + e3 * e3), 2 * (e1 * e2 + e0 * e3), 2 * (e1 * e3 - e0 * e2))
-                )
-        return q
-
-
-def _euler_parameters(angle: float, twist: float) -> Array:
-    """Turned by ``angle`` about Z after ``twist`` about X."""
-    c, s, ct, st = np.cos(angle / 2), np.sin(angle / 2), np.cos(twist / 2), np.sin(twist / 2)
-    return np.array([c * ct, c * st, s * st, s * ct])
 
 
 def _settings() -> Any:
@@ -356,42 +279,3 @@ def _settings() -> Any:
     settings.timeIntegration.verboseMode = settings.staticSolver.verboseMode = 0
     settings.parallel.numberOfThreads = 1
     return settings
-
-
-def _s_curve(reference: Reference, sense: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Offset and its rate, as Exudyn's user functions: each change of the jerk adds a truncated cubic."""
-    jerks = np.array([p.jerk for p in reference.points])
-    terms = [(float(t), sense * float(j)) for t, j in zip(reference.starts, np.diff(jerks, prepend=0.0), strict=True)]
-    largest = exu.symbolic.max
-
-    def offset(mbs: Any, t: Any, item: Any, start: Any) -> Any:
-        y = start
-        for begin, jerk in terms:
-            since = largest(t - begin, 0.0)
-            y = y + jerk / 6 * since * since * since
-        return y
-
-    def rate(mbs: Any, t: Any, item: Any, start: Any) -> Any:
-        v = 0.0 * t
-        for begin, jerk in terms:
-            since = largest(t - begin, 0.0)
-            v = v + jerk / 2 * since * since
-        return v
-
-    return offset, rate
-
-
-def _swing(amplitude: float, duration: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """A sin^4(pi t/T) until T, and its rate."""
-    w, least = float(np.pi / duration), exu.symbolic.min
-
-    def offset(mbs: Any, t: Any, item: Any, start: Any) -> Any:
-        x = exu.symbolic.sin(w * least(t, duration))
-        return start + amplitude * x * x * x * x
-
-    def rate(mbs: Any, t: Any, item: Any, start: Any) -> Any:
-        s = w * least(t, duration)
-        x = exu.symbolic.sin(s)
-        return 4 * amplitude * w * x * x * x * exu.symbolic.cos(s)
-
-    return offset, rate

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from .exudyn_rope import ELEMENTS
+from .elements import ELEMENTS
 from .precision import Measured, Metric, front
 
 _STYLE: dict[Any, Any] = {
@@ -41,7 +41,7 @@ _LIMIT: dict[Metric, float] = {"force": 3e-2, "loop": 0.5}
 def work_precision(measured: list[Measured], metric: Metric, path: Path) -> None:
     """Error against CPU time per simulated second; the fronts of both codes are drawn and labelled."""
     with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=(8.2, 5.6))
+        figure = Figure(figsize=(8.2, 5.6), dpi=110)
         ax = figure.subplots()
         title, label = _TITLES[metric]
         shown = [m for m in measured if m.of(metric) < _LIMIT[metric]]
@@ -53,10 +53,11 @@ def work_precision(measured: list[Measured], metric: Metric, path: Path) -> None
                 x, y = [m.run.cost for m in points], [m.of(metric) for m in points]
                 ax.plot(x, y, _MARKERS[step], color=colour, ms=5.5, label=name)
                 name = "_"
-        for code, colour, below in (("ours", _OURS[0], True), ("Exudyn", "#d9731a", False)):
+        labels: list[tuple[Measured, str]] = []
+        for code, colour in (("ours", _OURS[0]), ("Exudyn", "#d9731a")):
             kept = front([m for m in shown if m.run.code == code], metric)
             ax.plot([m.run.cost for m in kept], [m.of(metric) for m in kept], color=colour, lw=1.0, zorder=1)
-            _label(ax, kept, metric, colour, below)
+            labels += [(m, colour) for m in kept]
         ax.axvline(1.0, color="#8a8a8a", ls="--", lw=1.0)
         ax.annotate(
             "real time",
@@ -68,14 +69,18 @@ def work_precision(measured: list[Measured], metric: Metric, path: Path) -> None
             color="#5f5f5f",
             rotation=90,
         )
-        for step, marker in _MARKERS.items():
-            ax.plot([], [], marker, color="#8a8a8a", ms=5.5, label=f"step {1e3 * step:g} ms")
         ax.set_xscale("log")
         ax.set_yscale("log")
         ax.set_xlabel("CPU time per simulated second [s/s]")
         ax.set_ylabel(label)
         ax.set_title(f"Planar 120 m winding: error of the {title} against computation time")
         figure.legend(loc="outside lower center", ncols=3)
+        keys = [
+            Line2D([], [], ls="", marker=m, color="#8a8a8a", label=f"step {1e3 * h:g} ms") for h, m in _MARKERS.items()
+        ]
+        ax.legend(handles=keys, loc="upper right", bbox_to_anchor=(0.92, 1.0))
+        figure.draw_without_rendering()  # settles where the axes are
+        _label(ax, labels, shown, metric)
         path.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(path, dpi=110, metadata={"Software": None})
 
@@ -85,21 +90,19 @@ def _colours(shown: list[Measured]) -> dict[str, str]:
     return dict(zip(groups, _OURS, strict=False)) | _THEIRS
 
 
-def _label(ax: Axes, kept: list[Measured], metric: Metric, colour: str, below: bool) -> None:
-    last = np.array([-np.inf, -np.inf])
-    for m in kept:
-        here = np.log10([m.run.cost, m.of(metric)])
-        if np.hypot(*(here - last) * (4.0, 1.0)) < 0.35:
-            continue  # would print over its neighbour
-        last = here
-        short = m.run.label.replace("l = ", "").replace(", IV of 24", "*")
-        ax.annotate(
-            short,
-            (m.run.cost, m.of(metric)),
-            xytext=(-6, -7) if below else (6, 5),
-            fontsize=9,
-            color=colour,
-            textcoords="offset points",
-            ha="right" if below else "left",
-            va="top" if below else "bottom",
-        )
+def _label(ax: Axes, labels: list[tuple[Measured, str]], shown: list[Measured], metric: Metric) -> None:
+    """Label what can be labelled without printing over points or other labels."""
+    points = ax.transData.transform([(m.run.cost, m.of(metric)) for m in shown])
+    taken: list[tuple[float, float, float, float]] = [(x - 5, y - 5, x + 5, y + 5) for x, y in points]
+    for m, colour in labels:
+        text = m.run.label.replace("l = ", "").replace(", IV of 24", "*")
+        x, y = ax.transData.transform((m.run.cost, m.of(metric)))
+        w, h = 7.6 * len(text), 15.0  # px of 9 pt at 110 dpi
+        for right, up in ((1, 1), (-1, -1), (1, -1), (-1, 1)):
+            x0, y0 = (x + 7 if right > 0 else x - 7 - w), (y + 2 if up > 0 else y - 2 - h)
+            box = (x0, y0, x0 + w, y0 + h)
+            if not any(box[0] < t[2] and t[0] < box[2] and box[1] < t[3] and t[1] < box[3] for t in taken):
+                left, low = ax.transData.inverted().transform((x0, y0))
+                ax.annotate(text, (left, low), color=colour, fontsize=9, ha="left", va="bottom", annotation_clip=False)
+                taken.append(box)
+                break

@@ -24,7 +24,8 @@ class Measured:
 
     def of(self, metric: Metric) -> float:
         """The larger of the two errors: neither code is its own judge."""
-        return max(getattr(self.ours, metric), getattr(self.peer, metric))
+        a, b = ((e.force, e.loop)[metric == "loop"] for e in (self.ours, self.peer))
+        return max(a, b)
 
 
 def front(measured: list[Measured], metric: Metric) -> list[Measured]:
@@ -37,6 +38,9 @@ def front(measured: list[Measured], metric: Metric) -> list[Measured]:
 
 
 def cost_at(kept: list[Measured], metric: Metric, level: float) -> float:
-    """CPU time per simulated second at an error, interpolated on a front in logarithms; NaN outside it."""
-    errors, costs = [np.log([f(m) for m in reversed(kept)]) for f in (lambda m: m.of(metric), lambda m: m.run.cost)]
-    return float(np.exp(np.interp(np.log(level), errors, costs, left=np.nan, right=np.nan)))
+    """CPU time per simulated second of an error of ``level`` or better, interpolated on a front in logarithms.
+
+    NaN when no run is that good.
+    """
+    errors, costs = np.log([(m.of(metric), m.run.cost) for m in reversed(kept)]).T
+    return float(np.exp(np.interp(np.log(level), errors, costs, left=np.nan)))

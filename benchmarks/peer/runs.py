@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -141,7 +141,7 @@ def exudyn(
 
 
 def timed(
-    cases: dict[str, Callable[[], Run]], rounds: int, short: float, tell: Callable[[str], None]
+    cases: Mapping[str, Callable[[], Run]], rounds: int, short: float, tell: Callable[[str], None]
 ) -> dict[str, Run]:
     """Every case once, those below ``short`` seconds ``rounds`` times in turn; the median of the CPU times."""
     runs: dict[str, list[Run]] = {key: [] for key in cases}

@@ -13,7 +13,8 @@ from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.modal import natural_modes
 from rope_model.simulation.simulator import RopeSimulator
 
-from .exudyn_rope import ELEMENTS, PeerRope
+from .elements import ELEMENTS
+from .exudyn_rope import PeerRope
 from .runs import TORSION_FREE, UNCOUPLED, hanging
 
 Array = NDArray[np.float64]
