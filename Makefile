@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce fmu clean peer
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -34,6 +34,10 @@ stability: $(READY)
 
 reproduce: $(READY)
 	$(BIN)/python -m benchmarks.reproduce
+
+peer: $(READY)
+	$(BIN)/python -m pip install --quiet -e '.[peer]'
+	$(BIN)/python -m benchmarks.peer
 
 fmu: $(READY)
 	$(BIN)/balance-rope export
