@@ -9,6 +9,7 @@ pytest.importorskip("exudyn")
 
 from benchmarks.peer.exudyn_rope import Method, PeerRope
 from benchmarks.peer.runs import REFERENCE, TRAVEL, UNCOUPLED, hanging
+from rope_model.parameters import Mesh
 from rope_model.simulation.diagnostics import loop_bottom
 from rope_model.simulation.modal import natural_modes
 from rope_model.simulation.simulator import EndMotion, RopeSimulator
@@ -25,7 +26,7 @@ def theirs() -> PeerRope:
 
 @pytest.fixture(scope="module")
 def ours() -> RopeSimulator:
-    rope = RopeSimulator(UNCOUPLED)
+    rope = RopeSimulator(UNCOUPLED.with_(mesh=Mesh("auto", loop_error=2e-4)))
     assert rope.initialize(0.0, EndMotion(y=HEIGHTS[0]), EndMotion(y=HEIGHTS[1])).valid
     return rope
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from rope_model.parameters import Mesh, Scene, Solver
+from rope_model.parameters import Mesh, Model, Scene, Solver
 
 from .elements import ELEMENTS
 from .exudyn_rope import Method
@@ -39,13 +39,13 @@ def _eem(elements: int, *steps: float) -> list[Variant]:
 
 #: a new variant of ours is one line here
 OURS = [
-    *_tmn("l = 2 m", Mesh(), 0.005, 0.01, 0.02, 0.04),
-    *_tmn("l = 3.2 m", Mesh(coarse_length=3.2), 0.01, 0.02, 0.04),
-    *_tmn("l = 3.2 m, IV of 24", Mesh(coarse_length=3.2, counts=(2, 4, 24, 4, 2)), 0.01, 0.02, 0.04),
-    *_tmn("l = 4.8 m, IV of 24", Mesh(coarse_length=4.8, counts=(2, 4, 24, 4, 2)), 0.01, 0.02),
+    *_tmn("mesh to 50 mm", Mesh("auto", loop_error=0.05), 0.01, 0.02, 0.04),
+    *_tmn("mesh to 5 mm", Mesh("auto"), 0.005, 0.01, 0.02, 0.04),
+    *_tmn("mesh to 1 mm", Mesh("auto", loop_error=1e-3), 0.005, 0.01, 0.02),
+    *_tmn("mesh to .2 mm", Mesh("auto", loop_error=2e-4), 0.005),
     *_eem(60, 0.01),
     *_eem(120, 0.01, 0.02),
-    *_eem(240, 0.01),
+    *_eem(240, 0.01, 0.02),
     *_eem(600, 0.01),
 ]
 REFERENCE_OURS = _eem(600, 0.005)[0]
@@ -75,24 +75,35 @@ class Space:
     theirs: tuple[tuple[str, int, Method], ...]
 
 
+def at(scene: Scene, mesh: Mesh, step: float) -> Scene:
+    """``scene`` on ``mesh`` with steps of ``step``."""
+    return scene.with_(mesh=mesh, solver=Solver(step_max=step))
+
+
 def _space(title: str, scene: Scene, theirs: list[tuple[str, int, Method]]) -> Space:
+    meshes = {error: Mesh("auto", loop_error=error) for error in (0.05, 5e-3, 1e-3)}
     variants = (
-        Variant("TMN-ETM", "l = 2 m, 10 ms", scene),
-        Variant("TMN-ETM", "l = 2 m, 20 ms", scene.with_(solver=Solver(step_max=0.02))),
-        Variant("TMN-ETM", "l = 3.2 m, 10 ms", scene.with_(mesh=Mesh(coarse_length=3.2))),
-        Variant("EEM", "240, 10 ms", scene.with_(mesh=Mesh(kind="eem", elements=240))),
+        *(
+            Variant("TMN-ETM", f"mesh to {1e3 * error:g} mm, {1e3 * h:g} ms", at(scene, meshes[error], h))
+            for error, h in ((0.05, 0.02), (5e-3, 0.01), (5e-3, 0.02), (1e-3, 0.01))
+        ),
+        Variant("EEM", "240, 10 ms", at(scene, Mesh("eem", 240), 0.01)),
     )
-    reference = Variant("EEM", "600, 10 ms", scene.with_(mesh=Mesh(kind="eem", elements=600)))
+    reference = Variant("EEM", "600, 10 ms", at(scene, Mesh("eem", 600), 0.01))
     return Space(title, scene, reference, variants, tuple(theirs))
 
 
 SPACE = (
     _space(
         "without torsion",
-        TORSION_FREE,
+        TORSION_FREE.with_(model=Model("spatial")),
         [("ancf-3d", n, Method(h, "full")) for n in (120, 240, 480) for h in (0.01, 0.02)],
     ),
-    _space("with torsion, ends locked", UNCOUPLED, [("beam-3d", n, Method(0.01, "full")) for n in (120, 240)]),
+    _space(
+        "with torsion, ends locked",
+        UNCOUPLED.with_(model=Model("torsional")),
+        [("beam-3d", n, Method(0.01, "full")) for n in (120, 240)],
+    ),
 )
 
 

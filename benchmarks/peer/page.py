@@ -189,9 +189,10 @@ solver, fast build without range checks, no output files, the recording subtract
 beta_K = 1 ms times the stiffnesses on the strain rates. Left out in Exudyn it changes the end force by
 {damping.force:.1e} and the loop by {1e3 * damping.loop:.2f} mm.
 
-Lines join the runs that no other of the same code beats in both error and time; these carry labels: element count or
-length l of the coarse elements and step (* segment IV of 24 elements). Ours has a three-dimensional element with
-torsion also here; Exudyn's four are planar.
+Lines join the runs that no other of the same code beats in both error and time; these carry labels: element count, or
+for how large an error of the loop's place the mesh is made, and step. Ours takes the planar rung of its element by
+itself here; Exudyn's four are planar too. "fails" says that this program's static start (one load step from our
+shape) did not converge, not that the element cannot do it.
 
 ![Error of the end forces against computation time](images/peer/force.png)
 
