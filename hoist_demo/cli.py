@@ -115,7 +115,8 @@ def _rope(options: argparse.Namespace) -> RopePlant:
         return rope_in_process(options.scene, options.kernels, options.level or "standard")
     if options.level:
         raise ValueError(
-            f"--level {options.level} is for --in-process; for the FMU use `balance-rope export --level {options.level}`"
+            f"--level {options.level} is for --in-process; an FMU has the level of its export: "
+            f"`balance-rope export --level {options.level}`"
         )
     if not options.fmu.is_file():
         raise ValueError(
