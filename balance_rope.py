@@ -67,9 +67,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _export(options: argparse.Namespace) -> int:
     path = export_fmu(options.out, options.scene, options.level)
-    print(
-        f"{path}: {path.stat().st_size / 1e6:.2f} MB, FMI 2.0 co-simulation, scene {options.scene}, level {options.level}"
-    )
+    what = f"FMI 2.0 co-simulation, scene {options.scene}, level {options.level}"
+    print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {what}")
     return 0
 
 

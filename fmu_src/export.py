@@ -31,8 +31,7 @@ SOURCES = ("rope_model", "fmu_src")
 def export_fmu(destination: Path, preset: str = "rope-120", level: Level = "standard") -> Path:
     """Write the FMU with the start values of ``preset`` at a level of accuracy to ``destination``.
 
-    The folder is made if needed.
-    Two exports of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
+    The folder is made if needed.  Two exports of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
     """
     if preset not in PRESETS:
         raise ValueError(f"there is no scene {preset!r}; choose one of {', '.join(PRESETS)}")
