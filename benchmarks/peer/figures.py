@@ -70,6 +70,7 @@ def work_precision(measured: list[Measured], metric: Metric, path: Path) -> None
             rotation=90,
         )
         ax.set_xscale("log")
+        ax.set_xlim(left=0.6 * min(m.run.cost for m in shown))
         ax.set_yscale("log")
         ax.set_xlabel("CPU time per simulated second [s/s]")
         ax.set_ylabel(label)
@@ -95,7 +96,7 @@ def _label(ax: Axes, labels: list[tuple[Measured, str]], shown: list[Measured], 
     points = ax.transData.transform([(m.run.cost, m.of(metric)) for m in shown])
     taken: list[tuple[float, float, float, float]] = [(x - 5, y - 5, x + 5, y + 5) for x, y in points]
     for m, colour in labels:
-        text = m.run.label.replace("l = ", "").replace(", IV of 24", "*")
+        text = m.run.label.removeprefix("mesh to ")
         x, y = ax.transData.transform((m.run.cost, m.of(metric)))
         w, h = 7.6 * len(text), 15.0  # px of 9 pt at 110 dpi
         for right, up in ((1, 1), (-1, -1), (1, -1), (-1, 1)):

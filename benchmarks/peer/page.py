@@ -190,7 +190,7 @@ beta_K = 1 ms times the stiffnesses on the strain rates. Left out in Exudyn it c
 {damping.force:.1e} and the loop by {1e3 * damping.loop:.2f} mm.
 
 Lines join the runs that no other of the same code beats in both error and time; these carry labels: element count, or
-for how large an error of the loop's place the mesh is made, and step. Ours takes the planar rung of its element by
+(in mm) the error of the loop's place that our mesh is made for, and step. Ours takes the planar rung of its element by
 itself here; Exudyn's four are planar too. "fails" says that this program's static start (one load step from our
 shape) did not converge, not that the element cannot do it.
 
