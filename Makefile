@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -37,6 +37,10 @@ reproduce: $(READY)
 
 chart: $(READY)
 	$(BIN)/balance-rope chart
+
+peer: $(READY)
+	$(BIN)/python -m pip install --quiet -e '.[peer]'
+	$(BIN)/python -m benchmarks.peer
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

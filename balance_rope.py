@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fmu_src.export import export_fmu
 from hoist_demo.cli import add_demo
-from rope_model.parameters import PRESETS
+from rope_model.parameters import LEVELS, PRESETS
 
 DEFAULT_FMU = Path("build") / "balance_rope.fmu"
 DOCS, QUICK = Path("docs"), Path("out") / "chart"
@@ -47,6 +47,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "numpy and casadi; every parameter can still be set before initialisation.",
     )
     export.add_argument("--scene", choices=sorted(PRESETS), default="rope-120", help="start values (%(default)s)")
+    export.add_argument(
+        "--level",
+        choices=tuple(LEVELS),
+        default="standard",
+        help="accuracy against speed, see docs/chart.md (%(default)s)",
+    )
     export.add_argument("--out", type=Path, default=DEFAULT_FMU, help="the .fmu to write (%(default)s)")
     export.set_defaults(run=_export)
     add_demo(commands, DEFAULT_FMU)
@@ -73,8 +79,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _export(options: argparse.Namespace) -> int:
-    path = export_fmu(options.out, options.scene)
-    print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, FMI 2.0 co-simulation, scene {options.scene}")
+    path = export_fmu(options.out, options.scene, options.level)
+    what = f"FMI 2.0 co-simulation, scene {options.scene}, level {options.level}"
+    print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {what}")
     return 0
 
 

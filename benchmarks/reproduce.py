@@ -33,8 +33,11 @@ SECTIONS: tuple[Section, ...] = tuple(
 def main() -> None:
     """Measure what is asked for; then draw, and write the page, from the files."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("names", nargs="*", default=list(MEASURES), choices=[*MEASURES, "draw"], metavar="name")
-    for name in parser.parse_args().names:
+    parser.add_argument("names", nargs="*", metavar="name", help=f"{', '.join(MEASURES)} or draw (all)")
+    names = parser.parse_args().names or list(MEASURES)
+    if unknown := set(names) - {*MEASURES, "draw"}:
+        parser.error(f"there is no {', '.join(sorted(unknown))}; choose of {', '.join(MEASURES)}, draw")
+    for name in names:
         if name != "draw":
             write(MEASURES[name](), DOCS / DATA)
     tables = read(DOCS / DATA)

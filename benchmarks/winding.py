@@ -27,7 +27,8 @@ def run(scene: Scene, name: str) -> Winding:
 
 #: meshes that show why the default is as it is
 VARIANTS = {
-    "default": Mesh(),
+    "default": Mesh("auto"),
+    "l = 2 m": Mesh(),
     "ends not halved (the source's pattern)": Mesh(end_levels=0),
     "segment IV of 24 elements, l = 1.6 m": Mesh(coarse_length=1.6, counts=(8, 8, 24, 8, 8)),
 }

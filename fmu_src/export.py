@@ -21,21 +21,21 @@ from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
 
-from rope_model.parameters import PRESETS
+from rope_model.parameters import PRESETS, Level
 from rope_model.simulation.mesh import partition, suited
 from rope_model.simulation.rope_system import write_bundle
 
 SOURCES = ("rope_model", "fmu_src")
 
 
-def export_fmu(destination: Path, preset: str = "rope-120") -> Path:
-    """Write the FMU with the start values of ``preset`` to ``destination``; its folder is made if needed.
+def export_fmu(destination: Path, preset: str = "rope-120", level: Level = "standard") -> Path:
+    """Write the FMU with the start values of ``preset`` at a level of accuracy to ``destination``.
 
-    Two exports of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
+    The folder is made if needed.  Two exports of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
     """
     if preset not in PRESETS:
         raise ValueError(f"there is no scene {preset!r}; choose one of {', '.join(PRESETS)}")
-    scene = PRESETS[preset]().scene
+    scene = PRESETS[preset](level).scene
     mesh = suited(scene.mesh, scene.rope, scene.layout)
     elements = partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
     destination.parent.mkdir(parents=True, exist_ok=True)
@@ -43,13 +43,13 @@ def export_fmu(destination: Path, preset: str = "rope-120") -> Path:
         stage = Path(folder)
         kernels = stage / "kernels"
         write_bundle(elements, kernels)
-        key = _build_key(preset, kernels)
+        key = _build_key(f"{preset} {level}", kernels)
         package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
         _copy_package(package)
         slave = (_root() / "fmu_src" / "slave.py").read_text(encoding="utf-8")
         slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
         script.write_text(slave, encoding="utf-8")
-        (stage / "build.json").write_text(json.dumps(_build_facts(preset, key), indent=1), encoding="utf-8")
+        (stage / "build.json").write_text(json.dumps(_build_facts(preset, level, key), indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
         FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
@@ -58,10 +58,11 @@ def export_fmu(destination: Path, preset: str = "rope-120") -> Path:
     return destination
 
 
-def _build_facts(preset: str, key: str) -> dict[str, str]:
+def _build_facts(preset: str, level: Level, key: str) -> dict[str, str]:
     stamp = time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())))
     return {
         "preset": preset,
+        "level": level,
         "guid": str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope {key}")),
         "version": importlib.metadata.version("balance-rope"),
         "tool": f"balance-rope {importlib.metadata.version('balance-rope')}, "
@@ -70,9 +71,9 @@ def _build_facts(preset: str, key: str) -> dict[str, str]:
     }
 
 
-def _build_key(preset: str, kernels: Path) -> str:
+def _build_key(start_values: str, kernels: Path) -> str:
     """Hash of everything that decides how the FMU behaves."""
-    digest = hashlib.sha256(preset.encode())
+    digest = hashlib.sha256(start_values.encode())
     for name in ("casadi", "numpy", "pythonfmu"):
         digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
     for path in sorted([*_sources(), *kernels.iterdir()]):

@@ -28,7 +28,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         resources = Path(kwargs["resources"])
         self.modelName = "BalanceRope"
         self.build = json.loads((resources / "build.json").read_text(encoding="utf-8"))
-        preset = PRESETS[self.build["preset"]]()
+        preset = PRESETS[self.build["preset"]](self.build["level"])
         self.component = RopeComponent(preset, resources / "kernels", self._log)
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:

@@ -21,6 +21,8 @@ from hoist_demo.summary import SummaryRow, render, summarize
 KERNELS = ("auto", "compiled", "portable")
 """Choices of the FMU's integer parameter `solver.kernels`, in the order of its codes."""
 
+LEVELS = ("draft", "standard", "reference")
+
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
 _DEMO_DESCRIPTION = """\
@@ -67,6 +69,11 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
         default="auto",
         help="rope's computing kernels: compiled C, CasADi's virtual machine, or what is there (default: %(default)s)",
     )
+    demo.add_argument(
+        "--level",
+        choices=LEVELS,
+        help="accuracy against speed of the rope in process (standard); an FMU has that of its export",
+    )
     demo.add_argument("--quick", action="store_true", help="10 m of travel and 2 s of settling: a check, not a result")
 
 
@@ -105,7 +112,12 @@ def _rope(options: argparse.Namespace) -> RopePlant:
         # only this plant needs rope_model; the FMU brings its own
         from hoist_demo.inprocess_rope import rope_in_process
 
-        return rope_in_process(options.scene, options.kernels)
+        return rope_in_process(options.scene, options.kernels, options.level or "standard")
+    if options.level:
+        raise ValueError(
+            f"--level {options.level} is for --in-process; an FMU has the level of its export: "
+            f"`balance-rope export --level {options.level}`"
+        )
     if not options.fmu.is_file():
         raise ValueError(
             f"FMU '{options.fmu}' is missing: export it with `balance-rope export`, "

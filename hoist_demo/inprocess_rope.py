@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 from typing import Literal
 
 from hoist_demo.rope_plant import EndMotion, RopeStatus
-from rope_model.parameters import PRESETS, Scene
+from rope_model.parameters import PRESETS, Level, Scene
 from rope_model.simulation import ends
 from rope_model.simulation.signals import SIGNALS, signals
 from rope_model.simulation.simulator import RopeSimulator
@@ -43,11 +43,13 @@ class InProcessRope:
         """Nothing is held."""
 
 
-def rope_in_process(scene: str, kernels: Literal["auto", "compiled", "portable"] = "auto") -> InProcessRope:
-    """The rope of a named scene."""
+def rope_in_process(
+    scene: str, kernels: Literal["auto", "compiled", "portable"] = "auto", level: Level = "standard"
+) -> InProcessRope:
+    """The rope of a named scene at a level of accuracy."""
     if scene not in PRESETS:
         raise ValueError(f"scene = '{scene}' must be one of {', '.join(PRESETS)}: choose one")
-    data = PRESETS[scene]().scene
+    data = PRESETS[scene](level).scene
     return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
 
 

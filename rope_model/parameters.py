@@ -251,15 +251,16 @@ class Preset:
     speed: float  # m/s
 
 
-def rope_120() -> Preset:
+def rope_120(level: Level = "standard") -> Preset:
     """The 120 m rope: swivels locked, 90 m of travel at up to 8 m/s."""
-    return Preset(Scene(), travel=90.0, speed=8.0)
+    return Preset(at_level(Scene(), level), travel=90.0, speed=8.0)
 
 
-def rope_240() -> Preset:
+def rope_240(level: Level = "standard") -> Preset:
     """The 240 m rope: healthy swivels released at t = 20 s, 200 m of travel at up to 10 m/s."""
     swivel = Swivel(mode="coulomb", release_time=20.0)
-    return Preset(Scene(rope=Rope(length=240.0), left=swivel, right=swivel), travel=200.0, speed=10.0)
+    scene = Scene(rope=Rope(length=240.0), left=swivel, right=swivel)
+    return Preset(at_level(scene, level), travel=200.0, speed=10.0)
 
 
 PRESETS = {"rope-120": rope_120, "rope-240": rope_240}

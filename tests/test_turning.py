@@ -8,8 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from benchmarks.stability.frames import TURNED, turn_through
-from rope_model.parameters import Mesh
+from rope_model.parameters import Mesh, Rope, Scene
 from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.modal import natural_modes
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.statics import find_equilibrium
 
@@ -32,3 +33,14 @@ def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn(elements: int, bound
     before = first.ends.moment(0, first.state.motion.reaction)
     assert_allclose(rope.ends.moment(0, rest.reaction), before, rtol=bound)
     assert_allclose(rest.q[:, :3], first.state.motion.q[:, :3], rtol=0, atol=2e-3)
+
+
+def test_installed_twist_turns_the_loop_over_on_any_mesh() -> None:
+    yaws = []
+    for mesh in (Mesh("auto"), Mesh(coarse_length=1.0)):
+        rope = RopeSimulator(Scene(rope=Rope(length=60.0, installed_twist=7.0), mesh=mesh))
+        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+        assert natural_modes(rope.system, rope.state.motion.q, 2).frequencies[0] > 0  # stable, or it raises
+        yaws.append(rope.state.loop_yaw)
+    assert min(yaws) > math.pi  # past the plane again, legs crossed
+    assert_allclose(yaws[0], yaws[1], rtol=1e-3)  # the coarser mesh is made for 5 mm of 1 m

@@ -15,7 +15,7 @@ from .drawing import ACCENTS, COLOURS, REFERENCE, figure
 from .section import Claim, Picture, Section
 from .tables import Table, Tables, table
 from .timestep import ERRORS, errors
-from .windings import COUPLINGS, ROUNDS, followed, scene_of
+from .windings import COUPLINGS, DEFAULT_MESH, ROUNDS, followed, scene_of
 
 Array = NDArray[np.float64]
 
@@ -29,12 +29,13 @@ TMN_MESHES = {
     "l = 6 m, IV 12 m": Mesh(coarse_length=6.0, counts=(2, 4, 16, 4, 2)),
     "l = 4 m, IV 12 m": Mesh(coarse_length=4.0, counts=(2, 4, 24, 4, 2)),
     "l = 3 m, IV 12 m": Mesh(coarse_length=3.0, counts=(2, 4, 32, 4, 2)),
-    "l = 2 m, IV 10 m (default)": Mesh(),
+    "the default": DEFAULT_MESH,
+    "l = 2 m, IV 10 m": Mesh(),
     "l = 1.5 m, IV 10.5 m": Mesh(coarse_length=1.5, counts=(2, 4, 56, 4, 2)),
     "l = 1 m, IV 10 m": Mesh(coarse_length=1.0, counts=(2, 4, 80, 4, 2)),
     "l = 1.6 m, IV 1.6 m, ends not halved": Mesh(coarse_length=1.6, counts=(4, 8, 8, 8, 4), end_levels=0),
 }
-DEFAULT = "l = 2 m, IV 10 m (default)"
+DEFAULT = "the default"
 LEVELS = (1.0, 0.1, 0.01)  # %
 
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from benchmarks.kinematic import Winding, progress_bar, wind
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
-from rope_model.parameters import Mesh, Scene, rope_120
+from rope_model.parameters import Mesh, Model, Scene, rope_120
+from rope_model.simulation.mesh import suited
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.signals import nominal_stresses
 from rope_model.simulation.simulator import RopeSimulator
@@ -22,7 +23,10 @@ from .tables import Table, Tables, table
 Array = NDArray[np.float64]
 
 COUPLINGS = ("uncoupled", "coupled")
-MESHES = {"TMN-ETM": Mesh(), "EEM": Mesh(kind="eem", elements=600)}
+PRESET = rope_120().scene
+#: the default mesh in numbers
+DEFAULT_MESH = suited(PRESET.mesh, PRESET.rope, PRESET.layout)
+MESHES = {"TMN-ETM": DEFAULT_MESH, "EEM": Mesh(kind="eem", elements=600)}
 TRAVEL, SETTLE = 90.0, 3.0  # m, s after the conveyances have stopped
 ROUNDS = 3
 SAMPLE = 5  # communication steps of 10 ms
@@ -33,8 +37,8 @@ SIDES = ("left", "right")
 
 
 def scene_of(coupling: str, mesh: Mesh) -> Scene:
-    """The 120 m scene; uncoupled without Qb and Qc."""
-    scene = rope_120().scene.with_(mesh=mesh)
+    """The 120 m scene; uncoupled without Qb and Qc, but the complete model as in the source."""
+    scene = PRESET.with_(mesh=mesh, model=Model("torsional"))
     return scene if coupling == "coupled" else scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0))
 
 

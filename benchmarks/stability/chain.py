@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigvals_banded
 
-from rope_model.physics.element import NODE_DOF
-from rope_model.simulation.modal import assembled_matrix
+from rope_model.simulation.modal import ROUNDING, softest
 from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.statics import find_equilibrium
 
@@ -86,20 +84,6 @@ def potential(balance: dict[str, float]) -> float:
     return sum(balance[name] for name in ("axial", "coupling", "torsion", "bending", "gravity"))
 
 
-def softest(system: RopeSystem, q: Array) -> float:
-    """Smallest eigenvalue of the tangent stiffness (N/m, N m): negative where the equilibrium is unstable.
-
-    natural_modes looks for the eigenvalues next to zero, and misses one that lies far below.
-    """
-    free = np.flatnonzero(system.free.ravel())
-    stiffness = assembled_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
-    # the chain couples neighbouring nodes only
-    band = np.zeros((2 * NODE_DOF, free.size))
-    for k in range(2 * NODE_DOF):
-        band[k, : free.size - k] = stiffness.diagonal(-k)
-    return float(eigvals_banded(band, lower=True, select="i", select_range=(0, 0))[0])
-
-
 def is_stable(system: RopeSystem, q: Array) -> bool:
-    """Whether no small motion lowers the energy; Qa eps / l, the rounding, is some 1e-7 N/m."""
-    return softest(system, q) > -1e-5
+    """Whether no small motion lowers the energy."""
+    return softest(system, q) > -ROUNDING

@@ -41,7 +41,7 @@ class Run:
     message: str
 
 
-def hanging(step_max: float = Solver.step_max) -> RopeSimulator:
+def hanging(step_max: float = 0.01) -> RopeSimulator:
     solver = Solver(step_max=step_max)
     rope = RopeSimulator(Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=30), solver=solver))
     status = rope.initialize(0.0, EndMotion(), EndMotion())
@@ -177,7 +177,7 @@ def lift(t: float) -> EndMotion:
 Inputs = Literal["held", "extrapolated", "step end"]
 
 
-def pulls(H: float, inputs: Inputs, step_max: float = Solver.step_max) -> tuple[Array, str]:
+def pulls(H: float, inputs: Inputs, step_max: float = 0.01) -> tuple[Array, str]:
     """Pull (N) of the rope on the left end at the communication points, and what ended the run."""
     rope, found, message = hanging(step_max), [], ""
     for k in range(1, round(PERIOD / H) + 1):
@@ -259,7 +259,7 @@ ENTRIES = (
         slow=True,
     ),
     Entry(
-        key="long-steps",
+        key="long-communication",
         title="Inputs held or extrapolated over a long communication step",
         scene="One end of a 20 m rope is lifted by 0.5 m within 2 s; the host tells the rope of it every 12.5 to 200 "
         "ms. Errors are those of the end's pull at the communication points against steps of 1.6 ms.",

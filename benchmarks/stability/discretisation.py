@@ -248,7 +248,7 @@ def rms(x: Array) -> float:
 
 def near_end() -> Finding:
     """The loop driven out of the fine middle: refused, or passed over in silence."""
-    scene, travel = Scene(rope=Rope(length=40.0)), -10.0
+    scene, travel = Scene(rope=Rope(length=40.0), mesh=Mesh()), -10.0
     reference = trip(12.0, 3.0, 1.5, 3.0)
     rope = hung(scene, 0.0, travel)
     ours = followed(rope, reference, travel)

@@ -198,11 +198,9 @@ ENTRIES = (
         "on to the turned-over loop.",
         holds="Pseudo-transient continuation goes down in energy: it finds the turned-over loop and leaves the "
         "unstable one as soon as a disturbance shows the way (exactly in the plane it stays too). natural_modes "
-        "refuses the planar loop as unstable. The frame's pole must follow the loop: here the search is "
-        "repeated after each change of the pole. Limit: RopeSimulator.initialize searches once, with the pole "
-        "at X. With 8 rad of installed twist it gives this rope a yaw of 1.5 rad instead of 5.5 rad, and with 7 "
-        "rad a 60 m rope 2.9 instead of 3.7 rad, where the loop hangs at the frame's singularity; no message "
-        "says so. Put more than 5 rad in by turning a conveyance.",
+        "refuses the planar loop as unstable. The frame's pole must follow the loop: the search is "
+        "repeated after each change of the pole. RopeSimulator.initialize puts an installed twist in bit by bit and "
+        "does the same.",
         measure=measure_turn_over,
     ),
 )

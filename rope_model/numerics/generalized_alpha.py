@@ -164,7 +164,8 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     t, free = old.t + h, system.free
     past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
     recentring = method.shift * (h - old.h) if 0 < h <= LARGEST_GROWTH * old.h else 0.0
-    q, v, a = guess = np.tensordot(method.prediction(h, recentring), past, 1)
+    flat = past.reshape(len(past), -1)
+    q, v, a = guess = (method.prediction(h, recentring) @ flat).reshape(3, *old.q.shape)
     np.copyto(guess, system.prescribed(t), where=~free)
     with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
         solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance)
@@ -174,7 +175,7 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     if not newton.converged:
         return StepResult(None, None, newton, np.inf)
     a = solution.a
-    b = np.tensordot(method.auxiliary(recentring), past[2:], 1) + (1 - method.alpha_f) / (1 - method.alpha_m) * a
+    b = (method.auxiliary(recentring) @ flat[2:]).reshape(a.shape) + (1 - method.alpha_f) / (1 - method.alpha_m) * a
     change = a - old.a
     error = abs(method.beta + 0.5 * method.shift - 1 / 6) * h * h * system.norm(free * change)
     motion = Motion(t, solution.q, solution.v, a, b, change / h, h, assessment.reaction)

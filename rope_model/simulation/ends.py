@@ -169,12 +169,15 @@ class HangingEnds:
         return free
 
     def prescribed(self, t: float, nodes: int) -> Array:
-        q, v, a = motion = np.zeros((3, nodes, 7))
+        motion = np.zeros((3, nodes, 7))
         for side, node in enumerate((0, -1)):
-            (x, x_t, x_tt), sense = self.paths[side](t), YAW_SENSE[side]
-            q[node, POSITION], v[node, POSITION], a[node, POSITION] = self.points[side] + x[:3], x_t[:3], x_tt[:3]
-            q[node, ANGLE] = self.theta_held(side, x[3])
-            v[node, ANGLE], a[node, ANGLE] = sense * x_t[3], sense * x_tt[3]
+            x, y, z, yaw = (self.paths[side].rates(t, axis) for axis in range(4))
+            rows = np.zeros((3, 7))
+            rows[:, 0], rows[:, 1], rows[:, 2], rows[:, ANGLE] = x, y, z, yaw
+            rows[:, ANGLE] *= YAW_SENSE[side]
+            rows[0, POSITION] += self.points[side]
+            rows[0, ANGLE] += self.offsets[side] + self.states[side].angle
+            motion[:, node] = rows
         return motion
 
     def load(self, nodes: int) -> Array:

@@ -9,10 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.linalg import eigvals_banded
 from scipy.sparse.linalg import eigsh
 
 from ..physics.element import NODE_DOF, element_functions
 from .rope_system import POSITION, Array, RopeSystem
+
+#: N/m: what the rounding of Qa / l leaves of a zero stiffness, a swivel that turns freely
+ROUNDING = 1e-5
 
 
 @dataclass(frozen=True)
@@ -33,15 +37,15 @@ def natural_modes(system: RopeSystem, q: Array, count: int = 8) -> Modes:
 
     Raises ValueError when the equilibrium is unstable: then there is no frequency to give.
     """
+    if (soft := softest(system, q)) < -ROUNDING:
+        raise ValueError(
+            f"the equilibrium is unstable: its softest stiffness, {soft:.3g} N/m, is negative; use less twist"
+        )
     free = np.flatnonzero(system.free.ravel())
     stiffness, mass = (assembled_matrix(system, q, c)[free][:, free] for c in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
     start = np.ones(free.size)  # ARPACK's own start is random
     squares, vectors = eigsh(0.5 * (stiffness + stiffness.T), count, mass, sigma=0.0, v0=start)
     order = np.argsort(squares)
-    if squares[order[0]] < -1e-4:  # rad^2/s^2; a swivel that spins freely is zero up to rounding
-        raise ValueError(
-            f"the equilibrium is unstable: omega^2 = {squares[order[0]]:.3g} 1/s^2 is negative; use less twist"
-        )
     shapes = np.zeros((count, q.size))
     shapes[:, free] = vectors[:, order].T
     shapes = shapes.reshape(count, *q.shape)
@@ -51,6 +55,17 @@ def natural_modes(system: RopeSystem, q: Array, count: int = 8) -> Modes:
         shapes=shapes,
         out_of_plane=motion[:, 2] / np.sum(motion, axis=1),
     )
+
+
+def softest(system: RopeSystem, q: Array) -> float:
+    """Smallest eigenvalue of the tangent stiffness (N/m; N m for theta): negative where ``q`` is unstable."""
+    free = np.flatnonzero(system.free.ravel())
+    stiffness = assembled_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
+    # the chain couples neighbouring nodes only
+    band = np.zeros((2 * NODE_DOF, free.size))
+    for k in range(2 * NODE_DOF):
+        band[k, : free.size - k] = stiffness.diagonal(-k)
+    return float(eigvals_banded(band, lower=True, select="i", select_range=(0, 0))[0])
 
 
 def assembled_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:

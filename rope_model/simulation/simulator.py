@@ -36,6 +36,8 @@ log = logging.getLogger(__name__)
 SHORTEST_INTERVAL = 1e-9
 #: local error below this part of the tolerance lets the step grow
 GROW_BELOW = 0.1
+#: rad of installed twist at once, and changes of the pole in search of one equilibrium
+TWIST_STEP, MOST_POLES = 1.0, 20
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,6 @@ class RopeSimulator:
             if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
                 return Status(False, f"the {side} end moves at the start; a run starts from rest: give zero speeds")
         ends = nominal_points(scene.layout.spacing) + np.array([left.position, right.position])
-        held = (SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0))
         rung, reason = chosen(scene, (left, right))
         try:
             bottom = self.model.bottom(paths, t)
@@ -148,7 +149,7 @@ class RopeSimulator:
                 partition=cells,
                 pole=np.array([1.0, 0.0, 0.0]),
                 offsets=(0.0, 0.0),
-                swivels=held,
+                swivels=(SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, 0.0, 0.0)),
                 paths=paths,
                 step_next=scene.solver.step_max,
                 last_interval=scene.solver.step_max,
@@ -162,16 +163,31 @@ class RopeSimulator:
             return Status(False, str(error))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         ledger = state.ledger._replace(start=state.ledger.total)
-        self._accept(with_loop_yaw(with_good_pole(self.model, state._replace(force_mean=force_mean, ledger=ledger))))
+        self._accept(state._replace(force_mean=force_mean, ledger=ledger, events=()))
         return Status(True)
 
     def _hung(self, state: RopeState) -> RopeState:
-        """``state`` at rest in equilibrium."""
-        system, m = self.model.system(state), state.motion
-        equilibrium = find_equilibrium(system, m.q, m.t)
-        balance = system.assess(equilibrium.q, m.v, m.a, equilibrium.reaction).balance
-        ledger = state.ledger._replace(**energies(balance))
-        return state._replace(motion=replace(m, q=equilibrium.q, reaction=equilibrium.reaction), ledger=ledger)
+        """``state`` at rest in equilibrium, the installed twist put in bit by bit: that decides how the loop yaws."""
+        twist = self.scene.rope.installed_twist
+        parts = max(math.ceil(abs(twist) / TWIST_STEP), 1)
+        for part in range(1, parts + 1):
+            held = SwivelState(Phase.LOCKED, twist * part / parts, 0.0)
+            state = self._rested(state._replace(swivels=(state.swivels[0], held)))
+        return state
+
+    def _rested(self, state: RopeState) -> RopeState:
+        """``state`` in equilibrium, sought again after each change of the frame's pole."""
+        for _ in range(MOST_POLES):
+            system, m, pole = self.model.system(state), state.motion, state.pole
+            equilibrium = find_equilibrium(system, m.q, m.t)
+            rest = np.zeros_like(m.q)
+            balance = system.assess(equilibrium.q, rest, rest, equilibrium.reaction).balance
+            motion = Motion(m.t, equilibrium.q, rest, rest, rest, rest, 0.0, equilibrium.reaction)
+            state = state._replace(motion=motion, ledger=state.ledger._replace(**energies(balance)))
+            state = with_loop_yaw(with_good_pole(self.model, state))
+            if state.pole is pole:
+                break
+        return state
 
     def _rigid(self, state: RopeState, t: float) -> RopeState:
         """``state`` as the rigid rung has it at ``t``."""

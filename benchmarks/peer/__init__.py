@@ -1,0 +1,6 @@
+"""The rope in an independent multibody code, Exudyn, beside ours: ``make peer``."""
+
+import sys
+
+# Exudyn reads it at its import: the build without range checks
+sys.exudynFast = True  # type: ignore[attr-defined]

@@ -1,0 +1,281 @@
+"""The rope in Exudyn: elements in a row, the ends prescribed by coordinate constraints.
+
+The material is ours: strain |r'| - 1 with Qa, curvature per reference length with EI, and damping beta_K times the
+same stiffnesses.  The ends move along an S-curve written as a sum of truncated cubics; Exudyn evaluates it itself
+(a symbolic user function), so that no Python code runs inside its time steps.
+
+With ``motions`` the only module that knows Exudyn.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import exudyn as exu
+import numpy as np
+from exudyn import itemInterface as items
+from exudyn.advancedUtilities import CreateSymbolicUserFunction
+from numpy.typing import NDArray
+
+from hoist_demo.reference import Reference
+from rope_model.parameters import Rope, Scene
+from rope_model.simulation.transfer import transferred
+
+from .elements import BEAM_2D, ELEMENTS, RIGID, euler_parameters
+from .motions import s_curve, swing
+
+Array = NDArray[np.float64]
+VERSION: str = exu.config.Version()
+
+#: N, of the elements with shear; 1e5 to 1.2e8 N move the loop by less than 0.6 mm.
+SHEAR_STIFFNESS = 1e6
+
+
+@dataclass(frozen=True)
+class Method:
+    """Generalized-alpha in Exudyn."""
+
+    step: float  # s
+    newton: Literal["full", "modified"] = "modified"
+    spectral_radius: float = 0.8
+    tolerance: float = 1e-5  # of the residual, relative to the first one of a step
+
+
+@dataclass(frozen=True)
+class Record:
+    """Samples of a run: times (n,), s; vertical end forces (n, 2), N; lowest points' nodes as (n, nodes, 7)."""
+
+    t: Array
+    force: Array
+    q: Array
+    lengths: Array
+    cpu: float  # s, of the time steps alone
+    newton: int
+    jacobians: int
+
+
+class PeerError(RuntimeError):
+    """Exudyn gives up."""
+
+
+class PeerRope:
+    """``count`` elements between two vertical ends, at first where ``q`` (nodes, 7) at arc lengths ``s`` hangs.
+
+    ``heights`` are those of the ends, m; ``reference`` moves the left end up by it and the right end down;
+    ``sideways`` is (amplitude, duration) of a swing A sin^4(pi t / T) of the left end out of plane.  Unless
+    ``symbolic`` Exudyn calls Python for the S-curve.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        element: str,
+        count: int,
+        hanging: tuple[Array, Array],
+        heights: tuple[float, float],
+        reference: Reference | None = None,
+        sideways: tuple[float, float] | None = None,
+        symbolic: bool = True,
+    ) -> None:
+        self.element, self.rope = ELEMENTS[element], scene.rope
+        pieces = 2 * count if self.element.middle else count
+        self.lengths = np.full(pieces, self.rope.length / pieces)
+        s, q = hanging
+        self._start = transferred(q, s, np.concatenate(([0.0], np.cumsum(self.lengths))))
+        self._half, self._heights = 0.5 * scene.layout.spacing, heights
+        self._container = exu.SystemContainer()
+        self.mbs = self._container.AddSystem()
+        self._add_elements(count, scene.layout.gravity)
+        self._constraints = self._add_ends()
+        self._functions: list[Any] = []
+        if reference is not None:
+            for node, sense in ((0, 1.0), (1, -1.0)):
+                offset, rate = s_curve(reference, sense, symbolic)
+                self._prescribe(self._constraints[node][1], offset, rate, symbolic)
+        if sideways is not None:
+            self._prescribe(self._constraints[0][2], *swing(*sideways), True)
+        self._samples: list[tuple[float, Array, tuple[float, float]]] = []
+        self._sampling = 0.0
+        sensor = items.SensorUserFunction(sensorNumbers=[], writeToFile=False, sensorUserFunction=self._sample)
+        self.mbs.AddSensor(sensor)
+        self.mbs.Assemble()
+
+    def rest(self) -> None:
+        """Find the equilibrium near the present shape, and start from it."""
+        settings = _settings()
+        static = settings.staticSolver
+        static.numberOfLoadSteps, static.adaptiveStep, static.newton.maxIterations = 1, False, 300
+        static.loadStepDuration, static.useLoadFactor = 1e-9, False  # the ends' motions are functions of its time
+        static.newton.relativeTolerance, static.newton.absoluteTolerance = 1e-7, 1e-6
+        static.newton.numericalDifferentiation.forODE2 = self.element.node == RIGID  # its own Jacobian converges worse
+        try:
+            self.mbs.SolveStatic(settings, updateInitialValues=True)
+        except (exu.ExudynError, ValueError) as error:
+            raise PeerError(f"{self.element.label}: no equilibrium with {self.lengths.size} elements") from error
+
+    def run(self, duration: float, sample: float, method: Method) -> Record:
+        """Follow the ends' motion, with a record every ``sample`` seconds."""
+        settings = _settings()
+        time_integration = settings.timeIntegration
+        time_integration.endTime, time_integration.numberOfSteps = duration, round(duration / method.step)
+        time_integration.newton.relativeTolerance = method.tolerance
+        time_integration.newton.useModifiedNewton = method.newton == "modified"
+        time_integration.generalizedAlpha.spectralRadius = method.spectral_radius
+        time_integration.generalizedAlpha.computeInitialAccelerations = False  # a run starts from rest
+        settings.solution.sensors.active, settings.solution.sensors.writePeriod = True, sample
+        self._samples.clear()
+        self._sampling = 0.0
+        start = time.process_time()
+        try:
+            self.mbs.SolveDynamic(settings)
+        except (exu.ExudynError, ValueError) as error:
+            raise PeerError(f"{self.element.label}: fails at {self._samples[-1][0]:.2f} s") from error
+        cpu = time.process_time() - start - self._sampling
+        iterations = self.mbs.sys["dynamicSolver"].it
+        # the start is recorded too, twice
+        wanted: Array = sample * np.arange(1.0, round(duration / sample) + 1)
+        times = np.array([t for t, _, _ in self._samples])
+        rows = [int(np.argmin(np.abs(times - t))) for t in wanted]
+        return Record(
+            t=wanted,
+            force=-np.array([self._samples[k][2] for k in rows]),  # its multipliers change sign with the solver
+            q=np.array([self._ours(self._samples[k][1]) for k in rows]),
+            lengths=self.lengths,
+            cpu=cpu,
+            newton=iterations.newtonStepsCount,
+            jacobians=iterations.newtonJacobiCount,
+        )
+
+    def configuration(self) -> Array:
+        """(nodes, 7): r, r' and a zero angle, now."""
+        return self._ours(np.array(self.mbs.systemData.GetODE2Coordinates()))
+
+    def end_forces(self) -> tuple[float, float]:
+        """Vertical forces on the ends, N, up."""
+        left, right = (self.mbs.GetObjectOutput(c[1], exu.OutputVariableType.Force) for c in self._constraints)
+        return -float(left), -float(right)
+
+    def frequencies(self, count: int) -> tuple[Array, Array]:
+        """Natural frequencies (count,), Hz, about the equilibrium, and the out-of-plane share of each mode."""
+        width = self._reference.shape[1]
+        options: dict[str, Any] = {"numberOfEigenvalues": count}
+        if self.element.node != RIGID:  # else the norms of the Euler parameters are constraints too
+            last = self._reference.size - width
+            fixed = [j + k for k in (0, last) for j in self.element.held]
+            options |= {"constrainedCoordinates": fixed, "ignoreAlgebraicEquations": True}
+        values, vectors = self.mbs.ComputeODE2Eigenvalues(**options)
+        shapes = np.asarray(vectors)[:, :count].T.reshape(count, -1, width)
+        motion = np.sum(shapes[:, :, :3] ** 2, axis=1)
+        out = motion[:, 2] / motion.sum(axis=1) if width >= 6 else np.zeros(count)
+        return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi), out
+
+    def twist_right_end(self, angle: float) -> None:
+        """Turn the right end about its tangent (rad); for the element with rigid-body nodes."""
+        target = euler_parameters(0.5 * np.pi, angle)
+        for constraint, j in zip(self._constraints[1][3:], (1, 2, 3), strict=True):
+            self.mbs.SetObjectParameter(constraint, "offset", float(target[j] - self._reference[-1, 3 + j]))
+        self.rest()
+
+    def torques(self) -> Array:
+        """Torque in each element's middle, N m; for the element with rigid-body nodes."""
+        kind = exu.OutputVariableType.TorqueLocal
+        read = self.mbs.GetObjectOutputBody
+        return np.array([read(o, kind, localPosition=[0.0, 0.0, 0.0])[0] for o in self._objects])
+
+    # how it is built
+
+    def _add_elements(self, count: int, gravity: float) -> None:
+        element, rope = self.element, self.rope
+        straight = np.zeros_like(self._start)
+        straight[:, 0], straight[:, 4] = -self._half, -1.0
+        straight[1:, 1] = -np.cumsum(self.lengths)
+        self._reference = self.element.coordinates(straight)
+        displaced = self.element.coordinates(self._start) - self._reference
+        node = getattr(items, element.node)
+        self._nodes = [
+            self.mbs.AddNode(node(referenceCoordinates=r, initialCoordinates=u))
+            for r, u in zip(self._reference.tolist(), displaced.tolist(), strict=True)
+        ]
+        make, data, stride = (
+            getattr(items, element.item),
+            {"length": rope.length / count} | self._section(rope),
+            1 + element.middle,
+        )
+        self._objects = []
+        for k in range(count):
+            nodes = self._nodes[stride * k : stride * (k + 1) + 1]
+            self._objects.append(self.mbs.AddObject(make(nodeNumbers=nodes, **data, **element.options)))
+            marker = self.mbs.AddMarker(items.MarkerBodyMass(bodyNumber=self._objects[-1]))
+            self.mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -gravity, 0.0]))
+
+    def _section(self, rope: Rope) -> dict[str, Any]:
+        GA, beta = SHEAR_STIFFNESS, rope.beta_K
+        if self.element.key == "beam-3d":
+            section = exu.BeamSection()
+            stiffness = np.diag([rope.Qa, GA, GA, rope.Qd, rope.EI, rope.EI])
+            stiffness[0, 3], stiffness[3, 0] = rope.Qb, rope.Qc
+            section.stiffnessMatrix, section.dampingMatrix = stiffness, beta * stiffness
+            section.massPerLength = rope.mass_per_length
+            section.inertia = np.diag([rope.rhoJ, 0.5 * rope.rhoJ, 0.5 * rope.rhoJ])
+            return {"sectionData": section}
+        data = {
+            "massPerLength": rope.mass_per_length,
+            "bendingStiffness": rope.EI,
+            "axialStiffness": rope.Qa,
+            "bendingDamping": beta * rope.EI,
+            "axialDamping": beta * rope.Qa,
+        }
+        if self.element.item == BEAM_2D:
+            data |= {"crossSectionInertia": 0.5 * rope.rhoJ, "shearStiffness": GA, "shearDamping": beta * GA}
+        return data
+
+    def _add_ends(self) -> list[list[Any]]:
+        ground = self.mbs.AddNode(items.NodePointGround())
+        zero = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+        targets = self._start[[0, -1]].copy()
+        for k, side in enumerate((-1.0, 1.0)):
+            targets[k, :3] = side * self._half, self._heights[k], 0.0
+            targets[k, 3:6] = 0.0, side, 0.0
+        at = self.element.coordinates(targets)
+        constraints = []
+        for k, end in ((0, 0), (1, -1)):
+            held = []
+            for j in self.element.held:
+                marker = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self._nodes[end], coordinate=j))
+                offset = float(at[k, j] - self._reference[end, j])
+                connector = items.ObjectConnectorCoordinate(markerNumbers=[zero, marker], offset=offset)
+                held.append(self.mbs.AddObject(connector))
+            constraints.append(held)
+        return constraints
+
+    def _prescribe(self, constraint: Any, offset: Callable[..., Any], rate: Callable[..., Any], symbolic: bool) -> None:
+        for name, function in (("offsetUserFunction", offset), ("offsetUserFunction_t", rate)):
+            if symbolic:
+                made = CreateSymbolicUserFunction(self.mbs, function, name, itemTypeName="ObjectConnectorCoordinate")
+            else:
+                made = function
+            self._functions.append(made)  # Exudyn keeps no reference
+            self.mbs.SetObjectParameter(constraint, name, made)
+
+    def _ours(self, displaced: Array) -> Array:
+        return self.element.ours(self._reference + displaced.reshape(self._reference.shape))
+
+    def _sample(self, mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> list[float]:
+        start = time.process_time()
+        self._samples.append((t, np.array(mbs.systemData.GetODE2Coordinates()), self.end_forces()))
+        self._sampling += time.process_time() - start
+        return [0.0]
+
+
+def _settings() -> Any:
+    settings = exu.SimulationSettings()
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings.linearSolver.reuseAnalyzedPattern = True
+    settings.solution.file.write = False
+    settings.solution.sensors.active = False
+    settings.timeIntegration.verboseMode = settings.staticSolver.verboseMode = 0
+    settings.parallel.numberOfThreads = 1
+    return settings

@@ -1,0 +1,153 @@
+"""One run of either code through a winding, and how far it is from a reference."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.kinematic import ends_at
+from hoist_demo.parameters import Winding as Trip
+from hoist_demo.reference import s_curve
+from rope_model.parameters import Mesh, Scene, Swivel, rope_120
+from rope_model.simulation.diagnostics import loop_bottom
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.simulator import RopeSimulator
+
+from .exudyn_rope import Method, PeerError, PeerRope
+
+Array = NDArray[np.float64]
+Ends = Callable[[float], tuple[EndMotion, EndMotion]]
+
+PRESET = rope_120()
+TRAVEL = PRESET.travel  # m
+REFERENCE = s_curve(Trip())
+SAMPLE = 0.04  # s; steps of 5, 10, 20 and 40 ms end on it
+DURATION = SAMPLE * round((REFERENCE.duration + 3.0) / SAMPLE)  # s
+
+#: the rope without coupling of tension and torsion, which Exudyn's elements do not have
+UNCOUPLED = PRESET.scene.with_(rope=replace(PRESET.scene.rope, Qb=0.0, Qc=0.0))
+#: and without torque, as Exudyn's cable in space
+TORSION_FREE = UNCOUPLED.with_(right=Swivel(mode="free"))
+SIDEWAYS = (0.1, 4.0)  # m, s: swing of the left end out of plane in the runs in space
+
+
+@dataclass(frozen=True)
+class Run:
+    """Vertical end forces (n, 2), N, and the loop's lowest point (n, 3), m, every SAMPLE; NaN after a failure."""
+
+    code: str  # "ours" or "Exudyn"
+    group: str  # of variants that make a line
+    label: str
+    elements: int
+    step: float  # s
+    cpu: float  # s, of the time steps alone
+    force: Array
+    bottom: Array
+    failure: str = ""
+
+    @property
+    def cost(self) -> float:
+        """CPU time per simulated second."""
+        return self.cpu / DURATION
+
+
+@dataclass(frozen=True)
+class Error:
+    """Root mean square of the end forces' error, relative to the largest force; largest error of the loop, m."""
+
+    force: float
+    loop: float
+
+
+def error(run: Run, reference: Run) -> Error:
+    """NaN for a run that failed."""
+    force = np.sqrt(np.mean((run.force - reference.force) ** 2)) / np.abs(reference.force).max()
+    return Error(float(force), float(np.abs(run.bottom - reference.bottom).max()))
+
+
+def winding_ends(t: float) -> tuple[EndMotion, EndMotion]:
+    """The planar winding."""
+    return ends_at(REFERENCE, TRAVEL, t)
+
+
+def swinging_ends(t: float) -> tuple[EndMotion, EndMotion]:
+    """The winding while the left end swings once out of plane, z = A sin^4(pi t/T)."""
+    left, right = winding_ends(t)
+    A, T = SIDEWAYS
+    w = np.pi / T
+    s, c = np.sin(w * min(t, T)), np.cos(w * min(t, T))
+    z, vz, az = A * s**4, 4 * A * w * s**3 * c, 4 * A * w * w * s * s * (3 * c * c - s * s)
+    return replace(left, z=float(z), vz=float(vz), az=float(az)), right
+
+
+def ours(group: str, label: str, scene: Scene, ends: Ends = winding_ends) -> Run:
+    """One run of ours; the host's step is the largest step."""
+    step, rope = scene.solver.step_max, RopeSimulator(scene)
+    status, cpu = rope.initialize(0.0, *ends(0.0)), 0.0
+    count, every = round(DURATION / step), round(SAMPLE / step)
+    force, bottom = np.full((count // every, 2), np.nan), np.full((count // every, 3), np.nan)
+    for k in range(1, count + 1):
+        if not status.valid:
+            break
+        targets = ends(k * step)
+        start = time.process_time()
+        status = rope.advance_to(k * step, *targets)
+        cpu += time.process_time() - start
+        if status.valid and k % every == 0:
+            motion, row = rope.state.motion, k // every - 1
+            force[row] = -motion.reaction[[0, -1], 1]
+            bottom[row] = loop_bottom(motion.q, rope.state.partition.lengths).position
+    elements = rope.model.kernels.elements
+    return Run("ours", group, label, elements, step, cpu, force, bottom, "" if status.valid else status.message)
+
+
+@cache
+def hanging(scene: Scene, heights: tuple[float, float]) -> tuple[Array, Array]:
+    """Arc lengths and nodes (n, 7) of our equilibrium between the heights: where Exudyn's search begins."""
+    rope = RopeSimulator(scene.with_(mesh=Mesh(kind="eem", elements=600)))
+    status = rope.initialize(0.0, EndMotion(y=heights[0]), EndMotion(y=heights[1]))
+    if not status.valid:
+        raise RuntimeError(status.message)
+    return arc_lengths(rope.state.partition.lengths), rope.state.motion.q
+
+
+def exudyn(
+    element: str,
+    count: int,
+    method: Method,
+    scene: Scene = UNCOUPLED,
+    sideways: tuple[float, float] | None = None,
+    symbolic: bool = True,
+) -> Run:
+    """One run of Exudyn."""
+    heights = (0.0, TRAVEL)
+    label = f"{count}, {1e3 * method.step:g} ms"
+    samples = round(DURATION / SAMPLE)
+    try:
+        rope = PeerRope(scene, element, count, hanging(scene, heights), heights, REFERENCE, sideways, symbolic)
+        rope.rest()
+        record = rope.run(DURATION, SAMPLE, method)
+    except PeerError as failed:
+        force, bottom = np.full((samples, 2), np.nan), np.full((samples, 3), np.nan)
+        return Run("Exudyn", element, label, count, method.step, np.nan, force, bottom, str(failed))
+    bottom = np.array([loop_bottom(q, record.lengths).position for q in record.q])
+    return Run("Exudyn", element, label, count, method.step, record.cpu, record.force, bottom)
+
+
+def timed(
+    cases: Mapping[str, Callable[[], Run]], rounds: int, short: float, tell: Callable[[str], None]
+) -> dict[str, Run]:
+    """Every case once, those below ``short`` seconds ``rounds`` times in turn; the median of the CPU times."""
+    runs: dict[str, list[Run]] = {key: [] for key in cases}
+    for turn in range(rounds):
+        for key, case in cases.items():
+            if turn == 0 or runs[key][0].cpu < short:
+                tell(key)
+                runs[key].append(case())
+    return {key: replace(done[0], cpu=float(np.median([r.cpu for r in done]))) for key, done in runs.items()}
