@@ -26,6 +26,8 @@ from .points import FAMILIES, SAMPLE, Point, Study
 
 Array = NDArray[np.float64]
 
+#: families of which every point is repeated
+ALWAYS = ("levels", "rungs", "tolerance", "newton", "rho_inf")
 #: s of processor time; a longer run is not repeated
 SLOW = 5.0
 ERRORS = ("force error", "loop error [m]", "twist error [rad]")
@@ -106,7 +108,7 @@ def errors(run: Run, exact: Run, coupling: str) -> tuple[float, float, float]:
 
 
 def measure(study: Study, families: Sequence[str]) -> Tables:
-    """Every point of the families once, those on a front and the levels again in each further round."""
+    """Every point of the families once, those on a front and those of ALWAYS again in each further round."""
     exact = {c: study.reference(c) for c in COUPLINGS}
     points = [p for p in study.points if p.family in families or p in exact.values()]
     runs: dict[tuple[Scene, float], Run] = {}
@@ -132,7 +134,7 @@ def _key(point: Point) -> tuple[Scene, float]:
 
 
 def _worth_repeating(found: dict[Point, tuple[Run, tuple[float, float, float]]]) -> list[Point]:
-    kept = [p for p in found if p.family in ("levels", "rungs")]
+    kept = [p for p in found if p.family in ALWAYS]
     for coupling in COUPLINGS:
         for family in ("eem", "tmn"):
             group = [p for p in found if (p.coupling, p.family) == (coupling, family)]

@@ -98,7 +98,7 @@ def _reference(t: Table) -> str:
         for k, s, *e in zip(r["elements"], r["largest step [s]"], r[FORCE], r[LOOP], r[TWIST], strict=True):
             if (k, s) != (n, h):
                 theta = f"{1e3 * e[2]:.2g} mrad" if np.isfinite(e[2]) else ""
-                parts.append(f"| {k:.0f} | {1e3 * s:g} ms | {e[0]:.2g} | {1e3 * e[1]:.2g} mm | {theta} |")
+                parts.append(f"| {k:.0f} | {1e3 * s:g} ms | {100 * e[0]:.2g} % | {1e3 * e[1]:.2g} mm | {theta} |")
         theta = f", {1e3 * limit(t, coupling, TWIST):.2g} mrad" if coupling == "coupled" else ""
         parts.append(
             f"\nBy the rate at which these shrink the reference solution itself errs by about "
@@ -159,7 +159,7 @@ def _rungs(t: Table) -> str:
     exact = [f"{n} {full / the(u, n, COST):.1f} times as fast" for n in ("spatial", "planar") if n in u["name"]]
     left_out = [
         f"{n} {full_c / the(c, n, COST):.3g} times as fast with an end-force error of {100 * the(c, n, FORCE):.2g} % "
-        f"and the loop {1e3 * the(c, n, LOOP):.3g} mm off"
+        f"and the loop {the(c, n, LOOP):.2g} m off"
         for full_c in [the(c, "torsional", COST)]
         for n in ("planar", "rigid")
     ]
@@ -180,7 +180,7 @@ def _meshes(t: Table) -> str:
     )
     lines = [
         "Elements needed, and processor time that TMN-ETM saves at the same error: interpolated in the logarithms on "
-        "each family's own front, over all steps tried.\n",
+        "each family's own front, over all steps tried. At most: the cheapest mesh tried is better already.\n",
         head + " |",
         "|---" * 7 + "|",
     ]
@@ -235,5 +235,7 @@ def _solver(t: Table) -> str:
         lines.append(f"- {name}: {'; '.join(cells)}.")
     return (
         "One number at a time about the defaults, standard mesh, coupled: end-force error, error of the loop's place, "
-        "and real-time factor.\n\n" + "\n".join(lines) + f"\n\n![Errors over time: solver]({IMAGES}/solver.png)\n"
+        "and real-time factor.\n\n"
+        + "\n".join(lines)
+        + f"\n\n![Errors and processor time over tolerance, Newton's tolerance and rho_inf]({IMAGES}/solver.png)\n"
     )

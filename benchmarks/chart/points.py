@@ -126,7 +126,8 @@ def _levels(coupling: str) -> Iterator[Point]:
     """The levels, and the standard one in a host that communicates every 10 ms."""
     for level, settings in LEVELS.items():
         yield Point("levels", level, coupling, **settings)
-    yield Point("levels", "standard, 10 ms", coupling, **LEVELS["standard"], interval=SHORTEST)
+        if level == "standard":
+            yield Point("levels", "standard, 10 ms", coupling, **settings, interval=SHORTEST)
 
 
 def _rungs(coupling: str) -> Iterator[Point]:
