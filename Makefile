@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce fmu clean peer
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -34,6 +34,9 @@ stability: $(READY)
 
 reproduce: $(READY)
 	$(BIN)/python -m benchmarks.reproduce
+
+chart: $(READY)
+	$(BIN)/balance-rope chart
 
 peer: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[peer]'

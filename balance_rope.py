@@ -14,6 +14,7 @@ from hoist_demo.cli import add_demo
 from rope_model.parameters import LEVELS, PRESETS
 
 DEFAULT_FMU = Path("build") / "balance_rope.fmu"
+DOCS, QUICK = Path("docs"), Path("out") / "chart"
 
 DESCRIPTION = """\
 The balance rope of a friction (Koepe) hoist, as an FMU and in a winding.
@@ -27,6 +28,7 @@ first steps:
   balance-rope demo                    wind 90 m with it; figures, CSV and a report in out/demo
   balance-rope demo --quick            wind 10 m only, to see that all is in place
   balance-rope demo --in-process       the same rope without the FMU
+  balance-rope chart                   measure accuracy against speed; page, figures and data in docs
   balance-rope COMMAND --help          what a command can do
 """
 
@@ -54,6 +56,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     export.add_argument("--out", type=Path, default=DEFAULT_FMU, help="the .fmu to write (%(default)s)")
     export.set_defaults(run=_export)
     add_demo(commands, DEFAULT_FMU)
+    chart = commands.add_parser(
+        "chart",
+        help="measure accuracy against speed",
+        description="Wind the 120 m rope with many meshes, steps and models, and chart error over processor time: "
+        "chart.md, images/chart and data/chart in --out, and the table of levels in the README beside it. Some ten "
+        "minutes.",
+    )
+    chart.add_argument("--out", type=Path, metavar="DIR", help=f"where to ({DOCS}; with --quick {QUICK})")
+    chart.add_argument("--quick", action="store_true", help="a few points on 1 m of travel: a check, not a result")
+    chart.add_argument("--only", metavar="FAMILY", help="measure one family anew and keep the rest; draw: none")
+    chart.set_defaults(run=_chart)
     options = parser.parse_args(arguments)
     level = logging.INFO if options.verbose else logging.WARNING
     logging.basicConfig(level=level, format="%(name)s: %(message)s")
@@ -69,6 +82,15 @@ def _export(options: argparse.Namespace) -> int:
     path = export_fmu(options.out, options.scene, options.level)
     what = f"FMI 2.0 co-simulation, scene {options.scene}, level {options.level}"
     print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {what}")
+    return 0
+
+
+def _chart(options: argparse.Namespace) -> int:
+    # the benchmarks are needed here only, and bring matplotlib
+    from benchmarks.chart.command import run
+
+    for path in run(options.out or (QUICK if options.quick else DOCS), options.only, options.quick):
+        print(path)
     return 0
 
 

@@ -1,0 +1,133 @@
+"""The chart of accuracy against speed: its arithmetic, its files, and what the committed data say of the levels."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from balance_rope import main
+from benchmarks.chart.command import DATA, IMAGES, run
+from benchmarks.chart.figures import FIGURES
+from benchmarks.chart.front import cheapest, cost_at, pareto
+from benchmarks.chart.levels import BEGIN, END, block, with_block
+from benchmarks.chart.measure import COLUMNS, merged
+from benchmarks.chart.page import page
+from benchmarks.chart.points import FAMILIES, SAMPLE, complete
+from benchmarks.chart.reading import FORCE, limit, remaining, rows
+from benchmarks.reproduction.tables import read, table
+
+ROOT = Path(__file__).resolve().parent.parent
+DOCS = ROOT / "docs"
+TABLES = read(DOCS / DATA)
+POINTS = TABLES["points"]
+NAN = float("nan")
+
+
+# arithmetic, on made-up points
+
+COST = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 0.5])
+ERROR = np.array([1.0, 0.1, 0.2, 0.01, 0.01, NAN])
+
+
+def test_no_point_of_the_front_is_beaten_in_both() -> None:
+    assert_array_equal(pareto(COST, ERROR), [0, 1, 3])  # 2 is beaten by 1, 4 by 3, the last is no number
+
+
+def test_the_front_does_not_depend_on_the_order_of_the_points() -> None:
+    order = np.array([4, 2, 0, 5, 3, 1])
+    assert_array_equal(order[pareto(COST[order], ERROR[order])], pareto(COST, ERROR))
+
+
+def test_cost_is_interpolated_in_the_logarithms() -> None:
+    cost = np.array([1.0, 2.0, 4.0])
+    assert_allclose(cost_at(cost, 1.0 / cost**3, 3.0**-3), 3.0, rtol=1e-12)  # a power law is a straight line
+
+
+def test_beyond_the_front_cost_is_the_cheapest_points_or_not_a_number() -> None:
+    assert cost_at(COST, ERROR, 10.0) == pytest.approx(1.0, rel=1e-12)
+    assert np.isnan(cost_at(COST, ERROR, 0.001))
+    assert np.isnan(cost_at(np.array([]), np.array([]), 1.0))
+
+
+def test_the_cheapest_point_within_a_bound_is_on_the_front() -> None:
+    assert (cheapest(COST, ERROR, 0.5), cheapest(COST, ERROR, 0.1), cheapest(COST, ERROR, 1e-3)) == (1, 1, None)
+
+
+@pytest.mark.parametrize(("order", "left"), [(1, 1.0), (2, 1.0), (3, 2.33)])
+def test_the_references_own_error_follows_from_its_convergence(order: int, left: float) -> None:
+    solutions = np.array([4.0, 2.0, 1.0]) ** order  # errors; a third order is taken as a second one, with caution
+    assert_allclose(remaining(solutions[:2] - solutions[2]), left, rtol=2e-3)
+
+
+def test_a_family_measured_anew_replaces_its_rows_only() -> None:
+    def points(*families: str) -> dict[str, np.ndarray]:
+        return dict(table(COLUMNS, [(f, *[k] * (len(COLUMNS) - 1)) for k, f in enumerate(families)]))
+
+    both = merged(points("levels", "eem", "eem", "tmn"), points("eem"), ("eem",))
+    assert_array_equal(both["family"], ["levels", "eem", "tmn"])
+    assert_array_equal(both["name"], [0, 0, 3])
+
+
+# files
+
+
+def test_every_communication_step_meets_every_sample() -> None:
+    for p in complete().points:
+        assert_allclose(SAMPLE / p.communication, round(SAMPLE / p.communication), rtol=1e-12)
+
+
+def test_the_quick_command_writes_every_file(tmp_path: Path) -> None:
+    (tmp_path / "README.md").write_text(f"before\n{BEGIN}\n{END}\nafter\n", encoding="utf-8")
+    out = tmp_path / "docs"
+    assert main(["chart", "--quick", "--out", str(out)]) == 0
+    assert {p.name for p in (out / DATA).iterdir()} == {"points.csv", "machine.csv"}
+    assert {p.stem for p in (out / IMAGES).iterdir()} == set(FIGURES)
+    assert (out / "chart.md").read_text(encoding="utf-8") == page(tables := read(out / DATA))
+    assert set(tables["points"]["family"]) == set(FAMILIES)
+    assert not any(tables["points"]["failure"])
+    assert (tmp_path / "README.md").read_text(encoding="utf-8") == f"before\n{block(tables)}\nafter\n"
+
+
+def test_one_family_needs_the_others_data(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="run without --only first"):
+        run(tmp_path, only="eem")
+    with pytest.raises(ValueError, match="must be one of reference, levels"):
+        run(tmp_path, only="fem")
+
+
+def test_a_readme_without_marks_stays_as_it_is() -> None:
+    assert with_block("no marks\n", TABLES) == "no marks\n"
+
+
+# the committed data
+
+
+def test_page_and_readme_are_what_the_committed_data_make() -> None:
+    assert (DOCS / "chart.md").read_text(encoding="utf-8") == page(TABLES)
+    assert block(TABLES) in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_figures_are_there_and_small() -> None:
+    assert {p.stem for p in (DOCS / IMAGES).iterdir()} == set(FIGURES)
+    assert max(p.stat().st_size for p in (DOCS / IMAGES).iterdir()) < 150e3
+
+
+@pytest.mark.parametrize("coupling", ["coupled", "uncoupled"])
+@pytest.mark.parametrize(("level", "bound"), [("draft", 0.03), ("standard", 0.005), ("standard, 10 ms", 0.005)])
+def test_levels_are_as_accurate_as_they_say(coupling: str, level: str, bound: float) -> None:
+    error = rows(POINTS, family="levels", name=level, coupling=coupling)[FORCE]
+    assert error.size == 1
+    assert limit(POINTS, coupling, FORCE) < error[0] < bound
+
+
+def test_the_exact_rungs_agree_where_nothing_couples() -> None:
+    r = rows(POINTS, family="rungs", coupling="uncoupled", name=("torsional", "spatial", "planar"))
+    assert_allclose(r[FORCE], r[FORCE][0], rtol=1e-3)
+
+
+def test_the_interpreted_rope_is_the_compiled_one() -> None:
+    r = rows(POINTS, family="kernels")
+    assert_allclose(r[FORCE], r[FORCE][0], rtol=1e-4)
