@@ -56,7 +56,7 @@ def wind(
     interval: float = H,
     progress: Callable[[float], None] | None = None,
 ) -> Winding:
-    """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``."""
+    """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` steps of ``interval`` (s)."""
     rope = RopeSimulator(scene)
     run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
     if not run.status.valid:
