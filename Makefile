@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability choice fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -31,6 +31,9 @@ robustness: $(READY)
 
 stability: $(READY)
 	$(BIN)/python -m benchmarks.stability
+
+choice: $(READY)
+	$(BIN)/python -m benchmarks.choice
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

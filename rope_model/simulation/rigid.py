@@ -26,8 +26,10 @@ from .ends import EndMotion, EndPath, nominal_points
 from .rope_system import POSITION, SLOPE, Array, RopeSystem, arc_lengths
 from .statics import find_equilibrium, hanging_guess
 
-#: s, slower than the legs' longitudinal modes (0.1 s), faster than the loop
+#: s, above 1/omega of the legs' longitudinal (0.02 s) and torsional modes (0.06 s), below that of the loop (1 s)
 SETTLING_TIME = 0.1
+#: m
+NEWTON_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -107,10 +109,7 @@ def rigid_rope(scene: Scene, paths: tuple[EndPath, EndPath], t: float, nodes_s: 
 
 
 def flexible_start(system: RopeSystem, rigid: Motion) -> Motion:
-    """A flexible rope in place of the rigid one: the equilibrium between the present ends, along which the rope flows.
-
-    An inertia that stands for SETTLING_TIME lets the rope stretch as the flow asks and holds its place.
-    """
+    """A flexible rope in place of the rigid one: in equilibrium between the present ends, along which it flows."""
     rest = find_equilibrium(system, rigid.q, rigid.t)
     s, t = arc_lengths(system.lengths), rest.q[:, SLOPE]
     (u, w), (u_t, w_t) = flow(float(rigid.v[0, 1]), float(rigid.v[-1, 1])), flow(rigid.a[0, 1], rigid.a[-1, 1])
@@ -120,9 +119,19 @@ def flexible_start(system: RopeSystem, rigid: Motion) -> Motion:
     a[:, POSITION] += u * u * bend
     a[:, SLOPE] = -u_t * bend + u * u * np.gradient(bend, s, axis=0)
     a[[0, -1]] = rigid.a[[0, -1]]
-    settled = system.solve(rest.q, v, a, rest.reaction, np.array([1.0, 0.0, SETTLING_TIME**-2]), 1e-7)
-    q = settled.q if settled.newton.converged else rest.q
-    return replace(rigid, q=q, v=v, reaction=settled.assessment.reaction)
+    return settled(system, replace(rigid, q=rest.q, v=v, a=a, reaction=rest.reaction))
+
+
+def settled(system: RopeSystem, motion: Motion) -> Motion:
+    """``motion`` with the stretch and twist that its accelerations ask for.
+
+    An inertia that stands for SETTLING_TIME lets them adjust and holds the rope's place.
+    """
+    m, c = motion, np.array([1.0, 0.0, SETTLING_TIME**-2])
+    solution = system.solve(m.q, m.v, m.a, m.reaction, c, NEWTON_TOLERANCE)
+    if not solution.newton.converged:
+        return motion
+    return replace(motion, q=solution.q, reaction=solution.assessment.reaction)
 
 
 def _flowing(q: Array, u: float, w: float) -> Array:

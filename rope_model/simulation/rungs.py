@@ -1,12 +1,13 @@
 """No more model than the scene needs: which rung of the model serves, and why.
 
     torsional   the complete rope
-    spatial     no torsion: the same for a rope that carries no torque
+    spatial     no torsion: the same for a rope without torque, but for spin inertia and theta's interpolation
     planar      the same for a rope that carries no torque and stays in the plane
     rigid       no waves, no bending: closed-form end forces of an inextensible rope, see simulation.rigid
 
-A torque-free rope has no coupling and no installed twist, and its ends turn freely or do not turn at all.  What a
-rung leaves out is then zero in the complete model too.  Beyond that 'auto' takes a rung only when the error of the
+A torque-free rope has no coupling and no installed twist.  Out of plane its swivels must turn freely as well, or its
+writhe twists it; they hold while the rope is hung up, so the run must start in the plane.  What a rung leaves out is
+then zero in the complete model too.  Beyond that 'auto' takes a rung only when the error of the
 vertical end forces (root mean square over a winding, relative to the largest) is estimated within the scene's force
 tolerance.  With W the width of the loop, l the length of a leg, kappa = Qs^2 / (Qa Qd), F = rho g l_long
 
@@ -15,7 +16,9 @@ tolerance.  With W the width of the loop, l the length of a leg, kappa = Qs^2 / 
     whip          the flow u carries the loop sideways once rho u^2 exceeds its weight: WHIP (u^2 / g W)^2
     yaw           the uniform torque M turns the loop by psi = 4 M ln(L / 2W) / (rho g W^2); the lean shrinks by psi^2
 
-    planar or spatial on a rope with torque:   kappa longitudinal + psi^2 lean + whip
+    release       the torque M let go sends off a torsional wave, which carries the tension Qs M rho / (Qa rhoJ)
+
+    planar or spatial on a rope with torque:   kappa longitudinal + psi^2 lean + whip + release
     rigid against planar:                      longitudinal + lean
 
 Constants that no theory gives are measured: `make choice` compares estimate and error.
@@ -38,6 +41,8 @@ RungName = Literal["torsional", "spatial", "planar", "rigid"]
 
 #: from the least model to the complete one
 LADDER: tuple[RungName, ...] = ("rigid", "planar", "spatial", "torsional")
+#: inputs that act out of the plane, and that turn a rope whose swivels hold
+OUT_OF_PLANE, TURNED = ("z", "vz", "az"), ("yaw", "yaw_rate")
 #: sideways displacement of the loop's bottom over its width, at rest: 0.29 to 0.34 measured at EI 50 to 1000 N m^2
 LEAN = 1 / 3
 #: how the lean grows with acceleration / g: 7 to 10 measured at 4 m/s^2 and 16 m/s, none at 0.75 m/s^2
@@ -105,13 +110,15 @@ def outgrown(scene: Scene, rung: RungName, ends: tuple[EndMotion, EndMotion]) ->
     """'' while ``rung`` can follow the ends, for 'auto' within the tolerance; otherwise what it cannot."""
     if rung == "torsional":
         return ""
-    why = "" if _turns_freely(scene) else _moved(ends, ("yaw", "yaw_rate"))
+    why = "" if _turns_freely(scene) else _moved(ends, TURNED)
     if rung != "spatial":
-        why = why or _moved(ends, ("z", "vz", "az"))
+        why = why or _moved(ends, OUT_OF_PLANE)
     if rung == "rigid":
         why = why or _moved(ends, ("vx", "ax"))
     if why or scene.model.rung != "auto":
         return why
+    if rung == "spatial" and not _turns_freely(scene) and (why := _moved(ends, OUT_OF_PLANE)):
+        return f"{why} while its swivels hold"
     error, tolerance = force_error(scene, rung, expected(ends)), scene.model.force_tolerance
     if error > tolerance:
         return f"the ends within the tolerance of {100 * tolerance:.3g} %: it errs by an estimated {100 * error:.2g} %"
@@ -145,7 +152,16 @@ def torsion_error(scene: Scene, travel: Travel) -> float:
         return math.inf
     flow = travel.speed**2 / (scene.layout.gravity * natural_width(scene))
     kappa = rope.Qs**2 / (rope.Qa * rope.Qd)
-    return kappa * longitudinal_error(scene, travel) + psi**2 * lean_error(scene, travel) + WHIP * flow**2
+    held = kappa * longitudinal_error(scene, travel) + psi**2 * lean_error(scene, travel) + WHIP * flow**2
+    return held + release_error(scene, travel)
+
+
+def release_error(scene: Scene, travel: Travel) -> float:
+    """The tension of the torsional wave that a released swivel sends off, over the longer leg's weight."""
+    if scene.left.mode == scene.right.mode == "locked":
+        return 0.0
+    rope, g = scene.rope, scene.layout.gravity
+    return abs(rope.Qs) * held_torque(rope, g) / (rope.Qa * rope.rhoJ * g * _legs(scene, travel)[0])
 
 
 def loop_yaw(scene: Scene) -> float:
@@ -190,10 +206,14 @@ def _legs(scene: Scene, travel: Travel) -> tuple[float, float]:
 
 
 def _lowest(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
-    exact = _lowest_exact(scene, ends)
-    rung = lowest_able(scene, ends)
-    if LADDER.index(rung) >= LADDER.index(exact.rung):
-        return exact
+    if why := _moved(ends, OUT_OF_PLANE + TURNED):
+        return Choice("torsional", f"{why} where the rope is hung up with its swivels held")
+    rung = lowest_able(scene, ends) if scene.model.force_tolerance > 0 else "torsional"
+    if not (torque := _torque(scene)) and rung != "rigid":
+        return Choice("planar", "no torque acts and nothing acts out of plane")
+    if rung == "torsional":
+        below = outgrown(scene, "spatial", ends) if scene.model.force_tolerance > 0 else ""
+        return Choice(rung, torque + (f"; the spatial rung cannot follow {below}" if below else ""))
     travel, tolerance = expected(ends), scene.model.force_tolerance
     return Choice(
         rung,
@@ -203,23 +223,19 @@ def _lowest(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
     )
 
 
-def _lowest_exact(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
-    turned = "" if _turns_freely(scene) else _moved(ends, ("yaw", "yaw_rate"))
-    if why := _torque(scene) or turned:
-        return Choice("torsional", why)
-    if why := _moved(ends, ("z", "vz", "az")):
-        return Choice("spatial", f"no torque acts, but {why}")
-    return Choice("planar", "no torque acts and nothing acts out of plane")
-
-
 def _torque(scene: Scene) -> str:
-    """'' for a rope that carries no torque while its ends do not turn; otherwise why it does."""
+    """'' for a rope that carries no torque in the plane while its ends do not turn; otherwise why it does."""
     rope = scene.rope
     if rope.Qs or rope.Qk:
         return f"tension and torsion are coupled (Qb = {rope.Qb:g}, Qc = {rope.Qc:g} N m)"
-    if rope.installed_twist and not _turns_freely(scene):
+    if rope.installed_twist:
         return f"the rope is twisted by {rope.installed_twist:g} rad"
     return ""
+
+
+def carries_torque(scene: Scene) -> bool:
+    """Whether the rope carries torque even in the plane."""
+    return bool(_torque(scene))
 
 
 def _turns_freely(scene: Scene) -> bool:
