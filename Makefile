@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -41,6 +41,9 @@ chart: $(READY)
 peer: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[peer]'
 	$(BIN)/python -m benchmarks.peer
+
+choice: $(READY)
+	$(BIN)/python -m benchmarks.choice
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

@@ -32,6 +32,7 @@ class Winding:
     force: list[Array] = field(default_factory=list)  # N, left and right
     bottom: list[Array] = field(default_factory=list)  # m
     observed: list[Array] = field(default_factory=list)  # (2, 7) r, r', theta at the observation points
+    torque: list[tuple[float, float]] = field(default_factory=list)  # N m, of the conveyances on the rope's ends
     kinetic: list[float] = field(default_factory=list)  # J
     events: list[Event] = field(default_factory=list)
     simulated: float = 0.0  # s
@@ -58,6 +59,7 @@ def wind(
     progress: Callable[[float], None] | None = None,
     watch: Callable[[RopeSimulator], None] | None = None,
     interval: float = H,
+    ends_at: Callable[[Reference, float, float], tuple[EndMotion, EndMotion]] = ends_at,
 ) -> Winding:
     """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``.
 
@@ -83,6 +85,7 @@ def wind(
             run.force.append(-state.motion.reaction[[0, -1], 1])
             run.bottom.append(bottom)
             run.observed.append(observation_points(state.motion.q, bottom))
+            run.torque.append((rope.ends.moment(0, state.motion.reaction), rope.ends.moment(1, state.motion.reaction)))
             run.kinetic.append(state.ledger.kinetic)
             if watch is not None:
                 watch(rope)

@@ -12,8 +12,9 @@ import numpy as np
 from ..physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
 from .mesh import Partition, transformation_due, transformed
 from .model import RopeModel, energies
+from .rigid import flexible_start, settled
 from .rope_system import ANGLE, SLOPE
-from .rungs import RungName
+from .rungs import carries_torque, ends_after, lowest_able
 from .state import Event, RopeState
 from .transfer import transferred
 
@@ -88,12 +89,23 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
 
 
 def raised(model: RopeModel, state: RopeState, why: str) -> RopeState:
-    """The state on the lowest rung that can follow what this one cannot, with nothing changed but that."""
-    rung: RungName = "torsional"
+    """The state on the lowest rung that can follow what this one cannot.
+
+    Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the rung above
+    at once; the rigid one, which has no shape of its own, also takes the shape of an equilibrium.
+    """
+    rung = lowest_able(model.scene, ends_after(state.paths))
     reason = f"the {state.rung} rung cannot follow {why}"
     log.info("t = %.6f s: model: %s, because %s", state.motion.t, rung, reason)
     event = Event(state.motion.t, f"model {rung}")
-    return model.restarted(state._replace(rung=rung, rung_reason=reason, events=(*state.events, event)))
+    above = state._replace(rung=rung, rung_reason=reason, events=(*state.events, event))
+    if state.rung != "rigid" and not carries_torque(model.scene):
+        return model.restarted(above)
+    adjusted = flexible_start if state.rung == "rigid" else settled
+    above = model.restarted(above._replace(motion=adjusted(model.system(above), state.motion)))
+    m, before = above.motion, state.ledger
+    after = before._replace(**energies(model.system(above).assess(m.q, m.v, m.a, m.reaction).balance))
+    return above._replace(ledger=after._replace(transformations=before.transformations + after.total - before.total))
 
 
 def with_loop_yaw(state: RopeState) -> RopeState:

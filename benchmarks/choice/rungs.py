@@ -1,0 +1,128 @@
+"""What a lower rung of the model costs in accuracy and saves in processor time."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from statistics import median
+
+import numpy as np
+
+from benchmarks.kinematic import Winding, wind
+from benchmarks.robustness import LIMITS
+from hoist_demo.parameters import Winding as Trip
+from hoist_demo.reference import s_curve
+from rope_model.parameters import Layout, Model, RungChoice, Scene, Swivel
+from rope_model.simulation.rungs import Travel, force_error, lean_error, longitudinal_error
+from rope_model.simulation.simulator import RopeSimulator
+
+from .scenes import P120, P240, Case
+
+ROUNDS = 3
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What 'auto' does with a scene, and how it differs from the torsional rung."""
+
+    case: Case
+    rung: str
+    reason: str
+    switches: tuple[str, ...]  # to which rung when, and why
+    force: float  # root mean square of the vertical end forces' difference over the largest force
+    peak: float  # largest difference over the largest force
+    bottom: float  # m, largest distance of the loop's lowest points
+    time: float  # processor time over that of the torsional rung
+
+
+def first_choice(case: Case) -> tuple[str, str]:
+    """Rung and reason at the start."""
+    rope = RopeSimulator(case.scene)
+    status = rope.initialize(0.0, *case.ends(case.trip, case.travel, 0.0))
+    assert status.valid, status.message
+    return rope.state.rung, rope.state.rung_reason
+
+
+def taken(case: Case) -> Taken:
+    """Measure; nothing differs where the torsional rung is taken."""
+    rung, reason = first_choice(case)
+    if rung == "torsional":
+        return Taken(case, rung, reason, (), 0.0, 0.0, 0.0, 1.0)
+    runs = [(valid(case.wound(case.on("torsional"))), valid(case.wound(case.scene))) for _ in range(ROUNDS)]
+    full, auto = runs[0]
+    last = auto.rope.state.rung_reason
+    switches = tuple(f"{e.what.split()[1]} at {e.t:.2f} s, because {last}" for e in auto.events if "model" in e.what)
+    time = median(lower.cpu for _, lower in runs) / median(whole.cpu for whole, _ in runs)
+    bottom = float(np.linalg.norm(np.array(auto.bottom) - full.bottom, axis=1).max())
+    return Taken(case, rung, reason, switches, *force_difference(auto, full), bottom, time)
+
+
+def valid(run: Winding) -> Winding:
+    """The run, if it came to its end."""
+    if not run.status.valid:
+        raise RuntimeError(run.status.message)
+    return run
+
+
+def force_difference(run: Winding, reference: Winding) -> tuple[float, float]:
+    """Root mean square and largest difference of the vertical end forces, over the largest force."""
+    difference, largest = np.array(run.force) - reference.force, np.abs(reference.force).max()
+    return float(np.sqrt(np.mean(difference**2)) / largest), float(np.abs(difference).max() / largest)
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Measured and estimated errors of one winding of a coupled rope."""
+
+    length: float  # m
+    swivels: str
+    speed: float  # m/s
+    EI: float  # N m^2
+    spacing: float  # m
+    planar: float  # against torsional
+    planar_estimate: float
+    rigid: float  # against planar
+    rigid_estimate: float
+
+    @property
+    def factors(self) -> tuple[float, float]:
+        """Estimate over error, planar and rigid."""
+        return self.planar_estimate / self.planar, self.rigid_estimate / self.rigid
+
+
+#: EI in N m^2 and spacing in m
+VARIED = ((300.0, 2.0), (50.0, 2.0), (1000.0, 2.0), (300.0, 1.5), (300.0, 3.0), (1000.0, 1.5), (50.0, 3.0))
+
+
+def calibrations() -> Iterator[Calibration]:
+    """The windings from which the constants of simulation.rungs are taken, and one whose swivels are released."""
+    for preset, speed, (EI, spacing) in itertools.product((P120, P240), LIMITS, VARIED):
+        acceleration, jerk = LIMITS[speed]
+        trip = Trip(travel=preset.travel, speed=speed, acceleration=acceleration, jerk=jerk)
+        rope = replace(preset.scene.rope, EI=EI)
+        scene = preset.scene.with_(rope=rope, layout=Layout(spacing=spacing), left=Swivel(), right=Swivel())
+        yield calibration(scene, trip)
+    yield calibration(P240.scene, Trip(travel=P240.travel, speed=P240.speed), until=25.0)
+
+
+def calibration(scene: Scene, trip: Trip, until: float | None = None) -> Calibration:
+    """One winding on three rungs."""
+    reference = s_curve(trip)
+    settle = 3.0 if until is None else until - reference.duration
+    rungs: tuple[RungChoice, ...] = ("torsional", "planar", "rigid")
+    full, planar, rigid = (
+        valid(wind(scene.with_(model=Model(rung)), reference, trip.travel, settle, sample=2)) for rung in rungs
+    )
+    travel = Travel(trip.travel, reference.peak_speed, trip.acceleration, trip.jerk)
+    return Calibration(
+        scene.rope.length,
+        "locked" if scene.left.mode == "locked" else f"released at {scene.left.release_time:g} s",
+        trip.speed,
+        scene.rope.EI,
+        scene.layout.spacing,
+        force_difference(planar, full)[0],
+        force_error(scene, "planar", travel),
+        force_difference(rigid, planar)[0],
+        longitudinal_error(scene, travel) + lean_error(scene, travel),
+    )

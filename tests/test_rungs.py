@@ -1,0 +1,294 @@
+"""The rungs of the model: what equals what, what cannot follow, and what 'auto' makes of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from benchmarks.choice.scenes import CASES, Case, smooth_step
+from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
+from rope_model.simulation.ends import EndMotion, EndPath
+from rope_model.simulation.rigid import RigidRope, rigid_rope
+from rope_model.simulation.rungs import LADDER, chosen, expected, force_error, lowest_able, natural_width
+from rope_model.simulation.simulator import RopeSimulator
+from rope_model.simulation.state import RopeState
+
+Ends = tuple[EndMotion, EndMotion]
+H = 0.01
+UNCOUPLED = Rope(length=30.0, Qb=0.0, Qc=0.0)
+#: 30 m rope on TMN-ETM, for transformations, and on equal elements
+SHORT = Scene(rope=UNCOUPLED, mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)))
+EVEN = SHORT.with_(mesh=Mesh(kind="eem", elements=62))
+FREE = Swivel(mode="free")
+HIGH, TRAVEL, DURATION = 12.0, 8.0, 5.0
+
+
+def ends_at(t: float, z: float = 0.0, yaw: float = 0.0, duration: float = DURATION) -> Ends:
+    """A smooth trip from rest; between 1 s and 4 s the left conveyance moves out of plane and turns."""
+    x, v, a = (TRAVEL * value for value in smooth_step(t, 0.0, duration))
+    beside = smooth_step(t)
+    z, vz, az = (z * value for value in beside)
+    left = EndMotion(y=x, vy=v, ay=a, z=z, vz=vz, az=az, yaw=yaw * beside[0], yaw_rate=yaw * beside[1])
+    return left, EndMotion(y=HIGH - x, vy=-v, ay=-a)
+
+
+def started(scene: Scene, **model: object) -> RopeSimulator:
+    rope = RopeSimulator(scene.with_(model=Model(**model)))  # type: ignore[arg-type]
+    status = rope.initialize(0.0, *ends_at(0.0))
+    assert status.valid, status.message
+    return rope
+
+
+def advanced(rope: RopeSimulator, k: int, h: float = H, **motion: float) -> None:
+    status = rope.advance_to(k * h, *ends_at(k * h, **motion))
+    assert status.valid, status.message
+
+
+def end_force(rope: RopeSimulator) -> np.ndarray:
+    """Vertical, N."""
+    return -rope.state.motion.reaction[[0, -1], 1]
+
+
+def test_planar_equals_torsional_without_torque_through_transformations() -> None:
+    full, planar = started(SHORT, rung="torsional"), started(SHORT, rung="planar")
+    for k in range(1, 400):
+        advanced(full, k)
+        advanced(planar, k)
+        # the same equations, apart from rounding, which Newton's method and the stiff axial direction amplify
+        assert_allclose(end_force(planar), end_force(full), rtol=1e-9)
+        assert_allclose(planar.state.motion.q, full.state.motion.q, rtol=0, atol=1e-9 * SHORT.rope.length)
+    assert planar.state.counts.transformations >= 3
+
+
+def out_of_plane_difference(elements: int, inertia: float) -> float:
+    """Largest distance (m) of the loop's lowest points, spatial against torsional; factor on the inertia of spin."""
+    swivel = replace(FREE, inertia=0.05 * inertia)
+    rope = replace(UNCOUPLED, rhoJ=UNCOUPLED.rhoJ * inertia)
+    scene = SHORT.with_(rope=rope, left=swivel, right=swivel, mesh=Mesh(kind="eem", elements=elements))
+    ropes = [started(scene, rung=rung) for rung in ("torsional", "spatial")]
+    differences = []
+    for k in range(1, 401):
+        for each in ropes:
+            advanced(each, k, z=0.2)
+        differences.append(np.linalg.norm(ropes[0].loop.position - ropes[1].loop.position))
+        # measured below 1e-5 with the rope's own inertia; the loop's place is the sharper measure
+        assert_allclose(end_force(ropes[1]), end_force(ropes[0]), rtol=1e-4)
+    return float(max(differences))
+
+
+def test_spatial_differs_from_torsional_by_the_inertia_of_the_spin() -> None:
+    # the loop yaws by 0.2 m / 2 m and leaves the rope's spin behind: a torque of the inertia times the yaw's
+    # acceleration (5.8 / 3^2 s^-2 at most), which displaces the loop by 4 M ln(L / 2W) / (rho g W^2) W / 2, twice
+    # that at most because it swings
+    scene, rope = SHORT, UNCOUPLED
+    width = 0.5 * (scene.layout.spacing + natural_width(scene))
+    torque = (rope.rhoJ * rope.length + 2 * 0.05) * 0.1 * 5.8 / 9
+    displaced = 2 * torque * math.log(0.5 * rope.length / width) / (rope.mass_per_length * 9.81 * width)
+    four, sixteen = (out_of_plane_difference(124, inertia) for inertia in (4.0, 16.0))
+    assert sixteen < 2 * 16 * displaced
+    # proportional to what is left out, but for what the mesh leaves: 2e-5 m of 7e-5 m
+    assert_allclose(sixteen, 4 * four, rtol=0.2)
+
+
+def test_spatial_and_torsional_without_inertia_differ_by_the_interpolation_of_theta() -> None:
+    coarse, fine = (out_of_plane_difference(elements, 0.01) for elements in (62, 124))
+    # theta is linear in an element: second order at least
+    assert fine < 0.3 * coarse
+    assert coarse < 1e-3
+
+
+def rigid_at(t: float) -> RigidRope:
+    """The rigid rope on many nodes, in the middle of a host step; both ends accelerate, and differently."""
+    left = EndPath.resting(0.0, EndMotion()).to(4.0, EndMotion(y=3.0, vy=1.5, ay=0.7))
+    right = EndPath.resting(0.0, EndMotion(y=HIGH)).to(4.0, EndMotion(y=HIGH + 1.0, vy=-0.5, ay=0.2))
+    return rigid_rope(SHORT, (left, right), t, np.linspace(0.0, SHORT.rope.length, 20001))
+
+
+def integral(rope: RigidRope, values: np.ndarray) -> float:
+    s = np.linspace(0.0, SHORT.rope.length, values.size)
+    return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(s)))
+
+
+def test_total_force_of_the_rigid_rope_is_weight_and_rate_of_momentum() -> None:
+    def momentum(t: float) -> float:
+        rope = rigid_at(t)
+        return SHORT.rope.mass_per_length * integral(rope, rope.motion.v[:, 1])
+
+    weight, d = SHORT.rope.mass_per_length * SHORT.layout.gravity * SHORT.rope.length, 1e-3
+    rates = []
+    for t in (1.0, 2.0, 3.5):
+        rates.append((momentum(t + d) - momentum(t - d)) / (2 * d))
+        # the quadrature's error (1.5 mm intervals) over 2 d
+        assert_allclose(sum(rigid_at(t).tensions), weight + rates[-1], rtol=1e-5)
+    assert np.abs(rates).max() > 0.02 * weight
+
+
+def test_energies_of_the_rigid_rope_are_those_of_its_shape_and_flow_and_change_by_the_work_of_the_ends() -> None:
+    rho, g, d = SHORT.rope.mass_per_length, SHORT.layout.gravity, 1e-3
+    for t in (1.0, 2.0, 3.5):
+        rope, before, after = rigid_at(t), rigid_at(t - d), rigid_at(t + d)
+        m = rope.motion
+        assert_allclose(0.5 * rho * integral(rope, np.sum(m.v[:, :3] ** 2, axis=1)), rope.kinetic, rtol=1e-5)
+        assert_allclose(rho * g * integral(rope, m.q[:, 1]), rope.gravity, rtol=1e-5)
+        power = (after.kinetic + after.gravity - before.kinetic - before.gravity) / (2 * d)
+        work = rope.tensions[0] * m.v[0, 1] + rope.tensions[1] * m.v[-1, 1]
+        assert_allclose(power, work, rtol=1e-5)
+
+
+def test_books_of_the_rigid_rope_close_at_second_order_in_the_step() -> None:
+    residuals = []
+    for h in (0.04, 0.02, 0.01):
+        rope = started(EVEN, rung="rigid")
+        for k in range(1, round(2.0 / h) + 1):
+            advanced(rope, k, h)
+        residuals.append(abs(rope.state.ledger.residual))
+    assert_allclose(np.divide(residuals[:-1], residuals[1:]), 4.0, rtol=0.05)
+    assert residuals[-1] < 1e-4 * abs(rope.state.ledger.work_ends)
+
+
+def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> None:
+    coupled = EVEN.with_(rope=Rope(length=30.0))
+    duration = 10.0
+    for scene, rungs in ((coupled, ("torsional", "planar")), (EVEN, ("planar", "rigid"))):
+        ropes, forces = [started(scene, rung=rung) for rung in rungs], []
+        for k in range(1, 1001):
+            for rope in ropes:
+                advanced(rope, k, duration=duration)
+            forces.append([end_force(rope) for rope in ropes])
+        full, lower = np.moveaxis(np.array(forces), 1, 0)
+        error = math.sqrt(np.mean((lower - full) ** 2)) / np.abs(full).max()
+        assert error < force_error(scene, ropes[1].state.rung, expected(ends_at(0.0)))
+
+
+def test_slack_rope_stops_the_rigid_rung_with_a_message() -> None:
+    rope = started(EVEN, rung="rigid")
+    for k in range(1, 20):
+        advanced(rope, k)
+    before = rope.save()
+    # both conveyances fall faster than the rope: 0.5 g more within the step
+    left, right = (replace(end, ay=end.ay - 15.0) for end in ends_at(0.2))
+    status = rope.advance_to(0.2, left, right)
+    assert not status.valid
+    assert "goes slack" in status.message
+    assert "model.rung" in status.message
+    assert rope.save() == before
+
+
+@pytest.mark.parametrize(
+    ("rung", "motion", "name"),
+    [
+        ("planar", {"z": 0.2}, "left.z"),
+        ("planar", {"yaw": 0.1}, "left.yaw"),
+        ("spatial", {"yaw": 0.1}, "left.yaw"),
+        ("rigid", {"z": 0.2}, "left.z"),
+    ],
+)
+def test_rung_by_name_says_what_it_cannot_follow_and_changes_nothing(
+    rung: str, motion: dict[str, float], name: str
+) -> None:
+    rope = started(EVEN, rung=rung)
+    advanced(rope, 1)
+    before = rope.save()
+    status = rope.advance_to(2.0, *ends_at(2.0, **motion))
+    assert not status.valid
+    assert f"{rung} rung cannot follow {name}" in status.message
+    assert "model.rung = auto" in status.message
+    assert rope.save() == before
+
+
+@pytest.mark.parametrize(
+    ("swivel", "motion", "rung"),
+    [
+        pytest.param(FREE, {"z": 0.2}, "spatial", id="out of plane, swivels free"),
+        pytest.param(Swivel(), {"z": 0.2}, "torsional", id="out of plane"),
+        pytest.param(Swivel(), {"yaw": 0.1}, "torsional", id="turned"),
+    ],
+)
+def test_auto_switches_up_without_a_jump(swivel: Swivel, motion: dict[str, float], rung: str) -> None:
+    scene = EVEN.with_(left=swivel, right=swivel)
+    rope, whole = started(scene), started(scene, rung=rung)
+    assert rope.state.rung == "planar"
+    # a restart does not know how the acceleration changed over the last step, jerk times step (the jerk is 0.15 m/s^3
+    # at 1 s): as much force on half the rope, and jerk times step^2 in the speeds
+    blow, drift = 120.0 * 0.16 * H, 0.16 * H**2
+    for k in range(1, 201):
+        advanced(rope, k, **motion)
+        advanced(whole, k, **motion)
+        allowed = 0.0 if k <= 100 else 1.0
+        assert_allclose(end_force(rope), end_force(whole), rtol=1e-9, atol=allowed * blow)
+        q = whole.state.motion.q[:, :3]
+        assert_allclose(rope.state.motion.q[:, :3], q, rtol=0, atol=1e-9 + allowed * drift * (k - 100) * H)
+        switched = [event.what for event in rope.state.events if "model" in event.what]
+        assert switched == ([f"model {rung}"] if k == 101 else [])
+    assert rope.state.rung == rung
+    assert "planar rung cannot follow left." in rope.state.rung_reason
+
+
+@pytest.mark.parametrize(("tolerance", "why"), [(0.1, "it errs by an estimated"), (0.9, "goes slack")])
+def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(tolerance: float, why: str) -> None:
+    rope, planar = started(EVEN, force_tolerance=tolerance), started(EVEN, rung="planar")
+    assert rope.state.rung == "rigid"
+    forces = []
+    for k in range(1, 101):
+        for each in (rope, planar):
+            advanced(each, k, duration=2.0)  # up to 11 m/s^2
+        forces.append((end_force(rope), end_force(planar)))
+    assert rope.state.rung == "planar"
+    assert "rigid rung cannot follow" in rope.state.rung_reason
+    assert why in rope.state.rung_reason
+    ours, reference = np.moveaxis(np.array(forces), 1, 0)
+    # the tolerance is of the root mean square; 10 % for either, because nothing allows more after the switch
+    assert math.sqrt(np.mean((ours - reference) ** 2)) < 0.1 * np.abs(reference).max()
+    # the energy of the shape that it takes on is booked
+    assert abs(rope.state.ledger.residual) < 0.01 * rope.state.ledger.kinetic
+
+
+def test_rung_and_reason_survive_saving() -> None:
+    rope = started(EVEN)
+    for k in range(1, 121):
+        advanced(rope, k, z=0.2)
+    state = RopeState.from_bytes(rope.save())
+    assert (state.rung, state.rung_reason) == (rope.state.rung, rope.state.rung_reason)
+    assert state.rung == "torsional"
+    again = RopeSimulator(rope.scene)
+    again.restore(rope.save())
+    advanced(again, 121, z=0.2)
+    advanced(rope, 121, z=0.2)
+    assert again.save() == rope.save()
+
+
+@pytest.mark.parametrize("case", [pytest.param(case, id=case.title) for case in CASES])
+def test_auto_takes_the_rung_that_the_scene_needs(case: Case) -> None:
+    choice = chosen(case.scene, case.ends(case.trip, case.travel, 0.0))
+    assert choice.rung == case.rung
+    assert choice.reason
+    times = np.arange(0.0, case.until, 0.05)
+    needed = [LADDER.index(lowest_able(case.scene, case.ends(case.trip, case.travel, t))) for t in times]
+    if choice.rung != "torsional":
+        assert LADDER[max(max(needed), LADDER.index(choice.rung))] == (case.last or case.rung)
+
+
+@pytest.mark.parametrize(
+    ("scene", "ends"),
+    [
+        pytest.param(SHORT.with_(rope=Rope(length=30.0)), (EndMotion(), EndMotion()), id="coupled"),
+        pytest.param(
+            SHORT.with_(rope=replace(UNCOUPLED, installed_twist=1.0), left=FREE, right=FREE),
+            (EndMotion(), EndMotion()),
+            id="twisted until its swivels let go",
+        ),
+        pytest.param(SHORT.with_(left=FREE, right=FREE), (EndMotion(z=0.1), EndMotion()), id="hung up out of plane"),
+    ],
+)
+def test_torque_takes_the_complete_rope(scene: Scene, ends: Ends) -> None:
+    assert chosen(scene, ends).rung == "torsional"
+
+
+def test_tolerance_that_is_not_reached_is_named() -> None:
+    choice = chosen(SHORT.with_(rope=Rope(length=30.0), model=Model(force_tolerance=1e-5)), ends_at(0.0))
+    assert choice.rung == "torsional"
+    assert "within the tolerance of 0.001 %" in choice.reason
