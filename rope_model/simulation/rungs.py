@@ -21,7 +21,7 @@ tolerance.  With W the width of the loop, l the length of a leg, kappa = Qs^2 / 
     planar or spatial on a rope with torque:   kappa longitudinal + psi^2 lean + whip + release
     rigid against planar:                      longitudinal + lean
 
-Constants that no theory gives are measured: `make choice` compares estimate and error.
+Constants that no theory gives are measured; `python -m benchmarks.choice --estimates` compares estimate and error.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ RungName = Literal["torsional", "spatial", "planar", "rigid"]
 LADDER: tuple[RungName, ...] = ("rigid", "planar", "spatial", "torsional")
 #: inputs that act out of the plane, and that turn a rope whose swivels hold
 OUT_OF_PLANE, TURNED = ("z", "vz", "az"), ("yaw", "yaw_rate")
-#: sideways displacement of the loop's bottom over its width, at rest: 0.29 to 0.34 measured at EI 50 to 1000 N m^2
+#: sideways displacement of the loop's bottom over its natural width: 0.25 to 0.33 measured at 4 m/s, EI 50 to 1000
 LEAN = 1 / 3
-#: how the lean grows with acceleration / g: 7 to 10 measured at 4 m/s^2 and 16 m/s, none at 0.75 m/s^2
+#: how the lean grows with acceleration / g: 6 to 11 measured at 4 m/s^2 and 16 m/s, none at 0.75 m/s^2
 LEAN_GROWTH = 10.0
-#: 1.8e-5 to 2.3e-5 measured at u^2 / (g W) = 4 to 12
+#: 1.7e-5 to 2.5e-5 measured on the 120 m rope at u^2 / (g W) = 4 to 12
 WHIP = 3e-5
 #: natural width of a free loop over (EI / rho g)^(1/3)
 NATURAL_WIDTH = 2.54307
-#: rad: beyond it the loop may turn over; the estimate is 1.2 to 4 times the yaw measured
+#: rad: beyond it the loop may turn over; the estimate is 1.2 to 5 times the yaw measured
 LARGEST_YAW = 1.0
 
 
