@@ -64,11 +64,13 @@ def test_the_references_own_error_follows_from_its_convergence(order: int, left:
 
 def test_a_family_measured_anew_replaces_its_rows_only() -> None:
     def points(*families: str) -> dict[str, np.ndarray]:
-        return dict(table(COLUMNS, [(f, *[k] * (len(COLUMNS) - 1)) for k, f in enumerate(families)]))
+        rows = [(f, k, c, *[0] * (len(COLUMNS) - 3)) for c in ("uncoupled", "coupled") for k, f in enumerate(families)]
+        return dict(table(COLUMNS, rows))
 
     both = merged(points("levels", "eem", "eem", "tmn"), points("eem"), ("eem",))
-    assert_array_equal(both["family"], ["levels", "eem", "tmn"])
-    assert_array_equal(both["name"], [0, 0, 3])
+    assert_array_equal(both["family"], ["levels", "eem", "tmn"] * 2)
+    assert_array_equal(both["coupling"], ["uncoupled"] * 3 + ["coupled"] * 3)
+    assert_array_equal(both["name"], [0, 0, 3] * 2)
 
 
 # files

@@ -8,6 +8,7 @@ import platform
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ Array = NDArray[np.float64]
 #: families of which every point is repeated
 ALWAYS = ("levels", "rungs", "tolerance", "newton", "rho_inf")
 #: s of processor time; a longer run is not repeated
-SLOW = 5.0
+SLOW = 3.0
 ERRORS = ("force error", "loop error [m]", "twist error [rad]")
 COST = "processor time [s/s]"
 COLUMNS = (
@@ -185,9 +186,9 @@ def _processor() -> str:
 
 
 def merged(old: Table, new: Table, families: Sequence[str]) -> Table:
-    """``new`` in place of the old rows of its families, in the order of the families."""
+    """``new`` in place of the old rows of its families, ordered as a complete run orders them."""
     keep = ~np.isin(old["family"], list(families))
     both = {name: np.concatenate((old[name][keep], new[name])) for name in COLUMNS}
-    order = {family: k for k, family in enumerate(FAMILIES)}
-    rank = np.argsort([order[f] for f in both["family"]], kind="stable")
+    order = {key: k for k, key in enumerate(product(COUPLINGS, FAMILIES))}
+    rank = np.argsort([order[key] for key in zip(both["coupling"], both["family"], strict=True)], kind="stable")
     return {name: column[rank] for name, column in both.items()}
