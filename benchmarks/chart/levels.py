@@ -8,7 +8,7 @@ from .reading import FORCE, LOOP, TWIST, rows
 
 BEGIN, END = "<!-- levels -->", "<!-- /levels -->"
 MEANING = {
-    "draft": "first looks, sweeps over many parameters",
+    "draft": "end forces in sweeps over many parameters; may leave torsion and yaw out",
     "standard": "studies and co-simulation; the default",
     "standard, 10 ms": "the same in a host that communicates every 10 ms",
     "reference": "to check the others with",
