@@ -36,6 +36,8 @@ def transformed_if_due(model: RopeModel, state: RopeState) -> RopeState:
 
 
 def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeState:
+    if state.rung == "rigid":  # its shape and energies do not come from the mesh
+        return state._replace(partition=new)
     old_s, new_s = state.partition.nodes_s, new.nodes_s
     m = state.motion
     names = ("q", "v", "a", "b", "a_rate")
