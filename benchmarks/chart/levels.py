@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from benchmarks.reproduction.tables import Tables
 
 from .reading import FORCE, LOOP, TWIST, rows
@@ -29,9 +31,10 @@ def levels(tables: Tables) -> str:
         planar = rows(both["uncoupled"], name=name)["processor time [s/s]"]
         step = min(c["largest step [s]"], c["communication step [s]"])
         fast = [f"{1 / cost:.3g}" for cost in (c["processor time [s/s]"], *planar)]
+        twist = f"{1e3 * c[TWIST]:.2g} mrad" if math.isfinite(c[TWIST]) else "none computed"
         lines.append(
             f"| {name} | {MEANING[name]} | {c['elements']:.0f} | {1e3 * step:g} ms | {100 * c[FORCE]:.2g} % "
-            f"| {1e3 * c[LOOP]:.2g} mm | {1e3 * c[TWIST]:.2g} mrad | {' | '.join(fast)} |"
+            f"| {1e3 * c[LOOP]:.2g} mm | {twist} | {' | '.join(fast)} |"
         )
     return "\n".join(lines)
 
