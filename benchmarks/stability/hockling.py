@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -15,6 +14,7 @@ from rope_model.simulation.rope_system import ANGLE, RopeKernels, RopeSystem, ar
 
 from .chain import POLE_X, Held, Solve, by_continuation, by_newton, is_stable
 from .entry import Array, Curve, Entry, Figure, Finding, Measured
+from .twins import no_rate
 
 BEND, TWIST_STIFFNESS, TENSION, ROD = 1.0, 0.7, 1.0, 60.0  # N m^2, N m^2, N, m
 
@@ -50,11 +50,6 @@ def onset(system: RopeSystem, q: Array, low: float, high: float) -> float:
     return 0.5 * (low + high)
 
 
-def no_frame_rate(pole: Any, d: Any, change: Any) -> Any:
-    """The twist of a model with tau = theta' alone."""
-    return 0.0 * d[0]
-
-
 def deflection(solve: Solve, torque: float, disturbance: float) -> float:
     """Largest distance (m) from the axis of the rod that ``solve`` finds from a slightly helical one."""
     system, q = with_torque(*straight_rod(), torque)
@@ -68,7 +63,7 @@ def deflection(solve: Solve, torque: float, disturbance: float) -> float:
 def measure_hockling() -> Finding:
     theory = 2 * math.sqrt(BEND * TENSION)
     ours = onset(*straight_rod(), 0.5 * theory, 2.5 * theory)
-    with patch.object(modal, "element_functions", lambda *_: element_functions(frame_rate=no_frame_rate)):
+    with patch.object(modal, "element_functions", lambda *_: element_functions(frame_rate=no_rate)):
         without = onset(*straight_rod(), 0.5 * theory, 10 * theory)
     torques = theory * np.array([0.8, 0.9, 0.95, 1.05, 1.1, 1.2])
     newton = np.array([deflection(by_newton, M, 1e-3) for M in torques])

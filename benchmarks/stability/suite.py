@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.util import find_spec
 
 from .entry import Entry
 
@@ -20,11 +19,7 @@ CHAPTERS = {
 
 def chapters() -> dict[str, tuple[Entry, ...]]:
     """Entries by heading."""
-    found: dict[str, tuple[Entry, ...]] = {}
-    for name, heading in CHAPTERS.items():
-        if find_spec(f"{__package__}.{name}") is not None:
-            found[heading] = import_module(f"{__package__}.{name}").ENTRIES
-    return found
+    return {heading: import_module(f"{__package__}.{name}").ENTRIES for name, heading in CHAPTERS.items()}
 
 
 def entries() -> tuple[Entry, ...]:

@@ -10,7 +10,7 @@ sphere, so there is always a pole whose antipode that curve avoids.  ``best_pole
 re-expresses theta from the old pole to the new.
 
 The source measures theta from a frame built of Tait-Bryan angles Z-Y-X instead, singular at t parallel to Z: just
-when the loop has yawed 90 degrees.  The tests keep it, to show it failing there.
+when the loop has yawed 90 degrees.  benchmarks.stability keeps it, to show it failing there.
 """
 
 from __future__ import annotations
