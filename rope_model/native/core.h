@@ -1,0 +1,128 @@
+/* What the parts of the simulator share; rope.h is for hosts. */
+#ifndef CORE_H
+#define CORE_H
+
+#include <stdint.h>
+
+#include "rope.h"
+
+#define PI 3.14159265358979323846
+
+enum { LOCKED, STICK, SLIP };
+enum { SEGMENTS = 7, CHATTER_EVENTS = 50 };
+
+/* a quintic in s = t - start for each of x, y, z and yaw; held after stop */
+typedef struct {
+    double start, stop, c[4][6];
+} Path;
+
+/* angle: relative angle b while it holds; sign: of b_t while it slips */
+typedef struct {
+    double angle, sign;
+    int32_t phase, unused;
+} SwivelState;
+
+typedef struct {
+    double kinetic, strain, gravity, work_ends, dissipated_material, dissipated_swivel, nonconservative, transformations,
+        start;
+} Ledger;
+
+typedef struct {
+    int64_t steps, rejections, newton, transformations, swivel_events, pole_changes;
+} Counts;
+
+/* the pattern of TMN-ETM; counts[0] = 0 for EEM */
+typedef struct {
+    double coarse;
+    int32_t counts[SEGMENTS], end_levels;
+} Pattern;
+
+/* Everything that influences the future.  Behind it lie the arrays q, v, a, b, a_rate, reaction (nodes x DOF each),
+   element lengths (elements) and arc lengths of the nodes (nodes): see state_arrays. */
+typedef struct {
+    double t, h, step_next, last_interval, loop_yaw;
+    double pole[3], offsets[2], force_mean[2];
+    double power_ends, power_swivel;
+    double switchings[CHATTER_EVENTS]; /* instants of the last swivel events of this advance, newest first */
+    SwivelState swivels[2];
+    Path paths[2];
+    Pattern pattern;
+    Ledger ledger;
+    Counts counts;
+    int32_t elements, rung, switched, unused;
+    char rung_reason[MESSAGE];
+} State;
+
+typedef struct {
+    double *q, *v, *a, *b, *a_rate, *reaction, *lengths, *s;
+    int elements, nodes;
+} Arrays;
+
+/* mesh.c; messages have room for MESSAGE bytes and are "" when all is well.  `bottom` is the arc length of the loop's
+   lowest point by the ends' heights. */
+Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout);
+/* number of elements of the mesh on a rope of `length`; 0 and a message when it does not fit.  mesh is not AUTO_MESH */
+int mesh_elements(const Mesh *mesh, double length, char *message);
+void mesh_partition(const Mesh *mesh, double length, double bottom, Pattern *pattern, double *lengths);
+void mesh_transformed(Pattern *pattern, int direction, double *lengths);
+double mesh_centre(const Pattern *pattern);
+double mesh_distance_to_due(const Pattern *pattern, double bottom);
+int mesh_transformation_due(const Pattern *pattern, double bottom, double slack);
+/* length: of the rope */
+void mesh_misplaced(const Pattern *pattern, double length, double bottom, char *message);
+/* s (elements + 1) from lengths (elements) */
+void mesh_arc_lengths(int elements, const double *lengths, double *s);
+/* x (old_nodes x DOF) carried to the nodes new_s: y (new_nodes x DOF) */
+void mesh_transferred(int old_nodes, const double *x, const double *old_s, int new_nodes, const double *new_s, double *y);
+
+/* frame.c; slopes are r' at the nodes with a stride of DOF, i.e. q + SLOPE */
+double frame_pole_margin(const double pole[3], int nodes, const double *slopes);
+void frame_best_pole(int nodes, const double *slopes, double pole[3]);
+/* angle (nodes) to add to theta when the pole changes */
+void frame_pole_change_angle(const double old[3], const double new_[3], int nodes, const double *slopes, double *angle);
+double frame_smallest_rotation_rate(const double pole[3], const double d[3], const double change[3]);
+double frame_counted_on(double angle, double last);
+
+/* shape.c: rope_model.simulation.diagnostics, statics.hanging_guess */
+typedef struct {
+    double s, position[3], yaw;
+} LoopBottom;
+LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s);
+/* scratch: 3 * 161 doubles and more are on the stack */
+double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double diameter,
+                           double above);
+/* xyz (points x 3): the centre line, denser around the loop's lowest point */
+void shape_points(int nodes, const double *q, const double *s, double bottom_s, int points, double *xyz);
+/* q (nodes x DOF); message "" when all is well */
+void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
+                         char *message);
+
+/* ends.c: rope_model.simulation.ends */
+Path path_resting(double t, const EndMotion *at);
+Path path_to(const Path *path, double stop, const EndMotion *target);
+/* value, rate and acceleration of x, y, z or yaw */
+void path_rates(const Path *path, double t, int axis, double rates[3]);
+EndMotion path_end(const Path *path); /* the motion in which it ends; rungs.ends_after */
+void end_checked(const EndMotion *target, const Path *path, int side, char *message);
+double swivel_friction(const Swivel *swivel, double mu, double tension);
+
+/* rungs.c: rope_model.simulation.rungs and rigid; ends: present motions */
+const char *rung_name(int rung);
+int rung_chosen(const Scene *scene, const EndMotion ends[2], char *reason);
+int rung_lowest_able(const Scene *scene, const EndMotion ends[2]);
+void rung_outgrown(const Scene *scene, int rung, const EndMotion ends[2], char *what);
+int rung_carries_torque(const Scene *scene);
+
+/* rigid.c: rope_model.simulation.rigid; q, v, a, reaction (nodes x DOF); message "" when all is well */
+double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]);
+void rigid_rope(const Scene *scene, const Path paths[2], double t, int nodes, const double *s, double *q, double *v,
+                double *a, double *reaction, double *kinetic, double *gravity, char *message);
+/* rigid.flexible_start without `settled`: velocities and accelerations of the flow along the equilibrium q; on input
+   v and a are the rigid rope's */
+void rigid_flowing(int nodes, const double *s, const double *q, double *v, double *a);
+
+/* parameters.c: rope_model.parameters, the same bounds and messages with the group's name before, as in
+   "rope: Qa = ..."; "" when all is well */
+void scene_checked(const Scene *scene, char *message);
+
+#endif

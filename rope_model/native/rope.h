@@ -1,0 +1,102 @@
+/* The balance rope for C hosts: an FMI shell, or Python by ctypes.  SI units, angles in radians.
+
+   The simulator does what rope_model.simulation.RopeSimulator does, step for step; tests hold the two equal.
+   All memory is taken by rope_create; nothing is allocated afterwards.  There are no globals: simulators are
+   independent of each other, and one may be used by one thread at a time. */
+#ifndef ROPE_H
+#define ROPE_H
+
+#include <stddef.h>
+
+enum { LEFT, RIGHT };
+/* degrees of freedom of a node: r (3), r' (3), theta */
+enum { SLOPE = 3, ANGLE = 6, DOF = 7 };
+/* the numbers of the words are those of fmu_src.interface.CHOICES */
+enum { LOCKED_MODE, FREE_MODE, COULOMB_MODE };
+enum { TMN, EEM, AUTO_MESH };
+enum { AUTO_RUNG, TORSIONAL, SPATIAL, PLANAR, RIGID };
+/* room for a message, its end included */
+enum { MESSAGE = 512 };
+
+/* the fields of rope_model.parameters, in their order */
+typedef struct {
+    double length, mass_per_length, Qa, Qb, Qc, Qd, EI, rhoJ, beta_K, diameter, installed_twist;
+} Rope;
+
+typedef struct {
+    double spacing, gravity;
+} Layout;
+
+typedef struct {
+    double mean_diameter, mu_static, mu_kinetic, seal_moment, inertia, release_time;
+    int mode;
+} Swivel;
+
+typedef struct {
+    double coarse_length, loop_error;
+    int kind, elements, counts[5], end_levels;
+} Mesh;
+
+typedef struct {
+    double step_max, step_min, tolerance, newton_tolerance, rho_inf;
+} Solver;
+
+typedef struct {
+    double force_tolerance;
+    int rung;
+} Model;
+
+typedef struct {
+    Rope rope;
+    Layout layout;
+    Swivel swivels[2];
+    Mesh mesh;
+    Solver solver;
+    Model model;
+} Scene;
+
+/* motion of a suspension point: x and z from the nominal point, y the height in the shaft, yaw about Y */
+typedef struct {
+    double x[3], v[3], a[3], yaw, yaw_rate;
+} EndMotion;
+
+/* where memory comes from and goes to; as calloc and free */
+typedef struct {
+    void *(*take)(size_t number, size_t size);
+    void (*give_back)(void *);
+} Memory;
+
+typedef struct Simulator Simulator;
+
+/* A rope for the scene, not yet hung up.  NULL, and message (MESSAGE bytes) says why, for a parameter out of range, a
+   mesh that does not fit the rope, or no memory. */
+Simulator *rope_create(const Scene *scene, const Memory *memory, char *message);
+void rope_destroy(Simulator *rope);
+
+/* The calls below return 1 when all is well; 0 when not, then rope_message says why and the state is what it was. */
+int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
+int rope_advance(Simulator *rope, double t, const EndMotion ends[2]);
+/* go on with other solver tolerances or swivel friction; nothing else of the scene may differ */
+int rope_retune(Simulator *rope, const Scene *scene);
+const char *rope_message(const Simulator *rope);
+
+int rope_is_initialized(const Simulator *rope);
+double rope_time(const Simulator *rope);
+int rope_elements(const Simulator *rope);
+const char *rope_rung(const Simulator *rope);        /* "torsional" ... */
+const char *rope_rung_reason(const Simulator *rope);
+
+/* The value of an output, by its number in rope_model.simulation.signals.SIGNALS; booleans and integers are exact.
+   Computed when first asked for after a change of state. */
+double rope_signal(Simulator *rope, int signal);
+
+/* Derivative of the twelve forces and moments left.fx ... left.mz, right.fx ... right.mz to one of the 22 inputs
+   (11 of EndMotion on the left, then on the right), held at the end of a step as long as the last. */
+int rope_derivative(Simulator *rope, int input, double derivative[12]);
+
+/* The complete state: plain bytes without addresses, the same in every process. */
+size_t rope_state_bytes(const Simulator *rope);
+void rope_save(const Simulator *rope, void *to);
+int rope_restore(Simulator *rope, const void *from, size_t bytes);
+
+#endif
