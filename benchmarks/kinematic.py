@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from hoist_demo.reference import Reference
+from rope_model.native.engine import rope_simulator
 from rope_model.parameters import Scene
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
 from rope_model.simulation.ends import EndMotion
@@ -65,7 +66,7 @@ def wind(
 
     ``watch`` sees the rope at every record.
     """
-    rope = RopeSimulator(scene)
+    rope = rope_simulator(scene)
     run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
     if not run.status.valid:
         return run

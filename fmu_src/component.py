@@ -159,7 +159,7 @@ class RopeComponent:
         if status.valid:
             self._rope, state = rope, rope.state
             self._log(f"model: {state.rung}, {state.rung_reason}", False)
-            self._log(f"kernels: {rope.system.kernels.form}, {rope.model.kernels.elements} elements", False)
+            self._log(f"kernels: {rope.form}, {rope.model.kernels.elements} elements", False)
         return status
 
     def _step(self, t: float, h: float) -> Status:

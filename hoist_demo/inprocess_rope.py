@@ -9,17 +9,17 @@ from dataclasses import asdict, replace
 from typing import Literal
 
 from hoist_demo.rope_plant import EndMotion, RopeStatus
+from rope_model.native.engine import rope_simulator
 from rope_model.parameters import PRESETS, Level, Scene
 from rope_model.simulation import ends
 from rope_model.simulation.signals import SIGNALS, signals
-from rope_model.simulation.simulator import RopeSimulator
 
 
 class InProcessRope:
     """A RopePlant around rope_model's simulator."""
 
     def __init__(self, scene: Scene) -> None:
-        self._simulator = RopeSimulator(scene)
+        self._simulator = rope_simulator(scene)
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Find the hanging shape at t0 [s]."""

@@ -86,7 +86,7 @@ def followed(point: Point, study: Study) -> Run:
         np.array(run.bottom),
         np.array(run.observed)[:, :, 6],
         state.rung,
-        run.rope.system.kernels.form,
+        run.rope.form,
         state.partition.lengths.size,
         (c.steps, c.newton, c.rejections, c.transformations),
         run.simulated,

@@ -149,6 +149,6 @@ def _solvers(coupling: str) -> Iterator[Point]:
     for rho in RADII:
         yield Point("rho_inf", f"rho {rho:g}", coupling, solver=replace(base, rho_inf=rho))
     standard = LEVELS["standard"]
-    forms: tuple[Literal["auto", "portable"], ...] = ("auto", "portable")
+    forms: tuple[Literal["auto", "compiled", "portable"], ...] = ("auto", "compiled", "portable")
     for form in forms:
         yield Point("kernels", form, coupling, standard["mesh"], replace(standard["solver"], kernels=form))

@@ -9,7 +9,9 @@
 #define PI 3.14159265358979323846
 
 enum { LOCKED, STICK, SLIP };
-enum { SEGMENTS = 7, CHATTER_EVENTS = 50 };
+enum { SEGMENTS = 7, CHATTER_EVENTS = 50, LOGGED_EVENTS = 128 };
+/* what happened: rope_model.simulation.state.Event */
+enum { TRANSFORMED, NEW_POLE, STICKS, SLIPS_FORWARD, SLIPS_BACK, RAISED };
 
 /* a quintic in s = t - start for each of x, y, z and yaw; held after stop */
 typedef struct {
@@ -37,7 +39,13 @@ typedef struct {
     int32_t counts[SEGMENTS], end_levels;
 } Pattern;
 
-/* Everything that influences the future.  Behind it lie the arrays q, v, a, b, a_rate, reaction (nodes x DOF each),
+/* which: side of the swivel, or the new rung */
+typedef struct {
+    double t, kinetic, potential;
+    int32_t what, which;
+} Event;
+
+/* Everything that influences the future, and what happened in the last advance.  Behind it lie the arrays q, v, a, b, a_rate, reaction (nodes x DOF each),
    element lengths (elements) and arc lengths of the nodes (nodes): see state_arrays. */
 typedef struct {
     double t, h, step_next, last_interval, loop_yaw;
@@ -47,9 +55,10 @@ typedef struct {
     SwivelState swivels[2];
     Path paths[2];
     Pattern pattern;
+    Event events[LOGGED_EVENTS];
     Ledger ledger;
     Counts counts;
-    int32_t elements, rung, switched, unused;
+    int32_t elements, rung, switched, happened; /* numbers of switchings and events, up to the room for them */
     char rung_reason[MESSAGE];
 } State;
 

@@ -16,7 +16,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -29,7 +29,7 @@ KernelForm = Literal["auto", "compiled", "portable"]
 
 log = logging.getLogger(__name__)
 
-FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
+FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
 LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
@@ -117,16 +117,23 @@ def cache_folder() -> Path:
 
 def build_library(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path) -> Path:
     """Generate C, compile it into ``folder`` unless it is there already, and return the library's path."""
-    code = generate_c(functions)
+    return compile_library({"kernels.c": generate_c(functions)}, compiler, folder, "kernels")
+
+
+def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str) -> Path:
+    """The library made of the C files among ``sources`` (text by file name), from ``folder`` if it is there already."""
     version = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
-    key = hashlib.sha256("\0".join([code, version, *compiler, *FLAGS]).encode()).hexdigest()[:20]
-    library = folder / f"kernels-{key}{LIBRARY_SUFFIX}"
+    text = [part for file in sorted(sources) for part in (file, sources[file])]
+    key = hashlib.sha256("\0".join([*text, version, *compiler, *FLAGS]).encode()).hexdigest()[:20]
+    library = folder / f"{name}-{key}{LIBRARY_SUFFIX}"
     if not library.exists():
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
-            source, made = Path(scratch) / "kernels.c", Path(scratch) / library.name
-            source.write_text(code, encoding="utf-8")
-            command = [*compiler, *FLAGS, str(source), "-o", str(made), "-lm"]
+            for file, code in sources.items():
+                (Path(scratch) / file).write_text(code, encoding="utf-8")
+            made = Path(scratch) / library.name
+            files = [str(Path(scratch) / file) for file in sorted(sources) if file.endswith(".c")]
+            command = [*compiler, *FLAGS, *files, "-o", str(made), "-lm"]
             subprocess.run(command, check=True, capture_output=True, text=True)
             made.replace(library)  # atomic: two processes may build at once
     return library

@@ -94,6 +94,11 @@ class RopeSimulator:
         return self._system
 
     @property
+    def form(self) -> str:
+        """How it computes: compiled or portable; native.engine.NativeRope: native."""
+        return self.system.kernels.form
+
+    @property
     def loop(self) -> LoopBottom:
         """The loop's lowest point in the present state."""
         if self._loop is None:

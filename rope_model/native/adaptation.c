@@ -1,0 +1,180 @@
+/* Changes of the rope's description that leave the rope as it is, and the rigid rung:
+   rope_model.simulation.adaptation and rigid, which see. */
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "simulator.h"
+
+#define POLE_MARGIN 0.35
+#define POLE_FOLLOWS 0.5
+#define RELAXATION_TIME 0.01
+/* rigid */
+#define SETTLING_TIME 0.1
+#define SETTLING_TOLERANCE 1e-7
+
+static void booked(Simulator *rope, State *state, int what, int64_t *count)
+{
+    const Arrays m = state_arrays(state);
+    const System s = system_of(rope, state);
+    const double before = ledger_total(&state->ledger), kinetic = state->ledger.kinetic;
+    double balance[BALANCE], change;
+    chain_of_state(state)->assess(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+    set_energies(&state->ledger, balance, &s, m.v);
+    change = ledger_total(&state->ledger) - before;
+    state->ledger.transformations += change;
+    happened(state, what, 0, state->ledger.kinetic - kinetic, change - (state->ledger.kinetic - kinetic));
+    *count += 1;
+}
+
+/* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow */
+static void relaxed(Simulator *rope, State *state, double time, double tolerance, int with_reaction)
+{
+    const Arrays m = state_arrays(state), *now = &rope->trial;
+    const System s = system_of(rope, state);
+    const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
+    const double c[3] = {1, 0, pow(time, -2)};
+    double balance[BALANCE];
+    memcpy(now->q, m.q, bytes);
+    memcpy(now->v, m.v, bytes);
+    memcpy(now->a, m.a, bytes);
+    memcpy(now->reaction, m.reaction, bytes);
+    if (chain_of_state(state)
+            ->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance)
+            .status != CONVERGED)
+        return;
+    memcpy(m.q, now->q, bytes);
+    if (with_reaction)
+        memcpy(m.reaction, now->reaction, bytes);
+}
+
+static void on_partition(Simulator *rope, State *state, int direction)
+{
+    const Arrays m = state_arrays(state);
+    const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
+    double *old_s = rope->trial.b, *moved[5];
+    int k;
+    memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
+    mesh_transformed(&state->pattern, direction, m.lengths);
+    mesh_arc_lengths(m.elements, m.lengths, m.s);
+    if (state->rung == RIGID) /* its shape and energies do not come from the mesh */
+        return;
+    moved[0] = m.q;
+    moved[1] = m.v;
+    moved[2] = m.a;
+    moved[3] = m.b;
+    moved[4] = m.a_rate;
+    for (k = 0; k < 5; ++k) {
+        mesh_transferred(m.nodes, moved[k], old_s, m.nodes, m.s, rope->trial.q);
+        memcpy(moved[k], rope->trial.q, bytes);
+    }
+    memset(m.reaction + DOF, 0, sizeof(double) * (size - 2 * DOF));
+    relaxed(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 0);
+    booked(rope, state, TRANSFORMED, &state->counts.transformations);
+}
+
+void transformed_if_due(Simulator *rope, State *state)
+{
+    int direction;
+    while ((direction = mesh_transformation_due(&state->pattern, bottom_of(rope, state, state->t), 1e-7)))
+        on_partition(rope, state, direction);
+}
+
+int lowest_node(const Arrays *x)
+{
+    int node, lowest = 0;
+    for (node = 1; node < x->nodes; ++node)
+        if (x->q[(size_t)node * DOF + 1] < x->q[(size_t)lowest * DOF + 1])
+            lowest = node;
+    return lowest;
+}
+
+void with_loop_yaw(State *state)
+{
+    const Arrays x = state_arrays(state);
+    const double *d = x.q + (size_t)lowest_node(&x) * DOF + SLOPE;
+    state->loop_yaw = frame_counted_on(atan2(-d[2], d[0]), state->loop_yaw);
+}
+
+void with_good_pole(Simulator *rope, State *state)
+{
+    const Arrays m = state_arrays(state);
+    const double *d = m.q + (size_t)lowest_node(&m) * DOF + SLOPE;
+    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const double across[2] = {d[0] / length, d[2] / length}, size = hypot(across[0], across[1]);
+    double old[3], new_pole[3], margin, *angle = rope->x;
+    int node;
+    if (state->rung != TORSIONAL) /* nothing is counted from the frame */
+        return;
+    memcpy(old, state->pole, sizeof old);
+    margin = frame_pole_margin(old, m.nodes, m.q + SLOPE);
+    if (margin >= POLE_MARGIN && old[0] * across[0] + old[2] * across[1] >= POLE_FOLLOWS * size)
+        return;
+    /* the lowest tangent suits a loop that hangs in any vertical plane as X suits it at the start */
+    new_pole[0] = across[0] / fmax(size, 1e-12);
+    new_pole[1] = 0;
+    new_pole[2] = across[1] / fmax(size, 1e-12);
+    if (frame_pole_margin(new_pole, m.nodes, m.q + SLOPE) < POLE_MARGIN)
+        frame_best_pole(m.nodes, m.q + SLOPE, new_pole);
+    if (frame_pole_margin(new_pole, m.nodes, m.q + SLOPE) <= margin - 0.1 ||
+        new_pole[0] * old[0] + new_pole[1] * old[1] + new_pole[2] * old[2] > 0.99)
+        return;
+    frame_pole_change_angle(old, new_pole, m.nodes, m.q + SLOPE, angle);
+    for (node = 0; node < m.nodes; ++node) {
+        double *q = m.q + (size_t)node * DOF, *v = m.v + (size_t)node * DOF;
+        q[ANGLE] += angle[node];
+        v[ANGLE] += frame_smallest_rotation_rate(old, q + SLOPE, v + SLOPE) -
+                    frame_smallest_rotation_rate(new_pole, q + SLOPE, v + SLOPE);
+    }
+    memcpy(state->pole, new_pole, sizeof new_pole);
+    state->offsets[LEFT] += angle[0];
+    state->offsets[RIGHT] += angle[m.nodes - 1];
+    restarted(rope, state);
+    booked(rope, state, NEW_POLE, &state->counts.pole_changes);
+}
+
+int rigid_state(Simulator *rope, State *state, double t, char *message)
+{
+    Arrays m;
+    state->t = t;
+    transformed_if_due(rope, state);
+    m = state_arrays(state);
+    rigid_rope(&rope->scene, state->paths, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->ledger.kinetic,
+               &state->ledger.gravity, message);
+    memcpy(m.b, m.a, sizeof(double) * (size_t)m.nodes * DOF);
+    memset(m.a_rate, 0, sizeof(double) * (size_t)m.nodes * DOF);
+    state->h = 0;
+    return !message[0];
+}
+
+int raised(Simulator *rope, State *state, const char *why, char *message)
+{
+    const Arrays m = state_arrays(state);
+    const double before = ledger_total(&state->ledger);
+    const int was = state->rung;
+    EndMotion ends[2];
+    double balance[BALANCE];
+    System s;
+    ends[LEFT] = path_end(&state->paths[LEFT]);
+    ends[RIGHT] = path_end(&state->paths[RIGHT]);
+    snprintf(state->rung_reason, MESSAGE, "the %s rung cannot follow %s", rung_name(was), why);
+    state->rung = rung_lowest_able(&rope->scene, ends);
+    happened(state, RAISED, state->rung, 0, 0);
+    if (was != RIGID && !rung_carries_torque(&rope->scene)) {
+        restarted(rope, state);
+        return 1;
+    }
+    if (was == RIGID) {
+        if (!find_equilibrium(rope, state, message))
+            return 0;
+        rigid_flowing(m.nodes, m.s, m.q, m.v, m.a);
+    }
+    relaxed(rope, state, SETTLING_TIME, SETTLING_TOLERANCE, 1);
+    restarted(rope, state);
+    s = system_of(rope, state);
+    chain_of_state(state)->assess(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+    set_energies(&state->ledger, balance, &s, m.v);
+    state->ledger.transformations += ledger_total(&state->ledger) - before;
+    return 1;
+}

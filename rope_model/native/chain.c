@@ -1,0 +1,39 @@
+/* The chains in the form that every processor runs, and the choice between the forms. */
+
+#define FORM(name) name##_plain
+#include "chain_form.inc"
+
+#include "chain_wide.h"
+
+/* no rung needs more than the torsional: steps, tangents, correction and residual, and what alignment takes */
+size_t chain_work_bytes(int elements)
+{
+    const size_t n = (size_t)elements;
+    return sizeof(torsional_Step) * ((n + 1) / PAIR + 1) + sizeof(double) * (n + 1) * (105 + 2 * DOF);
+}
+
+#if HAS_WIDE_FORM
+extern const Chain chains_wide[3];
+
+const Chain *chain_of(int rung)
+{
+    __builtin_cpu_init();
+    return (__builtin_cpu_supports("avx2") ? chains_wide : chains_plain) + (rung - TORSIONAL);
+}
+#else
+const Chain *chain_of(int rung)
+{
+    return chains_plain + (rung - TORSIONAL);
+}
+#endif
+
+const char *newton_text(int status)
+{
+    static const char *const texts[] = {
+        "Newton iteration did not converge within the allowed iterations",
+        "Newton iteration converged",
+        "Newton iteration diverged: the step is too large or the elements are too long for this motion",
+        "Newton iteration met a value that is not finite",
+    };
+    return texts[status];
+}

@@ -1,0 +1,20 @@
+/* The same with four elements at a time, for processors with AVX2; chosen when the program runs.  Without fused
+   multiplication the results are those of the plain form to the bit. */
+
+#include "chain_wide.h"
+
+#if HAS_WIDE_FORM
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
+#pragma GCC target("avx2")
+#endif
+#define LANES 4
+#define FORM(name) name##_wide
+#include "chain_form.inc"
+#if defined(__clang__)
+#pragma clang attribute pop
+#endif
+#else
+typedef int nothing_to_do_here;
+#endif

@@ -1,0 +1,79 @@
+"""C text of the element: every function of physics.element as straight-line code that serves several elements at once.
+
+The type V holds one number each of LANES elements (see lanes.h); the text is the same for all widths.  A quotient
+becomes a product with the reciprocal, which is computed once for each divisor: division is what costs most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import casadi as ca
+
+from ..physics.element import RUNGS, Rung, element_functions
+
+#: text of the operations that an element has
+_BINARY = {ca.OP_ADD: "{} + {}", ca.OP_SUB: "{} - {}", ca.OP_MUL: "{} * {}"}
+_UNARY = {
+    ca.OP_NEG: "-{}",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "2. * {}",
+    ca.OP_SQRT: "SQRT_V({})",
+    ca.OP_INV: "1. / {}",
+}
+
+
+def element_code() -> str:
+    """All functions of all rungs, named as in ``torsional_tangent``; arguments are arrays of V, the result is last."""
+    return "\n".join(_function_code(name, f) for rung in RUNGS for name, f in _functions(rung))
+
+
+def _functions(rung: Rung) -> Iterator[tuple[str, ca.Function]]:
+    e = element_functions(rung)
+    inputs = e.tangent.sx_in()
+    J = e.tangent(*inputs)[1]
+    half = ca.vertcat(*(J[i, j] for i in range(J.shape[0]) for j in range(i, J.shape[1])))
+    yield f"{rung}_tangent", ca.Function("tangent", inputs, [ca.cse(half)])
+    for name in ("residual", "balance", "losses", "strains"):
+        yield f"{rung}_{name}", getattr(e, name)
+
+
+def _function_code(name: str, f: ca.Function) -> str:
+    """The symmetric tangent gives its upper half row by row."""
+    arguments = "".join(f"const V *RESTRICT x{i}, " for i in range(f.n_in()))
+    return f"static void {name}({arguments}V *RESTRICT y)\n{{\n" + "".join(_statements(f)) + "}\n"
+
+
+def _statements(f: ca.Function) -> Iterator[str]:
+    names: dict[int, str] = {}  # of what each place of CasADi's work vector holds now
+    constants: dict[str, float] = {}
+    reciprocals: dict[str, str] = {}
+    for i in range(f.n_in()):
+        yield f"    (void)x{i};\n"
+    for k in range(f.n_instructions()):
+        operation, sources, target = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
+        if operation == ca.OP_CONST:
+            value = f.instruction_constant(k)
+            names[target[0]] = f"({value!r})"
+            constants[names[target[0]]] = value
+        elif operation == ca.OP_INPUT:
+            names[target[0]] = f"x{sources[0]}[{sources[1]}]"
+        elif operation == ca.OP_OUTPUT:
+            text = names[sources[0]]
+            yield f"    y[{target[1]}] = {f'SPLAT({text})' if text in constants else text};\n"
+        elif operation == ca.OP_DIV:
+            above, below = names[sources[0]], names[sources[1]]
+            if below in constants:
+                text = f"{above} * ({1 / constants[below]!r})" if 1 / constants[below] * constants[below] == 1 else ""
+                text = text or f"{above} / {below}"
+            else:
+                if below not in reciprocals:
+                    reciprocals[below] = f"r{len(reciprocals)}"
+                    yield f"    const V {reciprocals[below]} = 1. / {below};\n"
+                text = f"{above} * {reciprocals[below]}"
+            names[target[0]] = f"t{k}"
+            yield f"    const V t{k} = {text};\n"
+        else:
+            form = _BINARY.get(operation) or _UNARY[operation]
+            names[target[0]], text = f"t{k}", form.format(*(names[s] for s in sources))
+            yield f"    const V t{k} = {text};\n"

@@ -1,0 +1,266 @@
+"""The native rope behind the interface of RopeSimulator."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+import subprocess
+from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_void_p
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..numerics.generalized_alpha import Motion
+from ..parameters import Scene
+from ..simulation.ends import SIDES, EndMotion, EndPath, Phase, SwivelState
+from ..simulation.mesh import Partition
+from ..simulation.signals import SIGNALS
+from ..simulation.simulator import RopeSimulator, Status
+from ..simulation.state import Counts, Event, Ledger, Powers, RopeState
+from .build import library
+from .structures import PathStructure, end_structure, scene_structure
+
+log = logging.getLogger(__name__)
+
+_MESSAGE, _CHATTER_EVENTS, _LOGGED_EVENTS, _SEGMENTS = 512, 50, 128, 7
+_SWITCHES = ("sticks", "slips +", "slips -")
+_RUNGS = ("auto", "torsional", "spatial", "planar", "rigid")
+_ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
+
+
+class _Swivel(Structure):
+    _fields_ = (("angle", c_double), ("sign", c_double), ("phase", c_int32), ("unused", c_int32))
+
+
+class _Pattern(Structure):
+    _fields_ = (("coarse", c_double), ("counts", c_int32 * _SEGMENTS), ("end_levels", c_int32))
+
+
+class _Event(Structure):
+    _fields_ = (("t", c_double), ("kinetic", c_double), ("potential", c_double), ("what", c_int32), ("which", c_int32))
+
+    def told(self) -> Event:
+        """As RopeSimulator tells it."""
+        side, rung = SIDES[self.which % 2], _RUNGS[self.which]
+        words = ("transformation", "new frame pole", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {rung}")
+        return Event(self.t, words[self.what], self.kinetic, self.potential)
+
+
+class _Ledger(Structure):
+    _fields_ = tuple((name, c_double) for name in Ledger._fields)
+
+
+class _Counts(Structure):
+    _fields_ = tuple((name, c_int64) for name in Counts._fields)
+
+
+class _State(Structure):
+    """The fixed part of the state, in the order of core.h; the arrays lie behind it."""
+
+    _fields_ = (
+        *((name, c_double) for name in ("t", "h", "step_next", "last_interval", "loop_yaw")),
+        ("pole", c_double * 3),
+        ("offsets", c_double * 2),
+        ("force_mean", c_double * 2),
+        ("power_ends", c_double),
+        ("power_swivel", c_double),
+        ("switchings", c_double * _CHATTER_EVENTS),
+        ("swivels", _Swivel * 2),
+        ("paths", PathStructure * 2),
+        ("pattern", _Pattern),
+        ("events", _Event * _LOGGED_EVENTS),
+        ("ledger", _Ledger),
+        ("counts", _Counts),
+        *((name, c_int32) for name in ("elements", "rung", "switched", "happened")),
+        ("rung_reason", c_char * _MESSAGE),
+    )
+
+
+class _Memory(Structure):
+    _fields_ = (("take", c_void_p), ("give_back", c_void_p))
+
+
+@cache
+def _loaded() -> ctypes.CDLL:
+    return _declared(ctypes.CDLL(str(library())))
+
+
+def _declared(lib: ctypes.CDLL) -> ctypes.CDLL:
+    rope = c_void_p
+    results = {
+        "rope_create": (c_void_p, (c_void_p, c_void_p, c_char_p)),
+        "rope_destroy": (None, (rope,)),
+        "rope_initialize": (c_int, (rope, c_double, c_void_p)),
+        "rope_advance": (c_int, (rope, c_double, c_void_p)),
+        "rope_retune": (c_int, (rope, c_void_p)),
+        "rope_message": (c_char_p, (rope,)),
+        "rope_signal": (c_double, (rope, c_int)),
+        "rope_derivative": (c_int, (rope, c_int, POINTER(c_double))),
+        "rope_state_bytes": (c_size_t, (rope,)),
+        "rope_save": (None, (rope, c_void_p)),
+        "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
+    }
+    for name, (result, arguments) in results.items():
+        function = getattr(lib, name)
+        function.restype, function.argtypes = result, arguments
+    return lib
+
+
+class NativeRope(RopeSimulator):
+    """A RopeSimulator whose steps are made by the native rope: the same steps, several times as fast.
+
+    Raises as RopeSimulator does, and RuntimeError or CalledProcessError where the native
+    rope cannot be compiled.
+    """
+
+    def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
+        super().__init__(scene, bundle)
+        self._lib = _loaded()
+        memory = _memory()
+        message = ctypes.create_string_buffer(_MESSAGE)
+        self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), message)
+        if not self._rope:
+            raise ValueError(message.value.decode())
+
+    def __del__(self) -> None:
+        if rope := self.__dict__.pop("_rope", None):
+            self._lib.rope_destroy(rope)
+
+    @property
+    def form(self) -> str:
+        return "native"
+
+    def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
+        return self._done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
+
+    def advance_to(self, t: float, left: EndMotion, right: EndMotion) -> Status:
+        return self._done(self._lib.rope_advance(self._rope, t, _ends(left, right)))
+
+    def retune(self, scene: Scene) -> None:
+        super().retune(scene)
+        self._done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))
+
+    def restore(self, data: bytes | RopeState) -> None:
+        super().restore(data)
+        if not (status := self.restore_native(_packed(self.state))).valid:
+            raise ValueError(status.message)
+
+    def added_mass(self) -> tuple[float, float]:
+        return self.signal("left.added_mass"), self.signal("right.added_mass")
+
+    def signal(self, name: str) -> float:
+        """One of SIGNALS, computed by the native rope."""
+        return float(self._lib.rope_signal(self._rope, _NUMBERS[name]))
+
+    def derivative(self, side: int, name: str) -> list[float]:
+        """Derivatives of left.fx ... left.mz, right.fx ... right.mz to an input of one side, as an FMU gives them."""
+        out = (c_double * 12)()
+        number = 11 * side + list(EndMotion.__dataclass_fields__).index(name)
+        if not self._lib.rope_derivative(self._rope, number, out):
+            raise RuntimeError(self._message())
+        return list(out)
+
+    @property
+    def state(self) -> RopeState:
+        if self._state is None:
+            data = ctypes.create_string_buffer(self._lib.rope_state_bytes(self._rope))
+            self._lib.rope_save(self._rope, data)
+            self._state = _unpacked(data.raw)
+        return self._state
+
+    def native_state(self) -> bytes:
+        """The state as the native rope keeps it."""
+        data = ctypes.create_string_buffer(self._lib.rope_state_bytes(self._rope))
+        self._lib.rope_save(self._rope, data)
+        return data.raw
+
+    def restore_native(self, data: bytes) -> Status:
+        """Go on from what ``native_state`` gave."""
+        return self._done(self._lib.rope_restore(self._rope, data, len(data)))
+
+    def _done(self, well: int) -> Status:
+        if well:
+            self._state, self._system, self._loop = None, None, None
+        return Status(True) if well else Status(False, self._message())
+
+    def _message(self) -> str:
+        return str(self._lib.rope_message(self._rope).decode())
+
+
+def rope_simulator(scene: Scene, bundle: Path | None = None) -> RopeSimulator:
+    """The fastest rope that can be had here: native unless the scene asks for its kernels by name."""
+    if scene.solver.kernels == "auto":
+        try:
+            return NativeRope(scene, bundle)
+        except (RuntimeError, OSError, subprocess.CalledProcessError) as error:
+            log.info("the native rope cannot be had (%s)", error)
+    return RopeSimulator(scene, bundle)
+
+
+def _memory() -> _Memory:
+    libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
+    return _Memory(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
+
+
+_NUMBERS = {name: i for i, name in enumerate(SIGNALS)}
+
+
+def _ends(left: EndMotion, right: EndMotion) -> Any:
+    ends = end_structure(left), end_structure(right)
+    return (type(ends[0]) * 2)(*ends)
+
+
+def _unpacked(data: bytes) -> RopeState:
+    s = _State.from_buffer_copy(data)
+    n = s.elements
+    values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(_State))
+    size = 7 * (n + 1)
+    x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(_ARRAYS)}
+    counts = tuple(s.pattern.counts) if s.pattern.counts[0] else ()
+    return RopeState(
+        motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
+        partition=Partition(values[6 * size : 6 * size + n].copy(), counts, s.pattern.coarse, s.pattern.end_levels),
+        pole=np.array(s.pole),
+        offsets=(s.offsets[0], s.offsets[1]),
+        swivels=tuple(SwivelState(Phase(w.phase), w.angle, w.sign) for w in s.swivels),  # type: ignore[arg-type]
+        paths=tuple(EndPath(p.start, p.stop, tuple(map(tuple, p.c))) for p in s.paths),  # type: ignore[arg-type]
+        step_next=s.step_next,
+        last_interval=s.last_interval,
+        force_mean=(s.force_mean[0], s.force_mean[1]),
+        loop_yaw=s.loop_yaw,
+        rung=_RUNGS[s.rung],  # type: ignore[arg-type]
+        rung_reason=s.rung_reason.decode(),
+        events=tuple(event.told() for event in s.events[: s.happened]),
+        ledger=Ledger(*(getattr(s.ledger, name) for name in Ledger._fields)),
+        powers=Powers(s.power_ends, s.power_swivel),
+        counts=Counts(*(getattr(s.counts, name) for name in Counts._fields)),
+    )
+
+
+def _packed(state: RopeState) -> bytes:
+    m, p = state.motion, state.partition
+    s = _State(
+        t=m.t,
+        h=m.h,
+        step_next=state.step_next,
+        last_interval=state.last_interval,
+        loop_yaw=state.loop_yaw,
+        pole=tuple(state.pole),
+        offsets=state.offsets,
+        force_mean=state.force_mean,
+        power_ends=state.powers.ends,
+        power_swivel=state.powers.swivel,
+        swivels=tuple(_Swivel(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
+        paths=tuple(PathStructure(q.start, q.stop, q.coefficients) for q in state.paths),
+        pattern=_Pattern(p.coarse, p.counts or (0,) * _SEGMENTS, p.end_levels),
+        ledger=_Ledger(*state.ledger),
+        counts=_Counts(*state.counts),
+        elements=p.lengths.size,
+        rung=_RUNGS.index(state.rung),
+        rung_reason=state.rung_reason.encode()[: _MESSAGE - 1],
+    )
+    arrays = [getattr(m, name).tobytes() for name in _ARRAYS]
+    return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes()])

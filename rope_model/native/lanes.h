@@ -1,0 +1,46 @@
+/* V: one number each of LANES elements, so that one evaluation of the element's code serves LANES of them.  P2: one
+   number each of the two ends of the rope, from which the elimination goes inwards.  Compilers without vectors take
+   one at a time; results agree to rounding. */
+#ifndef LANES_H
+#define LANES_H
+
+#include <math.h>
+
+#if defined(_MSC_VER)
+#define RESTRICT __restrict
+#else
+#define RESTRICT restrict
+#endif
+
+#if defined(__GNUC__) || defined(__clang__)
+#ifndef LANES
+#define LANES 2
+#endif
+#define PAIR 2
+typedef double V __attribute__((vector_size(8 * LANES)));
+typedef double P2 __attribute__((vector_size(16)));
+#define SPLAT(x) ((V){0} + (x))
+#define LANE(x, i) ((x)[i])
+#define SPLAT2(x) ((P2){(x), (x)})
+#define SIDE(x, i) ((x)[i])
+static inline V SQRT_V(V x)
+{
+    int i;
+    for (i = 0; i < LANES; ++i)
+        x[i] = sqrt(x[i]);
+    return x;
+}
+#else
+#undef LANES
+#define LANES 1
+#define PAIR 1
+typedef double V;
+typedef double P2;
+#define SPLAT(x) (x)
+#define LANE(x, i) (x)
+#define SPLAT2(x) (x)
+#define SIDE(x, i) (x)
+#define SQRT_V(x) sqrt(x)
+#endif
+
+#endif

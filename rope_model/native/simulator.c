@@ -1,0 +1,595 @@
+/* The rope in time: rope_model.simulation.simulator, which see. */
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "simulator.h"
+#include "text.h"
+
+#define SHORTEST_INTERVAL 1e-9
+#define GROW_BELOW 0.1
+#define TWIST_STEP 1.
+enum { MOST_POLES = 20, ALIGNMENT = 64 };
+
+static int fails(Simulator *rope, const char *message)
+{
+    if (message != rope->message)
+        snprintf(rope->message, MESSAGE, "%s", message);
+    return 0;
+}
+
+static size_t aligned(size_t bytes)
+{
+    return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+}
+
+Simulator *rope_create(const Scene *scene, const Memory *memory, char *message)
+{
+    Simulator *rope;
+    Mesh mesh;
+    size_t nodes, size, state_bytes, bytes;
+    char *at;
+    int elements, k;
+    message[0] = '\0';
+    scene_checked(scene, message);
+    if (message[0])
+        return NULL;
+    mesh = mesh_suited(&scene->mesh, &scene->rope, &scene->layout);
+    elements = mesh_elements(&mesh, scene->rope.length, message);
+    if (elements == 0)
+        return NULL;
+    nodes = (size_t)elements + 1;
+    size = nodes * DOF;
+    state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);
+    bytes = 3 * aligned(state_bytes) + aligned(sizeof(double) * 7 * size) +
+            aligned(sizeof(double) * 4 * (size_t)elements) + aligned(chain_work_bytes(elements));
+    rope = memory->take(1, sizeof *rope);
+    if (rope != NULL) {
+        memset(rope, 0, sizeof *rope);
+        rope->block = memory->take(1, bytes + ALIGNMENT);
+    }
+    if (rope == NULL || rope->block == NULL) {
+        if (rope != NULL)
+            memory->give_back(rope);
+        snprintf(message, MESSAGE, "no memory for %d elements (%s MB); use fewer", elements,
+                 ROUNDED(1e-6 * (double)bytes, 3));
+        return NULL;
+    }
+    rope->scene = *scene;
+    rope->memory = *memory;
+    rope->mesh = mesh;
+    rope->elements = elements;
+    rope->state_bytes = state_bytes;
+    memset(rope->block, 0, bytes + ALIGNMENT);
+    at = (char *)rope->block + (ALIGNMENT - (uintptr_t)rope->block % ALIGNMENT);
+    rope->state = (State *)at;
+    rope->next = (State *)(at += aligned(state_bytes));
+    rope->spare = (State *)(at += aligned(state_bytes));
+    at += aligned(state_bytes);
+    {
+        double **const arrays[7] = {&rope->trial.q, &rope->trial.v,        &rope->trial.a, &rope->trial.b,
+                                    &rope->trial.a_rate, &rope->trial.reaction, &rope->x};
+        for (k = 0; k < 7; ++k)
+            *arrays[k] = (double *)at + (size_t)k * size;
+    }
+    rope->trial.elements = elements;
+    rope->trial.nodes = (int)nodes;
+    at += aligned(sizeof(double) * 7 * size);
+    rope->strains = (double(*)[4])(void *)at;
+    rope->work = at + aligned(sizeof(double) * 4 * (size_t)elements);
+    return rope;
+}
+
+void rope_destroy(Simulator *rope)
+{
+    if (rope != NULL) {
+        const Memory memory = rope->memory;
+        memory.give_back(rope->block);
+        memory.give_back(rope);
+    }
+}
+
+const char *rope_message(const Simulator *rope)
+{
+    return rope->message;
+}
+
+int rope_is_initialized(const Simulator *rope)
+{
+    return rope->initialized;
+}
+
+double rope_time(const Simulator *rope)
+{
+    return rope->state->t;
+}
+
+int rope_elements(const Simulator *rope)
+{
+    return rope->elements;
+}
+
+const char *rope_rung(const Simulator *rope)
+{
+    return rope->initialized ? rung_name(rope->state->rung) : "";
+}
+
+const char *rope_rung_reason(const Simulator *rope)
+{
+    return rope->initialized ? rope->state->rung_reason : "";
+}
+
+/* what was worked on becomes the state */
+static int accepted(Simulator *rope)
+{
+    State *before = rope->state;
+    rope->state = rope->next;
+    rope->next = before;
+    rope->known = 0;
+    rope->bottom_known = 0;
+    rope->initialized = 1;
+    rope->message[0] = '\0';
+    return 1;
+}
+
+int rope_retune(Simulator *rope, const Scene *scene)
+{
+    char message[MESSAGE] = "";
+    scene_checked(scene, message);
+    if (message[0])
+        return fails(rope, message);
+    rope->scene.solver = scene->solver;
+    memcpy(rope->scene.swivels, scene->swivels, sizeof scene->swivels);
+    rope->known = 0;
+    return 1;
+}
+
+/* the state at rest in equilibrium, sought again after each change of the frame's pole */
+static int rested(Simulator *rope, State *state, char *message)
+{
+    const Arrays m = state_arrays(state);
+    const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
+    int k;
+    for (k = 0; k < MOST_POLES; ++k) {
+        double balance[BALANCE], pole[3];
+        System s;
+        memcpy(pole, state->pole, sizeof pole);
+        if (!find_equilibrium(rope, state, message))
+            return 0;
+        memset(m.v, 0, bytes);
+        memset(m.a, 0, bytes);
+        memset(m.b, 0, bytes);
+        memset(m.a_rate, 0, bytes);
+        state->h = 0;
+        s = system_of(rope, state);
+        chain_of_state(state)->assess(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+        set_energies(&state->ledger, balance, &s, m.v);
+        with_good_pole(rope, state);
+        with_loop_yaw(state);
+        if (memcmp(pole, state->pole, sizeof pole) == 0)
+            break;
+    }
+    return 1;
+}
+
+int rope_initialize(Simulator *rope, double t, const EndMotion ends[2])
+{
+    const Scene *scene = &rope->scene;
+    State *state = rope->next;
+    char message[MESSAGE] = "";
+    double points[2][3], bottom;
+    Arrays m;
+    int side, k;
+    memset(state, 0, rope->state_bytes);
+    state->elements = rope->elements;
+    state->t = t;
+    for (side = 0; side < 2; ++side) {
+        const EndMotion *end = &ends[side];
+        double fastest = fabs(end->yaw_rate);
+        state->paths[side] = path_resting(t, end);
+        end_checked(end, &state->paths[side], side, message);
+        if (message[0])
+            return fails(rope, message);
+        for (k = 0; k < 3; ++k)
+            fastest = fmax(fastest, fabs(end->v[k]));
+        if (fastest > 1e-6) {
+            snprintf(rope->message, MESSAGE,
+                     "the %s end moves at the start; a run starts from rest: give zero speeds",
+                     side == LEFT ? "left" : "right");
+            return 0;
+        }
+        for (k = 0; k < 3; ++k)
+            points[side][k] = end->x[k];
+        points[side][0] += (side ? 0.5 : -0.5) * scene->layout.spacing;
+    }
+    state->rung = rung_chosen(scene, ends, state->rung_reason);
+    bottom = bottom_of(rope, state, t);
+    m = state_arrays(state);
+    mesh_partition(&rope->mesh, scene->rope.length, bottom, &state->pattern, m.lengths);
+    mesh_arc_lengths(m.elements, m.lengths, m.s);
+    shape_hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
+    if (!message[0])
+        rung_outgrown(scene, state->rung, ends, message);
+    if (!message[0])
+        mesh_misplaced(&state->pattern, scene->rope.length, bottom, message);
+    if (message[0])
+        return fails(rope, message);
+    state->pole[0] = 1;
+    state->step_next = state->last_interval = scene->solver.step_max;
+    if (state->rung == RIGID) {
+        if (!rigid_state(rope, state, t, message))
+            return fails(rope, message);
+    } else {
+        const double twist = scene->rope.installed_twist;
+        const int parts = (int)fmax(ceil(fabs(twist) / TWIST_STEP), 1);
+        for (k = 1; k <= parts; ++k) { /* bit by bit: that decides how the loop yaws */
+            state->swivels[RIGHT].angle = twist * k / parts;
+            if (!rested(rope, state, message))
+                return fails(rope, message);
+        }
+    }
+    for (side = 0; side < 2; ++side)
+        state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
+    state->ledger.start = ledger_total(&state->ledger);
+    state->happened = 0;
+    return accepted(rope);
+}
+
+typedef struct {
+    const Simulator *rope;
+    const State *state;
+} Looked;
+
+static double due_at(void *with, double time)
+{
+    const Looked *at = with;
+    return mesh_distance_to_due(&at->state->pattern, bottom_of(at->rope, at->state, time));
+}
+
+/* the instant at which the coming steps must end: the host's, a release, or a transformation */
+static double next_stop(const Simulator *rope, const State *state, double t_end)
+{
+    const double t = state->t, stop = fmin(t_end, next_release(rope, state));
+    Looked at;
+    double start, times[2];
+    int k;
+    at.rope = rope;
+    at.state = state;
+    start = due_at(&at, t);
+    times[0] = 0.5 * (t + stop);
+    times[1] = stop;
+    /* a crossing that falls between these instants is found by the next step, at most one step late */
+    for (k = 0; k < 2; ++k) {
+        const double then = due_at(&at, times[k]);
+        if (then >= 0 && 0 > start)
+            return fmin(locate(due_at, &at, t, times[k], start, then, 1e-9), stop);
+    }
+    return stop;
+}
+
+/* a step towards `stop` that converges and errs little enough, halved as often as it takes; 0 and a message if none */
+static int accepted_step(Simulator *rope, State *state, double stop, Trial *trial, double *step_next, int *reaches,
+                         char *message)
+{
+    const Solver *solver = &rope->scene.solver;
+    double next = fmin(state->step_next, solver->step_max), h;
+    double parts = fmax(ceil((stop - state->t) / next - 1e-9), 1);
+    int rejected = 0;
+    h = (stop - state->t) / parts;
+    for (;;) {
+        char cause[MESSAGE / 2];
+        *trial = trial_step(rope, state, h);
+        state->counts.newton += trial->newton.iterations;
+        if (trial->reached && trial->error <= solver->tolerance)
+            break;
+        rejected = 1;
+        state->counts.rejections += 1;
+        if (h <= solver->step_min) {
+            if (trial->reached)
+                snprintf(cause, sizeof cause, "the local error %s exceeds the tolerance %s", ROUNDED(trial->error, 3),
+                         ROUNDED(solver->tolerance, 3));
+            else
+                snprintf(cause, sizeof cause, "%s", newton_text(trial->newton.status));
+            snprintf(message, MESSAGE,
+                     "a step of %s s, step_min = %s s, fails too: %s. Use shorter elements (coarse_length), a smaller "
+                     "step_min, or a gentler motion",
+                     ROUNDED(h, 3), ROUNDED(solver->step_min, 6), cause);
+            return 0;
+        }
+        h = fmax(0.5 * h, solver->step_min);
+        parts *= 2;
+        next = h;
+    }
+    if (!rejected && trial->error < GROW_BELOW * solver->tolerance)
+        next = fmin(2 * next, solver->step_max);
+    *step_next = next;
+    *reaches = parts == 1;
+    return 1;
+}
+
+static int rigid_step(Simulator *rope, State *state, double t_end, char *message)
+{
+    const double h = t_end - state->t, before = state->power_ends;
+    if (!rigid_state(rope, state, t_end, message))
+        return 0;
+    set_powers(rope, state);
+    state->ledger.work_ends += 0.5 * h * (before + state->power_ends);
+    state->counts.steps += 1;
+    return 1;
+}
+
+/* the state after one accepted step; 0 and a message when there is none */
+static int step_towards(Simulator *rope, State *state, double t_end, char *message)
+{
+    double stop, step_next;
+    int reaches, switching;
+    Trial trial;
+    if (state->rung == RIGID)
+        return rigid_step(rope, state, t_end, message);
+    transformed_if_due(rope, state);
+    released(rope, state);
+    mesh_misplaced(&state->pattern, rope->scene.rope.length, bottom_of(rope, state, state->t), message);
+    if (message[0])
+        return 0;
+    stop = next_stop(rope, state, t_end);
+    if (!accepted_step(rope, state, stop, &trial, &step_next, &reaches, message))
+        return 0;
+    switching = switching_step(rope, state, &trial);
+    if (switching < 0) {
+        snprintf(message, MESSAGE, "the step to a swivel event fails: %s", newton_text(trial.newton.status));
+        return 0;
+    }
+    committed(rope, state, &trial);
+    state->step_next = step_next;
+    state->counts.steps += 1;
+    if (switching) {
+        switched(rope, state);
+        if (chatters(state)) {
+            snprintf(message, MESSAGE,
+                     "a swivel chatters between stick and slip; check its friction, and whether the end is slack");
+            return 0;
+        }
+    } else if (reaches) {
+        state->t = stop; /* to the bit, not to rounding */
+    }
+    with_good_pole(rope, state);
+    with_loop_yaw(state);
+    return 1;
+}
+
+int rope_advance(Simulator *rope, double t, const EndMotion ends[2])
+{
+    State *state = rope->next;
+    const double start = rope->state->t;
+    double impulse[2] = {0, 0};
+    char message[MESSAGE] = "";
+    int side;
+    if (!rope->initialized)
+        return fails(rope, "the rope has no state yet; call initialize first");
+    if (!(isfinite(t) && t - start >= SHORTEST_INTERVAL)) {
+        snprintf(rope->message, MESSAGE,
+                 "cannot advance from t = %s s to %s s; time must go forward, by %s s or more", ROUNDED(start, 6),
+                 EXACT(t), ROUNDED(SHORTEST_INTERVAL, 6));
+        return 0;
+    }
+    state_copy(rope, state, rope->state);
+    for (side = 0; side < 2; ++side)
+        state->paths[side] = path_to(&rope->state->paths[side], t, &ends[side]);
+    for (side = 0; side < 2; ++side) {
+        end_checked(&ends[side], &state->paths[side], side, message);
+        if (message[0])
+            return fails(rope, message);
+    }
+    state->switched = state->happened = 0;
+    rung_outgrown(&rope->scene, state->rung, ends, message);
+    if (message[0]) {
+        char why[MESSAGE];
+        memcpy(why, message, sizeof why);
+        message[0] = '\0';
+        if (rope->scene.model.rung != AUTO_RUNG) {
+            snprintf(rope->message, MESSAGE,
+                     "the %s rung cannot follow %.300s; set model.rung = auto (or torsional)", rung_name(state->rung),
+                     why);
+            return 0;
+        }
+        if (!raised(rope, state, why, message))
+            return fails(rope, message);
+    }
+    while (state->t < t) {
+        const Arrays m = state_arrays(state);
+        const double before_t = state->t;
+        double before[2];
+        for (side = 0; side < 2; ++side)
+            before[side] = end_row(m.reaction, m.nodes, side)[1];
+        if (!step_towards(rope, state, t, message)) {
+            snprintf(rope->message, MESSAGE, "t = %s s: %.480s", ROUNDED(before_t, 6), message);
+            return 0;
+        }
+        for (side = 0; side < 2; ++side)
+            impulse[side] -= 0.5 * (state->t - before_t) * (before[side] + end_row(m.reaction, m.nodes, side)[1]);
+    }
+    state->last_interval = t - start;
+    for (side = 0; side < 2; ++side)
+        state->force_mean[side] = impulse[side] / (t - start);
+    return accepted(rope);
+}
+
+size_t rope_state_bytes(const Simulator *rope)
+{
+    return rope->state_bytes;
+}
+
+void rope_save(const Simulator *rope, void *to)
+{
+    memcpy(to, rope->state, rope->state_bytes);
+}
+
+static int plausible(const Simulator *rope, const State *state)
+{
+    int side, k, elements = 0;
+    if (state->elements != rope->elements || state->rung < TORSIONAL || state->rung > RIGID)
+        return 0;
+    for (side = 0; side < 2; ++side)
+        if (state->swivels[side].phase < LOCKED || state->swivels[side].phase > SLIP)
+            return 0;
+    for (k = 0; k < SEGMENTS; ++k) {
+        if (state->pattern.counts[k] < 0 || state->pattern.counts[k] > rope->elements)
+            return 0;
+        elements += state->pattern.counts[k];
+    }
+    if (state->pattern.end_levels < 0 || state->pattern.end_levels > 8 || state->switched < 0 ||
+        state->switched > CHATTER_EVENTS || state->happened < 0 || state->happened > LOGGED_EVENTS || memchr(state->rung_reason, '\0', MESSAGE) == NULL)
+        return 0;
+    return (rope->mesh.kind == EEM ? elements == 0 : elements + 2 * state->pattern.end_levels == rope->elements) &&
+           isfinite(state->t) && state->step_next > 0;
+}
+
+int rope_restore(Simulator *rope, const void *from, size_t bytes)
+{
+    State *state = rope->next;
+    if (bytes != rope->state_bytes) {
+        snprintf(rope->message, MESSAGE,
+                 "the saved state has %lu bytes, one of this rope %lu; restore it into a rope with the same parameters",
+                 (unsigned long)bytes, (unsigned long)rope->state_bytes);
+        return 0;
+    }
+    memcpy(state, from, bytes);
+    if (!plausible(rope, state))
+        return fails(rope, "these bytes are not a state of this rope");
+    return accepted(rope);
+}
+
+/* The unperturbed step as long as the last: its correction to trial.q; c are its coefficients. */
+static void unperturbed(Simulator *rope, double c[3])
+{
+    State *state = rope->state;
+    const Arrays m = state_arrays(state);
+    const System s = system_of(rope, state);
+    newton_coefficients(rope, state->last_interval, c);
+    chain_of_state(state)->direction(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
+}
+
+/* The state `spare` with one degree of freedom of an end moved by d[0], d[1], d[2] in q, v, a at the end of that step,
+   to which the rope answers: how its equations are linear.  Its residual goes to trial.a. */
+static void answered(Simulator *rope, int side, int dof, const double d[3], const double c[3])
+{
+    State *moved = rope->spare;
+    Arrays m;
+    System s;
+    size_t size, at, i;
+    double *x = rope->x, *R = rope->trial.a, balance[BALANCE];
+    state_copy(rope, moved, rope->state);
+    m = state_arrays(moved);
+    s = system_of(rope, moved);
+    size = (size_t)m.nodes * DOF;
+    at = (side ? size - DOF : 0) + (size_t)dof;
+    m.q[at] += d[0];
+    m.v[at] += d[1];
+    m.a[at] += d[2];
+    chain_of_state(moved)->direction(&s, rope->work, m.q, m.v, m.a, m.reaction, c, x, R);
+    for (i = 0; i < size; ++i) {
+        const double y = x[i] - rope->trial.q[i];
+        m.q[i] += y;
+        m.v[i] += c[1] * y;
+        m.a[i] += c[2] * y;
+    }
+    chain_of_state(moved)->assess(&s, m.q, m.v, m.a, m.reaction, R, balance);
+}
+
+/* kg: how much each end's downward force grows with an upward acceleration held over the last interval */
+static void added_masses(Simulator *rope, double masses[2])
+{
+    const double h = rope->state->last_interval, size = 1e-3;
+    const double d[3] = {0.5 * h * h * size, h * size, size};
+    double c[3];
+    int side;
+    unperturbed(rope, c);
+    for (side = 0; side < 2; ++side) {
+        answered(rope, side, 1, d, c);
+        masses[side] = (end_row(rope->trial.a, rope->trial.nodes, side)[1] -
+                        end_row(rope->trial.v, rope->trial.nodes, side)[1]) /
+                       size;
+    }
+}
+
+/* forces and moments of the rope on both conveyances */
+static void loads(const Simulator *rope, const State *state, const double *q, const double *R, double loads[12])
+{
+    const int nodes = rope->trial.nodes;
+    int side, k;
+    for (side = 0; side < 2; ++side) {
+        const double *r = end_row(R, nodes, side);
+        double *to = loads + 6 * side;
+        signals_end_moment(end_row(q, nodes, side), r, state->pole, swivel_moment(rope, state, side, r), to + 3);
+        for (k = 0; k < 3; ++k) {
+            to[k] = -r[k];
+            to[3 + k] = -to[3 + k];
+        }
+    }
+}
+
+int rope_derivative(Simulator *rope, int input, double derivative[12])
+{
+    /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
+    static const double sizes[3] = {1e-7, 1e-5, 1e-3};
+    const int side = input / 11, place = input % 11;
+    const int kind = place < 9 ? place / 3 : place - 9, dof = place < 9 ? place % 3 : ANGLE;
+    double d[3] = {0, 0, 0}, c[3], before[12];
+    State *state = rope->state;
+    Arrays m;
+    int k;
+    if (input < 0 || input >= 22)
+        return fails(rope, "an input's number is 0 to 21");
+    if (!rope->initialized)
+        return fails(rope, "the rope has no state yet; call initialize first");
+    memset(derivative, 0, sizeof(double) * 12);
+    if (dof == ANGLE && state->swivels[side].phase == SLIP)
+        return 1; /* the friction does not know the yaw */
+    m = state_arrays(state);
+    d[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
+    if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
+        d[2] = d[1] / state->last_interval;
+    unperturbed(rope, c);
+    loads(rope, state, m.q, rope->trial.v, before);
+    answered(rope, side, dof, d, c);
+    loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, derivative);
+    for (k = 0; k < 12; ++k)
+        derivative[k] = (derivative[k] - before[k]) / sizes[kind];
+    return 1;
+}
+
+static const LoopBottom *bottom_now(Simulator *rope)
+{
+    if (!rope->bottom_known) {
+        const Arrays m = state_arrays(rope->state);
+        rope->bottom = shape_loop_bottom(m.nodes, m.q, m.s);
+        rope->bottom_known = 1;
+    }
+    return &rope->bottom;
+}
+
+double rope_signal(Simulator *rope, int signal)
+{
+    const int group = signal_group(signal);
+    if (!rope->initialized || group < 0)
+        return NAN;
+    if (!(rope->known & 1u << group)) {
+        const Arrays m = state_arrays(rope->state);
+        if (group == ADDED_MASS_SIGNALS) {
+            double masses[2];
+            added_masses(rope, masses);
+            rope->values[SIGNAL_LEFT_ADDED_MASS] = masses[LEFT];
+            rope->values[SIGNAL_RIGHT_ADDED_MASS] = masses[RIGHT];
+        } else {
+            if (group == STRESS_SIGNALS) {
+                const System s = system_of(rope, rope->state);
+                chain_of_state(rope->state)->strains(&s, m.q, rope->strains);
+            }
+            signals_of(group, &rope->scene, rope->state, &m, (const double(*)[4])rope->strains,
+                       group == END_SIGNALS || group == BOOK_SIGNALS ? NULL : bottom_now(rope), rope->values);
+        }
+        rope->known |= 1u << group;
+    }
+    return rope->values[signal];
+}

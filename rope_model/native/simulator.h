@@ -1,0 +1,79 @@
+/* The simulator's inside, shared by the files that make it up. */
+#ifndef SIMULATOR_H
+#define SIMULATOR_H
+
+#include "chain.h"
+#include "core.h"
+#include "signals.h"
+
+/* A step that nobody has accepted yet, as numerics.generalized_alpha.StepResult; its arrays are the simulator's. */
+typedef struct {
+    double t, h, error, balance[BALANCE];
+    int reached;
+    Progress newton;
+} Trial;
+
+struct Simulator {
+    Scene scene;
+    Memory memory;
+    Mesh mesh; /* never AUTO_MESH */
+    int elements, initialized;
+    size_t state_bytes;
+    void *block;        /* all the memory behind the pointers that follow */
+    State *state, *next; /* next is what an advance works on; they change places when it succeeds */
+    State *spare;       /* what would be if a swivel stuck, and what is looked at but not kept */
+    Arrays trial;       /* of the latest trial; scratch at other times */
+    double *x;          /* nodes x DOF of scratch */
+    double (*strains)[4];
+    void *work; /* of the chain */
+    double values[SIGNALS];
+    unsigned known; /* bit g: the values of group g are those of the state */
+    LoopBottom bottom;
+    int bottom_known;
+    char message[MESSAGE];
+};
+
+/* state.c */
+Arrays state_arrays(State *state);
+void state_copy(const Simulator *rope, State *to, const State *from);
+double ledger_total(const Ledger *ledger);
+void happened(State *state, int what, int which, double kinetic, double potential);
+
+/* step.c: rope_model.simulation.model and numerics.generalized_alpha */
+System system_of(const Simulator *rope, State *state);
+const Chain *chain_of_state(const State *state);
+void prescribed(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]);
+void newton_coefficients(const Simulator *rope, double h, double c[3]);
+Trial trial_step(Simulator *rope, State *state, double h);
+void restarted(Simulator *rope, State *state);
+void committed(Simulator *rope, State *state, const Trial *trial);
+void set_powers(const Simulator *rope, State *state);
+void set_energies(Ledger *ledger, const double balance[BALANCE], const System *system, const double *v);
+double swivel_moment(const Simulator *rope, const State *state, int side, const double *reaction);
+void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
+double bottom_of(const Simulator *rope, const State *state, double t);
+const double *end_row(const double *x, int nodes, int side);
+double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
+              double width);
+
+/* statics.c: q of the state becomes an equilibrium, reaction its residual; v and a are not looked at.
+   0 and a message when there is none */
+int find_equilibrium(Simulator *rope, State *state, char *message);
+
+/* switching.c */
+void released(Simulator *rope, State *state);
+double next_release(const Simulator *rope, const State *state);
+/* the trial shortened to end where a swivel must switch: 1; as it was: 0; -1 when that step fails */
+int switching_step(Simulator *rope, State *state, Trial *trial);
+void switched(Simulator *rope, State *state);
+int chatters(const State *state);
+
+/* adaptation.c */
+void transformed_if_due(Simulator *rope, State *state);
+void with_good_pole(Simulator *rope, State *state);
+void with_loop_yaw(State *state);
+int raised(Simulator *rope, State *state, const char *why, char *message);
+int rigid_state(Simulator *rope, State *state, double t, char *message);
+int lowest_node(const Arrays *arrays);
+
+#endif

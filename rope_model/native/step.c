@@ -1,0 +1,321 @@
+/* One step: rope_model.simulation.model and rope_model.numerics.generalized_alpha, which see. */
+
+#include <math.h>
+#include <string.h>
+
+#include "simulator.h"
+
+/* a rate of change of the acceleration taken over a step this much shorter than the next is mostly noise */
+#define LARGEST_GROWTH 5.
+/* sense of the conveyance's yaw in theta, left and right */
+static const double yaw_sense[2] = {-1, 1};
+
+const double *end_row(const double *x, int nodes, int side)
+{
+    return x + (side ? (size_t)(nodes - 1) * DOF : 0);
+}
+
+static double *row(double *x, int nodes, int side)
+{
+    return x + (side ? (size_t)(nodes - 1) * DOF : 0);
+}
+
+const Chain *chain_of_state(const State *state)
+{
+    return chain_of(state->rung == RIGID ? PLANAR : state->rung);
+}
+
+System system_of(const Simulator *rope, State *state)
+{
+    const Rope *data = &rope->scene.rope;
+    const Arrays x = state_arrays(state);
+    System s;
+    int side, k;
+    memset(&s, 0, sizeof s);
+    s.elements = x.elements;
+    s.lengths = x.lengths;
+    s.P[0] = data->mass_per_length;
+    s.P[1] = rope->scene.layout.gravity;
+    s.P[2] = data->Qa;
+    s.P[3] = 0.5 * (data->Qb + data->Qc);
+    s.P[4] = 0.5 * (data->Qb - data->Qc);
+    s.P[5] = data->Qd;
+    s.P[6] = data->EI;
+    s.P[7] = data->rhoJ;
+    s.P[8] = data->beta_K;
+    memcpy(s.P + 9, state->pole, sizeof state->pole);
+    s.shortest = x.lengths[0];
+    for (k = 1; k < x.elements; ++k)
+        s.shortest = fmin(s.shortest, x.lengths[k]);
+    for (side = 0; side < 2; ++side) {
+        const Swivel *swivel = &rope->scene.swivels[side];
+        const SwivelState *now = &state->swivels[side];
+        s.free[side][SLOPE + 1] = 1;
+        s.free[side][ANGLE] = now->phase == SLIP;
+        s.inertia[side] = swivel->inertia;
+        if (now->phase == SLIP && swivel->mode != FREE_MODE) {
+            s.load[side] = -now->sign * swivel->seal_moment;
+            s.grip[side] = -now->sign * (0.5 * swivel->mu_kinetic * swivel->mean_diameter);
+        }
+    }
+    return s;
+}
+
+static int is_free(const System *s, int node, int dof)
+{
+    return (node != 0 && node != s->elements) || s->free[node != 0][dof];
+}
+
+void prescribed(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF])
+{
+    const int place[4] = {0, 1, 2, ANGLE};
+    int axis, k;
+    memset(rows, 0, sizeof(double) * 3 * DOF);
+    for (axis = 0; axis < 4; ++axis) {
+        double rates[3];
+        path_rates(&state->paths[side], t, axis, rates);
+        for (k = 0; k < 3; ++k)
+            rows[k][place[axis]] = axis == 3 ? yaw_sense[side] * rates[k] : rates[k];
+    }
+    rows[0][0] += (side ? 0.5 : -0.5) * rope->scene.layout.spacing;
+    rows[0][ANGLE] += state->offsets[side] + state->swivels[side].angle;
+}
+
+typedef struct {
+    double m, f, gamma, beta, shift;
+} Method;
+
+static Method method_of(const Simulator *rope)
+{
+    const double rho = rope->scene.solver.rho_inf;
+    Method x;
+    x.m = (2 * rho - 1) / (rho + 1);
+    x.f = rho / (rho + 1);
+    x.gamma = 0.5 + x.f - x.m;
+    x.beta = 0.25 * (1 + x.f - x.m) * (1 + x.f - x.m);
+    x.shift = x.m - x.f;
+    return x;
+}
+
+void newton_coefficients(const Simulator *rope, double h, double c[3])
+{
+    const Method x = method_of(rope);
+    c[0] = 1;
+    c[1] = x.gamma / (x.beta * h);
+    c[2] = (1 - x.m) / (x.beta * h * h * (1 - x.f));
+}
+
+Trial trial_step(Simulator *rope, State *state, double h)
+{
+    const Arrays old = state_arrays(state), *now = &rope->trial;
+    const System s = system_of(rope, state);
+    const Method x = method_of(rope);
+    const size_t size = (size_t)old.nodes * DOF;
+    const double moved_by = 0 < h && h <= LARGEST_GROWTH * state->h ? x.shift * (h - state->h) : 0;
+    const double q_a = h * h * x.beta / (1 - x.m), v_a = h * x.gamma / (1 - x.m);
+    const double q_b = h * h * (0.5 - x.beta) - x.m * q_a, v_b = h * (1 - x.gamma) - x.m * v_a;
+    const double aux[3] = {x.f / (1 - x.m), -x.m / (1 - x.m), -x.m * moved_by / (1 - x.m)};
+    const double aux_new = (1 - x.f) / (1 - x.m);
+    double c[3], largest = 0, sum = 0;
+    Trial trial;
+    size_t i;
+    int side, dof, k;
+
+    trial.t = state->t + h;
+    trial.h = h;
+    for (i = 0; i < size; ++i) {
+        now->q[i] = old.q[i] + h * old.v[i] + q_a * old.a[i] + q_b * old.b[i] + q_b * moved_by * old.a_rate[i];
+        now->v[i] = old.v[i] + v_a * old.a[i] + v_b * old.b[i] + v_b * moved_by * old.a_rate[i];
+        now->a[i] = old.a[i];
+    }
+    for (side = 0; side < 2; ++side) {
+        double rows[3][DOF], *to[3] = {now->q, now->v, now->a};
+        prescribed(rope, state, side, trial.t, rows);
+        for (k = 0; k < 3; ++k)
+            for (dof = 0; dof < DOF; ++dof)
+                if (!s.free[side][dof])
+                    row(to[k], old.nodes, side)[dof] = rows[k][dof];
+    }
+    memcpy(now->reaction, old.reaction, sizeof(double) * size);
+    newton_coefficients(rope, h, c);
+    trial.newton = chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c,
+                                                rope->scene.solver.newton_tolerance, trial.balance);
+    trial.error = INFINITY;
+    for (i = 0; i < size; ++i)
+        sum += now->reaction[i];
+    if (trial.newton.status == CONVERGED && !isfinite(sum))
+        trial.newton.status = NOT_FINITE;
+    trial.reached = trial.newton.status == CONVERGED;
+    if (!trial.reached)
+        return trial;
+    for (i = 0; i < size; ++i) {
+        const double change = now->a[i] - old.a[i];
+        dof = (int)(i % DOF);
+        now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux_new * now->a[i];
+        now->a_rate[i] = change / h;
+        if (is_free(&s, (int)(i / DOF), dof))
+            largest = fmax(largest, fabs(change) * (dof >= SLOPE && dof < ANGLE ? s.shortest : 1.));
+    }
+    trial.error = fabs(x.beta + 0.5 * x.shift - 1. / 6.) * h * h * largest;
+    return trial;
+}
+
+void restarted(Simulator *rope, State *state)
+{
+    const Arrays m = state_arrays(state);
+    const System s = system_of(rope, state);
+    const size_t size = (size_t)m.nodes * DOF;
+    const double c[3] = {0, 0, 1};
+    double unused[BALANCE], *known = rope->trial.reaction;
+    size_t i;
+    int side, dof, again;
+    memset(m.a, 0, sizeof(double) * size);
+    for (side = 0; side < 2; ++side) {
+        double rows[3][DOF];
+        prescribed(rope, state, side, state->t, rows);
+        for (dof = 0; dof < DOF; ++dof)
+            if (!s.free[side][dof]) {
+                row(m.q, m.nodes, side)[dof] = rows[0][dof];
+                row(m.v, m.nodes, side)[dof] = rows[1][dof];
+                row(m.a, m.nodes, side)[dof] = rows[2][dof];
+            }
+    }
+    for (again = 0; again < 2; ++again) { /* the second time with friction from the right reactions */
+        memcpy(known, m.reaction, sizeof(double) * size);
+        chain_of_state(state)->direction(&s, rope->work, m.q, m.v, m.a, known, c, rope->x, m.reaction);
+        for (i = 0; i < size; ++i)
+            m.a[i] += rope->x[i];
+    }
+    memcpy(known, m.reaction, sizeof(double) * size);
+    chain_of_state(state)->assess(&s, m.q, m.v, m.a, known, m.reaction, unused);
+    memcpy(m.b, m.a, sizeof(double) * size);
+    memset(m.a_rate, 0, sizeof(double) * size);
+    state->h = 0;
+    set_powers(rope, state);
+}
+
+double bottom_of(const Simulator *rope, const State *state, double t)
+{
+    double left[3], right[3];
+    path_rates(&state->paths[LEFT], t, 1, left);
+    path_rates(&state->paths[RIGHT], t, 1, right);
+    return 0.5 * (rope->scene.rope.length + left[0] - right[0]);
+}
+
+double swivel_moment(const Simulator *rope, const State *state, int side, const double *reaction)
+{
+    const Swivel *swivel = &rope->scene.swivels[side];
+    if (state->swivels[side].phase == SLIP)
+        return -state->swivels[side].sign * swivel_friction(swivel, swivel->mu_kinetic, reaction[1]);
+    return reaction[ANGLE];
+}
+
+void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2])
+{
+    double yaw[3];
+    path_rates(&state->paths[side], t, 3, yaw);
+    relative[0] = theta - state->offsets[side] - yaw_sense[side] * yaw[0];
+    relative[1] = theta_t - yaw_sense[side] * yaw[1];
+}
+
+/* what flows in and out at this instant */
+void set_powers(const Simulator *rope, State *state)
+{
+    const Arrays m = state_arrays(state);
+    int side, k;
+    state->power_ends = state->power_swivel = 0;
+    for (side = 0; side < 2; ++side) {
+        const double *R = end_row(m.reaction, m.nodes, side), *v = end_row(m.v, m.nodes, side);
+        const double moment = swivel_moment(rope, state, side, R);
+        double spin = v[ANGLE];
+        for (k = 0; k < 3; ++k)
+            state->power_ends += R[k] * v[k];
+        if (state->swivels[side].phase == SLIP) {
+            double relative[2];
+            swivel_relative(state, side, state->t, 0, spin, relative);
+            state->power_swivel -= moment * relative[1];
+            spin -= relative[1];
+        }
+        state->power_ends += moment * spin;
+    }
+}
+
+/* the inertia of the swivels counts as kinetic energy of the rope */
+void set_energies(Ledger *ledger, const double balance[BALANCE], const System *s, const double *v)
+{
+    double kinetic = balance[KINETIC];
+    int side;
+    for (side = 0; side < 2; ++side) {
+        const double rate = end_row(v, s->elements + 1, side)[ANGLE];
+        kinetic += 0.5 * s->inertia[side] * rate * rate;
+    }
+    ledger->kinetic = kinetic + balance[SPIN];
+    ledger->strain = balance[AXIAL] + balance[COUPLING] + balance[TORSION] + balance[BENDING];
+    ledger->gravity = balance[GRAVITY];
+}
+
+void committed(Simulator *rope, State *state, const Trial *trial)
+{
+    const Arrays m = state_arrays(state), *now = &rope->trial;
+    const System s = system_of(rope, state);
+    const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
+    const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
+    double losses[2];
+    size_t i;
+    /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
+       integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
+    for (i = 0; i < size; ++i) {
+        const double q = m.q[i];
+        m.q[i] = 0.5 * (q + now->q[i]);
+        m.v[i] = (now->q[i] - q) / h;
+    }
+    chain_of_state(state)->losses(&s, m.q, m.v, losses);
+    memcpy(m.q, now->q, bytes);
+    memcpy(m.v, now->v, bytes);
+    memcpy(m.a, now->a, bytes);
+    memcpy(m.b, now->b, bytes);
+    memcpy(m.a_rate, now->a_rate, bytes);
+    memcpy(m.reaction, now->reaction, bytes);
+    state->t = trial->t;
+    state->h = trial->h;
+    set_powers(rope, state);
+    set_energies(&state->ledger, trial->balance, &s, m.v);
+    state->ledger.work_ends += 0.5 * h * (before[0] + state->power_ends);
+    state->ledger.dissipated_swivel += 0.5 * h * (before[1] + state->power_swivel);
+    state->ledger.dissipated_material += h * losses[0];
+    state->ledger.nonconservative += h * losses[1];
+}
+
+/* numerics.events.locate */
+double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
+              double width)
+{
+    int side = 0, stalled = 0;
+    while (high - low > width) {
+        const double before = high - low;
+        double x, value;
+        if (stalled >= 2 || !isfinite(f_low - f_high) || f_high <= f_low) {
+            x = 0.5 * (low + high);
+            stalled = 0;
+        } else {
+            x = low + (high - low) * f_low / (f_low - f_high);
+            x = fmin(fmax(x, low + 0.4 * width), high - 0.4 * width);
+        }
+        value = f(with, x);
+        if (value < 0) {
+            low = x;
+            f_low = value;
+            if (side < 0)
+                f_high *= 0.5;
+            side = -1;
+        } else {
+            high = x;
+            f_high = value;
+            if (side > 0)
+                f_low *= 0.5;
+            side = 1;
+        }
+        stalled = high - low > 0.5 * before ? stalled + 1 : 0;
+    }
+    return high;
+}

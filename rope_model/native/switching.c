@@ -1,0 +1,159 @@
+/* Stick and slip: rope_model.simulation.switching, which see. */
+
+#include <math.h>
+#include <string.h>
+
+#include "simulator.h"
+
+/* s: width to which events are located; N m by which a moment must pass the static limit */
+#define EVENT_WIDTH 1e-9
+#define MOMENT_RESOLUTION 1e-9
+/* CHATTER_EVENTS switchings within so many s are no motion of a rope */
+#define CHATTER_TIME 1e-3
+
+static int frictionless(const Swivel *swivel)
+{
+    return swivel->mode == FREE_MODE || (swivel->mu_kinetic == 0 && swivel->seal_moment == 0);
+}
+
+/* event function of one swivel: negative while it may stay in its phase */
+static double excess_of(const Simulator *rope, const State *state, int side, double t, const Arrays *m)
+{
+    const Swivel *swivel = &rope->scene.swivels[side];
+    const SwivelState *now = &state->swivels[side];
+    const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);
+    const double *R = end_row(m->reaction, m->nodes, side);
+    double relative[2];
+    if (now->phase == LOCKED || (now->phase == SLIP && frictionless(swivel)))
+        return -INFINITY;
+    if (now->phase == STICK)
+        return fabs(swivel_moment(rope, state, side, R)) -
+               (swivel_friction(swivel, swivel->mu_static, R[1]) + MOMENT_RESOLUTION);
+    swivel_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
+    return -now->sign * relative[1];
+}
+
+static double excess(const Simulator *rope, const State *state, double t, const Arrays *m)
+{
+    const double left = excess_of(rope, state, LEFT, t, m), right = excess_of(rope, state, RIGHT, t, m);
+    return left >= right ? left : right;
+}
+
+void released(Simulator *rope, State *state)
+{
+    int side, changed = 0;
+    Arrays m;
+    for (side = 0; side < 2; ++side) {
+        const Swivel *swivel = &rope->scene.swivels[side];
+        SwivelState *now = &state->swivels[side];
+        if (swivel->mode != LOCKED_MODE && state->t >= swivel->release_time && now->phase == LOCKED) {
+            now->phase = frictionless(swivel) ? SLIP : STICK;
+            now->sign = 1;
+            changed = 1;
+        }
+    }
+    if (!changed)
+        return;
+    restarted(rope, state);
+    m = state_arrays(state);
+    if (excess(rope, state, state->t, &m) >= 0)
+        switched(rope, state);
+}
+
+double next_release(const Simulator *rope, const State *state)
+{
+    double next = INFINITY;
+    int side;
+    for (side = 0; side < 2; ++side) {
+        const Swivel *swivel = &rope->scene.swivels[side];
+        if (state->swivels[side].phase == LOCKED && swivel->mode != LOCKED_MODE && swivel->release_time > state->t)
+            next = fmin(next, swivel->release_time);
+    }
+    return next;
+}
+
+typedef struct {
+    Simulator *rope;
+    State *state;
+    int iterations;
+} Search;
+
+static double excess_after(void *with, double h)
+{
+    Search *search = with;
+    const Trial trial = trial_step(search->rope, search->state, h);
+    search->iterations += trial.newton.iterations;
+    return trial.reached ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
+}
+
+int switching_step(Simulator *rope, State *state, Trial *trial)
+{
+    const double at_end = excess(rope, state, trial->t, &rope->trial);
+    const Arrays m = state_arrays(state);
+    Search search = {0};
+    double at_start, h;
+    if (at_end < 0)
+        return 0;
+    search.rope = rope;
+    search.state = state;
+    at_start = excess(rope, state, state->t, &m);
+    if (at_start >= 0) /* a slip that has just begun has no rate yet */
+        at_start = -1e-12;
+    h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
+    *trial = trial_step(rope, state, h);
+    state->counts.newton += search.iterations + trial->newton.iterations;
+    return trial->reached ? 1 : -1;
+}
+
+/* what a swivel that cannot stay in its phase does next: stick if its friction can hold, else slip */
+static SwivelState next_phase(Simulator *rope, const State *state, const SwivelState swivels[2], int side)
+{
+    State *trial = rope->spare;
+    SwivelState now = swivels[side];
+    Arrays m;
+    state_copy(rope, trial, state);
+    memcpy(trial->swivels, swivels, sizeof trial->swivels);
+    m = state_arrays(trial);
+    if (now.phase == SLIP) {
+        double relative[2];
+        swivel_relative(trial, side, trial->t, end_row(m.q, m.nodes, side)[ANGLE], 0, relative);
+        now.phase = STICK;
+        now.angle = relative[0];
+        now.sign = 0;
+        trial->swivels[side] = now;
+        restarted(rope, trial);
+        if (excess_of(rope, trial, side, trial->t, &m) < 0)
+            return now;
+    }
+    now.phase = SLIP;
+    now.sign = copysign(1, -end_row(m.reaction, m.nodes, side)[ANGLE]);
+    return now;
+}
+
+void switched(Simulator *rope, State *state)
+{
+    const Arrays m = state_arrays(state);
+    SwivelState swivels[2];
+    int side;
+    memcpy(swivels, state->swivels, sizeof swivels);
+    for (side = 0; side < 2; ++side) {
+        if (excess_of(rope, state, side, state->t, &m) < 0)
+            continue;
+        swivels[side] = next_phase(rope, state, swivels, side);
+        memmove(state->switchings + 1, state->switchings, sizeof(double) * (CHATTER_EVENTS - 1));
+        state->switchings[0] = state->t;
+        if (state->switched < CHATTER_EVENTS)
+            state->switched += 1;
+        state->counts.swivel_events += 1;
+        happened(state, swivels[side].phase == STICK ? STICKS : swivels[side].sign > 0 ? SLIPS_FORWARD : SLIPS_BACK, side, 0,
+                 0);
+    }
+    memcpy(state->swivels, swivels, sizeof swivels);
+    restarted(rope, state);
+}
+
+int chatters(const State *state)
+{
+    return state->switched == CHATTER_EVENTS &&
+           state->switchings[0] - state->switchings[CHATTER_EVENTS - 1] < CHATTER_TIME;
+}

@@ -1,0 +1,294 @@
+"""The native rope against RopeSimulator: the same steps, the same events, the same numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from hoist_demo.parameters import Winding
+from hoist_demo.reference import s_curve
+from rope_model.native.build import library
+from rope_model.native.engine import NativeRope
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.signals import SIGNALS, added_mass_signals, signals
+from rope_model.simulation.simulator import RopeSimulator
+from rope_model.simulation.state import RopeState
+
+Motions = Callable[[float], tuple[EndMotion, EndMotion]]
+
+
+def winding(travel: float, speed: float, skip: float = 0.0) -> Motions:
+    """Left end up by ``travel`` (m) at ``speed``."""
+    trip = s_curve(Winding(travel=travel, speed=speed))
+
+    def ends(t: float) -> tuple[EndMotion, EndMotion]:
+        p = trip.at(t)
+        return (
+            EndMotion(y=p.position, vy=p.speed, ay=p.acceleration),
+            EndMotion(y=travel - p.position, vy=-p.speed, ay=-p.acceleration),
+        )
+
+    return ends
+
+
+def turning(rate: float) -> Motions:
+    """Both conveyances turn about the vertical and about each other's middle, as one body."""
+
+    def ends(t: float) -> tuple[EndMotion, EndMotion]:
+        ramp = 2.0
+        phi = rate * (t - ramp / math.pi * math.sin(math.pi * t / ramp)) / 2 if t < ramp else rate * (t - ramp / 2)
+        w = rate * (1 - math.cos(math.pi * t / ramp)) / 2 if t < ramp else rate
+        w_t = rate * math.pi / ramp * math.sin(math.pi * t / ramp) / 2 if t < ramp else 0.0
+        c, s = math.cos(phi), math.sin(phi)
+
+        def end(x: float) -> EndMotion:
+            return EndMotion(
+                x=x * c - x, z=-x * s, vx=-x * s * w, vz=-x * c * w,
+                ax=-x * (c * w * w + s * w_t), az=x * (s * w * w - c * w_t), yaw=phi, yaw_rate=w,
+            )  # fmt: skip
+
+        return end(-1.0), end(1.0)
+
+    return ends
+
+
+def bounced(t: float) -> tuple[EndMotion, EndMotion]:
+    """The left end is dropped by .5 m faster than the rope falls, and caught."""
+    s = min(max(t - 0.1, 0.0) / 0.3, 1.0)
+    y, v, a = 10 * s**3 - 15 * s**4 + 6 * s**5, 30 * s**2 - 60 * s**3 + 30 * s**4, 60 * s - 180 * s**2 + 120 * s**3
+    return EndMotion(y=-0.5 * y, vy=-0.5 * v / 0.3, ay=-0.5 * a / 0.09), EndMotion()
+
+
+SWIVEL = Swivel(mode="coulomb", release_time=0.5)
+SHORT = Rope(length=60.0, installed_twist=1.5)
+CASES: dict[str, tuple[Scene, Motions, float, float]] = {
+    "winding": (rope_120().scene, winding(90.0, 8.0), 5.0, 0.01),
+    "coarse levels": (rope_120("draft").scene, winding(90.0, 8.0), 6.0, 0.02),
+    "stick and slip": (
+        rope_240("draft").scene.with_(left=SWIVEL, right=SWIVEL, model=Model()),
+        winding(200.0, 10.0),
+        3.0,
+        0.02,
+    ),
+    "free swivels, one with a seal": (
+        Scene(rope=SHORT, left=Swivel("free", release_time=0.2), right=replace(SWIVEL, seal_moment=0.05)),
+        winding(40.0, 4.0),
+        3.0,
+        0.01,
+    ),
+    "spatial": (Scene(rope=Rope(length=60.0), model=Model("spatial")), winding(40.0, 4.0), 2.0, 0.01),
+    "planar, equal elements": (
+        Scene(rope=Rope(length=60.0, Qb=0.0, Qc=0.0), mesh=Mesh("eem", elements=81)),
+        winding(40.0, 4.0),
+        2.0,
+        0.01,
+    ),
+    "rigid, then raised": (
+        Scene(rope=Rope(length=60.0), model=Model("auto", force_tolerance=0.2)),
+        lambda t: (
+            (EndMotion(z=max(t - 1.0, 0.0) ** 4, vz=4 * max(t - 1.0, 0.0) ** 3, az=12 * max(t - 1.0, 0.0) ** 2),) * 2
+        ),
+        1.3,
+        0.01,
+    ),
+    "turned through a right angle": (
+        Scene(rope=SHORT, mesh=Mesh("eem", elements=60), solver=Solver(rho_inf=0.8)),
+        turning(1.5),
+        2.5,
+        0.02,
+    ),
+    "slack and caught": (Scene(rope=Rope(length=60.0)), bounced, 0.7, 0.01),
+    "non-conservative": (Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5)), winding(40.0, 4.0), 1.5, 0.01),
+}
+
+
+def together(
+    ropes: Sequence[RopeSimulator], motions: Sequence[Motions], duration: float, h: float
+) -> Iterator[tuple[RopeState, ...]]:
+    """The states of all ropes at the start and after each step, each rope moved in its own way."""
+    for rope, ends in zip(ropes, motions, strict=True):
+        status = rope.initialize(0.0, *ends(0.0))
+        assert status.valid, status.message
+    yield tuple(rope.state for rope in ropes)
+    for k in range(1, round(duration / h) + 1):
+        for rope, ends in zip(ropes, motions, strict=True):
+            status = rope.advance_to(k * h, *ends(k * h))
+            assert status.valid, status.message
+        yield tuple(rope.state for rope in ropes)
+
+
+def lifted(motions: Motions, by: float) -> Motions:
+    """The same in another height: the same forces but for rounding."""
+    return lambda t: tuple(replace(end, y=end.y + by) for end in motions(t))  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
+    scene, motions, duration, h = CASES[case]
+    reference, native, higher = RopeSimulator(scene), NativeRope(scene), RopeSimulator(scene)
+    largest = difference = rounding = 0.0
+    ends = motions, motions, lifted(motions, 7.3)
+    for a, b, c in together((reference, native, higher), ends, duration, h):
+        assert a.counts._replace(newton=0) == b.counts._replace(newton=0)
+        assert (a.rung, a.rung_reason) == (b.rung, b.rung_reason)
+        # a moment creeps up to the static limit: its last bits decide when it gets there
+        assert [(e.what, pytest.approx(e.t, abs=1e-5)) for e in a.events] == [(e.what, e.t) for e in b.events]
+        forces, twin, same = (state.motion.reaction[[0, -1], :3] for state in (a, b, c))
+        largest = max(largest, float(np.abs(forces).max()))
+        difference = max(difference, float(np.abs(forces - twin).max()))
+        rounding = max(rounding, float(np.abs(forces - same).max()))
+    assert a.counts.steps > 10
+    assert b.counts.newton == pytest.approx(a.counts.newton, rel=0.02)  # the search for an event may take one more
+    # the elimination goes inwards from both ends and multiplies with reciprocals: other roundings, the same equations
+    assert difference < max(1e-9 * largest, 3 * rounding)
+    assert rounding < (1e-6 if a.counts.swivel_events else 1e-8) * largest  # or the case would show nothing
+    expected, got = signals(reference) | added_mass_signals(reference), {name: native.signal(name) for name in SIGNALS}
+    forces_and_moments = {n for n in SIGNALS if n.partition(".")[2] in ("fx", "fy", "fz", "fy_mean", "mx", "my", "mz")}
+    scale = dict.fromkeys(SIGNALS, 1.0) | dict.fromkeys(forces_and_moments, largest)
+    scale |= {name: 1e7 for name in SIGNALS if name.startswith("stress")}
+    scale |= {name: max(abs(a.ledger.total), 1e4) for name in SIGNALS if name.startswith("energy")}
+    # differences of forces over 1e-3 m/s^2
+    scale |= {name: 3 * rounding / 1e-3 / 1e-8 for name in SIGNALS if name.endswith("added_mass")}
+    scale |= {name: 10.0 for name in SIGNALS if name.endswith("swivel.torque")}  # of a rope that carries 19 N m
+    scale["count.newton"] = 0.02 * a.counts.newton / 1e-8
+    # where swivels slip, the instants of the events carry the rounding on
+    relative = 1e-6 if a.counts.swivel_events else 1e-8
+    wrong = {n: (expected[n], got[n]) for n in SIGNALS if not abs(expected[n] - got[n]) <= relative * scale[n]}
+    assert not wrong
+
+
+def test_the_cases_meet_what_they_are_for() -> None:
+    """Transformations, slips, pole changes, another rung and a slack rope happen in the cases above."""
+    seen: set[str] = set()
+    for name in ("winding", "stick and slip", "rigid, then raised", "turned through a right angle"):
+        scene, motions, duration, h = CASES[name]
+        for (state,) in together([NativeRope(scene)], [motions], duration, h):
+            seen |= {event.what for event in state.events}
+    assert {"transformation", "new frame pole", "left swivel slips -", "left swivel sticks", "model torsional"} <= seen
+    scene, motions, duration, h = CASES["slack and caught"]
+    tensions = [state.motion.reaction[0, 1] for (state,) in together([NativeRope(scene)], [motions], duration, h)]
+    assert min(tensions) < 0
+
+
+def test_states_go_from_one_to_the_other() -> None:
+    scene, motions, _, h = CASES["winding"]
+    native, reference = NativeRope(scene), RopeSimulator(scene)
+    native.initialize(0.0, *motions(0.0))
+    for k in range(1, 101):
+        native.advance_to(k * h, *motions(k * h))
+    reference.restore(native.save())
+    for rope in (native, reference):
+        assert rope.advance_to(1.05, *motions(1.05)).valid
+    assert_allclose(native.state.motion.reaction, reference.state.motion.reaction, rtol=0, atol=1e-5)
+    back = NativeRope(scene)
+    back.restore(reference.state)
+    assert back.state.motion.q.tobytes() == reference.state.motion.q.tobytes()
+    assert back.advance_to(1.1, *motions(1.1)).valid
+
+
+def test_half_steps_after_a_restored_state_are_bit_identical() -> None:
+    scene, motions, _, h = CASES["stick and slip"]
+    rope = NativeRope(scene)
+    rope.initialize(0.0, *motions(0.0))
+    happened: set[str] = set()
+    for k in range(1, 251):
+        saved = rope.native_state()
+        ends = []
+        for _ in range(2):
+            assert rope.restore_native(saved).valid
+            for part in (0.5, 1.0):
+                assert rope.advance_to((k - 1 + part) * h, *motions((k - 1 + part) * h)).valid
+                happened |= {event.what for event in rope.state.events}
+            ends.append(rope.native_state())
+        assert ends[0] == ends[1]
+    assert {"transformation", "left swivel slips -", "left swivel sticks"} <= happened
+
+
+@pytest.mark.parametrize(
+    ("scene", "left", "words"),
+    [
+        (Scene(), EndMotion(vy=1.0), "moves at the start"),
+        (Scene(), EndMotion(y=math.nan), "left.y = nan is not finite"),
+        (Scene(), EndMotion(y=200.0), "cannot hang"),
+        (Scene(), EndMotion(y=115.0), "too close to an end"),
+        (Scene(model=Model("planar")), EndMotion(z=0.1), "z = 0.1"),
+    ],
+)
+def test_a_start_that_fails_says_the_same(scene: Scene, left: EndMotion, words: str) -> None:
+    statuses = [rope.initialize(0.0, left, EndMotion()) for rope in (RopeSimulator(scene), NativeRope(scene))]
+    assert statuses[0] == statuses[1]
+    assert not statuses[0].valid
+    assert words in statuses[0].message
+
+
+def test_a_step_that_fails_says_the_same_and_leaves_the_state() -> None:
+    scene = Scene(rope=Rope(length=60.0), solver=Solver(step_min=5e-3, tolerance=1e-6))
+    for ends, words in (
+        ((EndMotion(y=-0.01, vy=-1.0, ay=-50.0), EndMotion()), "local error"),
+        ((EndMotion(y=5.0), EndMotion()), "do not fit together"),
+        ((EndMotion(vx=math.inf), EndMotion()), "not finite"),
+    ):
+        messages = []
+        for rope in (RopeSimulator(scene), NativeRope(scene)):
+            rope.initialize(0.0, EndMotion(), EndMotion())
+            before = rope.state.motion.q.tobytes()
+            status = rope.advance_to(0.02, *ends)
+            assert not status.valid
+            assert rope.state.motion.q.tobytes() == before
+            assert rope.advance_to(0.02, EndMotion(), EndMotion()).valid
+            messages.append(status.message)
+        assert messages[0] == messages[1]
+        assert words in messages[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "side"), [("y", 0), ("x", 1), ("z", 0), ("vy", 1), ("ay", 0), ("yaw", 0), ("yaw_rate", 1)]
+)
+def test_derivatives_are_those_of_a_step(name: str, side: int) -> None:
+    """Of one integrator step that ends with the input changed, by differences."""
+    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), solver=Solver(newton_tolerance=1e-10))
+    h, ends = 0.01, [EndMotion(), EndMotion()]
+    rope = NativeRope(scene)
+    rope.initialize(0.0, *ends)
+    assert rope.advance_to(h, *ends).valid
+    derivative = np.array(rope.derivative(side, name))
+    before, forces = rope.native_state(), []
+    size = {"y": 1e-6, "x": 1e-5, "z": 1e-5, "yaw": 1e-5, "vy": 1e-4, "yaw_rate": 1e-3, "ay": 1e-2}[name]
+    for sign in (1, -1):
+        rope.restore_native(before)
+        ends[side] = replace(EndMotion(), **{name: sign * size})
+        assert rope.advance_to(2 * h, *ends).valid
+        assert rope.state.counts.steps == 2
+        forces.append(
+            [rope.signal(f"{s}.{k}") for s in ("left", "right") for k in ("fx", "fy", "fz", "mx", "my", "mz")]
+        )
+    differences = (np.array(forces[0]) - np.array(forces[1])) / (2 * size)
+    assert_allclose(derivative, differences, rtol=2e-3, atol=2e-3 * np.abs(differences).max())
+
+
+def test_memory_comes_from_the_host_alone() -> None:
+    """What the library asks of others: mathematics and text, no memory, no files, no time."""
+    if (nm := shutil.which("nm")) is None:
+        pytest.skip("nm is not here to list the library's symbols")
+    listed = subprocess.run([nm, "-D", "--undefined-only", str(library())], capture_output=True, text=True, check=True)
+    asked = {line.split()[-1].partition("@")[0] for line in listed.stdout.splitlines()}
+    assert "snprintf" in asked or "__snprintf_chk" in asked
+    assert not {name for name in asked if re.search("alloc|free|open|write|print(?!f_chk$|f$)|time|exit|abort", name)}
+
+
+def test_a_layout_that_fits_no_mesh_is_refused_alike() -> None:
+    scene = Scene(rope=Rope(length=20.0), mesh=Mesh("tmn", coarse_length=2.0), layout=Layout(1.0))
+    with pytest.raises(ValueError, match="leave nothing for I and VII") as reference:
+        RopeSimulator(scene)
+    with pytest.raises(ValueError, match="leave nothing for I and VII") as native:
+        NativeRope(scene)
+    assert str(reference.value) == str(native.value)
