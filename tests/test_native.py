@@ -200,7 +200,7 @@ def test_half_steps_after_a_restored_state_are_bit_identical() -> None:
     rope = NativeRope(scene)
     rope.initialize(0.0, *motions(0.0))
     happened: set[str] = set()
-    for k in range(1, 251):
+    for k in range(1, 331):
         saved = rope.native_state()
         ends = []
         for _ in range(2):

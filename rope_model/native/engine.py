@@ -5,11 +5,11 @@ from __future__ import annotations
 import ctypes
 import logging
 import os
+import struct
 import subprocess
 from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_void_p
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,11 +21,12 @@ from ..simulation.signals import SIGNALS
 from ..simulation.simulator import RopeSimulator, Status
 from ..simulation.state import Counts, Event, Ledger, Powers, RopeState
 from .build import library
-from .structures import PathStructure, end_structure, scene_structure
+from .structures import PathStructure, scene_structure
 
 log = logging.getLogger(__name__)
 
 _MESSAGE, _CHATTER_EVENTS, _LOGGED_EVENTS, _SEGMENTS = 512, 50, 128, 7
+_MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")
 _RUNGS = ("auto", "torsional", "spatial", "planar", "rigid")
 _ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
@@ -93,8 +94,8 @@ def _declared(lib: ctypes.CDLL) -> ctypes.CDLL:
     results = {
         "rope_create": (c_void_p, (c_void_p, c_void_p, c_char_p)),
         "rope_destroy": (None, (rope,)),
-        "rope_initialize": (c_int, (rope, c_double, c_void_p)),
-        "rope_advance": (c_int, (rope, c_double, c_void_p)),
+        "rope_initialize": (c_int, (rope, c_double, c_char_p)),
+        "rope_advance": (c_int, (rope, c_double, c_char_p)),
         "rope_retune": (c_int, (rope, c_void_p)),
         "rope_message": (c_char_p, (rope,)),
         "rope_signal": (c_double, (rope, c_int)),
@@ -184,7 +185,7 @@ class NativeRope(RopeSimulator):
     def _done(self, well: int) -> Status:
         if well:
             self._state, self._system, self._loop = None, None, None
-        return Status(True) if well else Status(False, self._message())
+        return _VALID if well else Status(False, self._message())
 
     def _message(self) -> str:
         return str(self._lib.rope_message(self._rope).decode())
@@ -205,12 +206,13 @@ def _memory() -> _Memory:
     return _Memory(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
 
 
+_VALID = Status(True)
 _NUMBERS = {name: i for i, name in enumerate(SIGNALS)}
 
 
-def _ends(left: EndMotion, right: EndMotion) -> Any:
-    ends = end_structure(left), end_structure(right)
-    return (type(ends[0]) * 2)(*ends)
+def _ends(left: EndMotion, right: EndMotion) -> bytes:
+    """Both motions as they lie in an array of EndMotion of rope.h."""
+    return _MOTIONS.pack(*left.__dict__.values(), *right.__dict__.values())
 
 
 def _unpacked(data: bytes) -> RopeState:
