@@ -1,0 +1,109 @@
+/* rope_model.simulation.ends: quintic paths between the host's instants, their checks, and the swivels' friction. */
+#include <math.h>
+#include <stdio.h>
+
+#include "core.h"
+#include "text.h"
+
+enum { YAW = 3, AXES = 4 };
+
+static double acceleration(const double c[6], double s) {
+    return 2 * c[2] + s * (6 * c[3] + s * (12 * c[4] + s * 20 * c[5]));
+}
+
+Path path_resting(double t, const EndMotion *at) {
+    Path path = {t, t, {{0}}};
+    for (int axis = 0; axis < AXES; axis++) path.c[axis][0] = axis == YAW ? at->yaw : at->x[axis];
+    return path;
+}
+
+Path path_to(const Path *path, double stop, const EndMotion *target) {
+    double start = path->stop, h = stop - start;
+    Path next = {start, stop, {{0}}};
+    for (int axis = 0; axis < AXES; axis++) {
+        double rates[3];
+        path_rates(path, start, axis, rates);
+        double x0 = rates[0], v0 = rates[1], a0 = rates[2];
+        double x1 = axis == YAW ? target->yaw : target->x[axis], v1 = axis == YAW ? target->yaw_rate : target->v[axis];
+        /* FMI gives no yaw acceleration: take the mean over the step */
+        double a1 = axis == YAW ? (target->yaw_rate - v0) / h : target->a[axis];
+        double dx = x1 - x0 - h * v0 - 0.5 * h * h * a0, dv = h * (v1 - v0 - h * a0), da = h * h * (a1 - a0);
+        double *c = next.c[axis];
+        c[0] = x0, c[1] = v0, c[2] = 0.5 * a0;
+        c[3] = (10 * dx - 4 * dv + 0.5 * da) / pow(h, 3);
+        c[4] = (-15 * dx + 7 * dv - da) / pow(h, 4);
+        c[5] = (6 * dx - 3 * dv + 0.5 * da) / pow(h, 5);
+    }
+    return next;
+}
+
+void path_rates(const Path *path, double t, int axis, double rates[3]) {
+    const double *c = path->c[axis];
+    double s = (path->stop < t ? path->stop : t) - path->start;
+    rates[0] = c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))));
+    rates[1] = c[1] + s * (2 * c[2] + s * (3 * c[3] + s * (4 * c[4] + s * 5 * c[5])));
+    rates[2] = acceleration(c, s);
+}
+
+EndMotion path_end(const Path *path) {
+    EndMotion end;
+    double rates[3];
+    for (int axis = 0; axis < YAW; axis++) {
+        path_rates(path, path->stop, axis, rates);
+        end.x[axis] = rates[0], end.v[axis] = rates[1], end.a[axis] = rates[2];
+    }
+    path_rates(path, path->stop, YAW, rates);
+    end.yaw = rates[0], end.yaw_rate = rates[1];
+    return end;
+}
+
+/* largest on the path, sampled; NaN when the first sample is */
+static double peak_acceleration(const Path *path, int axis) {
+    double peak = 0.0;
+    for (int i = 0; i < 5; i++) {
+        double a = fabs(acceleration(path->c[axis], 0.25 * i * (path->stop - path->start)));
+        if (i == 0 || a > peak) peak = a;
+    }
+    return peak;
+}
+
+void end_checked(const EndMotion *target, const Path *path, int side, char *message) {
+    static const char *const sides[] = {"left", "right"};
+    static const char *const names[] = {"x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw", "yaw_rate"};
+    /* bounds of position (m; rad), speed (m/s; rad/s) and of the acceleration inside the step (m/s^2) */
+    const double distant = 1e4, fast = 60.0, hard = 100.0;
+    const double *x = target->x, *v = target->v, *a = target->a;
+    const double values[] = {x[0], x[1], x[2], v[0], v[1], v[2], a[0], a[1], a[2], target->yaw, target->yaw_rate};
+    const double bounds[] = {distant, distant, distant, fast, fast, fast, hard, hard, hard, distant, fast};
+    double peaks[AXES];
+    int worst = 0;
+    message[0] = '\0';
+    for (int i = 0; i < 11; i++) {
+        if (!isfinite(values[i])) {
+            snprintf(message, MESSAGE, "input %s.%s = %s is not finite; check the signal connected to it", sides[side],
+                     names[i], EXACT(values[i]));
+            return;
+        }
+        if (fabs(values[i]) > bounds[i]) {
+            snprintf(message, MESSAGE, "input %s.%s = %s is beyond +-%s (SI units); check its unit and connection",
+                     sides[side], names[i], ROUNDED(values[i], 6), ROUNDED(bounds[i], 6));
+            return;
+        }
+    }
+    for (int axis = 0; axis < AXES; axis++) {
+        peaks[axis] = peak_acceleration(path, axis);
+        if (peaks[axis] > peaks[worst]) worst = axis;
+    }
+    if (!(peaks[worst] <= hard))
+        snprintf(message, MESSAGE,
+                 "inputs %s.%s and its derivatives do not fit together: reaching them within the step would take %s "
+                 "%s (bound %s); give position, speed and acceleration of one smooth motion",
+                 sides[side], worst == YAW ? "yaw" : names[worst], ROUNDED(peaks[worst], 3),
+                 worst == YAW ? "rad/s^2" : "m/s^2", ROUNDED(hard, 6));
+}
+
+double swivel_friction(const Swivel *swivel, double mu, double tension) {
+    if (swivel->mode == FREE_MODE) return 0.0;
+    /* a bearing does not carry less when the rope pushes */
+    return 0.5 * mu * swivel->mean_diameter * (0.0 > tension ? 0.0 : tension) + swivel->seal_moment;
+}

@@ -1,0 +1,99 @@
+"""The structures of rope.h and core.h for ctypes, made from the dataclasses that they mirror.
+
+In C the real numbers of a group come first, then its integers, each in the order of the dataclass; a word is its place
+in the list of choices.  The kernels' form is Python's own business.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import fields
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+from ..parameters import Layout, Mesh, Model, Rope, Scene, Solver, Swivel
+from ..simulation.ends import PATH, EndMotion, EndPath
+
+NOT_IN_C = {"kernels"}
+
+
+def _structure(kind: type[Any]) -> type[ctypes.Structure]:
+    """The structure of one group of parameters."""
+    hints = {name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C}
+    reals = [(name, ctypes.c_double) for name, hint in hints.items() if hint is float]
+    integers = [(name, _integer(hint)) for name, hint in hints.items() if hint is not float]
+    return type(kind.__name__, (ctypes.Structure,), {"_fields_": [*reals, *integers]})
+
+
+def _integer(hint: Any) -> type[Any]:
+    return ctypes.c_int * len(get_args(hint)) if get_origin(hint) is tuple else ctypes.c_int
+
+
+GROUPS = {kind: _structure(kind) for kind in (Rope, Layout, Swivel, Mesh, Solver, Model)}
+
+
+class SceneStructure(ctypes.Structure):
+    """Scene of rope.h."""
+
+    _fields_ = (
+        ("rope", GROUPS[Rope]),
+        ("layout", GROUPS[Layout]),
+        ("swivels", GROUPS[Swivel] * 2),
+        ("mesh", GROUPS[Mesh]),
+        ("solver", GROUPS[Solver]),
+        ("model", GROUPS[Model]),
+    )
+
+
+class EndStructure(ctypes.Structure):
+    """EndMotion of rope.h."""
+
+    _fields_ = (
+        *((name, ctypes.c_double * 3) for name in ("x", "v", "a")),
+        ("yaw", ctypes.c_double),
+        ("yaw_rate", ctypes.c_double),
+    )
+
+
+class PathStructure(ctypes.Structure):
+    """Path of core.h."""
+
+    _fields_ = (
+        ("start", ctypes.c_double),
+        ("stop", ctypes.c_double),
+        ("c", ctypes.c_double * 6 * len(PATH)),
+    )
+
+
+def scene_structure(scene: Scene) -> SceneStructure:
+    """The scene as C sees it."""
+    swivels = (GROUPS[Swivel] * 2)(_filled(scene.left), _filled(scene.right))
+    groups = (_filled(group) for group in (scene.mesh, scene.solver, scene.model))
+    return SceneStructure(_filled(scene.rope), _filled(scene.layout), swivels, *groups)
+
+
+def end_structure(motion: EndMotion) -> EndStructure:
+    """The motion of a suspension point as C sees it."""
+    places = (motion.position, motion.velocity, motion.acceleration)
+    return EndStructure(*(_array(values) for values in places), motion.yaw, motion.yaw_rate)
+
+
+def path_structure(path: EndPath) -> PathStructure:
+    """The path of an end as C sees it."""
+    quintic = ctypes.c_double * 6
+    return PathStructure(path.start, path.stop, (quintic * len(PATH))(*(quintic(*c) for c in path.coefficients)))
+
+
+def _filled(group: Any) -> ctypes.Structure:
+    hints = get_type_hints(type(group))
+    values = {f.name: _value(getattr(group, f.name), hints[f.name]) for f in fields(group) if f.name not in NOT_IN_C}
+    return GROUPS[type(group)](**values)
+
+
+def _value(value: Any, hint: Any) -> Any:
+    if get_origin(hint) is Literal:
+        return get_args(hint).index(value)
+    return tuple(value) if get_origin(hint) is tuple else value
+
+
+def _array(values: tuple[float, ...]) -> Any:
+    return (ctypes.c_double * len(values))(*values)
