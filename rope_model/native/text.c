@@ -25,11 +25,21 @@ const char *text_number(char room[NUMBER], double x, int digits) {
     return with_point(room);
 }
 
+/* Whether room, "d.ddde+xx", is x.  Below a power of two the numbers are twice as dense: there the nearest text may be
+   another number's, and the next text up is tried. */
+static int reads_back(char *room, double x) {
+    char *last = strchr(room, 'e') - 1;
+    if (strtod(room, NULL) == x) return 1;
+    if (*last == '9') return 0;
+    ++*last;
+    return strtod(room, NULL) == x;
+}
+
 const char *text_exact(char room[NUMBER], double x) {
     int decimals = 0, exponent;
     if (not_finite(room, x)) return room;
     do snprintf(room, NUMBER, "%.*e", decimals, x);
-    while (strtod(room, NULL) != x && ++decimals < 17);
+    while (!reads_back(room, x) && ++decimals < 17);
     exponent = atoi(strchr(room, 'e') + 1);
     if (exponent >= -4 && exponent < 16) {
         decimals = decimals - exponent;
