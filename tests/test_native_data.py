@@ -260,6 +260,8 @@ def scenes() -> Iterator[Any]:
         for swivel_name, swivel in {"held": Swivel(), "free": FREE, "released": RELEASED}.items():
             yield pytest.param(Scene(rope=rope, left=swivel, right=swivel), id=f"{rope_name}, {swivel_name}")
     yield pytest.param(Scene(left=Swivel(mode="coulomb"), right=FREE), id="coulomb and free")
+    yield pytest.param(Scene(rope=short, left=FREE, right=RELEASED), id="free and released")
+    yield pytest.param(Scene(rope=short, left=RELEASED, right=FREE), id="released and free")
 
 
 ENDS: tuple[Ends, ...] = (
