@@ -218,7 +218,10 @@ def refusal(values: dict[str, Any]) -> str:
 
 
 PARAMETERS = {name: value for name, value in values_of(Scene()).items() if name != "solver.kernels"}
-REALS = (math.nan, math.inf, -math.inf, -1.0, 0.0, 5e-324, 1e-5, 9.9e-6, 0.0017, 0.02, 1.0, 1.0000001, 3e5, 1e4, 6.3e5)
+REALS = (
+    *(math.nan, math.inf, -math.inf, -1.0, 0.0, 5e-324, 1e-5, 9.9e-6, 1e-3, 1.001e-3, 0.0017, 0.02, 1.0, 1.0000001),
+    *(1e4, 10000.1, 3e5, 1.1e6),
+)
 INTEGERS = (-2147483648, -1, 0, 1, 2, 3, 4, 5, 6, 8, 9, 20000, 20001)
 
 
