@@ -1,0 +1,399 @@
+"""The native rope's ends, rungs, rigid rope and parameter checks give what their Python twins give.
+
+Both do the same operations in the same order.  Numbers may differ by what libm and numpy round differently, 1e-12 of
+the quantities' size where nothing else is said; texts may not differ at all.
+"""
+
+from __future__ import annotations
+
+import ctypes as ct
+import dataclasses
+import math
+import random
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, get_args, get_type_hints
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+
+from benchmarks.choice.scenes import CASES, Case
+from fmu_src.interface import CHOICES, scene_of, variables
+from rope_model.native.structures import (
+    EndStructure,
+    PathStructure,
+    SceneStructure,
+    end_structure,
+    path_structure,
+    scene_structure,
+)
+from rope_model.numerics.generalized_alpha import Motion
+from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
+from rope_model.parameters import Mesh, Model, Preset, Rope, RungChoice, Scene, Swivel
+from rope_model.simulation import rigid
+from rope_model.simulation.ends import SIDES, EndMotion, EndPath, HangingEnds, checked, nominal_points
+from rope_model.simulation.rigid import flexible_start, lowest_tension, rigid_rope
+from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.rungs import LADDER, carries_torque, chosen, ends_after, lowest_able, outgrown
+from rope_model.simulation.statics import Equilibrium, StaticsError
+
+Array = NDArray[np.float64]
+Ends = tuple[EndMotion, EndMotion]
+
+NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
+FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
+PARTS = ("text.c", "ends.c", "rungs.c", "rigid.c", "parameters.c", "shape.c", "mesh.c")
+MESSAGE, ROUNDING = 512, 1e-12
+#: the codes of the rungs
+RUNGS = get_args(RungChoice)
+FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
+
+
+@pytest.fixture(scope="module")
+def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """The library with the parts under test."""
+    compiler = find_compiler()
+    if compiler is None:
+        pytest.skip("no C compiler")
+    made = tmp_path_factory.mktemp("native") / f"data{LIBRARY_SUFFIX}"
+    sources = [str(NATIVE / part) for part in PARTS]
+    result = subprocess.run([*compiler, *FLAGS, *sources, "-o", str(made), "-lm"], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    library = ct.CDLL(str(made))
+    for function in (library.path_resting, library.path_to):
+        function.restype = PathStructure
+    for function in (library.text_number, library.text_exact, library.rung_name):
+        function.restype = ct.c_char_p
+    library.path_end.restype = EndStructure
+    library.swivel_friction.restype = library.rigid_lowest_tension.restype = ct.c_double
+    return library
+
+
+def text_of(function: Any, *arguments: Any) -> str:
+    """The message that a function writes into its last argument."""
+    message = ct.create_string_buffer(b"?" * (MESSAGE - 1))
+    function(*arguments, message)
+    return message.value.decode()
+
+
+def ends_of(ends: Ends) -> Any:
+    return (EndStructure * 2)(*map(end_structure, ends))
+
+
+def pointer(x: Array) -> Any:
+    return x.ctypes.data_as(ct.POINTER(ct.c_double))
+
+
+def numbers(structure: ct.Structure) -> Array:
+    return np.frombuffer(structure).copy()
+
+
+def same(ours: Array, theirs: Array, size: float = 1.0) -> None:
+    assert_allclose(ours, theirs, rtol=ROUNDING, atol=ROUNDING * size)
+
+
+reals = st.floats(allow_nan=True, allow_infinity=True)
+coordinates = st.floats(-50.0, 50.0)
+motions = st.builds(EndMotion, *[coordinates] * 11)
+intervals = st.floats(1e-3, 2.0)
+
+
+@given(reals, st.integers(1, 8))
+def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits: int) -> None:
+    room = ct.create_string_buffer(40)
+    assert native.text_number(room, ct.c_double(x), digits).decode() == f"{x:.{digits}g}"
+    assert native.text_exact(room, ct.c_double(x)).decode() == repr(x)
+
+
+def test_numbers_at_the_borders_of_their_forms_are_written_as_python_writes_them(native: Any) -> None:
+    powers = [math.ldexp(sign, k) for sign in (1.0, -1.0) for k in range(-1074, 1024)]
+    for x in (2.0, 1e-5, 1e-4, 9.9999e-5, 1e15, 1e16, 123456789012345.6, 9007199254740992.0, -0.0, 0.1, *powers):
+        assert native.text_exact(ct.create_string_buffer(40), ct.c_double(x)).decode() == repr(x)
+
+
+def test_codes_are_those_of_the_interface() -> None:
+    for name, words in CHOICES.items():
+        group, field = name.split(".")
+        kind = Swivel if group == "swivel" else get_type_hints(Scene)[group]
+        assert get_args(get_type_hints(kind)[field]) == words
+
+
+def test_names_of_the_rungs_follow_their_codes(native: Any) -> None:
+    assert tuple(native.rung_name(code).decode() for code in range(5)) == RUNGS
+
+
+@given(motions, st.lists(st.tuples(intervals, motions), min_size=1, max_size=4), st.floats(-0.1, 1.1))
+def test_path_through_any_motions_is_the_same(
+    native: Any, first: EndMotion, targets: list[tuple[float, EndMotion]], part: float
+) -> None:
+    path = EndPath.resting(1.5, first)
+    ours = native.path_resting(ct.c_double(1.5), ct.byref(end_structure(first)))
+    for h, target in targets:
+        stop = path.stop + h
+        path = path.to(stop, target)
+        # from Python's path, because differences are amplified by 1/h^3 to 1/h^5 from path to path
+        ours = native.path_to(ct.byref(ours), ct.c_double(stop), ct.byref(end_structure(target)))
+        powers = np.array([[1.0, h, h**2, h**3, h**4, h**5]])
+        size = max(np.abs(np.array(path.coefficients) * powers).max(), 1.0)
+        assert (ours.start, ours.stop) == (path.start, path.stop)
+        same(np.array([[*row] for row in ours.c]) * powers, np.array(path.coefficients) * powers, size)
+        ours = path_structure(path)
+        t, rates = path.start + part * h, np.zeros(3)
+        for axis in range(4):
+            native.path_rates(ct.byref(ours), ct.c_double(t), axis, pointer(rates))
+            assert tuple(rates) == path.rates(t, axis)
+        end = ends_after((path, path))[0]
+        assert tuple(numbers(native.path_end(ct.byref(ours)))) == dataclasses.astuple(end)
+
+
+def end_message(native: Any, target: EndMotion, path: EndPath, side: int) -> str:
+    return text_of(native.end_checked, ct.byref(end_structure(target)), ct.byref(path_structure(path)), side)
+
+
+@pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(EndMotion)])
+@pytest.mark.parametrize("side", [0, 1])
+def test_end_that_is_out_of_bounds_has_the_same_message(native: Any, side: int, name: str) -> None:
+    path = EndPath.resting(0.0, EndMotion())
+    for value in (math.nan, -math.nan, math.inf, -math.inf, -100000.25, 1.234567e9, 60.0, 60.001, 100.0, 100.1, 1e4):
+        target = EndMotion(**{name: value})
+        assert end_message(native, target, path, side) == checked(target, path, SIDES[side])
+    assert checked(EndMotion(**{name: 1e9}), path, SIDES[side])
+
+
+@pytest.mark.parametrize("name", ["x", "y", "z", "yaw", "vx", "vy", "vz", "yaw_rate"])
+def test_motion_that_does_not_fit_together_has_the_same_message(native: Any, name: str) -> None:
+    for value in (0.001, 0.4321, 1.0, 50.0):
+        target = EndMotion(**{name: value})
+        path = EndPath.resting(0.0, EndMotion()).to(0.02, target)
+        assert end_message(native, target, path, 1) == checked(target, path, "right")
+    assert "do not fit together" in checked(target, path, "right")
+
+
+@pytest.mark.parametrize("mode", ["locked", "free", "coulomb"])
+def test_friction_of_a_swivel_is_the_same(native: Any, mode: Any) -> None:
+    swivel = Swivel(mode=mode, seal_moment=1.7)
+    scene = Scene(left=swivel, right=swivel)
+    state: Any = None
+    ends = HangingEnds(nominal_points(2.0), (state, state), (swivel, swivel), (state, state), (0.0, 0.0))
+    structure = scene_structure(scene)
+    for tension in (-30.0, 0.0, 4711.0):
+        reaction = np.zeros((3, 7))
+        reaction[-1, 1] = tension
+        for kinetic, mu in ((True, swivel.mu_kinetic), (False, swivel.mu_static)):
+            ours = native.swivel_friction(ct.byref(structure.swivels[1]), ct.c_double(mu), ct.c_double(tension))
+            assert ours == ends.friction(1, reaction, kinetic)
+
+
+def values_of(scene: Scene) -> dict[str, Any]:
+    """The FMU's parameters for the scene."""
+    table = variables(Preset(scene, 0.0, 1.0))
+    return {x.name: x.start for x in table if x.causality == "parameter" and not x.name.startswith("inputs")}
+
+
+def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
+    """The scene in C with some of the FMU's parameters, which may be out of range."""
+    structure = scene_structure(scene)
+    for name, value in values.items():
+        *groups, field = name.split(".")
+        group = structure.swivels[SIDES.index(groups[0])] if groups[-1] == "swivel" else getattr(structure, groups[0])
+        if field.startswith("counts"):
+            group.counts[int(field[-2]) - 1] = value
+        else:
+            setattr(group, field, value)
+    return structure
+
+
+def refusal(values: dict[str, Any]) -> str:
+    try:
+        scene_of(values)
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+PARAMETERS = {name: value for name, value in values_of(Scene()).items() if name != "solver.kernels"}
+REALS = (
+    *(math.nan, math.inf, -math.inf, -1.0, 0.0, 5e-324, 1e-5, 9.9e-6, 1e-3, 1.001e-3, 0.0017, 0.02, 1.0, 1.0000001),
+    *(1e4, 10000.1, 3e5, 1.1e6),
+)
+INTEGERS = (-2147483648, -1, 0, 1, 2, 3, 4, 5, 6, 8, 9, 20000, 20001)
+
+
+@pytest.mark.parametrize("name", sorted(PARAMETERS))
+def test_parameter_out_of_range_is_refused_with_the_same_message(native: Any, name: str) -> None:
+    refused = 0
+    for value in REALS if isinstance(PARAMETERS[name], float) else INTEGERS:
+        message = refusal(PARAMETERS | {name: value})
+        structure = with_values(Scene(), {name: value})
+        assert text_of(native.scene_checked, ct.byref(structure)) == message
+        refused += bool(message)
+    assert refused
+
+
+def test_first_of_several_parameters_out_of_range_is_named(native: Any) -> None:
+    chance = random.Random(7)
+    seen = set()
+    for _ in range(300):
+        names = chance.sample(sorted(PARAMETERS), 3)
+        values = {n: chance.choice(REALS if isinstance(PARAMETERS[n], float) else INTEGERS) for n in names}
+        message = refusal(PARAMETERS | values)
+        assert text_of(native.scene_checked, ct.byref(with_values(Scene(), values))) == message
+        seen.add(message.split(" = ")[0])
+    assert len(seen) > 20
+
+
+def scenes() -> Iterator[Any]:
+    """Scenes and motions that every branch of the choice is for."""
+    short = Rope(length=30.0, Qb=0.0, Qc=0.0)
+    ropes = {
+        "uncoupled": short,
+        "coupled": Rope(length=30.0),
+        "long": Rope(length=240.0),
+        "twisted": dataclasses.replace(short, installed_twist=1.0),
+        "non-conservative": dataclasses.replace(short, Qb=1e3, Qc=-1e3),
+        "twisted far": Rope(length=120.0, installed_twist=-300.0),
+    }
+    for rope_name, rope in ropes.items():
+        for swivel_name, swivel in {"held": Swivel(), "free": FREE, "released": RELEASED}.items():
+            yield pytest.param(Scene(rope=rope, left=swivel, right=swivel), id=f"{rope_name}, {swivel_name}")
+    yield pytest.param(Scene(left=Swivel(mode="coulomb"), right=FREE), id="coulomb and free")
+    yield pytest.param(Scene(rope=short, left=FREE, right=RELEASED), id="free and released")
+    yield pytest.param(Scene(rope=short, left=RELEASED, right=FREE), id="released and free")
+
+
+ENDS: tuple[Ends, ...] = (
+    (EndMotion(), EndMotion(y=12.0)),
+    *((EndMotion(y=2.0, **{name: 0.123456789}), EndMotion(y=9.0)) for name in ("z", "vz", "az", "yaw", "yaw_rate")),
+    *((EndMotion(y=2.0), EndMotion(y=9.0, **{name: -1e-9})) for name in ("x", "vx", "ax", "z", "yaw_rate")),
+    (EndMotion(vy=18.0, ay=5.0), EndMotion(y=10.0, vy=-18.0, ay=-5.0)),
+    (EndMotion(ay=-15.0), EndMotion(y=10.0, ay=-15.0)),
+    (EndMotion(y=29.0, vy=14.0), EndMotion(ay=0.7)),
+)
+
+
+def assert_same_rungs(native: Any, scene: Scene, ends: Ends) -> None:
+    structure, c_ends = scene_structure(scene), ends_of(ends)
+    choice = chosen(scene, ends)
+    reason = ct.create_string_buffer(MESSAGE)
+    assert RUNGS[native.rung_chosen(ct.byref(structure), c_ends, reason)] == choice.rung
+    assert reason.value.decode() == choice.reason
+    assert RUNGS[native.rung_lowest_able(ct.byref(structure), c_ends)] == lowest_able(scene, ends)
+    for rung in LADDER:
+        ours = text_of(native.rung_outgrown, ct.byref(structure), RUNGS.index(rung), c_ends)
+        assert ours == outgrown(scene, rung, ends)
+    assert native.rung_carries_torque(ct.byref(structure)) == carries_torque(scene)
+
+
+@pytest.mark.parametrize("scene", list(scenes()))
+@pytest.mark.parametrize("tolerance", [0.0, 1e-5, 2e-3, 0.1, 0.9])
+def test_rung_and_its_reason_are_the_same(native: Any, scene: Scene, tolerance: float) -> None:
+    for ends in ENDS:
+        assert_same_rungs(native, scene.with_(model=Model(force_tolerance=tolerance)), ends)
+
+
+@pytest.mark.parametrize("rung", RUNGS)
+def test_rung_by_name_is_the_same(native: Any, rung: RungChoice) -> None:
+    for ends in ENDS:
+        assert_same_rungs(native, Scene(model=Model(rung=rung, force_tolerance=0.1)), ends)
+
+
+@pytest.mark.parametrize("case", [pytest.param(case, id=case.title) for case in CASES])
+def test_rungs_along_the_windings_of_the_choice_are_the_same(native: Any, case: Case) -> None:
+    for t in np.arange(0.0, case.until, 0.25):
+        assert_same_rungs(native, case.scene, case.ends(case.trip, case.travel, float(t)))
+
+
+def uneven(nodes: int, length: float, seed: int) -> Array:
+    """Lengths of the elements."""
+    lengths = np.random.default_rng(seed).uniform(0.5, 2.0, nodes - 1)
+    return lengths * (length / lengths.sum())
+
+
+gentle = st.floats(-1.0, 1.0)
+ends_here = st.tuples(*[st.builds(EndMotion, gentle, coordinates, gentle, *[gentle] * 6)] * 2)
+
+
+@settings(deadline=None)
+@given(ends_here, ends_here, st.floats(0.0, 1.0), st.integers(3, 80), st.sampled_from([120.0, 30.0]))
+def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, nodes: int, length: float) -> None:
+    scene = Scene(rope=Rope(length=length))
+    moved = [dataclasses.replace(b, y=a.y + b.vx, vy=b.vy + a.x) for a, b in zip(first, then, strict=True)]
+    paths = tuple(EndPath.resting(0.0, a).to(1.0, b) for a, b in zip(first, moved, strict=True))
+    s = arc_lengths(uneven(nodes, length, nodes))
+    q, v, a, reaction = (np.full((nodes, 7), np.nan) for _ in range(4))
+    kinetic, gravity = ct.c_double(), ct.c_double()
+    message = text_of(
+        native.rigid_rope,
+        ct.byref(scene_structure(scene)),
+        (PathStructure * 2)(*map(path_structure, paths)),
+        ct.c_double(t),
+        nodes,
+        *map(pointer, (s, q, v, a, reaction)),
+        ct.byref(kinetic),
+        ct.byref(gravity),
+    )
+    try:
+        theirs = rigid_rope(scene, (paths[0], paths[1]), t, s)
+    except (ValueError, StaticsError) as error:
+        refused = str(error)
+    else:
+        refused = ""
+    assert message == refused
+    if refused:
+        return
+    weight = scene.rope.mass_per_length * scene.layout.gravity * length
+    same(np.array([kinetic.value]), np.array([theirs.kinetic]))
+    same(np.array([gravity.value]), np.array([theirs.gravity]), weight * length)
+    for ours, python in ((q, theirs.motion.q), (v, theirs.motion.v), (a, theirs.motion.a)):
+        same(ours, python, length)
+    same(reaction, theirs.motion.reaction, weight)
+
+
+def test_slack_rope_has_the_same_message(native: Any) -> None:
+    falling = EndMotion(ay=-15.0)
+    paths = (EndPath.resting(0.0, EndMotion()).to(1.0, falling), EndPath.resting(0.0, EndMotion(y=1.0)))
+    s, room = np.linspace(0.0, 120.0, 61), np.zeros((4, 61, 7))
+    message = text_of(
+        native.rigid_rope,
+        ct.byref(scene_structure(Scene())),
+        (PathStructure * 2)(*map(path_structure, paths)),
+        ct.c_double(1.0),
+        61,
+        *map(pointer, (s, *room)),
+        ct.byref(ct.c_double()),
+        ct.byref(ct.c_double()),
+    )
+    with pytest.raises(ValueError, match="goes slack") as error:
+        rigid_rope(Scene(), paths, 1.0, s)
+    assert message == str(error.value)
+
+
+@given(ends_here, st.floats(0.0, 50.0))
+def test_lowest_tension_is_the_same(native: Any, ends: Ends, spread: float) -> None:
+    scene = Scene(mesh=Mesh())
+    ours = native.rigid_lowest_tension(ct.byref(scene_structure(scene)), ends_of(ends))
+    weight = scene.rope.mass_per_length * scene.layout.gravity * scene.rope.length
+    same(np.array([ours]), np.array([lowest_tension(scene, ends)]), weight)
+
+
+@pytest.mark.parametrize("even", [True, False])
+def test_flow_along_the_equilibrium_is_the_same(native: Any, monkeypatch: pytest.MonkeyPatch, even: bool) -> None:
+    nodes, length = 63, 120.0
+    lengths = np.full(nodes - 1, length / (nodes - 1)) if even else uneven(nodes, length, 3)
+    chance = np.random.default_rng(5)
+    q, v, a = chance.normal(size=(3, nodes, 7))
+    start = Motion(0.0, q, v, a, a, np.zeros_like(q), 0.0, np.zeros_like(q))
+    rest = Equilibrium(chance.normal(size=(nodes, 7)), np.zeros_like(q), 1)
+    monkeypatch.setattr(rigid, "find_equilibrium", lambda *_: rest)
+    monkeypatch.setattr(rigid, "settled", lambda _, motion: motion)
+    theirs = flexible_start(SimpleNamespace(lengths=lengths), start)  # type: ignore[arg-type]
+    ours_v, ours_a, s = v.copy(), a.copy(), arc_lengths(lengths)
+    native.rigid_flowing(nodes, *map(pointer, (s, rest.q, ours_v, ours_a)))
+    same(ours_v, theirs.v, np.abs(theirs.v).max())
+    same(ours_a, theirs.a, np.abs(theirs.a).max())
