@@ -1,0 +1,230 @@
+/* Partitions of the rope into elements, and nodal values carried from one to another: the twin of
+   rope_model.simulation.mesh and rope_model.simulation.transfer, which say what is done and why. */
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core.h"
+
+/* more than MOST_ELEMENTS would be a mistake in the unit of an element's length; no more than COUNTABLE can be held */
+enum { MOST_ELEMENTS = 20000, COUNTABLE = 100000000 };
+
+static const double LADDER[SEGMENTS] = {1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0};
+static const double DUE = 0.6;
+static const double NATURAL_RADIUS = 0.912;
+static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
+static const double NEAREST = 0.12;
+static const double END_LENGTH = 2.0;
+
+/* length of the segments II to VI in units of l, for their numbers of elements */
+static double inner_length(double ii, double iii, double iv, double v, double vi) {
+    return LADDER[1] * ii + LADDER[2] * iii + LADDER[3] * iv + LADDER[4] * v + LADDER[5] * vi;
+}
+
+static double inner_of(const Mesh *mesh) {
+    const int *n = mesh->counts;
+    return inner_length(n[0], n[1], n[2], n[3], n[4]);
+}
+
+/* elements of segment IV in the mesh suited to a loop of radius R and natural length w */
+static double suited_fine_count(double R, double w, double coarse) {
+    double covered = PI * R + 2 * w + 2 * DUE * coarse;
+    return 8 * ceil(covered / coarse);
+}
+
+static int as_int(double x) {
+    return x < INT_MAX ? (int)x : INT_MAX;
+}
+
+Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
+    Mesh suited = *mesh;
+    if (mesh->kind != AUTO_MESH)
+        return suited;
+    double weight = rope->mass_per_length * layout->gravity;
+    double w = pow(rope->EI / weight, 1.0 / 3.0);
+    double R = fmin(0.5 * layout->spacing, NATURAL_RADIUS * w);
+    double fine = fmin(LOOP_LENGTH * pow(mesh->loop_error / (LOOP_ERROR * R), 0.2), LONGEST) * R;
+    double coarse = fine / LADDER[3];
+    double layer = sqrt(rope->EI / (0.5 * weight * rope->length));
+
+    /* the loop comes near an end: segment IV must be able to follow */
+    double inner = inner_length(2, 4, suited_fine_count(R, w, coarse), 4, 2);
+    coarse = fmin(coarse, 2 * NEAREST * rope->length / inner);
+    fine = coarse * LADDER[3];
+    double count = suited_fine_count(R, w, coarse);
+    if (coarse * (inner_length(2, 4, count, 4, 2) + 2) > rope->length) {
+        suited.kind = EEM;
+        suited.elements = as_int(fmax(ceil(rope->length / fine), 8));
+        return suited;
+    }
+    double levels = fmax(ceil(log2(coarse / (END_LENGTH * layer))), 0);
+    suited.kind = TMN;
+    suited.coarse_length = coarse;
+    suited.counts[0] = suited.counts[4] = 2;
+    suited.counts[1] = suited.counts[3] = 4;
+    suited.counts[2] = as_int(count);
+    suited.end_levels = (int)fmin(levels, 8);
+    return suited;
+}
+
+/* elements of the segments I and VII together, for l near coarse_length */
+static double outer_of(const Mesh *mesh, double length) {
+    return rint(length / mesh->coarse_length - inner_of(mesh));
+}
+
+int mesh_elements(const Mesh *mesh, double length, char *message) {
+    message[0] = '\0';
+    if (mesh->kind == EEM) {
+        if (mesh->elements >= 2 && mesh->elements <= MOST_ELEMENTS)
+            return mesh->elements;
+        snprintf(message, MESSAGE, "elements = %d is out of range: it must be 2 to %d; use fewer or more",
+                 mesh->elements, MOST_ELEMENTS);
+        return 0;
+    }
+    double outer = outer_of(mesh, length);
+    if (outer > MOST_ELEMENTS) {
+        snprintf(message, MESSAGE,
+                 "coarse_length = %g m makes %.0f elements of a rope of %g m, more than %d; use longer elements",
+                 mesh->coarse_length, outer, length, MOST_ELEMENTS);
+        return 0;
+    }
+    if (outer < 2) {
+        snprintf(message, MESSAGE,
+                 "the mesh's segments II to VI need %g m of a rope of %g m and leave nothing for I and VII; lower "
+                 "coarse_length or the counts",
+                 inner_of(mesh) * mesh->coarse_length, length);
+        return 0;
+    }
+    double elements = outer + 2 * mesh->end_levels;
+    for (int k = 0; k < SEGMENTS - 2; k++)
+        elements += mesh->counts[k];
+    if (elements > COUNTABLE) {
+        snprintf(message, MESSAGE, "counts make %.0f elements, more than %d; use fewer", elements, COUNTABLE);
+        return 0;
+    }
+    return (int)elements;
+}
+
+static void fill_lengths(const Pattern *pattern, double *lengths) {
+    double coarse = pattern->coarse;
+    int levels = pattern->end_levels, n = 0;
+    /* l/2, l/4 ... and the last length once more, towards either end */
+    lengths[n++] = coarse * ldexp(1.0, -levels);
+    for (int k = levels; k >= 1; k--)
+        lengths[n++] = coarse * ldexp(1.0, -k);
+    for (int segment = 0; segment < SEGMENTS; segment++) {
+        int outermost = segment == 0 || segment == SEGMENTS - 1;
+        for (int k = outermost ? 1 : 0; k < pattern->counts[segment]; k++)
+            lengths[n++] = coarse * LADDER[segment];
+    }
+    for (int k = 1; k <= levels; k++)
+        lengths[n++] = coarse * ldexp(1.0, -k);
+    lengths[n] = coarse * ldexp(1.0, -levels);
+}
+
+void mesh_partition(const Mesh *mesh, double length, double bottom, Pattern *pattern, double *lengths) {
+    memset(pattern, 0, sizeof *pattern);
+    if (mesh->kind == EEM) {
+        for (int k = 0; k < mesh->elements; k++)
+            lengths[k] = length / mesh->elements;
+        return;
+    }
+    double inner = inner_of(mesh), outer = outer_of(mesh, length);
+    double coarse = length / (outer + inner);
+    double first = rint(bottom / coarse - 0.5 * inner);
+    first = first > 1 ? fmin(first, outer - 1) : 1;
+    pattern->coarse = coarse;
+    pattern->end_levels = mesh->end_levels;
+    pattern->counts[0] = (int)first;
+    for (int k = 0; k < SEGMENTS - 2; k++)
+        pattern->counts[k + 1] = mesh->counts[k];
+    pattern->counts[SEGMENTS - 1] = (int)(outer - first);
+    fill_lengths(pattern, lengths);
+}
+
+void mesh_transformed(Pattern *pattern, int direction, double *lengths) {
+    pattern->counts[0] += direction;
+    pattern->counts[SEGMENTS - 1] -= direction;
+    fill_lengths(pattern, lengths);
+}
+
+double mesh_centre(const Pattern *pattern) {
+    const int32_t *n = pattern->counts;
+    return pattern->coarse * (n[0] + 0.5 * inner_length(n[1], n[2], n[3], n[4], n[5]));
+}
+
+double mesh_distance_to_due(const Pattern *pattern, double bottom) {
+    if (pattern->counts[0] == 0)
+        return -HUGE_VAL;
+    double offset = bottom - mesh_centre(pattern);
+    if (pattern->counts[offset > 0 ? SEGMENTS - 1 : 0] == 1)
+        return -HUGE_VAL;
+    return fabs(offset) - DUE * pattern->coarse;
+}
+
+int mesh_transformation_due(const Pattern *pattern, double bottom, double slack) {
+    if (mesh_distance_to_due(pattern, bottom) < -slack)
+        return 0;
+    double offset = bottom - mesh_centre(pattern);
+    return (offset > 0) - (offset < 0);
+}
+
+void mesh_misplaced(const Pattern *pattern, double length, double bottom, char *message) {
+    message[0] = '\0';
+    if (pattern->counts[0] == 0 || fabs(bottom - mesh_centre(pattern)) <= (DUE + 1.0) * pattern->coarse)
+        return;
+    snprintf(message, MESSAGE,
+             "the loop at %.3g m of the rope's %.4g m is too close to an end: the mesh's fine middle reaches no further "
+             "than %.3g m; use a smaller coarse_length or fewer elements in segments II to VI, or keep the ends closer "
+             "in height",
+             bottom, length, mesh_centre(pattern));
+}
+
+void mesh_arc_lengths(int elements, const double *lengths, double *s) {
+    s[0] = 0.0;
+    for (int k = 0; k < elements; k++)
+        s[k + 1] = s[k] + lengths[k];
+}
+
+/* the element in which x lies: the last whose left node is left of x, or the outermost */
+static int element_at(int nodes, const double *s, double x) {
+    int low = 0, high = nodes;
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (s[middle] < x)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    int i = low - 1;
+    return i < 0 ? 0 : i > nodes - 2 ? nodes - 2 : i;
+}
+
+void mesh_transferred(int old_nodes, const double *x, const double *old_s, int new_nodes, const double *new_s,
+                      double *y) {
+    double tolerance = 1e-9 * old_s[old_nodes - 1];
+    for (int k = 0; k < new_nodes; k++, y += DOF) {
+        double s = new_s[k];
+        int i = element_at(old_nodes, old_s, s + tolerance);
+        double left_s = old_s[i], right_s = old_s[i + 1];
+        const double *left = x + (ptrdiff_t)DOF * i, *right = left + DOF;
+
+        /* nodes that stay keep their values exactly */
+        int nearer_left = s - left_s < right_s - s;
+        if (fabs((nearer_left ? left_s : right_s) - s) <= tolerance) {
+            memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
+            continue;
+        }
+        double l = right_s - left_s;
+        double xi = fmin(fmax((s - left_s) / l, 0.0), 1.0);
+        double xi2 = xi * xi, rest = 1 - xi;
+        for (int axis = 0; axis < 3; axis++) {
+            double r1 = left[axis], r2 = right[axis], d1 = l * left[SLOPE + axis], d2 = l * right[SLOPE + axis];
+            y[axis] = r1 + xi2 * (3 - 2 * xi) * (r2 - r1) + xi * (rest * rest) * d1 + xi2 * (xi - 1) * d2;
+            y[SLOPE + axis] =
+                (6 * xi * rest * (r2 - r1) + rest * (1 - 3 * xi) * d1 + xi * (3 * xi - 2) * d2) / l;
+        }
+        y[ANGLE] = rest * left[ANGLE] + xi * right[ANGLE];
+    }
+}

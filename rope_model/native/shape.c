@@ -1,0 +1,161 @@
+/* What is read off the rope's shape, and the shape it is given to start from: the twin of
+   rope_model.simulation.diagnostics and rope_model.simulation.statics.hanging_guess. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core.h"
+
+/* points between two elements' ends, of the shape for the clearance, and of one leg of that */
+enum { FINE = 41, OUTLINE = 161, LEG = OUTLINE / 2 + 1 };
+
+static double clipped(double x, double low, double high) {
+    return fmin(fmax(x, low), high);
+}
+
+/* the centre line at arc length `at`: r, r', theta */
+static void point_at(int nodes, const double *q, const double *s, double at, double row[DOF]) {
+    mesh_transferred(nodes, q, s, 1, &at, row);
+}
+
+LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
+    int lowest = 0;
+    for (int k = 1; k < nodes; k++)
+        if (q[(ptrdiff_t)DOF * k + 1] < q[(ptrdiff_t)DOF * lowest + 1])
+            lowest = k;
+    int i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
+
+    double fine[FINE], y[FINE], row[DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
+    int j = 0;
+    for (int k = 0; k < FINE; k++) {
+        fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
+        point_at(nodes, q, s, fine[k], row);
+        y[k] = row[1];
+        if (y[k] < y[j])
+            j = k;
+    }
+    /* the lowest point of the parabola through three points */
+    j = j < 1 ? 1 : j > FINE - 2 ? FINE - 2 : j;
+    double bend = y[j - 1] - 2 * y[j] + y[j + 1];
+    double shift = bend > 0 ? 0.5 * (y[j - 1] - y[j + 1]) / bend : 0.0;
+    LoopBottom bottom;
+    bottom.s = fine[j] + clipped(shift, -1.0, 1.0) * (fine[1] - fine[0]);
+    point_at(nodes, q, s, bottom.s, row);
+    memcpy(bottom.position, row, sizeof bottom.position);
+    bottom.yaw = atan2(-row[SLOPE + 2], row[SLOPE]);
+    return bottom;
+}
+
+void shape_points(int nodes, const double *q, const double *s, double bottom_s, int points, double *xyz) {
+    double total = s[nodes - 1], step = 2.0 / (points - 1), row[DOF];
+    for (int k = 0; k < points; k++) {
+        double u = k < points - 1 ? k * step - 1.0 : 1.0, size = fabs(u);
+        double reach = u < 0 ? bottom_s : total - bottom_s;
+        double sign = (u > 0) - (u < 0);
+        double at = bottom_s + sign * reach * (0.1 * size + 0.9 * pow(size, 3));
+        point_at(nodes, q, s, clipped(at, 0.0, total), row);
+        memcpy(xyz + (ptrdiff_t)3 * k, row, 3 * sizeof *xyz);
+    }
+}
+
+/* The points of a leg, from the bottom upwards, from where it first reaches `height`: their number.  `first` is the
+   leg's lowest point, `stride` (in points) leads to the next. */
+static int part_above(const double *first, int stride, double height, double part[LEG][3]) {
+    int i = 0, n = 0;
+    while (i < LEG && first[3 * stride * i + 1] < height)
+        i++;
+    if (i == LEG)
+        return 0;
+    const double *below = first + 3 * stride * (i > 0 ? i - 1 : 0), *above = first + 3 * stride * i;
+    double rise = above[1] - below[1], share = rise > 0 ? (height - below[1]) / rise : 1.0;
+    for (int axis = 0; axis < 3; axis++)
+        part[0][axis] = below[axis] + share * (above[axis] - below[axis]);
+    for (n = 1, i += share >= 1.0; i < LEG; i++, n++)
+        memcpy(part[n], first + 3 * stride * i, sizeof part[n]);
+    return n;
+}
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* smallest distance of the points from the pieces of a polygon */
+static double smallest_distance(int points, double point[LEG][3], int corners, double corner[LEG][3]) {
+    double least = HUGE_VAL;
+    for (int m = 0; m + 1 < corners; m++) {
+        double along[3];
+        for (int axis = 0; axis < 3; axis++)
+            along[axis] = corner[m + 1][axis] - corner[m][axis];
+        double square = dot(along, along);
+        for (int n = 0; n < points; n++) {
+            double across[3];
+            for (int axis = 0; axis < 3; axis++)
+                across[axis] = point[n][axis] - corner[m][axis];
+            double share = clipped(dot(across, along) / square, 0.0, 1.0);
+            for (int axis = 0; axis < 3; axis++)
+                across[axis] -= share * along[axis];
+            least = fmin(least, dot(across, across));
+        }
+    }
+    return sqrt(least);
+}
+
+double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double diameter,
+                           double above) {
+    double outline[OUTLINE][3], left[LEG][3], right[LEG][3];
+    shape_points(nodes, q, s, bottom->s, OUTLINE, outline[0]);
+    double height = bottom->position[1] + above;
+    int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
+    if (lefts < 2 || rights < 2)
+        return HUGE_VAL;
+    return fmin(smallest_distance(lefts, left, rights, right), smallest_distance(rights, right, lefts, left)) -
+           diameter;
+}
+
+/* length of the elements at arc length `at`, interpolated between their middles as numpy.interp does it */
+static double cell_at(int nodes, const double *s, double at) {
+    int k = 0;
+    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at)
+        k++;
+    double middle = 0.5 * (s[k] + s[k + 1]), cell = s[k + 1] - s[k];
+    if (k == nodes - 2 || at <= middle)
+        return cell;
+    double slope = (s[k + 2] - s[k + 1] - cell) / (0.5 * (s[k + 1] + s[k + 2]) - middle);
+    return slope * (at - middle) + cell;
+}
+
+void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
+                         char *message) {
+    message[0] = '\0';
+    double length = s[nodes - 1];
+    double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
+    double width = hypot(across[0], across[2]);
+    for (int axis = 0; axis < 3; axis++)
+        across[axis] /= width;
+    double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
+    double cell = cell_at(nodes, s, middle);
+    double radius = fmax(0.5 * width, fmin(4 * cell / PI, 0.25 * fmin(middle, length - middle)));
+    double left_leg = middle - 0.5 * PI * radius, right_leg = length - middle - 0.5 * PI * radius;
+    double lean = radius - 0.5 * width;
+    if (fmin(left_leg, right_leg) <= lean) {
+        snprintf(message, MESSAGE,
+                 "the rope of %g m cannot hang between ends %g m apart with a height difference of %g m; give a longer "
+                 "rope or bring the ends together",
+                 length, width, left[1] - right[1]);
+        return;
+    }
+    for (int k = 0; k < nodes; k++, q += DOF) {
+        double phi = clipped((s[k] - left_leg) / radius, 0.0, PI);
+        double on_left = fmin(s[k], left_leg), on_right = fmax(s[k] - left_leg - PI * radius, 0.0);
+        double along = radius * (1 - cos(phi)) - lean * (on_left / left_leg + on_right / right_leg);
+        double down = on_left + radius * sin(phi) - on_right;
+        double slope = sin(phi) - (phi <= 0 ? lean / left_leg : phi >= PI ? lean / right_leg : 0.0);
+        for (int axis = 0; axis < 3; axis++) {
+            q[axis] = left[axis] + along * across[axis];
+            q[SLOPE + axis] = slope * across[axis];
+        }
+        q[1] -= down;
+        q[SLOPE + 1] = -cos(phi);
+        q[ANGLE] = 0.0;
+    }
+}
