@@ -16,6 +16,7 @@ MAY_IMPORT = {
     "rope_model.physics": set(),
     "rope_model.numerics": set(),
     "rope_model.simulation": {"rope_model.parameters", "rope_model.physics", "rope_model.numerics"},
+    "rope_model.native": {"rope_model.parameters", "rope_model.simulation"},
     "fmu_src": {"rope_model.parameters", "rope_model.simulation"},
     "hoist_demo": {"rope_model.parameters", "rope_model.simulation"},
 }

@@ -1,4 +1,4 @@
-"""The native rope's mesh, frame and shape give what their Python twins give.
+"""The native rope's mesh, frame, shape and signals give what their Python twins give.
 
 Both do the same operations in the same order.  They may differ by what libm, numpy's vectorised sine, cosine and power,
 and sums in another order round differently: 1e-12 of the quantities' size, where nothing else is said.
@@ -21,11 +21,15 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
+from rope_model.native.structures import GROUPS, PathStructure, path_structure, scene_structure
+from rope_model.native.tables import signal_numbers
+from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
-from rope_model.parameters import Layout, Mesh, Rope
+from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
 from rope_model.physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
 from rope_model.simulation.adaptation import counted_on
 from rope_model.simulation.diagnostics import LoopBottom, leg_clearance, loop_bottom, shape
+from rope_model.simulation.ends import EndPath, HangingEnds, Phase, SwivelState, nominal_points
 from rope_model.simulation.mesh import (
     Partition,
     distance_to_due,
@@ -36,6 +40,18 @@ from rope_model.simulation.mesh import (
     transformed,
 )
 from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.signals import (
+    SIGNALS,
+    added_mass_signals,
+    book_signals,
+    end_signals,
+    group_of,
+    loop_signals,
+    shape_signals,
+    signals,
+    stress_signals,
+)
+from rope_model.simulation.state import Counts, Ledger, RopeState
 from rope_model.simulation.statics import StaticsError, hanging_guess
 from rope_model.simulation.transfer import transferred
 
@@ -43,31 +59,56 @@ Array = NDArray[np.float64]
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("mesh.c", "frame.c", "shape.c")
+PARTS = ("mesh.c", "frame.c", "shape.c", "signals.c", "ends.c", "text.c")
 KINDS = ("tmn", "eem", "auto")
+MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
+GROUPS_OF_SIGNALS = (end_signals, loop_signals, stress_signals, book_signals, shape_signals, added_mass_signals)
 MESSAGE, ROUNDING = 512, 1e-12
 
 
-def structure(name: str, *members: tuple[str, Any]) -> type[ct.Structure]:
-    return type(name, (ct.Structure,), {"_fields_": list(members)})
+class CPattern(ct.Structure):
+    _fields_ = (("coarse", ct.c_double), ("counts", ct.c_int32 * 7), ("end_levels", ct.c_int32))
 
 
-def reals(names: str) -> list[tuple[str, Any]]:
-    return [(name, ct.c_double) for name in names.split()]
+class CLoopBottom(ct.Structure):
+    _fields_ = (("s", ct.c_double), ("position", ct.c_double * 3), ("yaw", ct.c_double))
+
+    @staticmethod
+    def of(bottom: LoopBottom) -> CLoopBottom:
+        return CLoopBottom(bottom.s, tuple(bottom.position), bottom.yaw)
 
 
-CRope = structure("CRope", *reals("length mass_per_length Qa Qb Qc Qd EI rhoJ beta_K diameter installed_twist"))
-CLayout = structure("CLayout", *reals("spacing gravity"))
-CMesh = structure(
-    "CMesh",
-    *reals("coarse_length loop_error"),
-    ("kind", ct.c_int),
-    ("elements", ct.c_int),
-    ("counts", ct.c_int * 5),
-    ("end_levels", ct.c_int),
-)
-CPattern = structure("CPattern", ("coarse", ct.c_double), ("counts", ct.c_int32 * 7), ("end_levels", ct.c_int32))
-CLoopBottom = structure("CLoopBottom", ("s", ct.c_double), ("position", ct.c_double * 3), ("yaw", ct.c_double))
+#: the signals of a state that the caller gives by its members, so that its layout is C's own business
+SIGNALS_BY_MEMBERS = """
+#include <string.h>
+#include "signals.h"
+
+void signals_by_members(int group, const Scene *scene, double t, double loop_yaw, const double *pole,
+                        const double *offsets, const double *means, const int *phases, const double *signs,
+                        const Path *paths, const double *ledger, const double *counts, const Arrays *arrays,
+                        const double (*strains)[4], const LoopBottom *bottom, double *values) {
+    State s;
+    memset(&s, 0, sizeof s);
+    s.t = t, s.loop_yaw = loop_yaw;
+    memcpy(s.pole, pole, sizeof s.pole);
+    for (int k = 0; k < 2; k++) {
+        s.offsets[k] = offsets[k], s.force_mean[k] = means[k], s.paths[k] = paths[k];
+        s.swivels[k].phase = phases[k], s.swivels[k].sign = signs[k];
+    }
+    const double *l = ledger, *n = counts;
+    s.ledger.kinetic = l[0], s.ledger.strain = l[1], s.ledger.gravity = l[2], s.ledger.work_ends = l[3];
+    s.ledger.dissipated_material = l[4], s.ledger.dissipated_swivel = l[5], s.ledger.nonconservative = l[6];
+    s.ledger.transformations = l[7], s.ledger.start = l[8];
+    s.counts.steps = (int64_t)n[0], s.counts.rejections = (int64_t)n[1], s.counts.newton = (int64_t)n[2];
+    s.counts.transformations = (int64_t)n[3], s.counts.swivel_events = (int64_t)n[4];
+    signals_of(group, scene, &s, arrays, strains, bottom, values);
+}
+
+void arrays_of(double *q, double *v, double *reaction, double *lengths, double *s, int nodes, Arrays *arrays) {
+    Arrays a = {q, v, NULL, NULL, NULL, reaction, lengths, s, nodes - 1, nodes};
+    *arrays = a;
+}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -76,13 +117,16 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     compiler = find_compiler()
     if compiler is None:
         pytest.skip("no C compiler")
-    path = tmp_path_factory.mktemp("native") / f"parts{LIBRARY_SUFFIX}"
-    sources = [str(NATIVE / name) for name in PARTS]
-    subprocess.run([*compiler, *FLAGS, *sources, "-o", str(path), "-lm"], check=True)
+    folder = tmp_path_factory.mktemp("native")
+    path = folder / f"parts{LIBRARY_SUFFIX}"
+    (folder / "signal_numbers.h").write_text(signal_numbers(), encoding="ascii")
+    (folder / "by_members.c").write_text(SIGNALS_BY_MEMBERS, encoding="ascii")
+    sources = [*(str(NATIVE / name) for name in PARTS), str(folder / "by_members.c")]
+    subprocess.run([*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(path), "-lm"], check=True)
     library = ct.CDLL(str(path))
     n, x, p = ct.c_int, ct.c_double, ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
-        "mesh_suited": (CMesh, p, p, p),
+        "mesh_suited": (GROUPS[Mesh], p, p, p),
         "mesh_elements": (n, p, x, p),
         "mesh_partition": (None, p, x, x, p, p),
         "mesh_transformed": (None, p, n, p),
@@ -101,6 +145,9 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "shape_leg_clearance": (x, n, p, p, p, x, x),
         "shape_points": (None, n, p, p, x, n, p),
         "shape_hanging_guess": (None, n, p, p, p, p, p),
+        "signal_group": (n, n),
+        "signals_by_members": (None, n, p, x, x, *[p] * 12),
+        "arrays_of": (None, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
         getattr(library, name).restype, getattr(library, name).argtypes = result, arguments
@@ -124,26 +171,21 @@ def message() -> Any:
     return ct.create_string_buffer(MESSAGE)
 
 
-def c_mesh(mesh: Mesh) -> Any:
-    return CMesh(
-        mesh.coarse_length,
-        mesh.loop_error,
-        KINDS.index(mesh.kind),
-        mesh.elements,
-        (ct.c_int * 5)(*mesh.counts),
-        mesh.end_levels,
-    )
+def c_of(group: Any) -> Any:
+    """A group of parameters as C sees it."""
+    scene = scene_structure(Scene().with_(**{type(group).__name__.lower(): group}))
+    return getattr(scene, type(group).__name__.lower())
 
 
 def c_partition(parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float) -> tuple[Any, Array]:
     """Pattern and lengths; ValueError with the message where it does not fit."""
     text = message()
-    elements = parts.mesh_elements(c_mesh(mesh), length, text)
+    elements = parts.mesh_elements(c_of(mesh), length, text)
     if elements == 0:
         raise ValueError(text.value.decode())
     assert text.value == b""
     pattern, lengths = CPattern(), np.full(elements + 1, -7.0)
-    parts.mesh_partition(c_mesh(mesh), length, bottom, pattern, lengths)
+    parts.mesh_partition(c_of(mesh), length, bottom, pattern, lengths)
     assert lengths[-1] == -7.0  # not written beyond its end
     return pattern, lengths[:-1].copy()
 
@@ -186,8 +228,7 @@ layouts = st.builds(Layout, st.floats(0.3, 5.0))
 @given(mesh=meshes, rope=ropes, layout=layouts)
 @settings(max_examples=200, deadline=None)
 def test_suited_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
-    r, l = CRope(*vars(rope).values()), CLayout(*vars(layout).values())
-    ours, expected = parts.mesh_suited(c_mesh(mesh), r, l), suited(mesh, rope, layout)
+    ours, expected = parts.mesh_suited(c_of(mesh), c_of(rope), c_of(layout)), suited(mesh, rope, layout)
     assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
         expected.kind,
         expected.elements,
@@ -222,7 +263,7 @@ def test_equal_elements_out_of_range_are_refused_as_the_parameters_refuse_them(p
     # 'auto' may ask for them: parameters are made anew in Python, and checked there
     with pytest.raises(ValueError, match="elements") as expected:
         Mesh("eem", elements=20001)
-    mesh, text = c_mesh(Mesh("eem")), message()
+    mesh, text = c_of(Mesh("eem")), message()
     mesh.elements = 20001
     assert parts.mesh_elements(mesh, 120.0, text) == 0
     assert text.value.decode() == str(expected.value)
@@ -446,7 +487,7 @@ def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: 
     assert_allclose(bottom.position, expected.position, atol=root)
     assert_allclose(bottom.yaw, expected.yaw, atol=root)
     # the rest from the same point
-    same = CLoopBottom(expected.s, (ct.c_double * 3)(*expected.position), expected.yaw)
+    same = CLoopBottom.of(expected)
     for points in (2, 81, 161):
         xyz = np.full((points + 1, 3), -7.0)
         parts.shape_points(s.size, q, s, expected.s, points, xyz)
@@ -467,7 +508,102 @@ def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int
     bottom, expected = parts.shape_loop_bottom(5, q, s), loop_bottom(q, lengths)
     assert (bottom.s, tuple(bottom.position), bottom.yaw) == (expected.s, tuple(expected.position), expected.yaw)
     loop = LoopBottom(float(s[lowest]), q[lowest, :3], 0.0)
-    same = CLoopBottom(loop.s, (ct.c_double * 3)(*loop.position), 0.0)
+    same = CLoopBottom.of(loop)
     assert (
         parts.shape_leg_clearance(5, q, s, same, 0.044, 1.0) == leg_clearance(q, lengths, loop, 0.044, 1.0) == math.inf
     )
+
+
+def any_rope(
+    hanging: tuple[float, ...], seed: int, phases: tuple[Phase, Phase], modes: tuple[SwivelMode, SwivelMode]
+) -> Any:
+    """What a RopeSimulator shows of itself, with any numbers in it that belong to no motion."""
+    q, lengths, s = swaying(hanging, seed)
+    random = np.random.default_rng(seed + 1)
+    swivels = tuple(Swivel(mode, 0.1, 0.3, 0.2, 0.7) for mode in modes)
+    states = tuple(SwivelState(phase, *random.normal(size=2)) for phase in phases)
+    paths = tuple(
+        EndPath(start, start + 1.0, tuple(map(tuple, random.normal(size=(4, 6))))) for start in random.uniform(0, 2, 2)
+    )
+    v, a, b, a_rate, reaction = random.normal(size=(5, *q.shape))
+    offsets = tuple(random.normal(size=2))
+    state = RopeState(
+        motion=Motion(2.0, q, v, a, b, a_rate, 0.01, 100 * reaction),
+        partition=Partition(lengths),
+        pole=np.array([1.0, 0.2, -0.1]) / math.sqrt(1.05),
+        offsets=offsets,
+        swivels=states,
+        paths=paths,
+        step_next=0.01,
+        last_interval=0.1,
+        force_mean=tuple(random.normal(size=2)),
+        loop_yaw=20 * random.normal(),
+        rung="torsional",
+        rung_reason="",
+        ledger=Ledger(*random.normal(size=9)),
+        counts=Counts(*map(int, random.integers(0, 2**40, 6))),
+    )
+    scene = Scene(Rope(Qb=2.4e5, Qc=2.1e5), Layout(hanging[0]), *swivels)
+    strains = random.normal(size=(lengths.size, 4))
+    return SimpleNamespace(
+        scene=scene,
+        state=state,
+        loop=loop_bottom(q, lengths),
+        ends=HangingEnds(nominal_points(hanging[0]), paths, swivels, states, offsets),
+        system=SimpleNamespace(strains=lambda _: strains),
+        s=s,
+    )
+
+
+def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
+    """Values at their signals' numbers; NaN where the group leaves them alone."""
+    state, m, bottom = rope.state, rope.state.motion, CLoopBottom.of(rope.loop)
+    phases = (ct.c_int * 2)(*(x.phase.value for x in state.swivels))
+    signs, offsets, means = (np.array(x) for x in ([x.sign for x in state.swivels], state.offsets, state.force_mean))
+    paths = (PathStructure * 2)(*map(path_structure, state.paths))
+    ledger, counts = np.array(state.ledger), np.array(state.counts, dtype=float)
+    arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
+    parts.arrays_of(m.q, m.v, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
+    parts.signals_by_members(
+        group, scene_structure(rope.scene), m.t, state.loop_yaw, state.pole, offsets, means, phases, signs, paths,
+        ledger, counts, arrays, rope.system.strains(m.q), bottom, values
+    )  # fmt: skip
+    assert np.isnan(values[-1])
+    return values[:-1]
+
+
+@given(
+    hanging=hangings,
+    seed=st.integers(0, 1000),
+    phases=st.tuples(*[st.sampled_from(Phase)] * 2),
+    modes=st.tuples(*[st.sampled_from(MODES)] * 2),
+)
+@settings(max_examples=40, deadline=None)
+def test_signals_are_the_same(
+    parts: SimpleNamespace,
+    hanging: tuple[float, ...],
+    seed: int,
+    phases: tuple[Phase, Phase],
+    modes: tuple[SwivelMode, SwivelMode],
+) -> None:
+    assume(hanging[-1] > 15 * hanging[3])
+    rope = any_rope(hanging, seed, phases, modes)
+    expected, ours = signals(rope), {}
+    for group in range(len(GROUPS_OF_SIGNALS)):
+        values = group_values(parts, group, rope)
+        ours |= {name: x for name, x in zip(SIGNALS, values, strict=True) if not np.isnan(x)}
+    assert ours.keys() == expected.keys()
+    for name, value in expected.items():
+        assert_allclose(ours[name], value, rtol=ROUNDING, atol=ROUNDING * rope.s[-1], err_msg=name)
+
+
+def test_group_of_a_signal_holds_it(parts: SimpleNamespace) -> None:
+    rope = any_rope((2.0, 3.0, 0.1, 2.0, 120.0), 1, (Phase.SLIP, Phase.STICK), ("coulomb", "locked"))
+    for group, function in enumerate(GROUPS_OF_SIGNALS):
+        members = [name for k, name in enumerate(SIGNALS) if parts.signal_group(k) == group]
+        assert members == [name for name in SIGNALS if group_of(name) is function]
+        computed = ~np.isnan(group_values(parts, group, rope))
+        assert [name for name, is_there in zip(SIGNALS, computed, strict=True) if is_there] == (
+            [] if function is added_mass_signals else members
+        )
+    assert {parts.signal_group(k) for k in (-1, len(SIGNALS), 10**6)} == {-1}
