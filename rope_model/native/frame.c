@@ -34,7 +34,7 @@ double frame_pole_margin(const double pole[3], int nodes, const double *slopes) 
 void frame_best_pole(int nodes, const double *slopes, double pole[3]) {
     double poles[CANDIDATES][3], least[CANDIDATES], t[3];
     for (int k = 0; k < CANDIDATES; k++) {
-        double z = 1.0 - 2.0 * (k + 0.5) / CANDIDATES;
+        double z = 1.0 - 2.0 * (k + 0.5) / (double)CANDIDATES;
         double azimuth = (k + 0.5) * PI * (3.0 - sqrt(5.0));
         double radius = sqrt(1.0 - z * z);
         poles[k][0] = radius * cos(azimuth);

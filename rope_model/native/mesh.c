@@ -83,7 +83,7 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
         return 0;
     }
     double outer = outer_of(mesh, length);
-    if (outer > MOST_ELEMENTS) {
+    if (outer > (double)MOST_ELEMENTS) {
         snprintf(message, MESSAGE,
                  "coarse_length = %g m makes %.0f elements of a rope of %g m, more than %d; use longer elements",
                  mesh->coarse_length, outer, length, MOST_ELEMENTS);
@@ -99,7 +99,7 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
     double elements = outer + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++)
         elements += mesh->counts[k];
-    if (elements > COUNTABLE) {
+    if (elements > (double)COUNTABLE) {
         snprintf(message, MESSAGE, "counts make %.0f elements, more than %d; use fewer", elements, COUNTABLE);
         return 0;
     }
