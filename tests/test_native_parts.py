@@ -1,0 +1,611 @@
+"""The native rope's mesh, frame, shape and signals give what their Python twins give.
+
+Both do the same operations in the same order.  They may differ by what libm, numpy's vectorised sine, cosine and power,
+and sums in another order round differently: 1e-12 of the quantities' size, where nothing else is said.
+"""
+
+from __future__ import annotations
+
+import ctypes as ct
+import math
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+from numpy.typing import NDArray
+
+from rope_model.native.structures import GROUPS, PathStructure, path_structure, scene_structure
+from rope_model.native.tables import signal_numbers
+from rope_model.numerics.generalized_alpha import Motion
+from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
+from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
+from rope_model.physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
+from rope_model.simulation.adaptation import counted_on
+from rope_model.simulation.diagnostics import LoopBottom, leg_clearance, loop_bottom, shape
+from rope_model.simulation.ends import EndPath, HangingEnds, Phase, SwivelState, nominal_points
+from rope_model.simulation.mesh import (
+    Partition,
+    distance_to_due,
+    misplaced,
+    partition,
+    suited,
+    transformation_due,
+    transformed,
+)
+from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.signals import (
+    SIGNALS,
+    added_mass_signals,
+    book_signals,
+    end_signals,
+    group_of,
+    loop_signals,
+    shape_signals,
+    signals,
+    stress_signals,
+)
+from rope_model.simulation.state import Counts, Ledger, RopeState
+from rope_model.simulation.statics import StaticsError, hanging_guess
+from rope_model.simulation.transfer import transferred
+
+Array = NDArray[np.float64]
+
+NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
+FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
+PARTS = ("mesh.c", "frame.c", "shape.c", "signals.c", "ends.c", "text.c")
+KINDS = ("tmn", "eem", "auto")
+MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
+GROUPS_OF_SIGNALS = (end_signals, loop_signals, stress_signals, book_signals, shape_signals, added_mass_signals)
+MESSAGE, ROUNDING = 512, 1e-12
+
+
+class CPattern(ct.Structure):
+    _fields_ = (("coarse", ct.c_double), ("counts", ct.c_int32 * 7), ("end_levels", ct.c_int32))
+
+
+class CLoopBottom(ct.Structure):
+    _fields_ = (("s", ct.c_double), ("position", ct.c_double * 3), ("yaw", ct.c_double))
+
+    @staticmethod
+    def of(bottom: LoopBottom) -> CLoopBottom:
+        return CLoopBottom(bottom.s, tuple(bottom.position), bottom.yaw)
+
+
+#: the signals of a state that the caller gives by its members, so that its layout is C's own business
+SIGNALS_BY_MEMBERS = """
+#include <string.h>
+#include "signals.h"
+
+void signals_by_members(int group, const Scene *scene, double t, double loop_yaw, const double *pole,
+                        const double *offsets, const double *means, const int *phases, const double *signs,
+                        const Path *paths, const double *ledger, const double *counts, const Arrays *arrays,
+                        const double (*strains)[4], const LoopBottom *bottom, double *values) {
+    State s;
+    memset(&s, 0, sizeof s);
+    s.t = t, s.loop_yaw = loop_yaw;
+    memcpy(s.pole, pole, sizeof s.pole);
+    for (int k = 0; k < 2; k++) {
+        s.offsets[k] = offsets[k], s.force_mean[k] = means[k], s.paths[k] = paths[k];
+        s.swivels[k].phase = phases[k], s.swivels[k].sign = signs[k];
+    }
+    const double *l = ledger, *n = counts;
+    s.ledger.kinetic = l[0], s.ledger.strain = l[1], s.ledger.gravity = l[2], s.ledger.work_ends = l[3];
+    s.ledger.dissipated_material = l[4], s.ledger.dissipated_swivel = l[5], s.ledger.nonconservative = l[6];
+    s.ledger.transformations = l[7], s.ledger.start = l[8];
+    s.counts.steps = (int64_t)n[0], s.counts.rejections = (int64_t)n[1], s.counts.newton = (int64_t)n[2];
+    s.counts.transformations = (int64_t)n[3], s.counts.swivel_events = (int64_t)n[4];
+    signals_of(group, scene, &s, arrays, strains, bottom, values);
+}
+
+void arrays_of(double *q, double *v, double *reaction, double *lengths, double *s, int nodes, Arrays *arrays) {
+    Arrays a = {q, v, NULL, NULL, NULL, reaction, lengths, s, nodes - 1, nodes};
+    *arrays = a;
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
+    """The C functions by their names."""
+    compiler = find_compiler()
+    if compiler is None:
+        pytest.skip("no C compiler")
+    folder = tmp_path_factory.mktemp("native")
+    path = folder / f"parts{LIBRARY_SUFFIX}"
+    (folder / "signal_numbers.h").write_text(signal_numbers(), encoding="ascii")
+    (folder / "by_members.c").write_text(SIGNALS_BY_MEMBERS, encoding="ascii")
+    sources = [*(str(NATIVE / name) for name in PARTS), str(folder / "by_members.c")]
+    subprocess.run([*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(path), "-lm"], check=True)
+    library = ct.CDLL(str(path))
+    n, x, p = ct.c_int, ct.c_double, ct.c_void_p
+    signatures: dict[str, tuple[Any, ...]] = {
+        "mesh_suited": (GROUPS[Mesh], p, p, p),
+        "mesh_elements": (n, p, x, p),
+        "mesh_partition": (None, p, x, x, p, p),
+        "mesh_transformed": (None, p, n, p),
+        "mesh_centre": (x, p),
+        "mesh_distance_to_due": (x, p, x),
+        "mesh_transformation_due": (n, p, x, x),
+        "mesh_misplaced": (None, p, x, x, p),
+        "mesh_arc_lengths": (None, n, p, p),
+        "mesh_transferred": (None, n, p, p, n, p, p),
+        "frame_pole_margin": (x, p, n, p),
+        "frame_best_pole": (None, n, p, p),
+        "frame_pole_change_angle": (None, p, p, n, p, p),
+        "frame_smallest_rotation_rate": (x, p, p, p),
+        "frame_counted_on": (x, x, x),
+        "shape_loop_bottom": (CLoopBottom, n, p, p),
+        "shape_leg_clearance": (x, n, p, p, p, x, x),
+        "shape_points": (None, n, p, p, x, n, p),
+        "shape_hanging_guess": (None, n, p, p, p, p, p),
+        "signal_group": (n, n),
+        "signals_by_members": (None, n, p, x, x, *[p] * 12),
+        "arrays_of": (None, p, p, p, p, p, n, p),
+    }
+    for name, (result, *arguments) in signatures.items():
+        getattr(library, name).restype, getattr(library, name).argtypes = result, arguments
+    return SimpleNamespace(**{name: passing_arrays(getattr(library, name)) for name in signatures})
+
+
+def passing_arrays(function: Any) -> Callable[..., Any]:
+    """``function`` with numpy arrays (C order, float) and ctypes structures as pointers."""
+
+    def address(x: Any) -> Any:
+        if isinstance(x, np.ndarray):
+            assert x.flags.c_contiguous
+            assert x.dtype == float
+            return x.ctypes.data
+        return ct.addressof(x) if isinstance(x, ct.Structure | ct.Array) else x
+
+    return lambda *arguments: function(*map(address, arguments))
+
+
+def message() -> Any:
+    return ct.create_string_buffer(MESSAGE)
+
+
+def c_of(group: Any) -> Any:
+    """A group of parameters as C sees it."""
+    scene = scene_structure(Scene().with_(**{type(group).__name__.lower(): group}))
+    return getattr(scene, type(group).__name__.lower())
+
+
+def c_partition(parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float) -> tuple[Any, Array]:
+    """Pattern and lengths; ValueError with the message where it does not fit."""
+    text = message()
+    elements = parts.mesh_elements(c_of(mesh), length, text)
+    if elements == 0:
+        raise ValueError(text.value.decode())
+    assert text.value == b""
+    pattern, lengths = CPattern(), np.full(elements + 1, -7.0)
+    parts.mesh_partition(c_of(mesh), length, bottom, pattern, lengths)
+    assert lengths[-1] == -7.0  # not written beyond its end
+    return pattern, lengths[:-1].copy()
+
+
+def as_in_c(mesh: Partition) -> tuple[Any, Array]:
+    """Pattern and lengths."""
+    return CPattern(mesh.coarse, (ct.c_int32 * 7)(*mesh.counts), mesh.end_levels), mesh.lengths
+
+
+def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:
+    """Pattern and lengths to the bit, or why there are none."""
+    try:
+        pattern, lengths = make()
+    except ValueError as error:
+        return str(error)
+    return bytes(pattern), lengths.tobytes()
+
+
+meshes = st.builds(
+    lambda kind, elements, l, twos, fours, fine, levels, error: Mesh(
+        kind, elements, l, (2 * twos[0], 4 * fours[0], 8 * fine, 4 * fours[1], 2 * twos[1]), levels, error
+    ),
+    st.sampled_from(KINDS),
+    st.integers(2, 400),
+    st.floats(0.3, 6.0),
+    st.tuples(st.integers(1, 3), st.integers(1, 3)),
+    st.tuples(st.integers(1, 3), st.integers(1, 3)),
+    st.integers(1, 8),
+    st.integers(0, 8),
+    st.floats(1e-4, 0.2),
+)
+ropes = st.builds(
+    lambda length, EI: Rope(length=length, EI=EI),
+    st.floats(10.0, 600.0),
+    st.floats(10.0, 3000.0),
+)
+layouts = st.builds(Layout, st.floats(0.3, 5.0))
+
+
+@given(mesh=meshes, rope=ropes, layout=layouts)
+@example(mesh=Mesh("auto", loop_error=1.0), rope=Rope(length=9000.0, EI=0.01), layout=Layout(8.0))  # most end levels
+@settings(max_examples=200, deadline=None)
+def test_suited_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
+    ours, expected = parts.mesh_suited(c_of(mesh), c_of(rope), c_of(layout)), suited(mesh, rope, layout)
+    assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
+        expected.kind,
+        expected.elements,
+        expected.counts,
+        expected.end_levels,
+    )
+    assert_allclose(ours.coarse_length, expected.coarse_length, rtol=1e-15)
+    assert ours.loop_error == expected.loop_error
+
+
+@given(mesh=meshes.filter(lambda mesh: mesh.kind != "auto"), length=st.floats(10.0, 400.0), part=st.floats(-0.1, 1.1))
+@settings(max_examples=200, deadline=None)
+def test_partition_is_the_same_to_the_bit(parts: SimpleNamespace, mesh: Mesh, length: float, part: float) -> None:
+    assert outcome(lambda: c_partition(parts, mesh, length, part * length)) == outcome(
+        lambda: as_in_c(partition(mesh, length, part * length))
+    )
+
+
+@pytest.mark.parametrize(
+    ("mesh", "length"),
+    [(Mesh(coarse_length=1e-3), 120.0), (Mesh(coarse_length=1e-30), 120.0), (Mesh(), 20.9), (Mesh(), 1234567.8)],
+)
+def test_mesh_that_does_not_fit_is_refused_in_the_same_words(parts: SimpleNamespace, mesh: Mesh, length: float) -> None:
+    with pytest.raises(ValueError) as expected:  # noqa: PT011 - the whole text is compared
+        partition(mesh, length, 10.0)
+    with pytest.raises(ValueError) as ours:  # noqa: PT011
+        c_partition(parts, mesh, length, 10.0)
+    assert str(ours.value) == str(expected.value)
+
+
+def test_equal_elements_out_of_range_are_refused_as_the_parameters_refuse_them(parts: SimpleNamespace) -> None:
+    # 'auto' may ask for them: parameters are made anew in Python, and checked there
+    with pytest.raises(ValueError, match="elements") as expected:
+        Mesh("eem", elements=20001)
+    mesh, text = c_of(Mesh("eem")), message()
+    mesh.elements = 20001
+    assert parts.mesh_elements(mesh, 120.0, text) == 0
+    assert text.value.decode() == str(expected.value)
+
+
+@given(mesh=meshes.filter(lambda mesh: mesh.kind != "auto"), length=st.floats(10.0, 400.0), data=st.data())
+@settings(max_examples=100, deadline=None)
+def test_loop_that_travels_to_and_fro_transforms_alike(
+    parts: SimpleNamespace, mesh: Mesh, length: float, data: st.DataObject
+) -> None:
+    bottom = data.draw(st.floats(0.0, length))
+    try:
+        old = partition(mesh, length, bottom)
+    except ValueError:
+        assume(False)
+    ours = pattern, lengths = c_partition(parts, mesh, length, bottom)
+    for place in data.draw(st.lists(st.floats(0.0, length), min_size=1, max_size=5)):
+        slack = data.draw(st.sampled_from((0.0, 1e-7)))
+        text = message()
+        parts.mesh_misplaced(pattern, length, place, text)
+        assert text.value.decode() == misplaced(old, place)
+        while direction := transformation_due(old, place, slack):
+            assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
+            assert parts.mesh_transformation_due(pattern, place, slack) == direction
+            old = transformed(old, direction)
+            parts.mesh_transformed(pattern, direction, lengths)
+            assert [*map(bytes, ours)] == [*map(bytes, as_in_c(old))]
+            assert parts.mesh_centre(pattern) == old.centre
+        assert parts.mesh_transformation_due(pattern, place, slack) == 0
+        assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
+
+
+@pytest.mark.parametrize("limit", [0.0, 0.6, 1.6])
+def test_loop_at_the_centre_or_a_limit_is_judged_alike(parts: SimpleNamespace, limit: float) -> None:
+    mesh = partition(Mesh(), 120.0, 60.0)
+    pattern, _ = c_partition(parts, Mesh(), 120.0, 60.0)
+    for part in (-limit - 0.01, -limit, limit, limit + 0.01):
+        place, text = mesh.centre + part * mesh.coarse, message()
+        parts.mesh_misplaced(pattern, 120.0, place, text)
+        assert text.value.decode() == misplaced(mesh, place)
+        for slack in (-1.0, 0.0, 1e-7, 100.0):
+            assert parts.mesh_transformation_due(pattern, place, slack) == transformation_due(mesh, place, slack)
+
+
+def rough(s: Array, seed: int) -> Array:
+    """(nodes, 7): any values."""
+    return np.random.default_rng(seed).normal(size=(s.size, 7))
+
+
+@given(
+    old=st.lists(st.floats(0.05, 4.0), min_size=2, max_size=40),
+    new=st.lists(st.floats(-0.1, 1.1), min_size=1, max_size=40),
+    seed=st.integers(0, 1000),
+)
+@settings(max_examples=200, deadline=None)
+def test_transferred_values_are_the_same(parts: SimpleNamespace, old: list[float], new: list[float], seed: int) -> None:
+    lengths = np.array(old)
+    expected_s = arc_lengths(lengths)
+    s = np.empty(lengths.size + 1)
+    parts.mesh_arc_lengths(lengths.size, lengths, s)
+    assert_array_equal(s, expected_s)
+    # anywhere, at the nodes, and a hair beside them
+    new_s = np.concatenate((np.array(new) * s[-1], s, s + 1e-10, s - 1e-8, s + 1e-8))
+    x, y = rough(s, seed), np.full((new_s.size + 1, 7), -7.0)
+    parts.mesh_transferred(s.size, x, s, new_s.size, new_s, y)
+    assert_allclose(y[:-1], transferred(x, s, new_s), rtol=ROUNDING, atol=ROUNDING)
+    assert np.all(y[-1] == -7.0)
+
+
+@given(direction=st.sampled_from((1, -1)), seed=st.integers(0, 1000))
+def test_state_carried_to_a_transformed_mesh_is_the_same(parts: SimpleNamespace, direction: int, seed: int) -> None:
+    old = partition(Mesh(), 120.0, 50.0)
+    pattern, lengths = c_partition(parts, Mesh(), 120.0, 50.0)
+    parts.mesh_transformed(pattern, direction, lengths)
+    new_s, y = arc_lengths(lengths), np.empty((lengths.size + 1, 7))
+    x = rough(old.nodes_s, seed)
+    parts.mesh_transferred(len(x), x, old.nodes_s, len(y), new_s, y)
+    assert_allclose(y, transferred(x, old.nodes_s, transformed(old, direction).nodes_s), rtol=ROUNDING, atol=ROUNDING)
+
+
+def tangents(q: Array) -> Array:
+    d = q[:, 3:6]
+    return d / np.sqrt(np.einsum("ij,ij->i", d, d))[:, None]
+
+
+def unit(seed: int) -> Array:
+    x = np.random.default_rng(seed).normal(size=3)
+    return np.asarray(x / np.linalg.norm(x))
+
+
+def curved(seed: int, nodes: int = 60, turns: float = 1.5) -> Array:
+    """(nodes, 7): tangents that wander over the sphere without a jump, of any length."""
+    random, u = np.random.default_rng(seed), np.linspace(0.0, 1.0, nodes)
+    q = random.normal(size=(nodes, 7))
+    for k in range(3, 6):
+        q[:, k] = sum(a * np.cos(2 * np.pi * turns * m * u + b) for m, (a, b) in enumerate(random.normal(size=(3, 2))))
+    return q
+
+
+@given(seed=st.integers(0, 10000))
+@settings(deadline=None)
+def test_pole_and_its_margin_are_the_same(parts: SimpleNamespace, seed: int) -> None:
+    q, pole = curved(seed), np.empty(3)
+    t = tangents(q)
+    parts.frame_best_pole(len(q), q[0, 3:], pole)
+    assert_allclose(pole, best_pole(t), atol=ROUNDING)
+    for p in (pole, unit(seed)):
+        assert_allclose(parts.frame_pole_margin(p, len(q), q[0, 3:]), pole_margin(p, t), atol=ROUNDING)
+
+
+@given(seed=st.integers(0, 10000), turns=st.floats(0.1, 4.0))
+@settings(deadline=None)
+def test_pole_change_angle_is_the_same(parts: SimpleNamespace, seed: int, turns: float) -> None:
+    q, old, new = curved(seed, turns=turns), unit(seed + 1), unit(seed + 2)
+    t = tangents(q)
+    assume(min(pole_margin(old, t), pole_margin(new, t)) > 1e-3)  # at a pole's antipode rounding grows
+    angle = np.empty(len(q))
+    parts.frame_pole_change_angle(old, new, len(q), q[0, 3:], angle)
+    assert_allclose(angle, pole_change_angle(old, new, t), atol=1e3 * ROUNDING)
+
+
+def test_pole_change_angle_counts_on_beyond_the_cut(parts: SimpleNamespace) -> None:
+    # tangents that circle the point where 1 + p.p' + t.p + t.p' = 0 = triple pass the cut of atan2
+    old, new = unit(1), unit(2)
+    around = np.cross(old, new) / np.linalg.norm(np.cross(old, new))
+    phi, q = np.linspace(0.0, 6 * np.pi, 400), np.zeros((400, 7))
+    antipode = -old
+    side = np.cross(antipode, around)
+    q[:, 3:6] = antipode + 0.3 * (np.cos(phi)[:, None] * around + np.sin(phi)[:, None] * side)
+    angle, expected = np.empty(400), pole_change_angle(old, new, tangents(q))
+    parts.frame_pole_change_angle(old, new, 400, q[0, 3:], angle)
+    assert np.ptp(expected) > 4 * np.pi  # it did pass it
+    assert_allclose(angle, expected, atol=1e3 * ROUNDING)
+
+
+@given(seed=st.integers(0, 10000))
+def test_turning_of_the_frame_is_the_same(parts: SimpleNamespace, seed: int) -> None:
+    pole, (d, change) = unit(seed + 1), np.random.default_rng(seed).normal(size=(2, 3))
+    assume(1 + pole @ d / np.linalg.norm(d) > 1e-2)  # at the pole's antipode rounding grows
+    expected = smallest_rotation_rate(pole, d, change)
+    assert_allclose(parts.frame_smallest_rotation_rate(pole, d, change), expected, rtol=1e-11, atol=1e-11)
+
+
+@given(angle=st.floats(-4.0, 4.0), last=st.floats(-100.0, 100.0))
+def test_angle_counted_on_is_the_same(parts: SimpleNamespace, angle: float, last: float) -> None:
+    assert parts.frame_counted_on(angle, last) == counted_on(angle, last)
+
+
+def test_angle_half_a_turn_away_is_rounded_to_even_turns(parts: SimpleNamespace) -> None:
+    for halves in range(-7, 8):
+        assert parts.frame_counted_on(0.0, halves * math.pi) == counted_on(0.0, halves * math.pi)
+
+
+hangings = st.tuples(
+    st.floats(0.3, 6.0), st.floats(-30.0, 30.0), st.floats(-2.0, 2.0), st.floats(0.2, 4.0), st.floats(40.0, 200.0)
+)
+
+
+def hung(spacing: float, height: float, z: float, coarse: float, length: float) -> tuple[Array, Array, Array]:
+    """Arc lengths and ends of a rope."""
+    left, right = np.array([-0.5 * spacing, height, z]), np.array([0.5 * spacing, 0.0, -z])
+    cells = partition(Mesh(coarse_length=coarse, counts=(2, 4, 8, 4, 2)), length, 0.5 * (length + height))
+    return cells.nodes_s, left, right
+
+
+@given(hanging=hangings)
+@settings(max_examples=200, deadline=None)
+def test_hanging_guess_is_the_same(parts: SimpleNamespace, hanging: tuple[float, ...]) -> None:
+    assume(hanging[-1] > 15 * hanging[3])
+    s, left, right = hung(*hanging)
+    q, text = np.empty((s.size, 7)), message()
+    parts.shape_hanging_guess(s.size, s, left, right, q, text)
+    assert text.value == b""
+    # sine and cosine of an angle that two large arc lengths leave over
+    assert_allclose(q, hanging_guess(s, left, right), rtol=ROUNDING, atol=ROUNDING * s[-1])
+
+
+@pytest.mark.parametrize("spacing", [0.02, 2.0, 9.0])
+def test_hanging_guess_on_few_elements_is_the_same(parts: SimpleNamespace, spacing: float) -> None:
+    for middle_at in np.linspace(-3.0, 3.0, 13):  # over the middles of all elements and beyond
+        s, left, right = (
+            np.array([0.0, 9.0, 13.0, 24.0]),
+            np.array([0.0, middle_at, 0.0]),
+            np.array([spacing, 0.0, 1.0]),
+        )
+        q, text = np.empty((4, 7)), message()
+        parts.shape_hanging_guess(4, s, left, right, q, text)
+        assert_allclose(q, hanging_guess(s, left, right), rtol=ROUNDING, atol=ROUNDING)
+
+
+@pytest.mark.parametrize(("spacing", "height"), [(60.0, 0.0), (2.0, 49.5), (2.0, -49.5), (2.0, 61.25)])
+def test_rope_too_short_to_hang_is_refused_in_the_same_words(
+    parts: SimpleNamespace, spacing: float, height: float
+) -> None:
+    s, left, right = np.linspace(0.0, 50.0, 41), np.array([0.0, height, 0.0]), np.array([spacing, 0.0, 0.0])
+    q, text = np.empty((41, 7)), message()
+    parts.shape_hanging_guess(41, s, left, right, q, text)
+    with pytest.raises(StaticsError) as expected:
+        hanging_guess(s, left, right)
+    assert text.value.decode() == str(expected.value)
+
+
+def swaying(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:
+    """Configuration, element lengths and nodes of a rope that hangs crooked, its legs perhaps crossed."""
+    s, left, right = hung(*hanging)
+    q, random = hanging_guess(s, left, right), np.random.default_rng(seed)
+    q[:, 0] += random.normal() * np.sin(3 * s / s[-1])
+    q[:, 2] += random.normal() * np.sin(5 * s / s[-1])
+    q += 0.01 * random.normal(size=q.shape)
+    return q, np.diff(s), s
+
+
+@given(hanging=hangings, seed=st.integers(0, 1000))
+@settings(max_examples=100, deadline=None)
+def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: tuple[float, ...], seed: int) -> None:
+    assume(hanging[-1] > 15 * hanging[3])
+    q, lengths, s = swaying(hanging, seed)
+    bottom, expected = parts.shape_loop_bottom(s.size, q, s), loop_bottom(q, lengths)
+    # the parabola's minimum comes from second differences: the root of rounding of s, and of what s moves
+    root = 1e-7
+    assert_allclose(bottom.s, expected.s, atol=root)
+    assert_allclose(bottom.position, expected.position, atol=root)
+    assert_allclose(bottom.yaw, expected.yaw, atol=root)
+    # the rest from the same point
+    same = CLoopBottom.of(expected)
+    for points in (2, 81, 161):
+        xyz = np.full((points + 1, 3), -7.0)
+        parts.shape_points(s.size, q, s, expected.s, points, xyz)
+        assert_allclose(xyz[:-1], shape(q, lengths, expected.s, points), atol=ROUNDING * s[-1])
+        assert np.all(xyz[-1] == -7.0)
+    for above in (0.0, 0.3, hanging[0], 1e3):
+        ours = parts.shape_leg_clearance(s.size, q, s, same, 0.044, above)
+        assert_allclose(ours, leg_clearance(q, lengths, expected, 0.044, above), atol=ROUNDING * s[-1])
+
+
+@pytest.mark.parametrize("lowest", [0, 4])
+def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int) -> None:
+    lengths = np.full(4, 2.5)
+    s = arc_lengths(lengths)
+    q = np.zeros((5, 7))
+    q[:, 1], q[:, 4] = np.abs(s - s[lowest]), 1.0 if lowest == 0 else -1.0
+    q[:, 3] = 0.1
+    bottom, expected = parts.shape_loop_bottom(5, q, s), loop_bottom(q, lengths)
+    assert (bottom.s, tuple(bottom.position), bottom.yaw) == (expected.s, tuple(expected.position), expected.yaw)
+    loop = LoopBottom(float(s[lowest]), q[lowest, :3], 0.0)
+    same = CLoopBottom.of(loop)
+    assert (
+        parts.shape_leg_clearance(5, q, s, same, 0.044, 1.0) == leg_clearance(q, lengths, loop, 0.044, 1.0) == math.inf
+    )
+
+
+def any_rope(
+    hanging: tuple[float, ...], seed: int, phases: tuple[Phase, Phase], modes: tuple[SwivelMode, SwivelMode]
+) -> Any:
+    """What a RopeSimulator shows of itself, with any numbers in it that belong to no motion."""
+    q, lengths, s = swaying(hanging, seed)
+    random = np.random.default_rng(seed + 1)
+    swivels = tuple(Swivel(mode, 0.1, 0.3, 0.2, 0.7) for mode in modes)
+    states = tuple(SwivelState(phase, *random.normal(size=2)) for phase in phases)
+    paths = tuple(
+        EndPath(start, start + 1.0, tuple(map(tuple, random.normal(size=(4, 6))))) for start in random.uniform(0, 2, 2)
+    )
+    v, a, b, a_rate, reaction = random.normal(size=(5, *q.shape))
+    offsets = tuple(random.normal(size=2))
+    state = RopeState(
+        motion=Motion(2.0, q, v, a, b, a_rate, 0.01, 100 * reaction),
+        partition=Partition(lengths),
+        pole=np.array([1.0, 0.2, -0.1]) / math.sqrt(1.05),
+        offsets=offsets,
+        swivels=states,
+        paths=paths,
+        step_next=0.01,
+        last_interval=0.1,
+        force_mean=tuple(random.normal(size=2)),
+        loop_yaw=20 * random.normal(),
+        rung="torsional",
+        rung_reason="",
+        ledger=Ledger(*random.normal(size=9)),
+        counts=Counts(*map(int, random.integers(0, 2**40, 6))),
+    )
+    scene = Scene(Rope(Qb=2.4e5, Qc=2.1e5), Layout(hanging[0]), *swivels)
+    strains = random.normal(size=(lengths.size, 4))
+    return SimpleNamespace(
+        scene=scene,
+        state=state,
+        loop=loop_bottom(q, lengths),
+        ends=HangingEnds(nominal_points(hanging[0]), paths, swivels, states, offsets),
+        system=SimpleNamespace(strains=lambda _: strains),
+        s=s,
+    )
+
+
+def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
+    """Values at their signals' numbers; NaN where the group leaves them alone."""
+    state, m, bottom = rope.state, rope.state.motion, CLoopBottom.of(rope.loop)
+    phases = (ct.c_int * 2)(*(x.phase.value for x in state.swivels))
+    signs, offsets, means = (np.array(x) for x in ([x.sign for x in state.swivels], state.offsets, state.force_mean))
+    paths = (PathStructure * 2)(*map(path_structure, state.paths))
+    ledger, counts = np.array(state.ledger), np.array(state.counts, dtype=float)
+    arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
+    parts.arrays_of(m.q, m.v, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
+    parts.signals_by_members(
+        group, scene_structure(rope.scene), m.t, state.loop_yaw, state.pole, offsets, means, phases, signs, paths,
+        ledger, counts, arrays, rope.system.strains(m.q), bottom, values
+    )  # fmt: skip
+    assert np.isnan(values[-1])
+    return values[:-1]
+
+
+@given(
+    hanging=hangings,
+    seed=st.integers(0, 1000),
+    phases=st.tuples(*[st.sampled_from(Phase)] * 2),
+    modes=st.tuples(*[st.sampled_from(MODES)] * 2),
+)
+@settings(max_examples=40, deadline=None)
+def test_signals_are_the_same(
+    parts: SimpleNamespace,
+    hanging: tuple[float, ...],
+    seed: int,
+    phases: tuple[Phase, Phase],
+    modes: tuple[SwivelMode, SwivelMode],
+) -> None:
+    assume(hanging[-1] > 15 * hanging[3])
+    rope = any_rope(hanging, seed, phases, modes)
+    expected, ours = signals(rope), {}
+    for group in range(len(GROUPS_OF_SIGNALS)):
+        values = group_values(parts, group, rope)
+        ours |= {name: x for name, x in zip(SIGNALS, values, strict=True) if not np.isnan(x)}
+    assert ours.keys() == expected.keys()
+    for name, value in expected.items():
+        assert_allclose(ours[name], value, rtol=ROUNDING, atol=ROUNDING * rope.s[-1], err_msg=name)
+
+
+def test_group_of_a_signal_holds_it(parts: SimpleNamespace) -> None:
+    rope = any_rope((2.0, 3.0, 0.1, 2.0, 120.0), 1, (Phase.SLIP, Phase.STICK), ("coulomb", "locked"))
+    for group, function in enumerate(GROUPS_OF_SIGNALS):
+        members = [name for k, name in enumerate(SIGNALS) if parts.signal_group(k) == group]
+        assert members == [name for name in SIGNALS if group_of(name) is function]
+        computed = ~np.isnan(group_values(parts, group, rope))
+        assert [name for name, is_there in zip(SIGNALS, computed, strict=True) if is_there] == (
+            [] if function is added_mass_signals else members
+        )
+    assert {parts.signal_group(k) for k in (-1, len(SIGNALS), 10**6)} == {-1}
