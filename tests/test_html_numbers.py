@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,7 +15,7 @@ import pytest
 from hoist_demo import events
 from hoist_demo.html import bending, given, packing, page, panels
 from hoist_demo.html.study import study_report
-from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording import Recording
 
 
@@ -126,6 +126,19 @@ def test_parameters_show_the_unit_that_stands_behind_them() -> None:
     assert rows["conveyance mass"] == ("10000", "kg")
     assert rows["loss viscous"] == ("200", "N s/m")
     assert rows["friction coefficient"] == ("0.25", "")
+    assert rows["payload right"] == ("0", "kg")
+
+
+def test_every_parameter_has_a_unit_or_is_a_pure_number() -> None:
+    for data in (Hoist(), Winding(), Coupling()):
+        rows = {name.split(",")[0].replace(" ", "_"): unit for name, _, unit in given.rows(data)}
+        assert set(rows) == {field.name for field in fields(data)}
+        assert {name for name, unit in rows.items() if not unit} <= {
+            "head_rope_number",
+            "head_rope_damping",
+            "friction_coefficient",
+            "emergency_at",
+        }
 
 
 @dataclass(frozen=True)

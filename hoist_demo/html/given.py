@@ -11,7 +11,7 @@ from dataclasses import fields, is_dataclass
 
 from hoist_demo.html.page import Row, number
 
-_FIELD = re.compile(r"^\s+(\w+)\s*:[^#\n]*#\s*([^,;:\n]+)[,;:]?\s*(.*)$", re.MULTILINE)
+_FIELD = re.compile(r"^[ \t]+(\w+)[ \t]*:[^#\n]*#[ \t]*([^,;:\n]+)[,;:]?[ \t]*(.*)$", re.MULTILINE)
 _NO_UNIT = "-"
 
 

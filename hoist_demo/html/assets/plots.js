@@ -31,6 +31,11 @@ class TimePlot {
     this.svg.addEventListener("pointermove", move);
   }
 
+  inSight() {
+    const box = this.figure.getBoundingClientRect();
+    return box.bottom > 0 && box.top < window.innerHeight;
+  }
+
   timeAt(px) {
     const inner = this.width - MARGIN.left - MARGIN.right;
     return this.from + ((px - MARGIN.left) / inner) * (this.to - this.from);
@@ -44,7 +49,7 @@ class TimePlot {
   draw(from, to) {
     this.from = from;
     this.to = to;
-    this.width = Math.max(240, this.figure.clientWidth);
+    this.width = TimePlot.paper || Math.max(240, this.figure.clientWidth);
     this.height = this.panel.height ?? 170;
     const svg = clear(this.svg), bottom = this.height - MARGIN.bottom;
     svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
@@ -160,6 +165,8 @@ class TimePlot {
     return line.values[k] + part * (line.values[next] - line.values[k]);
   }
 }
+
+TimePlot.paper = 0; // width while printing, in pixels, which the screen's layout cannot tell; 0 on a screen
 
 // bending over the rope's length and time, as a picture with a scale
 class BendingPlot extends TimePlot {

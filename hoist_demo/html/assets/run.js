@@ -11,30 +11,38 @@ function start() {
   byId("player").hidden = byId("plots-section").hidden = false;
   const plots = makePlots(player, times, values);
   const rope = DATA.rope ? makeRope(player) : () => {};
-  const drawPlots = () => {
+  const drawPlots = (some = plots) => {
     const width = Number(byId("window").value), [from, to] = DATA.span;
     // the plots move under the cursor, but never beyond the record
     const left = Math.min(Math.max(from, player.t - width / 2), Math.max(from, to - width));
-    for (const plot of plots) plot.draw(width ? left : from, width ? Math.min(to, left + width) : to);
+    for (const plot of some) plot.draw(width ? left : from, width ? Math.min(to, left + width) : to);
+  };
+  // while time moves only the plots in sight follow, the others when they come into sight
+  const follow = () => {
+    const some = plots.filter((plot) => plot.inSight());
+    if (Number(byId("window").value)) drawPlots(some);
+    else for (const plot of some) plot.move(player.t);
   };
   const drawAll = () => {
     rope();
     drawPlots();
     drawTrack(player);
   };
-  byId("window").addEventListener("change", drawPlots);
-  player.onMove((t) => {
-    if (Number(byId("window").value)) drawPlots();
-    else for (const plot of plots) plot.move(t);
-  });
+  byId("window").addEventListener("change", () => drawPlots());
+  player.onMove(follow);
+  window.addEventListener("scroll", () => requestAnimationFrame(follow), { passive: true });
 
   makeReadout(player, times, values);
   explainMarks();
   drawAll();
   player.followAddress();
   window.addEventListener("resize", drawAll);
-  window.addEventListener("beforeprint", drawAll);
-  window.addEventListener("afterprint", drawAll);
+  const print = (width) => {
+    TimePlot.paper = width;
+    drawPlots();
+  };
+  window.addEventListener("beforeprint", () => print(400));
+  window.addEventListener("afterprint", () => print(0));
 }
 
 function makePlots(player, times, values) {
@@ -80,7 +88,6 @@ function freePlot(home, player, times, values) {
     line.values = values(select.value);
     panel.steps = /^count\.|\.slipping$|\.valid$|limited$/.test(select.value);
   };
-  select.value = names.includes("left.added_mass") ? "left.added_mass" : names[0];
   choose();
   select.addEventListener("change", () => {
     choose();
@@ -104,7 +111,7 @@ function makeRope(player) {
     const view = new RopeView(add(figure, "svg", { role: "img", "aria-label": `loop at ${t.toFixed(1)} s` }), curves, null);
     add(figure, "figcaption", {}, `${t.toFixed(1)} s`);
     figure.addEventListener("click", () => player.go(t));
-    view.across = 5;
+    view.across = Math.max(5, 1.15 * (right - left));
     return { view, t };
   });
   const drawThumbs = () => {
