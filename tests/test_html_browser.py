@@ -294,6 +294,18 @@ def test_a_run_without_a_recorded_curve_still_has_its_plots(tmp_path: Path) -> N
     assert seen.said["plots"] > 3
 
 
+def test_a_run_that_stopped_after_one_row_is_shown(tmp_path: Path) -> None:
+    only = {name: np.array([value]) for name, value in (("time", 0.0), ("left.fy", -1e3), ("loop.y", -15.0))}
+    only |= {f"shape.{c}[{i + 1}]": curve(0.0)[i : i + 1, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+    result = SimpleNamespace(
+        recording=Recording(only, {}), completed=False, cause="overwind", reference=SimpleNamespace(duration=9.0)
+    )
+    page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html")
+    seen = look(page, 'seen.bottom = document.getElementById("loop").dataset.bottom;', 800)
+    assert seen.console == []
+    assert seen.said["bottom"] == "0.0000 -15.0000 0.0000"
+
+
 def test_a_run_that_never_began_says_why(tmp_path: Path) -> None:
     result = SimpleNamespace(recording=Recording({}, {}), completed=False, cause="no <shape>", reference=None)
     page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html")

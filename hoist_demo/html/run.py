@@ -64,14 +64,15 @@ def _data(result: Result, hoist: Hoist, winding: Winding) -> dict[str, object]:
     recording = result.recording
     if not recording.signals:
         return {"time": None}
-    extra = panels.derived(recording)
+    start, extra = float(recording.time[0]), panels.derived(recording)
     names = [name for name in recording.signals if name != TIME and not name.startswith("shape.")]
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
     signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}
     shown = panels.panels(recording, hoist)
     return {
         "time": packing.pack_to(packing.thinned_times(recording.time, MOST_TIMES), 1e-4),
-        "span": [float(recording.time[0]), float(recording.time[-1])],
+        # a run that stopped at once has one row, and an axis needs a length
+        "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
         "panels": [_panel(panel, recording) for panel in shown],
         "marks": [{"t": mark.t, "label": mark.label} for mark in events.marks(result, winding)],

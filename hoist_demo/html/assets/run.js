@@ -111,12 +111,14 @@ function makeRope(player) {
     const view = new RopeView(add(figure, "svg", { role: "img", "aria-label": `loop at ${t.toFixed(1)} s` }), curves, null);
     add(figure, "figcaption", {}, `${t.toFixed(1)} s`);
     figure.addEventListener("click", () => player.go(t));
-    view.across = Math.max(5, 1.15 * (right - left));
     return { view, t };
   });
   const drawThumbs = () => {
+    const [near, far] = curves.spread(2);
     for (const { view, t } of thumbs) {
       view.stretch = loop.stretch;
+      // all that ever happens fits in, seen from the side by half
+      view.across = Math.max(5, 1.1 * (right - left) + 0.55 * view.stretch[2] * (far - near));
       view.resize();
       view.draw(t);
     }

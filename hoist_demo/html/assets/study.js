@@ -16,6 +16,7 @@ function makeAxis(column) {
   }
   let lo = Math.min(...present), hi = Math.max(...present);
   if (!(hi > lo)) [lo, hi] = present.length ? [lo - (Math.abs(lo) || 1) / 2, lo + (Math.abs(lo) || 1) / 2] : [0, 1];
+  [lo, hi] = [lo - 0.04 * (hi - lo), hi + 0.04 * (hi - lo)]; // the outermost runs stand clear of the ends
   const { values, step } = ticks(lo, hi, 5), place = (value) => (value - lo) / (hi - lo);
   return { place, ticks: values.map((value) => [place(value), tickText(value, step)]) };
 }
