@@ -27,7 +27,8 @@ _QUICK = {"travel": 10.0, "settle": 2.0}
 
 _DEMO_DESCRIPTION = """\
 Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
-PNG figures, report.md and report.html. The summary table is printed at the end."""
+PNG figures, report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
+The summary table is printed at the end."""
 
 _DEMO_EPILOG = """\
 examples:
@@ -90,10 +91,15 @@ def _demo(options: argparse.Namespace) -> int:
     finally:
         rope.close()
     rows = summarize(result, hoist, winding, coupling)
-    written = _write(options, result, rows, hoist, winding)
+    before = set(options.out.iterdir())
+    written = _write(options, result, rows, hoist, winding, coupling)
     print(render(rows))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
+    if replaced := before.intersection(written):
+        names = ", ".join(sorted(path.name for path in replaced))
+        print(f"replaced in {options.out}: {names} of an earlier run; --out DIR keeps runs apart")
+    print(f"open in a browser: {written[-1]}")
     if not result.completed:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
         return 1
@@ -159,11 +165,18 @@ def _run(host: Host) -> Result:
 
 
 def _write(
-    options: argparse.Namespace, result: Result, rows: Sequence[SummaryRow], hoist: Hoist, winding: Winding
+    options: argparse.Namespace,
+    result: Result,
+    rows: Sequence[SummaryRow],
+    hoist: Hoist,
+    winding: Winding,
+    coupling: Coupling,
 ) -> list[Path]:
-    """All files of a run; a run that stopped before its first row leaves the report only."""
+    """All files of a run, report.html last; a run that stopped before its first row leaves the reports only."""
     # matplotlib loads slowly and is needed here only
+    from hoist_demo.events import marks
     from hoist_demo.figures import write_figures
+    from hoist_demo.html.run import run_report
     from hoist_demo.report import write_report
 
     directory: Path = options.out
@@ -174,8 +187,12 @@ def _write(
         written = [directory / "signals.csv", directory / "shapes.csv"]
         write_csv(result.recording, written[0])
         write_shapes(result.recording, shape_rows(result.recording), written[1])
-        pictures = write_figures(result.recording, hoist, directory)
+        pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
     stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s,"
     title = f"Winding {winding.travel:g} m{stop} with the balance rope {options.scene}, rope {kind}"
-    return written + pictures + write_report(directory, title, rows, pictures)
+    reports = [
+        write_report(directory / "report.md", title, rows, pictures),
+        run_report(result, hoist, winding, coupling, rows, title, directory / "report.html"),
+    ]
+    return written + pictures + reports

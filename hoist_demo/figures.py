@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from hoist_demo.events import Mark
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording import Array, Recording, shape_rows
 
@@ -60,8 +61,8 @@ _ROPE_LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_
 _RESIDUALS = {"drive.energy_residual": "drive", "energy.residual": "balance rope"}
 
 
-def write_figures(recording: Recording, hoist: Hoist, directory: Path) -> list[Path]:
-    """Write the PNG files and return their paths in reading order."""
+def write_figures(recording: Recording, hoist: Hoist, directory: Path, marks: Sequence[Mark] = ()) -> list[Path]:
+    """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order."""
     figures: tuple[tuple[str, Callable[[Recording, Hoist], Figure | None]], ...] = (
         ("tracking", tracking),
         ("forces", forces),
@@ -75,6 +76,8 @@ def write_figures(recording: Recording, hoist: Hoist, directory: Path) -> list[P
         for name, draw in figures:
             figure = draw(recording, hoist)
             if figure is not None:
+                if name != "shapes":
+                    _mark(figure, marks)
                 paths.append(directory / f"{name}.png")
                 figure.savefig(paths[-1], dpi=150, metadata={"Software": None})
     return paths
@@ -237,6 +240,33 @@ def _stack(recording: Recording, titles: Sequence[str]) -> tuple[Figure, list[Ax
     axes[-1].set_xlabel("time [s]")
     axes[-1].set_xlim(float(recording.time[0]), max(float(recording.time[-1]), float(recording.time[0]) + 1e-9))
     return figure, axes
+
+
+def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
+    """Named instants in all panels, their names over the first one."""
+    for mark in marks:
+        for ax in figure.axes:
+            ax.axvline(mark.t, color="black", lw=0.8, ls=(0, (4, 3)))
+    # names that would touch one another share a line
+    first, last = figure.axes[0].get_xlim()
+    named: list[tuple[float, str]] = []
+    for mark in marks:
+        if named and mark.t - named[-1][0] < 0.2 * (last - first):
+            named[-1] = named[-1][0], f"{named[-1][1]}, {mark.label}"
+        else:
+            named.append((mark.t, mark.label))
+    for t, label in named:
+        right = t > first + 0.6 * (last - first)
+        figure.axes[0].annotate(
+            label,
+            (t, 1.0),
+            xycoords=figure.axes[0].get_xaxis_transform(),
+            xytext=(-2 if right else 2, 1),
+            textcoords="offset points",
+            ha="right" if right else "left",
+            va="bottom",
+            fontsize=7.0,
+        )
 
 
 def _legend(ax: Axes) -> None:

@@ -188,5 +188,6 @@ def test_the_command_writes_its_files_and_says_how_it_went(fmu: Path, tmp_path: 
     assert done.returncode == 0, done.stderr
     assert "real-time factor" in done.stdout
     assert "assumed" in done.stdout
+    assert done.stdout.splitlines()[-1] == f"open in a browser: {tmp_path / 'report.html'}"
     names = {path.name for path in tmp_path.iterdir()}
     assert {"signals.csv", "shapes.csv", "report.md", "report.html", "tracking.png", "forces.png"} <= names

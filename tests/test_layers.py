@@ -27,6 +27,7 @@ HOMES = {
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
     "fmpy": {"hoist_demo.fmu_rope"},
     "matplotlib": {"hoist_demo.figures"},
+    "pandas": {"hoist_demo.html.study"},
     "tqdm": {"hoist_demo.cli"},
 }
 

@@ -1,0 +1,221 @@
+// The report of a study: parallel coordinates, a scatter plot and a sortable table that mark the same runs.
+// A run is its row's place in the table that Python was given; a column's values are numbers, words or null.
+
+const COLUMNS = DATA.columns.map((column) => ({ ...column, axis: makeAxis(column) }));
+const RUNS = DATA.columns.length ? DATA.columns[0].values.map((_, k) => k) : [];
+const failed = (run) => DATA.causes[run] !== "";
+const kept = new Map(); // column -> [lo, hi] as parts of its axis
+let marked = null, sorted = { column: null, down: false };
+
+// place of a value on an axis, 0 to 1, and the ticks of that axis; words stand in their order of appearance
+function makeAxis(column) {
+  const present = column.values.filter((value) => value !== null);
+  if (present.some((value) => typeof value !== "number")) {
+    const words = [...new Set(present.map(String))], part = (k) => (words.length > 1 ? k / (words.length - 1) : 0.5);
+    return { place: (value) => part(words.indexOf(String(value))), ticks: words.map((word, k) => [part(k), word]) };
+  }
+  let lo = Math.min(...present), hi = Math.max(...present);
+  if (!(hi > lo)) [lo, hi] = present.length ? [lo - (Math.abs(lo) || 1) / 2, lo + (Math.abs(lo) || 1) / 2] : [0, 1];
+  [lo, hi] = [lo - 0.04 * (hi - lo), hi + 0.04 * (hi - lo)]; // the outermost runs stand clear of the ends
+  const { values, step } = ticks(lo, hi, 5), place = (value) => (value - lo) / (hi - lo);
+  return { place, ticks: values.map((value) => [place(value), tickText(value, step)]) };
+}
+
+function shown(run) {
+  return [...kept].every(([column, [lo, hi]]) => {
+    const value = COLUMNS[column].values[run];
+    if (value === null) return false;
+    const part = COLUMNS[column].axis.place(value);
+    return part >= lo - 1e-9 && part <= hi + 1e-9;
+  });
+}
+
+function kind(run) {
+  return [
+    failed(run) ? "failed" : "", run === DATA.best ? "best" : "", run === marked ? "marked" : "", shown(run) ? "" : "faded",
+  ].filter(Boolean).join(" ");
+}
+
+// runs outside of the chosen ranges at the back, then the rest, the failed ones, the best and the marked one in front
+function inOrder() {
+  const rank = (run) => (run === marked ? 3 : run === DATA.best ? 2 : failed(run) ? 1 : 0) + (shown(run) ? 0 : -4);
+  return [...RUNS].sort((a, b) => rank(a) - rank(b));
+}
+
+function mark(run) {
+  marked = run === marked ? null : run;
+  drawAll();
+}
+
+function drawParallel() {
+  const svg = clear(byId("parallel")), height = 380, top = 46, bottom = height - 14;
+  const width = Math.max(svg.parentElement.clientWidth, 96 * COLUMNS.length);
+  svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  svg.style.width = `${width}px`;
+  const x = (k) => 48 + (k * (width - 96)) / Math.max(1, COLUMNS.length - 1), y = (part) => bottom - part * (bottom - top);
+  for (const run of inOrder()) {
+    let d = "", open = false;
+    COLUMNS.forEach(({ values, axis }, k) => {
+      if (values[run] !== null) d += `${open ? "L" : "M"}${x(k).toFixed(1)} ${y(axis.place(values[run])).toFixed(1)}`;
+      open = values[run] !== null;
+    });
+    const path = add(svg, "path", { class: `run-line ${kind(run)}`, d, "data-run": run });
+    add(path, "title", {}, `run ${run + 1}`);
+    path.addEventListener("click", () => mark(run));
+  }
+  COLUMNS.forEach((column, k) => {
+    const group = add(svg, "g", { class: "axis" });
+    add(group, "line", { x1: x(k), x2: x(k), y1: top, y2: bottom });
+    for (const [part, text] of column.axis.ticks) {
+      add(group, "line", { x1: x(k) - 3, x2: x(k) + 3, y1: y(part), y2: y(part) });
+      add(group, "text", { class: "tick halo", x: x(k) + 5, y: y(part) + 3.5 }, text);
+    }
+    const name = add(group, "text", { class: `name ${column.role}`, x: x(k), "text-anchor": "middle", y: 12 });
+    wrapped(column.name).forEach((text, i) => add(name, "tspan", { x: x(k), dy: i ? 12 : 0 }, text));
+    if (column.unit) add(name, "tspan", { x: x(k), dy: 12, class: "unit" }, `[${column.unit}]`);
+    name.addEventListener("click", () => {
+      kept.delete(k);
+      drawAll();
+    });
+    const range = kept.get(k);
+    if (range) add(group, "rect", { class: "range", x: x(k) - 7, width: 14, y: y(range[1]), height: y(range[0]) - y(range[1]) });
+    brush(add(group, "rect", { class: "brush", x: x(k) - 12, width: 24, y: top, height: bottom - top }), k, (event) => {
+      const box = svg.getBoundingClientRect();
+      const part = (bottom - ((event.clientY - box.top) * height) / box.height) / (bottom - top);
+      return Math.min(1, Math.max(0, part));
+    });
+  });
+}
+
+function brush(target, column, part) {
+  target.addEventListener("pointerdown", (event) => {
+    const from = part(event);
+    // the axes are drawn anew while the pointer moves, so the window listens
+    const move = (moved) => {
+      const to = part(moved);
+      if (Math.abs(to - from) < 0.02) return;
+      kept.set(column, [Math.min(from, to), Math.max(from, to)]);
+      drawAll();
+    };
+    const end = () => {
+      window.removeEventListener("pointermove", move);
+      window.removeEventListener("pointerup", end);
+      window.removeEventListener("pointercancel", end);
+    };
+    window.addEventListener("pointermove", move);
+    window.addEventListener("pointerup", end);
+    window.addEventListener("pointercancel", end);
+    event.preventDefault();
+  });
+}
+
+function wrapped(name) {
+  const words = name.split(/[ _]/), lines = [""];
+  for (const word of words) {
+    if ((lines[lines.length - 1] + word).length > 15 && lines[lines.length - 1]) lines.push("");
+    lines[lines.length - 1] = `${lines[lines.length - 1]} ${word}`.trim();
+  }
+  return lines.length > 2 ? [lines[0], `${lines[1].slice(0, 13)}…`] : lines;
+}
+
+function drawScatter() {
+  const svg = clear(byId("scatter")), width = Math.max(280, svg.clientWidth), height = Math.min(420, Math.max(280, width * 0.6));
+  svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  const [across, up] = ["across", "up"].map((id) => COLUMNS[Number(byId(id).value)]);
+  const x = (part) => 62 + part * (width - 82), y = (part) => height - 36 - part * (height - 54);
+  for (const [part, text] of across.axis.ticks) {
+    add(svg, "line", { class: "grid", x1: x(part), x2: x(part), y1: y(0), y2: y(1) });
+    add(svg, "text", { class: "tick", x: x(part), y: y(0) + 16, "text-anchor": "middle" }, text);
+  }
+  for (const [part, text] of up.axis.ticks) {
+    add(svg, "line", { class: "grid", x1: x(0), x2: x(1), y1: y(part), y2: y(part) });
+    add(svg, "text", { class: "tick", x: x(0) - 8, y: y(part) + 3.5, "text-anchor": "end" }, text);
+  }
+  const full = ({ name, unit }) => (unit ? `${name} [${unit}]` : name);
+  add(svg, "text", { class: "tick", x: x(1), y: height - 4, "text-anchor": "end" }, full(across));
+  add(svg, "text", { class: "tick", x: 4, y: 11 }, full(up));
+  for (const run of inOrder()) {
+    const [a, b] = [across.values[run], up.values[run]];
+    if (a === null || b === null) continue;
+    const place = { cx: x(across.axis.place(a)).toFixed(1), cy: y(up.axis.place(b)).toFixed(1) };
+    const dot = add(svg, "circle", { class: `dot ${kind(run)}`, ...place, r: run === DATA.best || run === marked ? 6 : 4 });
+    add(dot, "title", {}, `run ${run + 1}: ${valueText(a)}, ${valueText(b)}`);
+    dot.addEventListener("click", () => mark(run));
+  }
+}
+
+function valueText(value) {
+  return value === null ? "–" : typeof value === "number" ? short(value) : String(value);
+}
+
+function compare(a, b) {
+  if (a === null || b === null) return a === b ? 0 : a === null ? 1 : -1; // what is missing goes last
+  const order = typeof a === "number" && typeof b === "number" ? a - b : String(a).localeCompare(String(b));
+  return sorted.down ? -order : order;
+}
+
+function drawTable() {
+  const table = clear(byId("runs")), head = add(add(table, "thead"), "tr"), body = add(table, "tbody");
+  const heading = (text, role, column) => {
+    const arrow = sorted.column !== column ? "" : sorted.down ? " ▼" : " ▲";
+    const cell = add(head, "th", { scope: "col" }), button = add(cell, "button", { type: "button", class: role }, text + arrow);
+    if (arrow) cell.setAttribute("aria-sort", sorted.down ? "descending" : "ascending");
+    button.addEventListener("click", () => {
+      sorted = { column, down: sorted.column === column && !sorted.down };
+      drawTable();
+    });
+  };
+  heading("run", "", null);
+  heading("status", "", "status");
+  COLUMNS.forEach((column, k) => heading(column.unit ? `${column.name} [${column.unit}]` : column.name, column.role, k));
+  const value = (run) => (sorted.column === "status" ? DATA.statuses[run] : sorted.column === null ? run : COLUMNS[sorted.column].values[run]);
+  const listed = RUNS.filter((run) => shown(run) || run === marked);
+  for (const run of listed.sort((a, b) => compare(value(a), value(b)) || a - b)) {
+    const row = add(body, "tr", { class: kind(run), "data-run": run });
+    add(row, "td", {}, `${run + 1}${run === DATA.best ? " ★" : ""}`);
+    add(row, "td", {}, DATA.statuses[run]);
+    for (const { values } of COLUMNS) add(row, "td", { class: "value" }, valueText(values[run]));
+    row.addEventListener("click", () => mark(run));
+  }
+  byId("kept").textContent = kept.size ? `${RUNS.filter(shown).length} of ${RUNS.length} runs are in the chosen ranges.` : "";
+}
+
+function drawFailed() {
+  const table = clear(byId("failed")), runs = RUNS.filter(failed);
+  byId("failed-title").hidden = runs.length === 0;
+  if (!runs.length) return;
+  const parameters = COLUMNS.filter(({ role }) => role === "parameter"), head = add(add(table, "thead"), "tr"), body = add(table, "tbody");
+  const named = ({ name, unit }) => (unit ? `${name} [${unit}]` : name);
+  for (const text of ["run", "status", "cause", ...parameters.map(named)]) add(head, "th", {}, text);
+  for (const run of runs) {
+    const row = add(body, "tr", { class: run === marked ? "marked" : "" });
+    for (const text of [run + 1, DATA.statuses[run], DATA.causes[run]]) add(row, "td", {}, String(text));
+    for (const { values } of parameters) add(row, "td", { class: "value" }, valueText(values[run]));
+    row.addEventListener("click", () => mark(run));
+  }
+}
+
+function drawAll() {
+  drawParallel();
+  drawScatter();
+  drawTable();
+  drawFailed();
+}
+
+function start() {
+  if (!COLUMNS.length) return;
+  const metrics = COLUMNS.map((_, k) => k).filter((k) => COLUMNS[k].role === "metric");
+  const [first, second] = metrics.length > 1 ? metrics : [0, COLUMNS.length - 1];
+  for (const [id, chosen] of [["across", first], ["up", second]]) {
+    COLUMNS.forEach(({ name }, k) => add(byId(id), "option", { value: k }, name));
+    byId(id).value = chosen;
+    byId(id).addEventListener("change", drawScatter);
+  }
+  drawAll();
+  window.addEventListener("resize", () => {
+    drawParallel();
+    drawScatter();
+  });
+}
+
+start();

@@ -1,0 +1,86 @@
+"""Numbers as short text: quantised to 16 or 8 bits, or as 32-bit floats, in base64.
+
+A packed array {"kind", "lo", "hi", "data"} stands for lo + (hi - lo) q / top with integers q from 0 to top; the code
+above top is NaN. assets/common.js holds the inverse.
+"""
+
+from __future__ import annotations
+
+import base64
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Packed = dict[str, str | float]
+
+CODES = {"u8": 254, "u16": 65534}
+"""Largest integer that stands for a number, per kind; the next one is NaN."""
+
+
+def pack(values: Array, kind: str = "u16") -> Packed:
+    """Values of any shape, flattened row by row; the error is half a quantum, (hi - lo) / top / 2."""
+    flat = np.asarray(values, dtype=np.float64).ravel()
+    finite = np.isfinite(flat)
+    lo = float(np.min(flat[finite])) if finite.any() else 0.0
+    hi = float(np.max(flat[finite])) if finite.any() else 0.0
+    top = CODES[kind]
+    codes = np.full(flat.shape, top + 1, dtype=np.float64)
+    codes[finite] = np.rint((flat[finite] - lo) * (top / (hi - lo))) if hi > lo else 0.0
+    raw = codes.astype("<u1" if kind == "u8" else "<u2").tobytes()
+    return {"kind": kind, "lo": lo, "hi": hi, "data": base64.b64encode(raw).decode("ascii")}
+
+
+def pack_to(values: Array, resolution: float) -> Packed:
+    """As 16-bit integers when these resolve `resolution`, else as 32-bit floats."""
+    flat = np.asarray(values, dtype=np.float64).ravel()
+    finite = flat[np.isfinite(flat)]
+    if finite.size == 0 or float(np.ptp(finite)) <= resolution * CODES["u16"]:
+        return pack(flat)
+    raw = flat.astype("<f4").tobytes()
+    return {"kind": "f32", "lo": 0.0, "hi": 0.0, "data": base64.b64encode(raw).decode("ascii")}
+
+
+def thinned(values: Array, most: int) -> Array:
+    """At most `most` of the values (1-D), peaks kept: each interval leaves its lowest and highest in their order.
+
+    Fewer values than `most` stay as they are.
+    """
+    if len(values) <= most:
+        return values
+    width = interval(len(values), most)
+    kept: list[float] = []
+    for start in range(0, len(values), width):
+        part = values[start : start + width]
+        if np.isnan(part).all():
+            kept += [math.nan, math.nan]
+        else:
+            kept += [float(part[k]) for k in sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))]
+    return np.array(kept)
+
+
+def thinned_times(times: Array, most: int) -> Array:
+    """Instants that belong to thinned(): the first quarter and the third quarter of each interval."""
+    if len(times) <= most:
+        return times
+    width = interval(len(times), most)
+    starts = range(0, len(times), width)
+    ends = [min(start + width, len(times)) - 1 for start in starts]
+    pairs = [
+        (start + 0.25 * (end - start), start + 0.75 * (end - start)) for start, end in zip(starts, ends, strict=True)
+    ]
+    places: Array = np.interp(np.array(pairs).ravel(), np.arange(len(times)), times)
+    return places
+
+
+def interval(count: int, most: int) -> int:
+    """Number of values that share a pair."""
+    return math.ceil(count / (most // 2))
+
+
+def frames(count: int, most: int) -> list[int]:
+    """Rows at even distances, at most `most`, the last one included."""
+    stride = max(1, math.ceil((count - 1) / max(1, most - 1)))
+    rows = list(range(0, count, stride))
+    return rows if not rows or rows[-1] == count - 1 else [*rows, count - 1]

@@ -1,0 +1,343 @@
+"""The HTML reports in a headless browser: they load in silence, without network, and do what they are touched for.
+
+Each page is opened once, in a frame of a given width, with a probe behind its scripts that touches it and sends what it
+saw to the frame's parent; the claims below read that. What the browser complains about comes on stderr.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from hoist_demo.html.run import run_report
+from hoist_demo.html.study import study_report
+from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.recording import Recording
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
+
+POINTS, STEPS, END = 41, 301, 12.0
+
+_FRAME = """<!DOCTYPE html><html><body><iframe src="{page}" style="width:{width}px;height:800px"></iframe>
+<pre id="seen"></pre><script>
+addEventListener("message", (event) => document.getElementById("seen").textContent = event.data);
+</script></body></html>"""
+
+_PROBE = """<script>
+const seen = {{}};
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+const press = (element, at) => {{
+  const box = element.getBoundingClientRect();
+  const where = {{clientX: box.left + at[0] * box.width, clientY: box.top + at[1] * box.height, bubbles: true}};
+  for (const kind of ["pointerdown", "pointerup"])
+    element.dispatchEvent(new PointerEvent(kind, {{...where, buttons: 1}}));
+}};
+const common = () => ({{
+  requests: performance.getEntriesByType("resource").map((entry) => entry.name),
+  width: document.documentElement.scrollWidth, room: document.documentElement.clientWidth,
+}});
+(async () => {{ await wait(50); {touches}; parent.postMessage(JSON.stringify({{...seen, ...common()}}), "*"); }})();
+</script></body>"""
+
+_RUN = """
+const slider = document.getElementById("slider"), loop = document.getElementById("loop");
+const rope = () => ({t: loop.dataset.t, bottom: loop.dataset.bottom.split(" ").map(Number),
+  path: loop.querySelector(".rope .left").getAttribute("d"), slider: Number(slider.value)});
+const set = (t) => { slider.value = t; slider.dispatchEvent(new Event("input")); return rope(); };
+seen.address = rope();
+seen.early = set(3);
+seen.late = set(9);
+const plot = document.querySelector(".chart");
+plot.scrollIntoView();
+const cursor = () => Number(plot.querySelector(".cursor").getAttribute("x1"));
+seen.cursor = [3, 9].map((t) => { set(t); return cursor(); });
+press(plot, [0.5, 0.5]);
+seen.pressed = rope();
+const front = document.querySelector('[data-view="front"]');
+front.click();
+seen.front = rope();
+seen.titles = [...document.querySelectorAll(".plot strong")].map((title) => title.textContent);
+seen.quiet = document.querySelector("#plots .wide").textContent;
+seen.curves = document.querySelectorAll(".plot path.line").length;
+seen.marks = [...plot.querySelectorAll(".mark-label")].map((label) => label.textContent);
+seen.transformations = plot.querySelectorAll(".transformation").length;
+seen.slips = plot.querySelectorAll(".slip").length;
+seen.instants = document.querySelectorAll("#instants .rope").length;
+set(6);
+seen.reading = document.querySelector("#readout .value").textContent;
+set(0);
+// frames by the browser's own clock, which runs ahead of those of the screen here
+window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 20);
+document.getElementById("play").click();
+await wait(1000);
+document.getElementById("play").click();
+seen.played = rope();
+const shown = document.getElementById("window");
+shown.value = "1"; shown.dispatchEvent(new Event("change"));
+seen.ticks = [...plot.querySelectorAll('.tick[text-anchor="middle"]')].map((text) => Number(text.textContent));
+"""
+
+_STUDY = """
+const cells = (k) => [...document.querySelectorAll(`#runs tbody tr td:nth-child(${k})`)];
+const column = (k) => cells(k).map((cell) => cell.textContent);
+const heading = (text) => [...document.querySelectorAll("#runs th button")].find((b) => b.textContent.startsWith(text));
+seen.lines = document.querySelectorAll(".run-line").length;
+seen.best = document.querySelector(".run-line.best").dataset.run;
+seen.failed = document.getElementById("failed").textContent;
+heading("swing").click(); seen.up = column(5);
+heading("swing").click(); seen.down = column(5);
+document.querySelector('#runs tr[data-run="2"]').click();
+seen.marked = [...document.querySelectorAll(".run-line.marked")].map((line) => line.dataset.run);
+seen.dots = document.querySelectorAll(".dot").length;
+const brush = document.querySelectorAll(".brush")[0], box = brush.getBoundingClientRect();
+const point = (kind, part, target) => target.dispatchEvent(new PointerEvent(kind,
+  {clientX: box.left + 5, clientY: box.bottom - part * box.height, bubbles: true, buttons: 1}));
+point("pointerdown", 0, brush); point("pointermove", 0.6, window); point("pointerup", 0.6, window);
+seen.kept = column(1);
+"""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What the probe saw, and the browser's messages."""
+
+    said: dict[str, Any]
+    console: list[str]
+
+
+def look(page: Path, touches: str, width: int, fragment: str = "") -> Seen:
+    """Open a copy of the page with the probe in it."""
+    folder = page.parent / f"{page.stem}-{width}"
+    folder.mkdir()
+    probed = page.read_text(encoding="utf-8").replace("</body>", _PROBE.format(touches=touches))
+    (folder / "page.html").write_text(probed, encoding="utf-8")
+    (folder / "frame.html").write_text(_FRAME.format(page=f"page.html#{fragment}", width=width), encoding="utf-8")
+    assert BROWSER is not None
+    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]
+    command += ["--enable-logging=stderr", "--virtual-time-budget=8000", "--dump-dom", f"{folder / 'frame.html'}"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    found = re.search(r'<pre id="seen">(.+?)</pre>', done.stdout, re.DOTALL)
+    console = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    assert found, f"the probe said nothing; the browser: {console or done.stderr[-2000:]}"
+    return Seen(json.loads(html.unescape(found[1])), console)
+
+
+def bottom(t: float) -> tuple[float, float, float]:
+    """Lowest point of the invented rope at time t [s]."""
+    return 0.05 * t, -15.0 - 0.1 * t, 0.02 * t
+
+
+def curve(t: float) -> np.ndarray:
+    """A half circle of radius 1 m below two straight legs, shape (POINTS, 3)."""
+    x, y, z = bottom(t)
+    angle = np.linspace(-math.pi / 2.0, math.pi / 2.0, POINTS - 2)
+    loop = np.column_stack([x + np.sin(angle), y + 1.0 - np.cos(angle), np.full(POINTS - 2, z)])
+    return np.vstack([[-1.0, 7.0 * t, 0.0], loop, [1.0, 90.0 - 7.0 * t, 0.0]])
+
+
+def run(tmp_path: Path, **more: np.ndarray) -> Path:
+    t = np.linspace(0.0, END, STEPS)
+    shapes = np.array([curve(float(s)) for s in t])
+    signals = {
+        "time": t,
+        "reference.position": 7.0 * t,
+        "reference.speed": np.full(STEPS, 7.0),
+        "conveyance.left.y": 7.0 * t,
+        "conveyance.right.y": 90.0 - 7.0 * t,
+        "conveyance.left.vy": np.full(STEPS, 7.0) + np.sin(t),
+        "drive.tension_ratio": 1.2 + 0.1 * np.sin(t),
+        "left.fy": -1e3 * (5.0 + t),
+        "left.swivel.slipping": ((t > 2.0) & (t < 3.0)).astype(float),
+        "count.transformations": np.floor(t / 2.0),
+        "stress.bending_max": 3.6e7 + 1e5 * np.sin(t),
+        "loop.clearance": np.full(STEPS, 2.0),
+        "loop.broken": np.full(STEPS, math.nan),
+    }
+    signals |= {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+    result = SimpleNamespace(
+        recording=Recording(signals | more, {"left.fy": "N", "conveyance.left.y": "m"}),
+        completed=True,
+        cause="",
+        reference=SimpleNamespace(duration=9.0),
+    )
+    winding = Winding(emergency_at=5.0)
+    path = tmp_path / "run.html"
+    return run_report(result, Hoist(), winding, Coupling(), [], "A <trip> & its rope", path)
+
+
+@pytest.fixture(scope="module", params=[1280, 390])
+def seen_run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Seen:
+    return look(run(tmp_path_factory.mktemp("run")), _RUN, request.param, "t=4.5")
+
+
+@pytest.fixture(scope="module", params=[1280, 390])
+def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Seen:
+    table = pd.DataFrame(
+        {
+            "jerk": [0.5, 1.0, 1.5, 2.0],
+            "controller": ["PI", "PI", "shaped", "PI"],
+            "swing": [4.0, math.nan, 12.0, 1.0],
+            "status": ["completed", "failed", "completed", "completed"],
+            "cause": ["", "head rope <b>gone</b>", "", ""],
+        }
+    )
+    meta = {"parameters": ["jerk", "controller"], "best": {"metric": "swing", "sense": "min"}, "title": "Jerks"}
+    folder = tmp_path_factory.mktemp("study")
+    return look(study_report(table, {"swing": "mm"}, meta, folder / "study.html"), _STUDY, request.param)
+
+
+def test_a_run_loads_without_a_word_on_the_console(seen_run: Seen) -> None:
+    assert seen_run.console == []
+
+
+def test_a_study_loads_without_a_word_on_the_console(seen_study: Seen) -> None:
+    assert seen_study.console == []
+
+
+def test_no_page_asks_the_network_for_anything(seen_run: Seen, seen_study: Seen) -> None:
+    assert seen_run.said["requests"] == [] == seen_study.said["requests"]
+
+
+def test_no_page_is_wider_than_the_window(seen_run: Seen, seen_study: Seen) -> None:
+    for seen in (seen_run, seen_study):
+        assert seen.said["width"] <= seen.said["room"]
+
+
+def test_the_address_opens_the_page_at_an_instant(seen_run: Seen) -> None:
+    assert float(seen_run.said["address"]["t"]) == 4.5
+    assert seen_run.said["address"]["slider"] == 4.5
+
+
+@pytest.mark.parametrize(("when", "t"), [("early", 3.0), ("late", 9.0)])
+def test_the_slider_moves_the_rope_to_where_it_was_recorded(seen_run: Seen, when: str, t: float) -> None:
+    # a tenth of a millimetre for packing, as much for four decimals
+    np.testing.assert_allclose(seen_run.said[when]["bottom"], bottom(t), atol=2e-4)
+
+
+def test_another_instant_is_another_drawing(seen_run: Seen) -> None:
+    assert seen_run.said["early"]["path"] != seen_run.said["late"]["path"]
+
+
+def test_the_cursors_of_the_plots_follow_the_slider(seen_run: Seen) -> None:
+    early, late = seen_run.said["cursor"]
+    assert late > early + 50.0
+
+
+def test_a_click_in_a_plot_moves_slider_and_rope(seen_run: Seen) -> None:
+    pressed = seen_run.said["pressed"]
+    # the middle of the picture lies right of the plot's middle by half the margins' difference, 20 px of at least 240
+    assert END / 2.0 - 1.2 < pressed["slider"] < END / 2.0
+    assert float(pressed["t"]) == pytest.approx(pressed["slider"], abs=1e-3)
+
+
+def test_another_view_shows_the_same_instant_otherwise(seen_run: Seen) -> None:
+    front, pressed = seen_run.said["front"], seen_run.said["pressed"]
+    assert front["t"] == pressed["t"]
+    assert front["path"] != pressed["path"]
+
+
+def test_playing_at_speed_1_takes_a_second_for_a_second(seen_run: Seen) -> None:
+    # a frame of 20 ms to begin with, and one at the end
+    assert seen_run.said["played"]["slider"] == pytest.approx(1.0, abs=0.05)
+
+
+def test_every_recorded_quantity_has_its_plot(seen_run: Seen) -> None:
+    expected = {"Height in the shaft", "Tension ratio on the sheave", "Pull on the conveyances"}
+    expected |= {"Largest nominal stress of the rope", "Bending stress along the rope"}
+    assert expected <= set(seen_run.said["titles"])
+    assert seen_run.said["curves"] >= 8
+
+
+def test_what_never_moves_is_a_number_and_no_plot(seen_run: Seen) -> None:
+    assert "Clearance between the legs (clearance 2.000 m)" in seen_run.said["quiet"]
+    assert "Clearance between the legs" not in seen_run.said["titles"]
+
+
+def test_slip_transformations_and_the_emergency_stop_are_marked(seen_run: Seen) -> None:
+    assert seen_run.said["marks"] == ["emergency stop", "reference at rest"]
+    assert seen_run.said["transformations"] == 6
+    assert seen_run.said["slips"] == 1
+
+
+def test_the_loop_is_drawn_at_eight_instants(seen_run: Seen) -> None:
+    assert seen_run.said["instants"] == 8
+
+
+def test_numbers_at_the_cursor_are_those_recorded(seen_run: Seen) -> None:
+    assert float(seen_run.said["reading"]) == pytest.approx(42.0, abs=0.01)
+
+
+def test_a_short_window_shows_a_second_around_the_cursor(seen_run: Seen) -> None:
+    t, ticks = seen_run.said["played"]["slider"], seen_run.said["ticks"]
+    assert all(t - 0.51 <= tick <= max(1.0, t + 0.51) for tick in ticks)
+    assert len(ticks) >= 2
+
+
+def test_a_run_without_a_recorded_curve_still_has_its_plots(tmp_path: Path) -> None:
+    missing = {f"shape.x[{i + 1}]": np.full(STEPS, math.nan) for i in range(POINTS)}
+    seen = look(run(tmp_path, **missing), 'seen.plots = document.querySelectorAll(".plot").length;', 800)
+    assert seen.console == []
+    assert seen.said["plots"] > 3
+
+
+def test_a_run_that_stopped_after_one_row_is_shown(tmp_path: Path) -> None:
+    only = {name: np.array([value]) for name, value in (("time", 0.0), ("left.fy", -1e3), ("loop.y", -15.0))}
+    only |= {f"shape.{c}[{i + 1}]": curve(0.0)[i : i + 1, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+    result = SimpleNamespace(
+        recording=Recording(only, {}), completed=False, cause="overwind", reference=SimpleNamespace(duration=9.0)
+    )
+    page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html")
+    seen = look(page, 'seen.bottom = document.getElementById("loop").dataset.bottom;', 800)
+    assert seen.console == []
+    assert seen.said["bottom"] == "0.0000 -15.0000 0.0000"
+
+
+def test_a_run_that_never_began_says_why(tmp_path: Path) -> None:
+    result = SimpleNamespace(recording=Recording({}, {}), completed=False, cause="no <shape>", reference=None)
+    page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html")
+    seen = look(page, 'seen.note = document.querySelector(".stopped").textContent;', 800)
+    assert seen.console == []
+    assert "no <shape>" in seen.said["note"]
+
+
+def test_a_complaint_of_the_page_would_be_noticed(tmp_path: Path) -> None:
+    seen = look(run(tmp_path), 'fetch("https://example.org/").catch(() => 0); await wait(100);', 800)
+    assert any("Content Security Policy" in line for line in seen.console)
+
+
+def test_every_run_of_a_study_is_a_line_and_the_best_is_marked(seen_study: Seen) -> None:
+    assert seen_study.said["lines"] == 4
+    assert seen_study.said["best"] == "3"
+
+
+def test_failed_runs_are_listed_with_their_causes(seen_study: Seen) -> None:
+    assert "head rope <b>gone</b>" in seen_study.said["failed"]
+
+
+def test_the_table_sorts_by_number_both_ways_with_missing_ones_last(seen_study: Seen) -> None:
+    assert seen_study.said["up"] == ["1.000", "4.000", "12.00", "–"]
+    assert seen_study.said["down"] == ["12.00", "4.000", "1.000", "–"]
+
+
+def test_a_row_marks_its_run_in_the_pictures(seen_study: Seen) -> None:
+    assert seen_study.said["marked"] == ["2"]
+    assert seen_study.said["dots"] == 3
+
+
+def test_a_range_on_an_axis_keeps_the_runs_within(seen_study: Seen) -> None:
+    # jerks of 0.5 to 1.4: the first two; run 3 is marked and stays
+    assert sorted(seen_study.said["kept"]) == ["1", "2", "3"]
