@@ -16,13 +16,18 @@ MAY_IMPORT = {
     "rope_model.physics": set(),
     "rope_model.numerics": set(),
     "rope_model.simulation": {"rope_model.parameters", "rope_model.physics", "rope_model.numerics"},
-    "rope_model.native": {"rope_model.parameters", "rope_model.simulation"},
-    "fmu_src": {"rope_model.parameters", "rope_model.simulation"},
-    "hoist_demo": {"rope_model.parameters", "rope_model.simulation"},
+    "rope_model.native": {
+        "rope_model.parameters",
+        "rope_model.physics",
+        "rope_model.numerics",
+        "rope_model.simulation",
+    },
+    "fmu_src": {"rope_model.parameters", "rope_model.simulation", "rope_model.numerics", "rope_model.native"},
+    "hoist_demo": {"rope_model.parameters", "rope_model.simulation", "rope_model.native"},
 }
 #: library -> modules or packages in which it may be imported; numpy is welcome everywhere
 HOMES = {
-    "casadi": {"rope_model.physics.element", "rope_model.numerics", "hoist_demo.plant"},
+    "casadi": {"rope_model.physics.element", "rope_model.numerics", "rope_model.native.elements", "hoist_demo.plant"},
     "scipy": {"rope_model.simulation.modal"},
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
     "fmpy": {"hoist_demo.fmu_rope"},

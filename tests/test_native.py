@@ -221,6 +221,7 @@ def test_half_steps_after_a_restored_state_are_bit_identical() -> None:
         (Scene(), EndMotion(y=200.0), "cannot hang"),
         (Scene(), EndMotion(y=115.0), "too close to an end"),
         (Scene(model=Model("planar")), EndMotion(z=0.1), "z = 0.1"),
+        (Scene(), EndMotion(x=2.0, y=1.5), "exactly above each other, 1.5 m apart"),
     ],
 )
 def test_a_start_that_fails_says_the_same(scene: Scene, left: EndMotion, words: str) -> None:

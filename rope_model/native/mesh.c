@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "core.h"
+#include "text.h"
 
 /* more than MOST_ELEMENTS would be a mistake in the unit of an element's length; no more than COUNTABLE can be held */
 enum { MOST_ELEMENTS = 20000, COUNTABLE = 100000000 };
@@ -85,15 +86,15 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
     double outer = outer_of(mesh, length);
     if (outer > (double)MOST_ELEMENTS) {
         snprintf(message, MESSAGE,
-                 "coarse_length = %g m makes %.0f elements of a rope of %g m, more than %d; use longer elements",
-                 mesh->coarse_length, outer, length, MOST_ELEMENTS);
+                 "coarse_length = %s m makes %.0f elements of a rope of %s m, more than %d; use longer elements",
+                 ROUNDED(mesh->coarse_length, 6), outer, ROUNDED(length, 6), MOST_ELEMENTS);
         return 0;
     }
     if (outer < 2) {
         snprintf(message, MESSAGE,
-                 "the mesh's segments II to VI need %g m of a rope of %g m and leave nothing for I and VII; lower "
+                 "the mesh's segments II to VI need %s m of a rope of %s m and leave nothing for I and VII; lower "
                  "coarse_length or the counts",
-                 inner_of(mesh) * mesh->coarse_length, length);
+                 ROUNDED(inner_of(mesh) * mesh->coarse_length, 6), ROUNDED(length, 6));
         return 0;
     }
     double elements = outer + 2 * mesh->end_levels;
@@ -175,10 +176,10 @@ void mesh_misplaced(const Pattern *pattern, double length, double bottom, char *
     if (pattern->counts[0] == 0 || fabs(bottom - mesh_centre(pattern)) <= (DUE + 1.0) * pattern->coarse)
         return;
     snprintf(message, MESSAGE,
-             "the loop at %.3g m of the rope's %.4g m is too close to an end: the mesh's fine middle reaches no further "
-             "than %.3g m; use a smaller coarse_length or fewer elements in segments II to VI, or keep the ends closer "
+             "the loop at %s m of the rope's %s m is too close to an end: the mesh's fine middle reaches no further "
+             "than %s m; use a smaller coarse_length or fewer elements in segments II to VI, or keep the ends closer "
              "in height",
-             bottom, length, mesh_centre(pattern));
+             ROUNDED(bottom, 3), ROUNDED(length, 4), ROUNDED(mesh_centre(pattern), 3));
 }
 
 void mesh_arc_lengths(int elements, const double *lengths, double *s) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "core.h"
+#include "text.h"
 
 /* points between two elements' ends, of the shape for the clearance, and of one leg of that */
 enum { FINE = 41, OUTLINE = 161, LEG = OUTLINE / 2 + 1 };
@@ -130,6 +131,12 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
     double length = s[nodes - 1];
     double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
     double width = hypot(across[0], across[2]);
+    if (width == 0) {
+        snprintf(message, MESSAGE,
+                 "the ends hang exactly above each other, %s m apart, which leaves the loop no plane; move one sideways",
+                 ROUNDED(fabs(left[1] - right[1]), 6));
+        return;
+    }
     for (int axis = 0; axis < 3; axis++)
         across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
@@ -139,9 +146,9 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
     double lean = radius - 0.5 * width;
     if (fmin(left_leg, right_leg) <= lean) {
         snprintf(message, MESSAGE,
-                 "the rope of %g m cannot hang between ends %g m apart with a height difference of %g m; give a longer "
+                 "the rope of %s m cannot hang between ends %s m apart with a height difference of %s m; give a longer "
                  "rope or bring the ends together",
-                 length, width, left[1] - right[1]);
+                 ROUNDED(length, 6), ROUNDED(width, 6), ROUNDED(left[1] - right[1], 6));
         return;
     }
     for (int k = 0; k < nodes; k++, q += DOF) {

@@ -96,6 +96,11 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     length = float(s[-1])
     across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
     width = float(np.hypot(across[0], across[2]))
+    if width == 0:
+        raise StaticsError(
+            f"the ends hang exactly above each other, {abs(left[1] - right[1]):g} m apart, which leaves the loop no plane; "
+            "move one sideways"
+        )
     across = across / width
     middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
