@@ -10,6 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
 
+_BELOW = {"rope_model.parameters", "rope_model.physics", "rope_model.numerics"}
 #: package -> packages of ours that it may import from (itself always)
 MAY_IMPORT = {
     "rope_model.parameters": set(),

@@ -98,8 +98,8 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     width = float(np.hypot(across[0], across[2]))
     if width == 0:
         raise StaticsError(
-            f"the ends hang exactly above each other, {abs(left[1] - right[1]):g} m apart, which leaves the loop no plane; "
-            "move one sideways"
+            f"the ends hang exactly above each other, {abs(left[1] - right[1]):g} m apart, which leaves the loop no "
+            "plane; move one sideways"
         )
     across = across / width
     middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
