@@ -21,6 +21,8 @@ void component_destroy(Component *c);
 const char *component_message(const Component *c);
 /* says `message` in the log, and leaves it for component_message; returns 0 */
 int component_refuse(Component *c, const char *message);
+/* after a refusal that leaves host and FMU at odds, as of a value to be set: FAILED, status.message tells why */
+void component_fail(Component *c);
 
 /* whether `function` may be called now, in one of `modes` */
 int component_allows(Component *c, const char *function, int modes);
@@ -38,14 +40,14 @@ void component_reset(Component *c);
 int component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length);
 int component_get(Component *c, size_t scalar, double *value);
 int component_get_text(Component *c, size_t scalar, const char **text);
-/* a value that is refused moves to FAILED: a step with the old value would be wrong */
+/* finite, one of the choices, and not fixed by now */
 int component_set(Component *c, size_t scalar, double value);
 
 /* sensitivity (unknowns) = derivatives of the unknowns to the knowns, times seed (knowns) */
 int component_derivative(Component *c, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
                          const double *seed, double *sensitivity);
 
-/* the complete state, entries, mode and status included; `from` may come from another process */
+/* the complete state, entries, mode and status included; `from`, aligned as by calloc, may be another process's */
 size_t component_state_bytes(const Component *c);
 void component_save(const Component *c, void *to);
 int component_restore(Component *c, const void *from, size_t bytes);

@@ -46,7 +46,7 @@ typedef struct ModelInstance ModelInstance;
 
 /* With these parameters; takes all memory it will ever need.  NULL when that cannot be. */
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message);
-void model_destroy(ModelInstance *model);
+void model_destroy(ModelInstance *model); /* NULL: nothing to do */
 /* Consistent at the time t with these inputs; may be called again, with other inputs, before the first step. */
 int model_initialize(ModelInstance *model, double t, const double *values, char *message);
 int model_step(ModelInstance *model, double t, double h, const double *values, char *message);
