@@ -104,7 +104,9 @@ def _add_variable(parent: Element, array: Array) -> None:
         kind = "Enumeration"
         attributes["declaredType"] = _ENUMERATIONS[".".join(v.name.split(".")[-2:])]
     if v.start is not None:
-        attributes["start"] = " ".join(str(start).lower() if v.kind == "Boolean" else str(start) for start in array.starts)
+        attributes["start"] = " ".join(
+            str(start).lower() if v.kind == "Boolean" else str(start) for start in array.starts
+        )
     node = SubElement(parent, kind, attributes)
     if array.length > 1:
         SubElement(node, "Dimension", start=str(array.length))
