@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from .interface import Value, Variable
 
-
 #: descriptions of the arrays as a whole
 _DESCRIPTIONS = {
     "mesh.counts": "numbers of elements of the segments II to VI, TMN-ETM only",

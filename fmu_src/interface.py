@@ -79,11 +79,22 @@ _MINIMUM = {
     **dict.fromkeys(("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "beta_K", "diameter"), 0.0),
     **dict.fromkeys(("spacing", "gravity", "mean_diameter", "mu_static", "mu_kinetic", "seal_moment", "inertia"), 0.0),
     **dict.fromkeys(("step_max", "step_min", "tolerance", "newton_tolerance", "rho_inf", "force_tolerance"), 0.0),
-    **{"elements": 2, "coarse_length": 0.0, "end_levels": 0, "loop_error": 1e-5},
+    "elements": 2,
+    "coarse_length": 0.0,
+    "end_levels": 0,
+    "loop_error": 1e-5,
 }
 _MAXIMUM = {
-    **{"length": 1e4, "diameter": 1.0, "elements": 20000, "end_levels": 8, "loop_error": 1.0},
-    **{"step_max": 1.0, "step_min": 1.0, "newton_tolerance": 1e-3, "rho_inf": 1.0, "force_tolerance": 1.0},
+    "length": 1e4,
+    "diameter": 1.0,
+    "elements": 20000,
+    "end_levels": 8,
+    "loop_error": 1.0,
+    "step_max": 1.0,
+    "step_min": 1.0,
+    "newton_tolerance": 1e-3,
+    "rho_inf": 1.0,
+    "force_tolerance": 1.0,
 }
 #: least element counts of the segments II to VI
 _COUNTS = (2, 4, 8, 4, 2)
