@@ -22,6 +22,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 from native_host import H, Host
 
+from balance_rope import main
 from fmu_src.interface import scene_of, variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library, universal
 from fmu_src.native.export import export_native
@@ -189,7 +190,9 @@ def test_universal_library_holds_its_parts_at_aligned_places() -> None:
     parts = [b"\xcf\xfa\xed\xfe" + bytes([7 + i, 0, 0, 1, 3, 0, 0, 0]) + bytes(100 * i) for i in (0, 5)]
     whole = universal(parts)
     for i, part in enumerate(parts):
-        kind, _, place, size, power = (int.from_bytes(whole[k : k + 4], "big") for k in range(8 + 20 * i, 28 + 20 * i, 4))
+        kind, _, place, size, power = (
+            int.from_bytes(whole[k : k + 4], "big") for k in range(8 + 20 * i, 28 + 20 * i, 4)
+        )
         assert kind == int.from_bytes(part[4:8], "little")
         assert place % (1 << power) == 0
         assert whole[place : place + size] == part
@@ -468,7 +471,13 @@ def test_what_the_flags_rule_out_is_an_error_with_a_message(host: Host) -> None:
     arguments = [ctypes.c_size_t(0)] * 8
     names = {
         2: ["SetRealInputDerivatives", "GetRealOutputDerivatives", "CancelStep", "EnterEventMode", "GetDerivatives"],
-        3: ["EnterEventMode", "EnterStepMode", "GetAdjointDerivative", "GetOutputDerivatives", "EnterConfigurationMode"],
+        3: [
+            "EnterEventMode",
+            "EnterStepMode",
+            "GetAdjointDerivative",
+            "GetOutputDerivatives",
+            "EnterConfigurationMode",
+        ],
     }
     for name in names[host.fmi]:
         heard = len(host.log)
@@ -552,3 +561,48 @@ def test_instances_do_not_know_of_each_other(fmi: int, fmus: dict[int, Path], fo
     assert alone.run(0, 5) == records[1]
     for host in (*hosts, alone):
         host.call("FreeInstance")
+
+
+# memory
+
+
+def lived(fmu: Path, folder: Path, valgrind: bool) -> list[int]:
+    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c."""
+    program, unzipped = folder / "life", Path(fmpy.extract(str(fmu), str(folder)))
+    source = ROOT / "tests" / "native" / "life_cycle.c"
+    subprocess.run(["cc", "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", program, "-ldl", "-lm"], check=True)
+    binary = next((unzipped / "binaries").rglob("BalanceRope.so"))
+    command = [str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
+    if valgrind:
+        command = ["valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99", *command]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    assert done.returncode == 0, done.stderr[-3000:]
+    return [int(line) for line in done.stdout.split()]
+
+
+@pytest.mark.parametrize("valgrind", [False, True])
+def test_no_memory_is_taken_while_stepping_and_all_is_given_back(
+    fmus: dict[int, Path], tmp_path: Path, valgrind: bool
+) -> None:
+    if not host_platform().endswith("linux") or not all(shutil.which(x) for x in ("cc", "valgrind")):
+        pytest.skip("needs Linux, a C compiler and valgrind")
+    assert lived(fmus[2], tmp_path, valgrind) == [0, 0]
+
+
+# command line
+
+
+def test_command_line_lists_what_it_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
+    arguments = ["export", "--native", "--fmi", "2", "3", "--platform", host_platform(), "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    rows = capsys.readouterr().out.splitlines()[1:]
+    assert [row.split()[1:4] for row in rows] == [["native", f"{fmi}.0", host_platform()] for fmi in VERSIONS]
+    assert all(Path(row.split()[0]).exists() for row in rows)
+
+
+def test_python_flavour_of_fmi_3_is_refused_with_the_cure(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["export", "--fmi", "3"]) == 2
+    assert "comes with --native" in capsys.readouterr().err
