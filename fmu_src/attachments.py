@@ -45,8 +45,9 @@ def attachments(table: Sequence[Variable], preset: Preset, fmi: int, native: boo
 
 
 def _license() -> str:
-    """Our licence, as installed."""
-    text = importlib.metadata.distribution("balance-rope").read_text("licenses/LICENSE")
+    """Our licence, as installed; an egg-info in a checkout has no copy, the distribution beside it has."""
+    found = importlib.metadata.distributions(name="balance-rope")
+    text = next((text for one in found if (text := one.read_text("licenses/LICENSE"))), None)
     if text is None:
         raise RuntimeError("the licence is missing from the installed package; install balance-rope anew")
     return text
