@@ -20,7 +20,7 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-bench: fmu
+bench: $(READY)
 	$(BIN)/python -m benchmarks.speed
 
 winding: $(READY)

@@ -1,28 +1,37 @@
-"""Real-time factors of the coupled 120 m TMN-ETM winding: ``make bench``.
+"""Speed, start and size of the rope in all its forms: ``make bench``.
 
-In process and through the FMU, compiled and portable, each in a process of its own and interleaved; medians over the
-rounds.  A factor is simulated time over the processor time of a communication step of 10 ms, in which the host sets
-the ends' motion, steps, and reads the end forces.
+The coupled 120 m winding on TMN-ETM, communication steps of 10 ms, in which the host sets the ends' motion, steps, and
+reads the end forces.  Each form runs in a process of its own, interleaved with the others; medians over the rounds.
+A real-time factor is simulated time over processor time.
 """
 
 from __future__ import annotations
 
 import json
+import resource
+import shutil
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
 
+import fmpy
 import numpy as np
+from fmpy.fmi2 import FMU2Slave
 from tqdm import tqdm
 
-from balance_rope import DEFAULT_FMU as FMU
 from fmu_src.export import export_fmu
+from fmu_src.native.build import host_platform
+from fmu_src.native.export import export_native
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.parameters import Winding
 from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import EndMotion
+from rope_model.native.engine import NativeRope
 from rope_model.parameters import Solver, rope_120
 from rope_model.simulation.signals import SIGNALS, end_signals
 from rope_model.simulation.simulator import RopeSimulator
@@ -31,80 +40,153 @@ from .kinematic import ends_at
 
 H, TRAVEL = 0.01, 90.0
 READ = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
-#: s of the winding that are run; the portable form is slow
-WINDOW = {"compiled": 24.0, "portable": 4.0}
+#: s of the winding that are run
+WINDOW = {"native": 24.0, "Python, compiled": 24.0, "Python, portable": 4.0}
 CASES = [(place, form) for form in WINDOW for place in ("in process", "FMU")]
+KERNELS = {"native": 0, "Python, compiled": 1, "Python, portable": 2}
 ROUNDS = 5
 
 
-def stepper(place: str, form: str) -> Callable[[float], bool]:
-    """A function that steps the rope to a time and reads the end forces."""
+class Measured(NamedTuple):
+    """Processor time (s) of each step, of making and of hanging up the rope, and what these took of memory (MB)."""
+
+    steps: list[float]
+    made: float
+    hung: float
+    memory: float
+
+
+class Stepper(NamedTuple):
+    """Hangs the rope up; steps it to a time and reads the end forces."""
+
+    start: Callable[[], bool]
+    step: Callable[[float], bool]
+
+
+def in_process(form: str) -> Stepper:
+    """The rope in this process."""
     reference = s_curve(Winding(start_delay=0.0))
-    if place == "in process":
-        scene = rope_120().scene
-        rope = RopeSimulator(scene.with_(solver=Solver(kernels="portable" if form == "portable" else "compiled")))
-        assert rope.initialize(0.0, *ends_at(reference, TRAVEL, 0.0)).valid
+    scene = rope_120().scene
+    if form == "native":
+        rope: RopeSimulator = NativeRope(scene)
+    else:
+        rope = RopeSimulator(scene.with_(solver=Solver(kernels="portable" if "portable" in form else "compiled")))
 
-        def step(t: float) -> bool:
-            valid = rope.advance_to(t, *ends_at(reference, TRAVEL, t)).valid
+    def step(t: float) -> bool:
+        valid = rope.advance_to(t, *ends_at(reference, TRAVEL, t)).valid
+        if isinstance(rope, NativeRope):
+            for name in READ:
+                rope.signal(name)
+        else:
             end_signals(rope)
-            return valid
+        return valid
 
-        return step
+    return Stepper(lambda: rope.initialize(0.0, *ends_at(reference, TRAVEL, 0.0)).valid, step)
 
+
+def through_fmu(form: str, path: Path) -> Stepper:
+    """The rope in an FMU, stepped by FMPy."""
+    reference = s_curve(Winding(start_delay=0.0))
     unread = [name for name in SIGNALS if name not in READ]
-    fmu = FmuRope(FMU, {"solver.kernels": {"compiled": 1, "portable": 2}[form]}, unread)
+    fmu = FmuRope(path, {"solver.kernels": KERNELS[form]}, unread)
 
     def motions(t: float) -> list[EndMotion]:
         return [EndMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends_at(reference, TRAVEL, t)]
 
-    assert fmu.initialize(0.0, *motions(0.0)).valid
-
-    def step_fmu(t: float) -> bool:
+    def step(t: float) -> bool:
         valid = fmu.step(round(t / H - 1) * H, H, *motions(t)).valid
         fmu.signals()
         return valid
 
-    return step_fmu
+    return Stepper(lambda: fmu.initialize(0.0, *motions(0.0)).valid, step)
 
 
-def measure(place: str, form: str) -> list[float]:
-    """Processor time of each communication step, s."""
-    step, times = stepper(place, form), []
+def resident() -> float:
+    """Memory (MB) of this process; not a number where the system does not tell."""
+    told = Path("/proc/self/statm")
+    if not told.is_file():
+        return float("nan")
+    return 1e-6 * int(told.read_text(encoding="utf-8").split()[1]) * resource.getpagesize()
+
+
+def measure(place: str, form: str, path: Path) -> Measured:
+    """One run of one form."""
+    before, start = resident(), time.process_time()
+    stepper = in_process(form) if place == "in process" else through_fmu(form, path)
+    made = time.process_time() - start
+    start = time.process_time()
+    assert stepper.start()
+    hung = time.process_time() - start
+    memory = resident() - before
+    times = []
     for k in range(round(WINDOW[form] / H)):
         start = time.process_time()
-        valid = step((k + 1) * H)
+        valid = stepper.step((k + 1) * H)
         times.append(time.process_time() - start)
         assert valid
-    return times
+    return Measured(times, made, hung, memory)
+
+
+def instantiation(path: Path) -> tuple[float, float]:
+    """Medians of wall time (s) in which an FMU, its library loaded, is instantiated and initialised."""
+    description = fmpy.read_model_description(str(path))
+    folder = fmpy.extract(str(path))
+    instantiated, initialised = [], []
+    for k in range(40):
+        slave = FMU2Slave(
+            guid=description.guid,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            unzipDirectory=folder,
+            instanceName=f"rope{k}",
+        )
+        start = time.perf_counter()
+        slave.instantiate()
+        instantiated.append(time.perf_counter() - start)
+        start = time.perf_counter()
+        slave.setupExperiment(startTime=0.0)
+        slave.enterInitializationMode()
+        slave.exitInitializationMode()
+        initialised.append(time.perf_counter() - start)
+        slave.fmi2FreeInstance(slave.component)  # the library stays for the next
+    shutil.rmtree(folder, ignore_errors=True)
+    return statistics.median(instantiated), statistics.median(initialised)
 
 
 def main() -> None:
     """Run the rounds and print medians, ratios and percentiles."""
-    if not FMU.exists():
-        export_fmu(FMU)
-    totals: dict[tuple[str, str], list[float]] = {case: [] for case in CASES}
-    steps: dict[tuple[str, str], list[float]] = {case: [] for case in CASES}
-    for _ in tqdm(range(ROUNDS), desc="rounds", leave=False):
-        for case in CASES:
-            command = [sys.executable, "-m", "benchmarks.speed", *case]
-            done = subprocess.run(command, capture_output=True, text=True, check=True)
-            times = json.loads(done.stdout.splitlines()[-1])
-            totals[case].append(sum(times))
-            steps[case] += times
+    found: dict[tuple[str, str], list[Measured]] = {case: [] for case in CASES}
+    with tempfile.TemporaryDirectory() as folder:
+        python, native = export_fmu(Path(folder) / "python.fmu"), Path(folder) / "native.fmu"
+        export_native(native, platforms=(host_platform(),))
+        paths = {form: native if form == "native" else python for form in WINDOW}
+        for _ in tqdm(range(ROUNDS), desc="rounds", leave=False):
+            for case in CASES:
+                command = [sys.executable, "-m", "benchmarks.speed", *case, str(paths[case[1]])]
+                done = subprocess.run(command, capture_output=True, text=True, check=True)
+                found[case].append(Measured(*json.loads(done.stdout.splitlines()[-1])))
+        starts = instantiation(native)
+        sizes = {"native": native.stat().st_size, "Python": python.stat().st_size}
     print(f"coupled 120 m winding, TMN-ETM, H = {H:g} s, medians of {ROUNDS} rounds")
-    print(f"  {'':<24}{'real-time factor':>18}{'step, median':>15}{'95 %':>9}{'99 %':>9}")
-    for case in CASES:
-        factor = WINDOW[case[1]] / statistics.median(totals[case])
-        median, p95, p99 = 1e3 * np.percentile(steps[case], [50, 95, 99])
-        print(f"  {case[1] + ', ' + case[0]:<24}{factor:>18.2f}{median:>12.2f} ms{p95:>6.2f} ms{p99:>6.2f} ms")
+    titles = ("real-time factor", "step, median", "95 %", "99 %", "made", "hung up", "memory")
+    print(f"  {'':<30}" + "".join(f"{title:>17}" for title in titles))
+    factors = {}
+    for case, runs in found.items():
+        factors[case] = WINDOW[case[1]] / statistics.median(sum(run.steps) for run in runs)
+        cells = [f"{1e3 * x:.3f} ms" for x in np.percentile([t for run in runs for t in run.steps], [50, 95, 99])]
+        cells += [f"{1e3 * statistics.median(getattr(run, name) for run in runs):.1f} ms" for name in ("made", "hung")]
+        cells.append(f"{statistics.median(run.memory for run in runs):.1f} MB")
+        print(f"  {f'{case[1]}, {case[0]}':<30}{factors[case]:>17.1f}" + "".join(f"{cell:>17}" for cell in cells))
     for form in WINDOW:
-        ratio = statistics.median(totals["FMU", form]) / statistics.median(totals["in process", form])
-        print(f"  overhead of the FMU, {form}: {100 * (ratio - 1):.1f} %")
+        overhead = factors["in process", form] / factors["FMU", form] - 1
+        print(f"  overhead of the FMU, {form}: {100 * overhead:.1f} %")
+    ratio = factors["FMU", "native"] / factors["FMU", "Python, compiled"]
+    print(f"  native FMU over Python FMU: {ratio:.1f} times as fast")
+    print("  native FMU instantiated in {:.3f} ms, initialised in {:.2f} ms".format(*(1e3 * t for t in starts)))
+    print("  size of the FMU: " + ", ".join(f"{name} {1e-6 * size:.2f} MB" for name, size in sizes.items()))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 3:
-        print(json.dumps(measure(*sys.argv[1:])))
+    if len(sys.argv) == 4:
+        print(json.dumps(measure(sys.argv[1], sys.argv[2], Path(sys.argv[3]))))
     else:
         main()
