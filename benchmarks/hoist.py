@@ -134,26 +134,29 @@ def _cycle(run: Run) -> Figure:
 
 
 def _stops(runs: dict[str, Run], at: float) -> Figure:
-    """Speed, deceleration and slip safety of the emergency stops."""
+    """Speed, brake torque and tension ratio of the emergency stops."""
     figure = Figure(figsize=(8.0, 7.0), layout="constrained")
-    speed, brake, safety = figure.subplots(3, 1, sharex=True)
+    speed, brake, ratio = figure.subplots(3, 1, sharex=True)
     for k, (law, run) in enumerate(runs.items()):
         t, color = run["time"] - at, f"C{k}"
         speed.plot(t, run["speed"], color=color, label=law)
         brake.plot(t, 1e-3 * run["brake_torque"], color=color, label=law)
-        safety.plot(t, np.minimum(run["slip_safety"], 10.0), color=color, label=law)
-    safety.axhline(1.0, color="0.5", linestyle="--", label="slips below")
+        ratio.plot(t, run["tension_left"] / run["tension_right"], color=color, label=law)
+    limit = next(iter(runs.values())).hoist.tension_ratio_limit
+    ratio.axhline(limit, color="0.5", linestyle="--", label="slips beyond")
+    ratio.axhline(1.0 / limit, color="0.5", linestyle="--")
     _label(speed, "rim speed [m/s]", f"{SHOWN}: emergency stops of the rising payload")
     _label(brake, "brake torque [kN m]", None)
-    _label(safety, "slip safety, cut at 10 [-]", None)
-    safety.set_xlim(-1.0, 20.0)
-    safety.set_xlabel("time since the trip [s]")
+    _label(ratio, "tension, left / right [-]", None)
+    ratio.set_yscale("log", base=2)
+    ratio.set_xlim(-1.0, 20.0)
+    ratio.set_xlabel("time since the trip [s]")
     return figure
 
 
 def _safety(axes: Axes, run: Run, color: str, label: str) -> None:
     axes.plot(run["time"], run["slip_safety"], color=color, label=label)
-    axes.set_ylim(0.0, 1.15 * float(np.max(run["static_slip_safety"])))
+    axes.set_ylim(0.0, 2.0 * float(np.max(run["static_slip_safety"])))
 
 
 def _label(axes: Axes, quantity: str, title: str | None) -> None:

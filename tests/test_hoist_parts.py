@@ -122,6 +122,34 @@ def test_a_pushed_conveyance_leans_on_its_guides() -> None:
     np.testing.assert_allclose(rates[plant.state_names.index("x_left_rate")], 0.0, atol=1e-6)
 
 
+def test_a_conveyance_that_leans_on_its_guides_is_braked_by_its_shoes() -> None:
+    rates = []
+    for friction in (0.1, 0.0):
+        plant = HoistPlant(replace(SMOOTH, head_rope_mass=1e-9, play=Play(friction=friction, contact_damping=0.0)))
+        state, u = _resting(plant, (45.0, 45.0))
+        rates.append(plant.rates(_at(plant, state, x_left=8e-3, z_left=-7e-3, v_left=1.0), u)[5])
+    # springs of 2e6 N/m pressed by 3 and 2 mm hold 15 t back
+    np.testing.assert_allclose(rates[0] - rates[1], -0.1 * 2.0e6 * (3e-3 + 2e-3) / 15e3, rtol=1e-6)
+
+
+def test_the_shaft_s_swinging_dies_with_its_damping_ratio() -> None:
+    plant = HoistPlant(
+        Hoist(
+            shaft=Shaft(damping=0.03),
+            loss_coulomb=0.0,
+            loss_viscous=0.0,
+            head_rope_damping=0.0,
+            head_rope_mass=1e-9,
+        )  # fmt: skip
+    )
+    state, u = _resting(plant, (45.0, 45.0))
+    twisted = _at(plant, state, twist=state.x[7] + 1e-3)
+    at_place = plant.rates(twisted, u)[8]
+    turning = plant.rates(_at(plant, state, twist_rate=1.0), u)[8]
+    # delta'' = -w^2 delta - 2 D w delta'
+    np.testing.assert_allclose(-turning / (2.0 * math.sqrt(-at_place / 1e-3)), 0.03, rtol=1e-6)
+
+
 def test_motor_and_sheave_swing_on_their_shaft() -> None:
     hoist = Hoist(
         shaft=Shaft(damping=0.0), loss_coulomb=0.0, loss_viscous=0.0, head_rope_damping=0.0, head_rope_mass=1e-9,
