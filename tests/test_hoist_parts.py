@@ -140,7 +140,7 @@ def test_the_shaft_s_swinging_dies_with_its_damping_ratio() -> None:
             loss_viscous=0.0,
             head_rope_damping=0.0,
             head_rope_mass=1e-9,
-        )  # fmt: skip
+        )
     )
     state, u = _resting(plant, (45.0, 45.0))
     twisted = _at(plant, state, twist=state.x[7] + 1e-3)
