@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -44,6 +44,9 @@ peer: $(READY)
 
 choice: $(READY)
 	$(BIN)/python -m benchmarks.choice
+
+hoist: $(READY)
+	$(BIN)/python -m benchmarks.hoist
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

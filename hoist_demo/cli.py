@@ -8,6 +8,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from tqdm import tqdm
 
@@ -109,7 +110,7 @@ def _demo(options: argparse.Namespace) -> int:
 def _winding(options: argparse.Namespace) -> Winding:
     """The scene's trip; values given by hand count more than --quick."""
     chosen = {"travel": options.travel, "speed": options.speed, "emergency_at": options.estop_at}
-    given: dict[str, float] = {name: value for name, value in chosen.items() if value is not None}
+    given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
     return replace(SETUPS[options.scene].winding, **((_QUICK if options.quick else {}) | given))
 
 

@@ -5,8 +5,9 @@
 
 F_hold holds the imbalance at the start, f = 2 g (tail - head rope mass per length) is its change per metre of travel,
 F_loss the known friction at the reference speed.
-The command is cut at the torque limit, and the integral then stands still as long as it would push further
-(conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5).
+The command is cut at the limits of torque and power, and the integral then stands still as long as it would push
+further (conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5).
+When the reference says that the safety brake stops the hoist, the motor is off and `emergency.py` asks for the brake.
 """
 
 from __future__ import annotations
@@ -14,8 +15,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hoist_demo.parameters import GRAVITY, Hoist
-from hoist_demo.reference import ReferencePoint
+from hoist_demo.emergency import BrakeState, EmergencyBrake
+from hoist_demo.parameters import Hoist
+from hoist_demo.reference import Braking, ReferencePoint
 
 
 @dataclass(frozen=True)
@@ -43,9 +45,10 @@ class Measurement:
 
 @dataclass(frozen=True)
 class ControllerState:
-    """Integral part I [N]."""
+    """Integral part I [N], and what a regulated emergency stop remembers."""
 
     integral: float = 0.0
+    brake: BrakeState | None = None
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,7 @@ class Command:
     torque: float  # N m
     limited: bool
     state: ControllerState
+    brake: float = 0.0  # -, fraction of the brake's full torque
 
 
 class SpeedController:
@@ -64,27 +68,39 @@ class SpeedController:
         """`holding_torque` [N m] is the motor's torque at rest at the start."""
         self._gains = Gains() if gains is None else gains
         self._radius = hoist.sheave_radius
-        self._limit = hoist.torque_limit
         self._mass = hoist.moving_mass
         self._holding_torque = holding_torque
         self._hoist = hoist
-        self._imbalance_rate = 2.0 * GRAVITY * (hoist.tail_rope_mass - hoist.rope_mass)  # N/m
+        self._emergency = EmergencyBrake(hoist, self._gains.speed, self._gains.integral_time)
 
     def command(self, reference: ReferencePoint, measured: Measurement, state: ControllerState, h: float) -> Command:
         """Torque command for the step of length h [s] that begins now."""
+        if reference.braking is not None:
+            return self._brake(reference.braking, measured, state, h)
         k_v = self._gains.speed
         error = reference.speed + self._gains.position * (reference.position - measured.travel) - measured.speed
-        force = self._mass * reference.acceleration + self._imbalance_rate * reference.position
+        force = self._mass * reference.acceleration + self._hoist.imbalance_rate * reference.position
         force += self._loss(reference.speed) + k_v * error + state.integral
         wanted = self._holding_torque + self._radius * force
-        torque = min(max(wanted, -self._limit), self._limit)
+        limit = self._hoist.torque_available(measured.speed / self._radius)
+        torque = min(max(wanted, -limit), limit)
         limited = torque != wanted
         # anti-windup: integrate unless that would push further into the limit
         if limited and error * wanted > 0.0:
             return Command(torque, limited, state)
         return Command(torque, limited, ControllerState(state.integral + h * k_v * error / self._gains.integral_time))
 
+    def _brake(self, braking: Braking, measured: Measurement, state: ControllerState, h: float) -> Command:
+        """Motor off, brake after its law."""
+        holding_force = self._holding_torque / self._radius + self._hoist.imbalance_rate * measured.travel
+        resistance = math.copysign(1.0, measured.speed) * holding_force + abs(self._loss(measured.speed))
+        asked = self._emergency.command(braking, measured.speed, resistance, state.brake, h)
+        return Command(0.0, False, ControllerState(0.0, asked.state), asked.fraction)
+
     def _loss(self, speed: float) -> float:
-        """Friction at the rim [N] at a rim speed [m/s]."""
-        hoist = self._hoist
-        return hoist.loss_coulomb * math.tanh(speed / hoist.loss_speed) + hoist.loss_viscous * speed
+        """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""
+        hoist, guides = self._hoist, self._hoist.guides
+        coulomb, viscous = hoist.loss_coulomb, hoist.loss_viscous
+        if guides is not None:
+            coulomb, viscous = coulomb + 2.0 * guides.coulomb, viscous + 2.0 * guides.viscous
+        return coulomb * math.tanh(speed / hoist.loss_speed) + viscous * speed

@@ -10,7 +10,10 @@ the upper one y = shaft_travel, and the sheave axis is head_rope_length_up above
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from hoist_demo.components import Brake, Guides, Play, Shaft, require, require_magnitudes
 
 GRAVITY = 9.81
 """Acceleration of free fall [m/s^2]."""
@@ -22,14 +25,12 @@ ASSUMED_DATA = (
 """Said wherever results are shown."""
 
 
-def _require(value: float, holds: bool, name: str, bound: str, cure: str) -> None:
-    if not (math.isfinite(value) and holds):
-        raise ValueError(f"{name} = {value!r} must be {bound}: {cure}")
-
-
 @dataclass(frozen=True)
 class Hoist:
-    """Friction (Koepe) hoist with its motor on the sheave; all values [assumed]."""
+    """Friction (Koepe) hoist with its motor on the sheave; all values [assumed].
+
+    What is None or 0 among the last lines is left out of the equations.
+    """
 
     conveyance_mass: float = 10.0e3  # kg, each conveyance with its attachments
     payload_left: float = 5.0e3  # kg
@@ -49,18 +50,35 @@ class Hoist:
     friction_coefficient: float = 0.25  # -, rope on lining
     wrap_angle: float = math.pi  # rad
     shaft_travel: float = 90.0  # m, between the landings
-    tail_rope_mass: float = 8.0  # kg/m, of the balance rope: only the controller's feed-forward uses it
+    tail_rope_mass: float = 8.0  # kg/m, of one balance rope: feed-forward and static tensions use it
     tail_rope_length: float = 120.0  # m, likewise
+    tail_rope_number: int = 1  # -, equal balance ropes; each pulls with the force of the one that is computed
+    conveyance_mass_right: float | None = None  # kg, of a counterweight or another conveyance; None: as the left one
+    power_limit: float | None = None  # W, of the motor and its converter, in both directions
+    head_rope_modes: int = 0  # -, longitudinal modes of the head ropes of a side, beyond their mean strain
+    shaft: Shaft | None = None  # None: rigid
+    brake: Brake | None = None  # None: no brake but the motor
+    guides: Guides | None = None  # None: no friction along the guides
+    play: Play | None = None  # None: conveyances move along straight lines
 
     def __post_init__(self) -> None:
         may_vanish = {"payload_left", "payload_right", "head_rope_damping", "loss_coulomb", "loss_viscous"}
-        may_vanish |= {"tail_rope_mass", "tail_rope_length"}
-        for field in fields(self):
-            value = float(getattr(self, field.name))
-            if field.name in may_vanish:
-                _require(value, value >= 0.0, field.name, "finite and at least 0", "give its magnitude in SI units")
-            else:
-                _require(value, value > 0.0, field.name, "finite and above 0", "give its magnitude in SI units")
+        require_magnitudes(self, may_vanish | {"tail_rope_mass", "tail_rope_length", "head_rope_modes"})
+        for name, cure in (
+            ("head_rope_number", "count the ropes"),
+            ("tail_rope_number", "count the ropes"),
+            ("head_rope_modes", "2 suit most studies, 0 leaves them out"),
+        ):
+            value = getattr(self, name)
+            require(value, value == int(value) and value <= 20, name, "a whole number up to 20", cure)
+        if self.shaft is not None:
+            require(
+                self.shaft.motor_mass,
+                self.shaft.motor_mass < self.sheave_mass,
+                "shaft.motor_mass",
+                f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
+                "give the motor's share",
+            )
 
     @property
     def rope_stiffness(self) -> float:
@@ -73,6 +91,16 @@ class Hoist:
         return self.head_rope_number * self.head_rope_mass
 
     @property
+    def tail_mass(self) -> float:
+        """Mass per length of all balance ropes [kg/m]."""
+        return self.tail_rope_number * self.tail_rope_mass
+
+    @property
+    def tail_balance(self) -> float:
+        """Balance ropes' mass per length over that of the head ropes [-]; 1 keeps the motor torque at rest constant."""
+        return self.tail_mass / self.rope_mass
+
+    @property
     def mass_left(self) -> float:
         """Left conveyance with its payload [kg]."""
         return self.conveyance_mass + self.payload_left
@@ -80,7 +108,8 @@ class Hoist:
     @property
     def mass_right(self) -> float:
         """Right conveyance with its payload [kg]."""
-        return self.conveyance_mass + self.payload_right
+        empty = self.conveyance_mass if self.conveyance_mass_right is None else self.conveyance_mass_right
+        return empty + self.payload_right
 
     @property
     def sheave_height(self) -> float:
@@ -89,15 +118,35 @@ class Hoist:
 
     @property
     def moving_mass(self) -> float:
-        """All moving masses referred to the rope [kg], the balance rope's included."""
+        """All moving masses referred to the rope [kg], the balance ropes' included."""
         ropes = self.rope_mass * (self.shaft_travel + 2.0 * self.head_rope_length_up)
-        tail = self.tail_rope_mass * self.tail_rope_length
+        tail = self.tail_mass * self.tail_rope_length
         return self.sheave_mass + self.mass_left + self.mass_right + ropes + tail
+
+    @property
+    def imbalance_rate(self) -> float:
+        """Change of the force that holds the hoist, per metre of travel of the left conveyance [N/m]."""
+        return 2.0 * GRAVITY * (self.tail_mass - self.rope_mass)
 
     @property
     def tension_ratio_limit(self) -> float:
         """Tension ratio at which the ropes slip on the sheave, exp(mu alpha) (Euler-Eytelwein) [-]."""
         return math.exp(self.friction_coefficient * self.wrap_angle)
+
+    def slip_safety(self, ratio: float) -> float:
+        """Friction that there is over friction that a tension ratio asks for, (exp(mu alpha) - 1) / (ratio - 1) [-]."""
+        return (self.tension_ratio_limit - 1.0) / (ratio - 1.0) if ratio > 1.0 else math.inf
+
+    def torque_available(self, rate: float) -> float:
+        """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power."""
+        if self.power_limit is None:
+            return self.torque_limit
+        return self.power_limit / max(abs(rate), self.power_limit / self.torque_limit)
+
+
+EmergencyLaw = Literal["drive", "deceleration", "torque", "two-stage"]
+"""Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or
+a part of it first and the whole later."""
 
 
 @dataclass(frozen=True)
@@ -113,25 +162,29 @@ class Winding:
     emergency_at: float | None = None  # s, emergency stop begins; None: no emergency stop
     emergency_deceleration: float = 5.0  # m/s^2
     emergency_jerk: float = 50.0  # m/s^3, the short ramp of the emergency deceleration
+    emergency_law: EmergencyLaw = "drive"
 
     def __post_init__(self) -> None:
-        _require(self.travel, self.travel != 0.0, "travel", "finite and not 0", "give the length of the trip in m")
+        require(self.travel, self.travel != 0.0, "travel", "finite and not 0", "give the length of the trip in m")
         for name in ("speed", "acceleration", "jerk"):
             value = getattr(self, name)
-            _require(value, value > 0.0, name, "finite and above 0", "give the limit's magnitude")
+            require(value, value > 0.0, name, "finite and above 0", "give the limit's magnitude")
         for name in ("start_delay", "settle"):
             value = getattr(self, name)
-            _require(value, value >= 0.0, name, "finite and at least 0", "give a waiting time in s")
+            require(value, value >= 0.0, name, "finite and at least 0", "give a waiting time in s")
+        if self.emergency_law not in get_args(EmergencyLaw):
+            known = ", ".join(get_args(EmergencyLaw))
+            raise ValueError(f"emergency_law = {self.emergency_law!r} must be one of {known}: choose one")
         if self.emergency_at is not None:
-            _require(self.emergency_at, self.emergency_at >= 0.0, "emergency_at", "at least 0", "give a time in s")
-        _require(
+            require(self.emergency_at, self.emergency_at >= 0.0, "emergency_at", "at least 0", "give a time in s")
+        require(
             self.emergency_deceleration,
             self.emergency_deceleration >= self.acceleration,
             "emergency_deceleration",
             f"at least the acceleration limit {self.acceleration:g} m/s^2",
             "brake harder or wind more gently",
         )
-        _require(
+        require(
             self.emergency_jerk,
             self.emergency_jerk >= self.jerk,
             "emergency_jerk",
@@ -148,18 +201,32 @@ class Coupling:
     start: float = 0.0  # s
 
     def __post_init__(self) -> None:
-        _require(self.step, 0.0 < self.step <= 0.1, "step", "above 0 and at most 0.1 s", "take 0.005 to 0.02 s")
-        _require(self.start, True, "start", "finite", "give a time in s")
+        require(self.step, 0.0 < self.step <= 0.1, "step", "above 0 and at most 0.1 s", "take 0.005 to 0.02 s")
+        require(self.start, True, "start", "finite", "give a time in s")
 
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
-    """Reject a trip longer than the shaft."""
-    _require(
+    """Reject a trip longer than the shaft, and an emergency stop with a brake that is not there or too weak."""
+    require(
         winding.travel,
         abs(winding.travel) <= hoist.shaft_travel,
         "travel",
         f"within +- shaft_travel = {hoist.shaft_travel:g} m",
         "shorten the trip",
+    )
+    if winding.emergency_at is None or winding.emergency_law == "drive":
+        return
+    if hoist.brake is None:
+        raise ValueError(
+            f"emergency_law = {winding.emergency_law!r} must be 'drive' for a hoist without a brake: give it a brake"
+        )
+    deceleration, capacity = winding.emergency_deceleration, hoist.brake.torque / hoist.sheave_radius
+    require(
+        deceleration,
+        winding.emergency_law != "deceleration" or deceleration * hoist.moving_mass <= capacity,
+        "emergency_deceleration",
+        f"at most {capacity / hoist.moving_mass:.3g} m/s^2, what brake.torque gives all moving masses",
+        "brake more gently or fit a stronger brake",
     )
 
 

@@ -1,55 +1,68 @@
 """The drive: motor, sheave, head ropes and two conveyances, integrated over one communication step.
 
-Generalised coordinates q = (phi, y_L, y_R): sheave angle (positive lifts the left conveyance) and suspension heights.
-The energies are written once and Lagrange's equation gives the motion,
-
-    d/dt dK/dq' - dK/dq + dV/dq + dD/dq' = Q ,      lag * M' = M_command - M ,
-
-    K = 1/2 m_s (R phi')^2 + sum_i [ 1/2 m_i v_i^2 + 1/6 mu l_i (w_i^2 + w_i v_i + v_i^2) ]
-    V = sum_i [ 1/2 EA (s_i - l_i)^2 / l_i + 1/2 mu g l_i (y_i - y_s) + m_i g y_i ]
-    D = sum_i c_i (w_i - v_i)^2 / 2 ,   c_i = 2 zeta sqrt(m_i EA / l_i)
-
-with s_i = y_s - y_i the stretched and l_i the free length of the head ropes on side i (l_L = l_L0 - R phi,
-l_R = l_R0 + R phi), and w_i = +-R phi' the rope's speed on the sheave: no slip, small strain. The ropes' velocity is
-linear along them, so that a third of their mass moves with the conveyance. The ropes never slacken: a tension ratio
-of infinity tells where real ones would. Losses act at the rim:
-F_c tanh(R phi' / v_c) + d R phi'. The tension on the sheave is what a leg's own Lagrange row puts on it.
+The equations are in `equations.py`. Without further parts of the hoist the state has seven numbers: motor torque,
+sheave angle and suspension heights with their rates. Shaft, head rope modes, play and brake append theirs.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.equations import INPUT_NAMES, POWER_NAMES, STATE_NAMES, equations, state_names
 from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.rope_plant import EndMotion
+
+__all__ = [
+    "LOSS_NAMES",
+    "STATE_NAMES",
+    "WORK_NAMES",
+    "HoistPlant",
+    "PlantInput",
+    "PlantOutput",
+    "PlantState",
+    "PlantStep",
+    "energy_residual",
+    "free_lengths_at",
+    "side_forces",
+]
 
 Vector = NDArray[np.float64]
 
-STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
+LOSS_NAMES = ("rim", "guides", "brake", "shaft")
 
 
 @dataclass(frozen=True)
 class PlantState:
-    """State x = (M [N m], phi [rad], y_L, y_R [m], phi' [rad/s], v_L, v_R [m/s]), work and free lengths."""
+    """State x = (M [N m], phi [rad], y_L, y_R [m], phi' [rad/s], v_L, v_R [m/s], ...), work and free lengths."""
 
-    x: Vector  # shape (7,), in the order of STATE_NAMES
-    work: Vector  # J, shape (5,): by the motor, into losses, into rope damping, by the balance rope's left, right end
+    x: Vector  # in the order of HoistPlant.state_names, which begin with STATE_NAMES
+    work: Vector  # J, (5,): by the motor, into losses, into rope damping, by all balance ropes' left, right ends
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
+    losses: Vector = field(default_factory=lambda: np.zeros(len(LOSS_NAMES)))  # J, the parts of work[1]
 
 
 @dataclass(frozen=True)
 class PlantInput:
-    """Held over one communication step."""
+    """Held over one communication step; forces are those of one balance rope on the conveyances."""
 
     torque_command: float  # N m
     force_left: float  # N, of the balance rope on the conveyance, negative is down
     force_right: float  # N
+    brake: float = 0.0  # -, fraction of the brake's full torque
+    fx_left: float = 0.0  # N, in the plane of the loop; the sides and the moment act where the hoist has play
+    fz_left: float = 0.0  # N, out of plane
+    my_left: float = 0.0  # N m, about the vertical
+    fx_right: float = 0.0
+    fz_right: float = 0.0
+    my_right: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -64,17 +77,59 @@ class PlantOutput:
     a_right: float  # m/s^2
     angle: float  # rad, of the sheave
     rate: float  # rad/s
-    torque: float  # N m
+    torque: float  # N m, of the motor
     tension_left: float  # N, all head ropes, at the sheave
     tension_right: float  # N
     energy_kinetic: float  # J
     energy_potential: float  # J
+    motor_rate: float = 0.0  # rad/s
+    brake_torque: float = 0.0  # N m, on the sheave, positive against positive rotation
+    static_tension_left: float = 0.0  # N, at the sheave, were everything at rest here
+    static_tension_right: float = 0.0  # N
+    x_left: float = 0.0  # m, of the conveyance from the middle of its guides, in the plane of the loop
+    vx_left: float = 0.0  # m/s
+    ax_left: float = 0.0  # m/s^2
+    z_left: float = 0.0  # m, out of plane
+    vz_left: float = 0.0  # m/s
+    az_left: float = 0.0  # m/s^2
+    yaw_left: float = 0.0  # rad, about the vertical
+    yaw_rate_left: float = 0.0  # rad/s
+    yaw_acceleration_left: float = 0.0  # rad/s^2
+    x_right: float = 0.0
+    vx_right: float = 0.0
+    ax_right: float = 0.0
+    z_right: float = 0.0
+    vz_right: float = 0.0
+    az_right: float = 0.0
+    yaw_right: float = 0.0
+    yaw_rate_right: float = 0.0
+    yaw_acceleration_right: float = 0.0
 
     @property
     def tension_ratio(self) -> float:
         """Larger tension over smaller one (Euler-Eytelwein), infinite when a side is slack [-]."""
-        low, high = sorted((self.tension_left, self.tension_right))
-        return high / low if low > 0.0 else math.inf
+        return _ratio(self.tension_left, self.tension_right)
+
+    @property
+    def static_tension_ratio(self) -> float:
+        """The same, were everything at rest here [-]."""
+        return _ratio(self.static_tension_left, self.static_tension_right)
+
+    @property
+    def power(self) -> float:
+        """Mechanical power of the motor [W]."""
+        return self.torque * self.motor_rate
+
+    @property
+    def ends(self) -> tuple[EndMotion, EndMotion]:
+        """Motion of the balance rope's left and right end."""
+        return self._end("left"), self._end("right")
+
+    def _end(self, side: str) -> EndMotion:
+        names = ("x", "z", "vx", "vz", "ax", "az", "yaw", "yaw_rate")
+        lateral = {name: getattr(self, f"{name}_{side}") for name in names}
+        upright = {f"{name}y": getattr(self, f"{name or 'y'}_{side}") for name in ("", "v", "a")}
+        return EndMotion(**lateral, **upright)
 
 
 @dataclass(frozen=True)
@@ -91,36 +146,54 @@ class HoistPlant:
 
     def __init__(self, hoist: Hoist, tolerance: float = 1e-9) -> None:
         self.hoist = hoist
-        model = _equations(hoist)
-        self._outputs: Any = model["outputs"]
-        self._rates: Any = model["rates"]
-        self._hold: Any = model["hold"]
+        self.state_names = state_names(hoist)
+        model = equations(hoist)
+        self._outputs, self._rates, self._hold = model.outputs, model.rates, model.hold
         options: dict[str, Any] = {
             "reltol": tolerance,
             "abstol": tolerance,
             "quad_err_con": True,
             "max_num_steps": 20000,
-            "linear_multistep_method": "bdf",
+            # oscillations, hardly damped, that are to be resolved: no need of Newton's method and its Jacobians
+            "linear_multistep_method": "adams",
+            "nonlinear_solver_iteration": "functional",
             "show_eval_warnings": False,
             "disable_internal_warnings": True,
         }
         # time scaled to [0, 1], so that one integrator serves every step length
-        self._integrator: Any = ca.integrator("drive", "cvodes", model["dae"], 0.0, 1.0, options)
+        self._integrator: Any = ca.integrator("drive", "cvodes", model.dae, 0.0, 1.0, options)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
-        """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance."""
+        """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.
+
+        The conveyances hang in the middle of their guides, under the vertical forces of one balance rope [N].
+        """
         hoist = self.hoist
         lengths = (
             self._free_length("y_left", y_left, hoist.mass_left, force_left),
             self._free_length("y_right", y_right, hoist.mass_right, force_right),
         )
-        x = np.array([0.0, 0.0, y_left, y_right, 0.0, 0.0, 0.0])
+        x = np.zeros(len(self.state_names))
+        x[2:4] = y_left, y_right
+        # own weight moves the inner points of the head ropes off the straight line: dV/d eta = 0
+        for j in range(1, hoist.head_rope_modes + 1):
+            k = j * math.pi
+            sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
+            for side, length in zip(("left", "right"), lengths, strict=True):
+                x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
         x[0] = float(self._hold(x, *lengths))
+        if not abs(x[0]) <= hoist.torque_limit:
+            raise ValueError(
+                f"holding torque = {x[0]:.6g} N m must be within torque_limit = {hoist.torque_limit:g} N m: "
+                "lighten the payload, balance the ropes or take a stronger motor"
+            )
+        if hoist.shaft is not None:
+            x[self.state_names.index("twist")] = x[0] / hoist.shaft.stiffness
         return PlantState(x=x, work=np.zeros(len(WORK_NAMES)), free_lengths=lengths)
 
     def step(self, state: PlantState, h: float, u: PlantInput) -> PlantStep:
         """State h [s] later under the held input; a failure of CVODES is a status."""
-        parameters = [h, u.torque_command, u.force_left, u.force_right, *state.free_lengths]
+        parameters = [h, *_pack(u), *state.free_lengths]
         if not np.all(np.isfinite(parameters)):
             return PlantStep(False, f"drive: input is not finite: {u}", state)
         try:
@@ -129,30 +202,33 @@ class HoistPlant:
             cause = str(error).strip().splitlines()[-1]
             return PlantStep(False, f"drive: CVODES failed ({cause}): shorten the communication step", state)
         x = np.asarray(result["xf"], dtype=np.float64).ravel()
-        work = state.work + np.asarray(result["qf"], dtype=np.float64).ravel()
+        done = dict(zip(POWER_NAMES, np.asarray(result["qf"], dtype=np.float64).ravel(), strict=True))
+        lost = np.array([done[name] for name in LOSS_NAMES])
+        done["losses"] = lost.sum()
+        work = state.work + np.array([done[name] for name in WORK_NAMES])
         if not (np.all(np.isfinite(x)) and np.all(np.isfinite(work))):
             return PlantStep(False, "drive: state is not finite: check rope forces and torque command", state)
-        new = PlantState(x=x, work=work, free_lengths=state.free_lengths)
+        new = PlantState(x=x, work=work, free_lengths=state.free_lengths, losses=state.losses + lost)
         free = free_lengths_at(self.hoist, new)
         if min(free) <= 0.1:
             return PlantStep(False, f"drive: head rope of {min(free):.3g} m left at the sheave: overwind", state)
         return PlantStep(True, "", new)
 
     def rates(self, state: PlantState, u: PlantInput) -> Vector:
-        """dx/dt, shape (7,)."""
+        """dx/dt, in the order of state_names."""
         return np.asarray(self._rates(state.x, _pack(u), *state.free_lengths), dtype=np.float64).ravel()
 
     def outputs(self, state: PlantState, u: PlantInput) -> PlantOutput:
         """Measured quantities; accelerations and tensions belong to the held input u."""
         values = self._outputs(state.x, _pack(u), *state.free_lengths)
-        return PlantOutput(*(float(value) for value in np.asarray(values).ravel()))
+        return PlantOutput(*np.asarray(values).ravel().tolist())
 
     def _free_length(self, name: str, y: float, mass: float, force: float) -> float:
-        """Positive root of s = l (1 + (m g - F + mu g l / 2) / EA) [m]."""
+        """Positive root of s = l (1 + (m g - n F + mu g l / 2) / EA) [m]."""
         s = self.hoist.sheave_height - y
         if not s > 0.0:
             raise ValueError(f"{name} = {y!r} m must be below the sheave at {self.hoist.sheave_height:g} m: lower it")
-        b = 1.0 + (mass * GRAVITY - force) / self.hoist.rope_stiffness
+        b = 1.0 + (mass * GRAVITY - self.hoist.tail_rope_number * force) / self.hoist.rope_stiffness
         c = self.hoist.rope_mass * GRAVITY / (2.0 * self.hoist.rope_stiffness)
         if not (math.isfinite(force) and b > 1.0):
             raise ValueError(f"rope force {force!r} N at {name} must leave the head ropes taut: check its sign")
@@ -172,54 +248,19 @@ def energy_residual(start: PlantOutput, now: PlantOutput, work: Vector) -> float
     return motor + left + right - losses - ropes - gained
 
 
-def _pack(u: PlantInput) -> list[float]:
-    return [u.torque_command, u.force_left, u.force_right]
-
-
-def _equations(hoist: Hoist) -> dict[str, Any]:
-    """CasADi functions of the drive: DAE for the integrator, rates, outputs and holding torque."""
-    R, EA, mu, g = hoist.sheave_radius, hoist.rope_stiffness, hoist.rope_mass, GRAVITY
-    torque, command = ca.SX.sym("M"), ca.SX.sym("M_command")
-    q, v, force = ca.SX.sym("q", 3), ca.SX.sym("v", 3), ca.SX.sym("F", 2)
-    l0 = ca.SX.sym("l0", 2)
-    H = ca.SX.sym("H")
-
-    # energies of the two legs, and of what turns with the sheave
-    kinetic, potential, damping = [], [], []
-    for i, (sign, mass) in enumerate(((1.0, hoist.mass_left), (-1.0, hoist.mass_right))):
-        y, vy, w = q[1 + i], v[1 + i], sign * R * v[0]
-        length, s = l0[i] - sign * R * q[0], hoist.sheave_height - q[1 + i]
-        c = 2.0 * hoist.head_rope_damping * ca.sqrt(mass * EA / length)
-        kinetic.append(mass * vy**2 / 2 + mu * length * (w**2 + w * vy + vy**2) / 6)
-        potential.append(EA * (s - length) ** 2 / (2 * length) - mu * g * length * s / 2 + mass * g * y)
-        damping.append(c * (w - vy) ** 2 / 2)
-    sheave = hoist.sheave_mass * (R * v[0]) ** 2 / 2
-    K, V, D = sheave + sum(kinetic), sum(potential), sum(damping)
-    rim = hoist.loss_coulomb * ca.tanh(R * v[0] / hoist.loss_speed) + hoist.loss_viscous * R * v[0]
-
-    # Lagrange's equation: mass matrix times acceleration = everything else
-    Q = ca.vertcat(torque - R * rim, force[0], force[1])
-    momentum = ca.gradient(K, v)
-    mass_matrix = ca.jacobian(momentum, v)
-    carried = ca.jtimes(momentum, q, v)
-    a = ca.solve(mass_matrix, Q - carried + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v))
-    x = ca.vertcat(torque, q, v)
-    rates = ca.vertcat((command - torque) / hoist.torque_lag, v, a)
-    powers = ca.vertcat(torque * v[0], rim * R * v[0], 2 * D, force[0] * v[1], force[1] * v[2])
-
-    # a leg's row of Lagrange's equation is its moment on the sheave
-    tensions = []
-    for sign, k, p, d in zip((1.0, -1.0), kinetic, potential, damping, strict=True):
-        leg = ca.gradient(k, v[0])
-        change = ca.jtimes(leg, q, v) + ca.jtimes(leg, v, a) - ca.gradient(k, q[0])
-        tensions.append(sign * (change + ca.gradient(p, q[0]) + ca.gradient(d, v[0])) / R)
-
-    u = ca.vertcat(command, force)
-    shown = ca.vertcat(q[1], q[2], v[1], v[2], a[1], a[2], q[0], v[0], torque, *tensions, K, V)
-    arguments = [x, u, l0[0], l0[1]]
+def side_forces(signals: Mapping[str, float]) -> dict[str, float]:
+    """The balance rope's horizontal forces and its moments about the vertical, as keywords of PlantInput."""
     return {
-        "dae": {"x": x, "p": ca.vertcat(H, u, l0), "ode": H * rates, "quad": H * powers},
-        "rates": ca.Function("rates", arguments, [rates]),
-        "outputs": ca.Function("outputs", arguments, [shown]),
-        "hold": ca.Function("hold", [x, l0[0], l0[1]], [ca.gradient(V, q)[0]]),
+        f"{name}_{side}": signals.get(f"{side}.{name}", 0.0)
+        for side in ("left", "right")
+        for name in ("fx", "fz", "my")
     }
+
+
+def _ratio(one: float, other: float) -> float:
+    low, high = sorted((one, other))
+    return high / low if low > 0.0 else math.inf
+
+
+def _pack(u: PlantInput) -> list[float]:
+    return [getattr(u, name) for name in INPUT_NAMES]

@@ -12,14 +12,23 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.parameters import Winding
+from hoist_demo.parameters import EmergencyLaw, Winding
 
 ReferenceArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Braking:
+    """An emergency stop with the brake is under way."""
+
+    law: EmergencyLaw
+    elapsed: float  # s, since the trip
+    deceleration: float  # m/s^2, that a regulated brake shall keep
 
 
 @dataclass(frozen=True)
@@ -30,6 +39,7 @@ class ReferencePoint:
     speed: float  # m/s
     acceleration: float  # m/s^2
     jerk: float  # m/s^3
+    braking: Braking | None = None  # None: the drive follows the reference
 
     def after(self, dt: float) -> ReferencePoint:
         """The point dt [s] later under the same jerk."""
@@ -48,6 +58,7 @@ class Reference:
 
     starts: tuple[float, ...]  # s, ascending, one per segment, the last is where rest begins
     points: tuple[ReferencePoint, ...]  # motion at each start
+    trip: Braking | None = None  # emergency stop with the brake, its `elapsed` counted at time 0: minus the trip's time
 
     @property
     def duration(self) -> float:
@@ -71,7 +82,10 @@ class Reference:
         k = bisect_right(self.starts, t) - 1
         if k < 0:
             return self.points[0] if self.starts[0] == t else _rest(self.points[0].position)
-        return self.points[k].after(t - self.starts[k])
+        point = self.points[k].after(t - self.starts[k])
+        if self.trip is None or t + self.trip.elapsed < 0.0:
+            return point
+        return replace(point, braking=replace(self.trip, elapsed=t + self.trip.elapsed))
 
     def sample(self, times: ReferenceArray) -> ReferenceArray:
         """Position, speed, acceleration and jerk as columns, one row per time."""
@@ -94,7 +108,11 @@ def s_curve(winding: Winding) -> Reference:
             f"emergency_at = {winding.emergency_at:g} s must be below {trip.duration:.3g} s, where the trip has ended: "
             "stop earlier"
         )
-    return emergency_stop(trip, winding.emergency_at, winding.emergency_deceleration, winding.emergency_jerk)
+    stop = emergency_stop(trip, winding.emergency_at, winding.emergency_deceleration, winding.emergency_jerk)
+    if winding.emergency_law == "drive":
+        return stop
+    braking = Braking(winding.emergency_law, -winding.emergency_at, winding.emergency_deceleration)
+    return replace(stop, trip=braking)
 
 
 def emergency_stop(trip: Reference, at: float, deceleration: float, jerk: float) -> Reference:

@@ -35,7 +35,13 @@ MAY_IMPORT = {
 }
 #: library -> modules or packages in which it may be imported; numpy is welcome everywhere
 HOMES = {
-    "casadi": {"rope_model.physics.element", "rope_model.numerics", "rope_model.native.elements", "hoist_demo.plant"},
+    "casadi": {
+        "rope_model.physics.element",
+        "rope_model.numerics",
+        "rope_model.native.elements",
+        "hoist_demo.equations",
+        "hoist_demo.plant",
+    },
     "scipy": {"rope_model.simulation.modal"},
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
     "fmpy": {"hoist_demo.fmu_rope"},

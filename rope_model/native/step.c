@@ -61,11 +61,6 @@ System system_of(const Simulator *rope, State *state)
     return s;
 }
 
-static int is_free(const System *s, int node, int dof)
-{
-    return (node != 0 && node != s->elements) || s->free[node != 0][dof];
-}
-
 void prescribed(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF])
 {
     const int place[4] = {0, 1, 2, ANGLE};
@@ -142,19 +137,24 @@ Trial trial_step(Simulator *rope, State *state, double h)
                                                 rope->scene.solver.newton_tolerance, trial.balance);
     trial.error = INFINITY;
     for (i = 0; i < size; ++i)
-        sum += now->reaction[i];
+        sum += fabs(now->reaction[i]);
     if (trial.newton.status == CONVERGED && !isfinite(sum))
         trial.newton.status = NOT_FINITE;
     trial.reached = trial.newton.status == CONVERGED;
     if (!trial.reached)
         return trial;
     for (i = 0; i < size; ++i) {
-        const double change = now->a[i] - old.a[i];
-        dof = (int)(i % DOF);
         now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux_new * now->a[i];
-        now->a_rate[i] = change / h;
-        if (is_free(&s, (int)(i / DOF), dof))
-            largest = fmax(largest, fabs(change) * (dof >= SLOPE && dof < ANGLE ? s.shortest : 1.));
+        now->a_rate[i] = (now->a[i] - old.a[i]) / h;
+    }
+    for (k = 0; k < old.nodes; ++k) {
+        const double *a = now->a + (size_t)k * DOF, *before = old.a + (size_t)k * DOF;
+        const int *held = k == 0 ? s.free[LEFT] : k == old.nodes - 1 ? s.free[RIGHT] : NULL;
+        for (dof = 0; dof < DOF; ++dof) {
+            const double change = fabs(a[dof] - before[dof]) * (dof >= SLOPE && dof < ANGLE ? s.shortest : 1.);
+            if (change > largest && (held == NULL || held[dof]))
+                largest = change;
+        }
     }
     trial.error = fabs(x.beta + 0.5 * x.shift - 1. / 6.) * h * h * largest;
     return trial;

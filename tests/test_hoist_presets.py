@@ -1,0 +1,100 @@
+"""Presets: what is published is in the data, ropes fit their hoists, and every one winds within its limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.hoist import Run, stop, wind
+from hoist_demo.parameters import require_trip_fits
+from hoist_demo.presets import PRESETS, TAIL_SPARE, Preset, round_rope
+from rope_model.parameters import Layout, Rope
+
+
+def _rope_and_layout(parameters: Mapping[str, float]) -> tuple[Rope, Layout]:
+    """Parameters by FMI name in rope_model's own types, which check them."""
+    parts: dict[str, dict[str, float]] = {"rope": {}, "layout": {}}
+    for name, value in parameters.items():
+        part, _, field = name.partition(".")
+        parts[part][field] = value
+    return Rope(**parts["rope"]), Layout(**parts["layout"])
+
+
+presets = pytest.mark.parametrize("preset", PRESETS.values(), ids=PRESETS.keys())
+
+#: ropes must not slip: twice the friction at rest and a quarter more than the moving hoist asks for
+STATIC_SAFETY, SAFETY = 1.75, 1.25
+
+
+@presets
+def test_the_balance_rope_is_that_of_the_hoist(preset: Preset) -> None:
+    hoist = preset.hoist
+    assert preset.rope["rope.length"] == hoist.tail_rope_length == hoist.shaft_travel + TAIL_SPARE
+    assert preset.rope["rope.mass_per_length"] == hoist.tail_rope_mass
+    np.testing.assert_allclose(hoist.tail_balance, 1.0, rtol=1e-14)
+    require_trip_fits(hoist, preset.winding)
+
+
+@presets
+def test_the_balance_rope_s_parameters_are_those_of_a_rope(preset: Preset) -> None:
+    rope, layout = _rope_and_layout(preset.rope)
+    assert (rope.length, layout.spacing) == (preset.rope["rope.length"], preset.rope["layout.spacing"])
+
+
+def test_the_known_rope_is_similar_to_itself() -> None:
+    assert _rope_and_layout(round_rope(120.0, 8.0, 2.0)) == (Rope(), Layout())
+
+
+@presets
+def test_source_and_published_numbers_are_told(preset: Preset) -> None:
+    assert "http" in preset.source
+    assert f"{preset.winding.speed:g} m/s" in preset.published
+    assert f"{1e-3 * preset.hoist.payload_left:g} t" in preset.published
+
+
+@pytest.mark.parametrize(("name", "rpm"), [("kiruna-355", 64.7), ("kiruna-710", 100.0)])
+def test_rope_speed_and_pulley_give_the_published_motor_speed(name: str, rpm: float) -> None:
+    preset = PRESETS[name]
+    found = preset.winding.speed / preset.hoist.sheave_radius * 30.0 / math.pi
+    np.testing.assert_allclose(found, rpm, rtol=2e-3)  # the speed is published to two digits
+
+
+def _assert_within_its_limits(run: Run, preset: Preset) -> None:
+    hoist, travel = preset.hoist, preset.winding.travel
+    np.testing.assert_allclose(run["position"][-1], travel, rtol=0, atol=1e-3)
+    assert np.max(np.abs(run["speed"])) < preset.winding.speed + 0.05
+    assert np.max(np.abs(run["torque"])) < hoist.torque_limit
+    assert np.max(np.abs(run["power"])) < hoist.power_limit
+    assert np.min(run["static_slip_safety"]) > STATIC_SAFETY
+    assert np.min(run["slip_safety"]) > SAFETY
+    # CVODES' 1e-9 on 1e9 J of energy that moves, over some thousand steps
+    np.testing.assert_allclose(run["energy_residual"], 0.0, atol=1.0)
+
+
+@presets
+def test_a_short_trip_arrives_within_all_limits(preset: Preset) -> None:
+    # from the upper landing: at the lower one the long ropes swing on for minutes
+    winding = replace(preset.winding, travel=-25.0, start_delay=0.0)
+    run = wind(preset.hoist, winding, preset.gains, step=0.04)
+    _assert_within_its_limits(run, replace(preset, winding=winding))
+
+
+@pytest.mark.slow
+@presets
+def test_the_whole_trip_arrives_within_all_limits(preset: Preset) -> None:
+    _assert_within_its_limits(wind(preset.hoist, preset.winding, preset.gains), preset)
+
+
+@pytest.mark.slow
+def test_a_regulated_stop_from_full_speed_does_not_slip_and_the_full_torque_would() -> None:
+    regulated, sudden = stop("monopol-1000", "deceleration", 40.0), stop("monopol-1000", "torque", 40.0)
+    after = regulated["time"] > 40.0
+    assert np.min(regulated["slip_safety"][after]) > 1.25
+    assert np.min(sudden["slip_safety"][after]) < 1.0
+    # 16 m/s and 2 m/s^2: v^2 / (2 a), and the dead time, lag and sampling before
+    distance = regulated["position"][-1] - regulated["position"][after][0]
+    np.testing.assert_allclose(distance, 16.0**2 / 4.0, rtol=0.05)
