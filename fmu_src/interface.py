@@ -104,6 +104,11 @@ class Variable(NamedTuple):
     maximum: float | None = None
 
 
+def choices_of(name: str) -> tuple[str, ...] | None:
+    """Words for the codes of the variable ``name``; None for one that does not choose."""
+    return CHOICES.get(".".join(name.split(".")[-2:]))
+
+
 def variables(preset: Preset) -> tuple[Variable, ...]:
     """The table with the start values of ``preset``; a variable's place is its value reference."""
     return (*_parameters(preset.scene), *_inputs(preset.travel), *_outputs())
@@ -121,7 +126,7 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
     for group, data, fields in groups:
         for field, (unit, description) in fields.items():
             value = getattr(data, field)
-            words = CHOICES.get(f"{group.split('.')[-1]}.{field}")
+            words = choices_of(f"{group}.{field}")
             integer = words is not None or isinstance(value, int)
             yield Variable(
                 name=f"{group}.{field}",

@@ -1,0 +1,34 @@
+"""The interface table with its arrays gathered: what FMI 3.0 shows of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from .interface import Value, Variable
+
+
+class Array(NamedTuple):
+    """Consecutive scalars; ``length`` is 1, and ``name`` the variable's own, where there is no array."""
+
+    reference: int
+    name: str
+    variable: Variable
+    starts: tuple[Value | None, ...]
+
+    @property
+    def length(self) -> int:
+        return len(self.starts)
+
+
+def arrays(table: Sequence[Variable]) -> list[Array]:
+    """``shape.x[1]``, ``shape.x[2]`` ... become ``shape.x`` with the first one's value reference."""
+    found: list[Array] = []
+    for reference, variable in enumerate(table):
+        match = re.fullmatch(r"(.+)\[(\d+)\]", variable.name)
+        if match and match[2] != "1":
+            found[-1] = found[-1]._replace(starts=(*found[-1].starts, variable.start))
+        else:
+            found.append(Array(reference, match[1] if match else variable.name, variable, (variable.start,)))
+    return found

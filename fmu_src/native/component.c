@@ -1,0 +1,421 @@
+#include "component.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+/* host and model may differ by this much about the time, s */
+#define TIME_SLACK 1e-9
+/* what has been entered since the model was set up */
+enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
+enum { TOKEN = 64, NUMBER = 32, STATE_VERSION = 1 };
+
+struct Component {
+    Allocator allocator;
+    ComponentLog log;
+    void *context;
+    ModelInstance *model;
+    double start, stop;
+    int mode, changed, retune;
+    int started;      /* initialised, and not reset since */
+    int valid;        /* of the last initialisation or step */
+    int stop_defined;
+    char status[MODEL_MESSAGE], message[MODEL_MESSAGE];
+    double values[]; /* MODEL_SCALARS */
+};
+
+/* before the entries and the model's bytes of a state */
+typedef struct {
+    char magic[8];
+    uint64_t bytes, checksum; /* checksum: of all that follows it */
+    uint32_t version;
+    int32_t mode, valid, started;
+    double start;
+    char token[TOKEN], status[MODEL_MESSAGE];
+} StateHeader;
+
+static const char MAGIC[8] = "FMUSTATE";
+
+static int refuse(Component *c, const char *format, ...);
+
+/* the shortest decimal that reads back as x */
+static const char *shortest(double x, char text[NUMBER]) {
+    int digits;
+    if (isnan(x)) return "nan";
+    if (isinf(x)) return x > 0 ? "inf" : "-inf";
+    for (digits = 6; digits <= 17; digits++) {
+        double back;
+        snprintf(text, NUMBER, "%.*g", digits, x);
+        if (sscanf(text, "%lf", &back) == 1 && back == x) break;
+    }
+    return text;
+}
+
+static const char *value_text(const Variable *variable, double value, char text[NUMBER]) {
+    if (variable->kind == KIND_BOOLEAN) return value != 0.0 ? "true" : "false";
+    return shortest(value, text);
+}
+
+Component *component_create(const Allocator *allocator, ComponentLog log, void *context) {
+    Component *c = allocator->take(1, sizeof *c + MODEL_SCALARS * sizeof(double));
+    if (!c) return NULL;
+    memset(c, 0, sizeof *c);
+    c->allocator = *allocator;
+    c->log = log;
+    c->context = context;
+    component_reset(c);
+    return c;
+}
+
+void component_destroy(Component *c) {
+    Allocator allocator = c->allocator;
+    model_destroy(c->model);
+    allocator.give_back(c);
+}
+
+const char *component_message(const Component *c) { return c->message; }
+
+static int refuse(Component *c, const char *format, ...) {
+    char message[MODEL_MESSAGE]; /* the arguments may point into c->message */
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    memcpy(c->message, message, sizeof message);
+    c->log(c->context, 1, c->message);
+    return 0;
+}
+
+int component_refuse(Component *c, const char *message) { return refuse(c, "%s", message); }
+
+void component_fail(Component *c) {
+    c->mode = FAILED;
+    c->valid = 0;
+    memcpy(c->status, c->message, sizeof c->status);
+}
+
+int component_allows(Component *c, const char *function, int modes) {
+    if (c->mode & modes) return 1;
+    switch (c->mode) {
+        case INSTANTIATED: return refuse(c, "%s is not allowed before a successful initialisation", function);
+        case INITIALIZATION: return refuse(c, "%s is not allowed during initialisation; exit it first", function);
+        case STEPPING: return refuse(c, "%s is not allowed after initialisation; reset the FMU first", function);
+        case TERMINATED: return refuse(c, "%s is not allowed after termination; reset the FMU first", function);
+        default:
+            return refuse(c, "%s is not allowed after a failure; reset the FMU or restore a state; what failed: %s",
+                          function, c->status);
+    }
+}
+
+/* life cycle */
+
+int component_setup(Component *c, double start, int stop_defined, double stop) {
+    char text[NUMBER], other[NUMBER];
+    if (!isfinite(start))
+        return refuse(c, "the start time %s s is not finite; give a number", shortest(start, text));
+    if (stop_defined && !(stop >= start))
+        return refuse(c, "the stop time %s s is not at or after the start time %s s; give a later one",
+                      shortest(stop, text), shortest(start, other));
+    c->start = start;
+    c->stop_defined = stop_defined;
+    c->stop = stop;
+    return 1;
+}
+
+void component_enter_initialization(Component *c) {
+    c->mode = INITIALIZATION;
+    c->changed = INPUTS | PARAMETERS;
+}
+
+static int set_up(Component *c) {
+    char why[MODEL_MESSAGE] = "";
+    if (c->model && c->changed & PARAMETERS) {
+        model_destroy(c->model);
+        c->model = NULL;
+    }
+    c->changed = NOTHING;
+    c->valid = 1;
+    c->status[0] = '\0';
+    if (!c->model && !(c->model = model_create(c->values, &c->allocator, why)))
+        refuse(c, "initialisation: %s", why);
+    else if (!model_initialize(c->model, c->start, c->values, why)) {
+        refuse(c, "%s", why);
+        model_destroy(c->model);
+        c->model = NULL;
+    } else {
+        model_note(c->model, why);
+        if (*why) c->log(c->context, 0, why);
+        return 1;
+    }
+    c->valid = 0;
+    memcpy(c->status, c->message, sizeof c->status);
+    return 0;
+}
+
+/* the model with what has been entered so far; while initialising it is set up when it is first needed */
+static int have_model(Component *c) {
+    if (c->mode == INITIALIZATION && c->changed) return set_up(c);
+    if (c->model) return 1;
+    return c->valid ? refuse(c, "there are no results before initialisation") : refuse(c, "%s", c->status);
+}
+
+int component_exit_initialization(Component *c) {
+    if (!have_model(c)) {
+        c->mode = FAILED;
+        return 0;
+    }
+    c->mode = STEPPING;
+    c->started = 1;
+    return 1;
+}
+
+static int step(Component *c, double t, double h) {
+    char text[NUMBER], other[NUMBER], why[MODEL_MESSAGE] = "";
+    double now = model_time(c->model);
+    if (!(fabs(t - now) <= TIME_SLACK * fmax(1.0, fabs(now))))
+        return refuse(c, "the host steps from t = %s s, the FMU is at %s s; restore a state to go back",
+                      shortest(t, text), shortest(now, other));
+    if (!(h > 0.0 && isfinite(h)))
+        return refuse(c, "communication step %s s is not positive and finite", shortest(h, text));
+    if (c->stop_defined && t + h > c->stop + TIME_SLACK * fmax(1.0, fabs(c->stop)))
+        return refuse(c, "a step to t = %s s goes beyond the stop time %s s; announce a later one, or none",
+                      shortest(t + h, text), shortest(c->stop, other));
+    if (c->retune && !model_retune(c->model, c->values, why)) return refuse(c, "%s", why);
+    c->retune = 0;
+    if (!model_step(c->model, t, h, c->values, why)) return refuse(c, "%s", why);
+    return 1;
+}
+
+int component_step(Component *c, double t, double h) {
+    if (!step(c, t, h)) {
+        component_fail(c);
+        return 0;
+    }
+    c->valid = 1;
+    c->status[0] = '\0';
+    return 1;
+}
+
+double component_time(const Component *c) { return c->started && c->model ? model_time(c->model) : c->start; }
+
+void component_terminate(Component *c) { c->mode = TERMINATED; }
+
+void component_reset(Component *c) {
+    size_t i;
+    model_destroy(c->model);
+    c->model = NULL;
+    c->mode = INSTANTIATED;
+    c->changed = c->retune = c->started = c->stop_defined = 0;
+    c->start = c->stop = 0.0;
+    c->valid = 1;
+    c->status[0] = c->message[0] = '\0';
+    for (i = 0; i < MODEL_SCALARS; i++) c->values[i] = MODEL_VARIABLES[i].start;
+}
+
+/* values */
+
+int component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length) {
+    static const char *const names[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
+    if (reference >= MODEL_SCALARS || MODEL_VARIABLES[reference].kind != kind || !MODEL_VARIABLES[reference].length)
+        return refuse(c, "there is no %s variable with value reference %u", names[kind], reference);
+    *first = reference;
+    *length = MODEL_VARIABLES[reference].length;
+    return 1;
+}
+
+int component_get(Component *c, size_t scalar, double *value) {
+    *value = 0.0;
+    switch (MODEL_VARIABLES[scalar].source) {
+        case FROM_ENTRY: *value = c->values[scalar]; return 1;
+        case FROM_STATUS_VALID: *value = c->valid; return 1;
+        case FROM_TIME: *value = component_time(c); return 1;
+        default:
+            if (have_model(c)) {
+                *value = model_output(c->model, scalar);
+                return 1;
+            }
+            /* nothing that looks like a force */
+            if (MODEL_VARIABLES[scalar].kind == KIND_REAL) *value = NAN;
+            return 0;
+    }
+}
+
+int component_get_text(Component *c, size_t scalar, const char **text) {
+    *text = "";
+    if (MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE)
+        *text = c->status;
+    else if (have_model(c))
+        *text = model_text(c->model, scalar);
+    else
+        return 0;
+    return 1;
+}
+
+/* why an entry cannot have the value; "" when it can */
+static void entry_checked(const Variable *variable, double value, char why[MODEL_MESSAGE]) {
+    char text[NUMBER];
+    why[0] = '\0';
+    if (!isfinite(value) && variable->causality == CAUSALITY_INPUT)
+        snprintf(why, MODEL_MESSAGE, "input %s = %s is not finite; check the signal connected to it", variable->name,
+                 shortest(value, text));
+    else if (!isfinite(value))
+        snprintf(why, MODEL_MESSAGE, "%s = %s is out of range: it must be finite; give a number", variable->name,
+                 shortest(value, text));
+    else if (variable->choices && !(value >= 0.0 && value < variable->number))
+        snprintf(why, MODEL_MESSAGE, "%s = %s is none of the choices: %s", variable->name, shortest(value, text),
+                 variable->choices);
+    else if (variable->kind != KIND_REAL && !(fabs(value) <= 2147483648.0 && value == floor(value)))
+        snprintf(why, MODEL_MESSAGE, "%s = %s is out of range: it must be a whole number of 32 bits; give a smaller one",
+                 variable->name, shortest(value, text));
+}
+
+int component_set(Component *c, size_t scalar, double value) {
+    const Variable *variable = &MODEL_VARIABLES[scalar];
+    char why[MODEL_MESSAGE], text[NUMBER];
+    if (variable->causality == CAUSALITY_OUTPUT)
+        return refuse(c, "%s is an output and cannot be set", variable->name);
+    if (variable->causality == CAUSALITY_INDEPENDENT)
+        return refuse(c, "%s is the independent variable; it advances with the steps and cannot be set",
+                      variable->name);
+    if (c->started && variable->variability == VARIABILITY_FIXED) {
+        if (value == c->values[scalar]) return 1;
+        return refuse(c, "%s is fixed after initialisation; it stays %s; reset the FMU to change it", variable->name,
+                      value_text(variable, c->values[scalar], text));
+    }
+    entry_checked(variable, value, why);
+    if (*why) return refuse(c, "%s", why);
+    if (c->started && variable->variability == VARIABILITY_TUNABLE) c->retune = 1;
+    c->changed |= variable->causality == CAUSALITY_PARAMETER ? PARAMETERS : INPUTS;
+    c->values[scalar] = value;
+    return 1;
+}
+
+int component_derivative(Component *c, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
+                         const double *seed, double *sensitivity) {
+    size_t i, first = 0, length = 0;
+    char why[MODEL_MESSAGE] = "", text[NUMBER];
+    for (i = 0; i < unknowns; i++) {
+        if (!component_find(c, unknown[i], KIND_REAL, &first, &length)) return 0;
+        if (MODEL_VARIABLES[first].source != FROM_MODEL || length != 1)
+            return refuse(c, "there is no derivative of %s; ask for one of an output that depends on the inputs",
+                          MODEL_VARIABLES[first].name);
+        sensitivity[i] = 0.0;
+    }
+    for (i = 0; i < knowns; i++) {
+        if (!component_find(c, known[i], KIND_REAL, &first, &length)) return 0;
+        if (MODEL_VARIABLES[first].causality != CAUSALITY_INPUT)
+            return refuse(c, "there is no derivative to %s; ask for one to an input", MODEL_VARIABLES[first].name);
+        if (!isfinite(seed[i]))
+            return refuse(c, "the seed of %s = %s is not finite; give a number", MODEL_VARIABLES[first].name,
+                          shortest(seed[i], text));
+    }
+    if (!have_model(c)) return 0;
+    for (i = 0; i < knowns; i++)
+        if (!model_derivative(c->model, known[i], seed[i], unknown, unknowns, sensitivity, why))
+            return refuse(c, "%s", why);
+    return 1;
+}
+
+/* states */
+
+static size_t model_bytes(const Component *c) { return c->started && c->model ? model_state_bytes(c->model) : 0; }
+
+size_t component_state_bytes(const Component *c) {
+    return sizeof(StateHeader) + MODEL_SCALARS * sizeof(double) + model_bytes(c);
+}
+
+/* FNV-1a over bytes, a defence against damage, not against malice */
+static uint64_t checksum(const unsigned char *bytes, size_t number) {
+    uint64_t sum = 14695981039346656037u;
+    while (number--) sum = (sum ^ *bytes++) * 1099511628211u;
+    return sum;
+}
+
+static uint64_t state_checksum(const void *state, size_t bytes) {
+    size_t from = offsetof(StateHeader, checksum) + sizeof(uint64_t);
+    return checksum((const unsigned char *)state + from, bytes - from);
+}
+
+void component_save(const Component *c, void *to) {
+    StateHeader header;
+    unsigned char *entries = (unsigned char *)to + sizeof header, *rest = entries + MODEL_SCALARS * sizeof(double);
+    memset(&header, 0, sizeof header);
+    memcpy(header.magic, MAGIC, sizeof MAGIC);
+    header.bytes = component_state_bytes(c);
+    header.version = STATE_VERSION;
+    header.mode = c->mode;
+    header.valid = c->valid;
+    header.started = model_bytes(c) != 0;
+    header.start = c->start;
+    strncpy(header.token, MODEL_TOKEN, TOKEN - 1);
+    strcpy(header.status, c->status);
+    memcpy(entries, c->values, MODEL_SCALARS * sizeof(double));
+    if (model_bytes(c)) model_save(c->model, rest);
+    memcpy(to, &header, sizeof header);
+    header.checksum = state_checksum(to, (size_t)header.bytes);
+    memcpy(to, &header, sizeof header);
+}
+
+int component_is_state(Component *c, const void *from, size_t bytes) {
+    const StateHeader *header = from;
+    const double *values = (const double *)(header + 1);
+    size_t least = sizeof *header + MODEL_SCALARS * sizeof(double), i;
+    char why[MODEL_MESSAGE];
+    if (bytes < sizeof *header || memcmp(header->magic, MAGIC, sizeof MAGIC))
+        return refuse(c, "these %lu bytes are not a state of this FMU", (unsigned long)bytes);
+    if (header->version != STATE_VERSION || strncmp(header->token, MODEL_TOKEN, TOKEN - 1))
+        return refuse(c, "the state is none of this FMU's: it is another build's; restore it there");
+    if (bytes < least || header->bytes != bytes || header->checksum != state_checksum(from, bytes))
+        return refuse(c, "these %lu bytes are a damaged state: length or checksum do not fit; save it anew",
+                      (unsigned long)bytes);
+    if ((header->mode != INSTANTIATED && header->mode != INITIALIZATION && header->mode != STEPPING &&
+         header->mode != TERMINATED && header->mode != FAILED) ||
+        (header->mode == STEPPING && !header->started) || (header->mode == INSTANTIATED && header->started) ||
+        !isfinite(header->start) || header->status[MODEL_MESSAGE - 1])
+        return refuse(c, "the state contradicts itself; save it anew");
+    for (i = 0; i < MODEL_SCALARS; i++) {
+        if (MODEL_VARIABLES[i].source != FROM_ENTRY) continue;
+        entry_checked(&MODEL_VARIABLES[i], values[i], why);
+        if (*why) return refuse(c, "the state contradicts itself: %s", why);
+    }
+    return 1;
+}
+
+static int same_fixed(const double *a, const double *b) {
+    size_t i;
+    for (i = 0; i < MODEL_SCALARS; i++)
+        if (MODEL_VARIABLES[i].variability == VARIABILITY_FIXED && a[i] != b[i]) return 0;
+    return 1;
+}
+
+int component_restore(Component *c, const void *from, size_t bytes) {
+    const StateHeader *header = from;
+    const double *values = (const double *)(header + 1);
+    const void *rest = values + MODEL_SCALARS;
+    ModelInstance *model = NULL;
+    char why[MODEL_MESSAGE] = "";
+    if (!component_is_state(c, from, bytes)) return 0;
+    if (header->started) {
+        size_t number = bytes - ((const unsigned char *)rest - (const unsigned char *)from);
+        /* another's parameters need another model; the present one stays until that has taken the state */
+        int fits = c->started && c->model && same_fixed(values, c->values);
+        model = fits ? c->model : model_create(values, &c->allocator, why);
+        if (!model || !model_restore(model, rest, number, why)) {
+            if (!fits) model_destroy(model);
+            return refuse(c, "setFMUstate: %s", why);
+        }
+    }
+    if (model != c->model) model_destroy(c->model);
+    c->model = model;
+    memcpy(c->values, values, MODEL_SCALARS * sizeof(double));
+    memcpy(c->status, header->status, sizeof c->status);
+    c->start = header->start;
+    c->mode = header->mode;
+    c->valid = header->valid;
+    c->started = header->started;
+    c->retune = header->started;
+    c->changed = header->started ? NOTHING : INPUTS | PARAMETERS;
+    return 1;
+}

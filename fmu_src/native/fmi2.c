@@ -1,0 +1,417 @@
+/* FMI 2.0 for co-simulation, of any model: every function of the standard, each a few lines over component.h. */
+#include <string.h>
+
+#include "component.h"
+#include "fmi2Functions.h"
+#include "snapshot.h"
+
+enum { SETTABLE = INSTANTIATED | INITIALIZATION | STEPPING, COMPUTED = ANY_MODE & ~INSTANTIATED };
+enum { NAME = 128 };
+
+typedef struct {
+    Component *component;
+    Allocator allocator;
+    fmi2CallbackLogger logger;
+    fmi2ComponentEnvironment environment;
+    int logging; /* of what is no error */
+    char name[NAME];
+} Instance;
+
+static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment, const char *name, fmi2Status status,
+                const char *message) {
+    /* the logger takes a format; some hosts print it as it is */
+    char format[2 * MODEL_MESSAGE], *end = format;
+    if (!logger) return;
+    for (; *message && end < format + sizeof format - 2; message++) {
+        *end++ = *message;
+        if (*message == '%') *end++ = '%';
+    }
+    *end = '\0';
+    logger(environment, name, status, status == fmi2OK ? "logAll" : "logStatusError", format);
+}
+
+static void log_message(void *context, int is_error, const char *message) {
+    Instance *i = context;
+    if (is_error || i->logging)
+        say(i->logger, i->environment, i->name, is_error ? fmi2Error : fmi2OK, message);
+}
+
+static fmi2Status status(int ok) { return ok ? fmi2OK : fmi2Error; }
+
+/* the common start of a call: there is an instance, and its mode is one of `modes` */
+static int may(Instance *i, const char *function, int modes) {
+    return i && component_allows(i->component, function, modes);
+}
+
+static int given(Instance *i, const void *pointer) {
+    return pointer || component_refuse(i->component, "a pointer is NULL; give the address of the data");
+}
+
+static fmi2Status unsupported(fmi2Component c, const char *message) {
+    if (c) component_refuse(((Instance *)c)->component, message);
+    return fmi2Error;
+}
+
+/* inquiry, creation and destruction */
+
+const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+
+const char *fmi2GetVersion(void) { return fmi2Version; }
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
+                               const fmi2String categories[]) {
+    Instance *i = c;
+    size_t k;
+    int all = nCategories == 0;
+    if (!i || (nCategories && !given(i, categories))) return fmi2Error;
+    for (k = 0; k < nCategories; k++) {
+        if (!given(i, categories[k])) return fmi2Error;
+        if (!strcmp(categories[k], "logAll"))
+            all = 1;
+        else if (strcmp(categories[k], "logStatusError"))
+            return status(component_refuse(i->component, "there is no such log category; use logAll, logStatusError"));
+    }
+    i->logging = loggingOn && all;
+    return fmi2OK;
+}
+
+fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
+                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
+                              fmi2Boolean visible, fmi2Boolean loggingOn) {
+    static const Allocator none = {NULL, NULL};
+    Allocator allocator = none;
+    Instance *i;
+    const char *wrong = NULL;
+    (void)fmuResourceLocation, (void)visible;
+    if (!functions) return NULL;
+    if (!instanceName || !*instanceName)
+        wrong = "the instance has no name; give one";
+    else if (fmuType != fmi2CoSimulation)
+        wrong = "this FMU is for co-simulation only; instantiate it with fmi2CoSimulation";
+    else if (!fmuGUID || strcmp(fmuGUID, MODEL_TOKEN))
+        wrong = "the GUID is not that of this FMU; read it from the modelDescription.xml beside this binary";
+    else if (!functions->allocateMemory || !functions->freeMemory)
+        wrong = "the callbacks allocateMemory and freeMemory are missing; this FMU needs them";
+    if (!wrong) {
+        allocator.take = functions->allocateMemory;
+        allocator.give_back = functions->freeMemory;
+        i = allocator.take(1, sizeof *i);
+        if (i) {
+            memset(i, 0, sizeof *i);
+            i->allocator = allocator;
+            i->logger = functions->logger;
+            i->environment = functions->componentEnvironment;
+            i->logging = loggingOn != fmi2False;
+            strncpy(i->name, instanceName, NAME - 1);
+            i->component = component_create(&allocator, log_message, i);
+            if (i->component) return i;
+            allocator.give_back(i);
+        }
+        wrong = "no memory for an instance; free others first";
+    }
+    say(functions->logger, functions->componentEnvironment, instanceName ? instanceName : "", fmi2Error, wrong);
+    return NULL;
+}
+
+void fmi2FreeInstance(fmi2Component c) {
+    Instance *i = c;
+    Allocator allocator;
+    if (!i) return;
+    allocator = i->allocator;
+    component_destroy(i->component);
+    allocator.give_back(i);
+}
+
+/* life cycle */
+
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
+                               fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
+    Instance *i = c;
+    (void)toleranceDefined, (void)tolerance; /* a parameter of the model has that part */
+    return status(may(i, "fmi2SetupExperiment", INSTANTIATED) &&
+                  component_setup(i->component, startTime, stopTimeDefined, stopTime));
+}
+
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+    Instance *i = c;
+    if (!may(i, "fmi2EnterInitializationMode", INSTANTIATED)) return fmi2Error;
+    component_enter_initialization(i->component);
+    return fmi2OK;
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    Instance *i = c;
+    return status(may(i, "fmi2ExitInitializationMode", INITIALIZATION) &&
+                  component_exit_initialization(i->component));
+}
+
+fmi2Status fmi2Terminate(fmi2Component c) {
+    Instance *i = c;
+    if (!may(i, "fmi2Terminate", STEPPING)) return fmi2Error;
+    component_terminate(i->component);
+    return fmi2OK;
+}
+
+fmi2Status fmi2Reset(fmi2Component c) {
+    Instance *i = c;
+    if (!i) return fmi2Error;
+    component_reset(i->component);
+    return fmi2OK;
+}
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
+                      fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
+    Instance *i = c;
+    (void)noSetFMUStatePriorToCurrentPoint; /* states are the host's, nothing is to be thrown away */
+    return status(may(i, "fmi2DoStep", STEPPING) &&
+                  component_step(i->component, currentCommunicationPoint, communicationStepSize));
+}
+
+fmi2Status fmi2CancelStep(fmi2Component c) {
+    return unsupported(c, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel");
+}
+
+/* values */
+
+static int may_access(Instance *i, const char *function, int modes, const void *vr, size_t nvr, const void *value) {
+    return may(i, function, modes) && (!nvr || (given(i, vr) && given(i, value)));
+}
+
+static void put(void *values, size_t at, Kind kind, double value) {
+    switch (kind) {
+        case KIND_REAL: ((fmi2Real *)values)[at] = value; break;
+        case KIND_INTEGER: ((fmi2Integer *)values)[at] = (fmi2Integer)value; break;
+        default: ((fmi2Boolean *)values)[at] = value != 0.0 ? fmi2True : fmi2False;
+    }
+}
+
+static double picked(const void *values, size_t at, Kind kind) {
+    switch (kind) {
+        case KIND_REAL: return ((const fmi2Real *)values)[at];
+        case KIND_INTEGER: return ((const fmi2Integer *)values)[at];
+        case KIND_BOOLEAN: return ((const fmi2Boolean *)values)[at] != fmi2False ? 1.0 : 0.0;
+        default: return 0.0; /* strings are outputs, whatever is picked is refused */
+    }
+}
+
+static fmi2Status get(Instance *i, const char *function, Kind kind, const fmi2ValueReference vr[], size_t nvr,
+                      void *values) {
+    size_t k, first, length;
+    int ok = 1;
+    if (!may_access(i, function, ANY_MODE, vr, nvr, values)) return fmi2Error;
+    for (k = 0; k < nvr; k++) {
+        double value = 0.0;
+        if (kind == KIND_STRING) ((fmi2String *)values)[k] = "";
+        if (!component_find(i->component, vr[k], kind, &first, &length))
+            ok = 0;
+        else if (kind == KIND_STRING)
+            ok &= component_get_text(i->component, first, (fmi2String *)values + k);
+        else
+            ok &= component_get(i->component, first, &value);
+        if (kind != KIND_STRING) put(values, k, kind, value);
+    }
+    return status(ok);
+}
+
+static fmi2Status set(Instance *i, const char *function, Kind kind, const fmi2ValueReference vr[], size_t nvr,
+                      const void *values) {
+    size_t k, first, length;
+    if (!may_access(i, function, SETTABLE, vr, nvr, values)) return fmi2Error;
+    for (k = 0; k < nvr; k++)
+        if (!component_find(i->component, vr[k], kind, &first, &length) ||
+            !component_set(i->component, first, picked(values, k, kind))) {
+            component_fail(i->component);
+            return fmi2Error;
+        }
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[]) {
+    return get(c, "fmi2GetReal", KIND_REAL, vr, nvr, value);
+}
+
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[]) {
+    return get(c, "fmi2GetInteger", KIND_INTEGER, vr, nvr, value);
+}
+
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[]) {
+    return get(c, "fmi2GetBoolean", KIND_BOOLEAN, vr, nvr, value);
+}
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[]) {
+    return get(c, "fmi2GetString", KIND_STRING, vr, nvr, value);
+}
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[]) {
+    return set(c, "fmi2SetReal", KIND_REAL, vr, nvr, value);
+}
+
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[]) {
+    return set(c, "fmi2SetInteger", KIND_INTEGER, vr, nvr, value);
+}
+
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[]) {
+    return set(c, "fmi2SetBoolean", KIND_BOOLEAN, vr, nvr, value);
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[]) {
+    return set(c, "fmi2SetString", KIND_STRING, vr, nvr, value);
+}
+
+/* states */
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
+    Instance *i = c;
+    return status(may(i, "fmi2GetFMUstate", ANY_MODE) && given(i, FMUstate) &&
+                  snapshot_take(i->component, &i->allocator, (Snapshot **)FMUstate));
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
+    Instance *i = c;
+    return status(may(i, "fmi2SetFMUstate", ANY_MODE) && given(i, FMUstate) &&
+                  snapshot_restore(i->component, FMUstate));
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
+    Instance *i = c;
+    if (!may(i, "fmi2FreeFMUstate", ANY_MODE)) return fmi2Error;
+    if (FMUstate) {
+        snapshot_free(&i->allocator, *FMUstate);
+        *FMUstate = NULL;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
+    Instance *i = c;
+    if (!may(i, "fmi2SerializedFMUstateSize", ANY_MODE) || !given(i, FMUstate) || !given(i, size)) return fmi2Error;
+    *size = snapshot_bytes(FMUstate);
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
+    Instance *i = c;
+    return status(may(i, "fmi2SerializeFMUstate", ANY_MODE) && given(i, FMUstate) && given(i, serializedState) &&
+                  snapshot_write(i->component, FMUstate, serializedState, size));
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
+                                   fmi2FMUstate *FMUstate) {
+    Instance *i = c;
+    return status(may(i, "fmi2DeSerializeFMUstate", ANY_MODE) && given(i, serializedState) && given(i, FMUstate) &&
+                  snapshot_read(i->component, &i->allocator, serializedState, size, (Snapshot **)FMUstate));
+}
+
+/* derivatives */
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
+                                        const fmi2ValueReference vKnown_ref[], size_t nKnown,
+                                        const fmi2Real dvKnown[], fmi2Real dvUnknown[]) {
+    Instance *i = c;
+    if (!may_access(i, "fmi2GetDirectionalDerivative", COMPUTED, vUnknown_ref, nUnknown, dvUnknown)) return fmi2Error;
+    if (nKnown && !(given(i, vKnown_ref) && given(i, dvKnown))) return fmi2Error;
+    return status(component_derivative(i->component, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown));
+}
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                       const fmi2Integer order[], const fmi2Real value[]) {
+    (void)vr, (void)nvr, (void)order, (void)value;
+    return unsupported(c, "fmi2SetRealInputDerivatives: canInterpolateInputs is false; set the inputs themselves");
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                        const fmi2Integer order[], fmi2Real value[]) {
+    (void)vr, (void)nvr, (void)order, (void)value;
+    return unsupported(c, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none");
+}
+
+/* status; only steps that run on in the background have a pending one */
+
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value) {
+    Instance *i = c;
+    (void)s;
+    if (!may(i, "fmi2GetStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    *value = fmi2OK;
+    return fmi2Discard;
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
+    Instance *i = c;
+    if (!may(i, "fmi2GetRealStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    *value = component_time(i->component);
+    return s == fmi2LastSuccessfulTime ? fmi2OK : fmi2Discard;
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value) {
+    Instance *i = c;
+    (void)s;
+    if (!may(i, "fmi2GetIntegerStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    *value = 0;
+    return fmi2Discard;
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
+    Instance *i = c;
+    if (!may(i, "fmi2GetBooleanStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    *value = fmi2False;
+    return s == fmi2Terminated ? fmi2OK : fmi2Discard;
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value) {
+    Instance *i = c;
+    (void)s;
+    if (!may(i, "fmi2GetStringStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    *value = "";
+    return fmi2Discard;
+}
+
+/* model exchange: a complete library has these functions, this FMU has no such interface */
+
+static fmi2Status no_model_exchange(fmi2Component c) {
+    return unsupported(c, "this FMU is for co-simulation only; functions of model exchange are not supported");
+}
+
+fmi2Status fmi2EnterEventMode(fmi2Component c) { return no_model_exchange(c); }
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo) {
+    (void)eventInfo;
+    return no_model_exchange(c);
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return no_model_exchange(c); }
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation) {
+    (void)noSetFMUStatePriorToCurrentPoint, (void)enterEventMode, (void)terminateSimulation;
+    return no_model_exchange(c);
+}
+
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
+    (void)time;
+    return no_model_exchange(c);
+}
+
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
+    (void)x, (void)nx;
+    return no_model_exchange(c);
+}
+
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
+    (void)derivatives, (void)nx;
+    return no_model_exchange(c);
+}
+
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni) {
+    (void)eventIndicators, (void)ni;
+    return no_model_exchange(c);
+}
+
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
+    (void)x, (void)nx;
+    return no_model_exchange(c);
+}
+
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
+    (void)x_nominal, (void)nx;
+    return no_model_exchange(c);
+}

@@ -1,0 +1,658 @@
+/* FMI 3.0 for co-simulation, of any model: every function of the standard, each a few lines over component.h.
+
+   No event mode, no clocks, no intermediate update: those functions say so and return an error. */
+#include <string.h>
+
+#include "component.h"
+#include "fmi3Functions.h"
+#include "snapshot.h"
+
+enum { SETTABLE = INSTANTIATED | INITIALIZATION | STEPPING, COMPUTED = ANY_MODE & ~INSTANTIATED };
+
+typedef struct {
+    Component *component;
+    Allocator allocator;
+    fmi3LogMessageCallback log;
+    fmi3InstanceEnvironment environment;
+    int logging; /* of what is no error */
+} Instance;
+
+static void log_message(void *context, int is_error, const char *message) {
+    Instance *i = context;
+    if (i->log && (is_error || i->logging))
+        i->log(i->environment, is_error ? fmi3Error : fmi3OK, is_error ? "logStatusError" : "logAll", message);
+}
+
+static fmi3Status status(int ok) { return ok ? fmi3OK : fmi3Error; }
+
+/* the common start of a call: there is an instance, and its mode is one of `modes` */
+static int may(Instance *i, const char *function, int modes) {
+    return i && component_allows(i->component, function, modes);
+}
+
+static int given(Instance *i, const void *pointer) {
+    return pointer || component_refuse(i->component, "a pointer is NULL; give the address of the data");
+}
+
+static fmi3Status unsupported(fmi3Instance instance, const char *message) {
+    if (instance) component_refuse(((Instance *)instance)->component, message);
+    return fmi3Error;
+}
+
+/* inquiry, creation and destruction */
+
+const char *fmi3GetVersion(void) { return fmi3Version; }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
+                               const fmi3String categories[]) {
+    Instance *i = instance;
+    size_t k;
+    int all = nCategories == 0;
+    if (!i || (nCategories && !given(i, categories))) return fmi3Error;
+    for (k = 0; k < nCategories; k++) {
+        if (!given(i, categories[k])) return fmi3Error;
+        if (!strcmp(categories[k], "logAll"))
+            all = 1;
+        else if (strcmp(categories[k], "logStatusError"))
+            return status(component_refuse(i->component, "there is no such log category; use logAll, logStatusError"));
+    }
+    i->logging = loggingOn && all;
+    return fmi3OK;
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
+                                         fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                         fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
+                                         const fmi3ValueReference requiredIntermediateVariables[],
+                                         size_t nRequiredIntermediateVariables,
+                                         fmi3InstanceEnvironment instanceEnvironment,
+                                         fmi3LogMessageCallback logMessage,
+                                         fmi3IntermediateUpdateCallback intermediateUpdate) {
+    static const Allocator allocator = {calloc, free};
+    Instance *i;
+    const char *wrong = NULL;
+    (void)resourcePath, (void)visible, (void)earlyReturnAllowed;
+    (void)requiredIntermediateVariables, (void)intermediateUpdate;
+    if (!instanceName || !*instanceName)
+        wrong = "the instance has no name; give one";
+    else if (!instantiationToken || strcmp(instantiationToken, MODEL_TOKEN))
+        wrong = "the instantiation token is not that of this FMU; read it from the modelDescription.xml beside it";
+    else if (eventModeUsed)
+        wrong = "this FMU has no event mode (hasEventMode is false); instantiate it with eventModeUsed = false";
+    else if (nRequiredIntermediateVariables)
+        wrong = "this FMU has no intermediate values (providesIntermediateUpdate is false); require none";
+    if (!wrong) {
+        i = allocator.take(1, sizeof *i);
+        if (i) {
+            i->allocator = allocator;
+            i->log = logMessage;
+            i->environment = instanceEnvironment;
+            i->logging = loggingOn;
+            i->component = component_create(&allocator, log_message, i);
+            if (i->component) return i;
+            allocator.give_back(i);
+        }
+        wrong = "no memory for an instance; free others first";
+    }
+    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", wrong);
+    return NULL;
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
+                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                          fmi3InstanceEnvironment instanceEnvironment,
+                                          fmi3LogMessageCallback logMessage) {
+    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
+    if (logMessage)
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
+    return NULL;
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
+                                               fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                               fmi3InstanceEnvironment instanceEnvironment,
+                                               fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
+                                               fmi3LockPreemptionCallback lockPreemption,
+                                               fmi3UnlockPreemptionCallback unlockPreemption) {
+    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
+    (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
+    if (logMessage)
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
+    return NULL;
+}
+
+void fmi3FreeInstance(fmi3Instance instance) {
+    Instance *i = instance;
+    Allocator allocator;
+    if (!i) return;
+    allocator = i->allocator;
+    component_destroy(i->component);
+    allocator.give_back(i);
+}
+
+/* life cycle */
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
+                                       fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
+    Instance *i = instance;
+    (void)toleranceDefined, (void)tolerance; /* a parameter of the model has that part */
+    if (!may(i, "fmi3EnterInitializationMode", INSTANTIATED) ||
+        !component_setup(i->component, startTime, stopTimeDefined, stopTime))
+        return fmi3Error;
+    component_enter_initialization(i->component);
+    return fmi3OK;
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
+    Instance *i = instance;
+    return status(may(i, "fmi3ExitInitializationMode", INITIALIZATION) &&
+                  component_exit_initialization(i->component));
+}
+
+fmi3Status fmi3Terminate(fmi3Instance instance) {
+    Instance *i = instance;
+    if (!may(i, "fmi3Terminate", STEPPING)) return fmi3Error;
+    component_terminate(i->component);
+    return fmi3OK;
+}
+
+fmi3Status fmi3Reset(fmi3Instance instance) {
+    Instance *i = instance;
+    if (!i) return fmi3Error;
+    component_reset(i->component);
+    return fmi3OK;
+}
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
+                      fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
+                      fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
+    Instance *i = instance;
+    int ok;
+    (void)noSetFMUStatePriorToCurrentPoint; /* states are the host's, nothing is to be thrown away */
+    if (!may(i, "fmi3DoStep", STEPPING) || !given(i, eventHandlingNeeded) || !given(i, terminateSimulation) ||
+        !given(i, earlyReturn) || !given(i, lastSuccessfulTime))
+        return fmi3Error;
+    ok = component_step(i->component, currentCommunicationPoint, communicationStepSize);
+    *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
+    *lastSuccessfulTime = component_time(i->component);
+    return status(ok);
+}
+
+/* values: variables one after the other, each with all its elements */
+
+static int may_access(Instance *i, const char *function, int modes, const void *references, size_t number,
+                      const void *values) {
+    return may(i, function, modes) && (!number || (given(i, references) && given(i, values)));
+}
+
+/* the scalars of the variable, of which there must be values left */
+static int found(Instance *i, fmi3ValueReference reference, Kind kind, size_t left, size_t *first, size_t *length) {
+    if (!component_find(i->component, reference, kind, first, length)) return 0;
+    return *length <= left ||
+           component_refuse(i->component, "there are fewer values than the variables have elements; give nValues");
+}
+
+static int exhausted(Instance *i, size_t used, size_t number) {
+    return used == number ||
+           component_refuse(i->component, "there are more values than the variables have elements; give nValues");
+}
+
+static void put(void *values, size_t at, Kind kind, double value) {
+    switch (kind) {
+        case KIND_REAL: ((fmi3Float64 *)values)[at] = value; break;
+        case KIND_INTEGER: ((fmi3Int32 *)values)[at] = (fmi3Int32)value; break;
+        case KIND_ENUMERATION: ((fmi3Int64 *)values)[at] = (fmi3Int64)value; break;
+        default: ((fmi3Boolean *)values)[at] = value != 0.0;
+    }
+}
+
+static double picked(const void *values, size_t at, Kind kind) {
+    switch (kind) {
+        case KIND_REAL: return ((const fmi3Float64 *)values)[at];
+        case KIND_INTEGER: return ((const fmi3Int32 *)values)[at];
+        case KIND_ENUMERATION: return (double)((const fmi3Int64 *)values)[at];
+        case KIND_BOOLEAN: return ((const fmi3Boolean *)values)[at] ? 1.0 : 0.0;
+        default: return 0.0; /* strings are outputs, whatever is picked is refused */
+    }
+}
+
+static fmi3Status get(Instance *i, const char *function, Kind kind, const fmi3ValueReference references[],
+                      size_t number, void *values, size_t nValues) {
+    size_t k, j, first, length, used = 0;
+    int ok = 1;
+    double value;
+    if (!may_access(i, function, ANY_MODE, references, number, values)) return fmi3Error;
+    for (k = 0; k < number; k++) {
+        if (!found(i, references[k], kind, nValues - used, &first, &length)) return fmi3Error;
+        for (j = 0; j < length; j++, used++)
+            if (kind == KIND_STRING)
+                ok &= component_get_text(i->component, first + j, (fmi3String *)values + used);
+            else {
+                ok &= component_get(i->component, first + j, &value);
+                put(values, used, kind, value);
+            }
+    }
+    return status(ok && exhausted(i, used, nValues));
+}
+
+static fmi3Status set(Instance *i, const char *function, Kind kind, const fmi3ValueReference references[],
+                      size_t number, const void *values, size_t nValues) {
+    size_t k, j, first, length, used = 0;
+    int ok = 1;
+    if (!may_access(i, function, SETTABLE, references, number, values)) return fmi3Error;
+    for (k = 0; ok && k < number; k++) {
+        ok = found(i, references[k], kind, nValues - used, &first, &length);
+        for (j = 0; ok && j < length; j++, used++)
+            ok = component_set(i->component, first + j, picked(values, used, kind));
+    }
+    if (ok && exhausted(i, used, nValues)) return fmi3OK;
+    component_fail(i->component);
+    return fmi3Error;
+}
+
+fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                          fmi3Float64 values[], size_t nValues) {
+    return get(instance, "fmi3GetFloat64", KIND_REAL, valueReferences, nValueReferences, values, nValues);
+}
+
+fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        fmi3Int32 values[], size_t nValues) {
+    return get(instance, "fmi3GetInt32", KIND_INTEGER, valueReferences, nValueReferences, values, nValues);
+}
+
+fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        fmi3Int64 values[], size_t nValues) {
+    return get(instance, "fmi3GetInt64", KIND_ENUMERATION, valueReferences, nValueReferences, values, nValues);
+}
+
+fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                          fmi3Boolean values[], size_t nValues) {
+    return get(instance, "fmi3GetBoolean", KIND_BOOLEAN, valueReferences, nValueReferences, values, nValues);
+}
+
+fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         fmi3String values[], size_t nValues) {
+    return get(instance, "fmi3GetString", KIND_STRING, valueReferences, nValueReferences, values, nValues);
+}
+
+fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                          const fmi3Float64 values[], size_t nValues) {
+    return set(instance, "fmi3SetFloat64", KIND_REAL, valueReferences, nValueReferences, values, nValues);
+}
+
+fmi3Status fmi3SetInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        const fmi3Int32 values[], size_t nValues) {
+    return set(instance, "fmi3SetInt32", KIND_INTEGER, valueReferences, nValueReferences, values, nValues);
+}
+
+fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        const fmi3Int64 values[], size_t nValues) {
+    return set(instance, "fmi3SetInt64", KIND_ENUMERATION, valueReferences, nValueReferences, values, nValues);
+}
+
+fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                          const fmi3Boolean values[], size_t nValues) {
+    return set(instance, "fmi3SetBoolean", KIND_BOOLEAN, valueReferences, nValueReferences, values, nValues);
+}
+
+fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         const fmi3String values[], size_t nValues) {
+    return set(instance, "fmi3SetString", KIND_STRING, valueReferences, nValueReferences, values, nValues);
+}
+
+/* types that this FMU has no variables of */
+
+static fmi3Status none_of(Instance *i, const char *function, size_t number) {
+    if (!may(i, function, ANY_MODE)) return fmi3Error;
+    return status(!number || component_refuse(i->component, "there is no variable of this type"));
+}
+
+fmi3Status fmi3GetFloat32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                          fmi3Float32 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3GetFloat32", nValueReferences);
+}
+
+fmi3Status fmi3SetFloat32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                          const fmi3Float32 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3SetFloat32", nValueReferences);
+}
+
+fmi3Status fmi3GetInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                       fmi3Int8 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3GetInt8", nValueReferences);
+}
+
+fmi3Status fmi3SetInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                       const fmi3Int8 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3SetInt8", nValueReferences);
+}
+
+fmi3Status fmi3GetUInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        fmi3UInt8 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3GetUInt8", nValueReferences);
+}
+
+fmi3Status fmi3SetUInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        const fmi3UInt8 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3SetUInt8", nValueReferences);
+}
+
+fmi3Status fmi3GetInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        fmi3Int16 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3GetInt16", nValueReferences);
+}
+
+fmi3Status fmi3SetInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        const fmi3Int16 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3SetInt16", nValueReferences);
+}
+
+fmi3Status fmi3GetUInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         fmi3UInt16 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3GetUInt16", nValueReferences);
+}
+
+fmi3Status fmi3SetUInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         const fmi3UInt16 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3SetUInt16", nValueReferences);
+}
+
+fmi3Status fmi3GetUInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         fmi3UInt32 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3GetUInt32", nValueReferences);
+}
+
+fmi3Status fmi3SetUInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         const fmi3UInt32 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3SetUInt32", nValueReferences);
+}
+
+fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         fmi3UInt64 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3GetUInt64", nValueReferences);
+}
+
+fmi3Status fmi3SetUInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         const fmi3UInt64 values[], size_t nValues) {
+    (void)valueReferences, (void)values, (void)nValues;
+    return none_of(instance, "fmi3SetUInt64", nValueReferences);
+}
+
+fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         size_t valueSizes[], fmi3Binary values[], size_t nValues) {
+    (void)valueReferences, (void)valueSizes, (void)values, (void)nValues;
+    return none_of(instance, "fmi3GetBinary", nValueReferences);
+}
+
+fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        fmi3Clock values[]) {
+    (void)valueReferences, (void)values;
+    return none_of(instance, "fmi3GetClock", nValueReferences);
+}
+
+fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         const size_t valueSizes[], const fmi3Binary values[], size_t nValues) {
+    (void)valueReferences, (void)valueSizes, (void)values, (void)nValues;
+    return none_of(instance, "fmi3SetBinary", nValueReferences);
+}
+
+fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        const fmi3Clock values[]) {
+    (void)valueReferences, (void)values;
+    return none_of(instance, "fmi3SetClock", nValueReferences);
+}
+
+/* states */
+
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    Instance *i = instance;
+    return status(may(i, "fmi3GetFMUState", ANY_MODE) && given(i, FMUState) &&
+                  snapshot_take(i->component, &i->allocator, (Snapshot **)FMUState));
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
+    Instance *i = instance;
+    return status(may(i, "fmi3SetFMUState", ANY_MODE) && given(i, FMUState) &&
+                  snapshot_restore(i->component, FMUState));
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    Instance *i = instance;
+    if (!may(i, "fmi3FreeFMUState", ANY_MODE)) return fmi3Error;
+    if (FMUState) {
+        snapshot_free(&i->allocator, *FMUState);
+        *FMUState = NULL;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
+    Instance *i = instance;
+    if (!may(i, "fmi3SerializedFMUStateSize", ANY_MODE) || !given(i, FMUState) || !given(i, size)) return fmi3Error;
+    *size = snapshot_bytes(FMUState);
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
+                                 size_t size) {
+    Instance *i = instance;
+    return status(may(i, "fmi3SerializeFMUState", ANY_MODE) && given(i, FMUState) && given(i, serializedState) &&
+                  snapshot_write(i->component, FMUState, serializedState, size));
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
+                                   fmi3FMUState *FMUState) {
+    Instance *i = instance;
+    return status(may(i, "fmi3DeserializeFMUState", ANY_MODE) && given(i, serializedState) && given(i, FMUState) &&
+                  snapshot_read(i->component, &i->allocator, serializedState, size, (Snapshot **)FMUState));
+}
+
+/* derivatives */
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
+                                        const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+                                        size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
+    Instance *i = instance;
+    if (!may_access(i, "fmi3GetDirectionalDerivative", COMPUTED, unknowns, nUnknowns, sensitivity)) return fmi3Error;
+    if (nKnowns && !(given(i, knowns) && given(i, seed))) return fmi3Error;
+    if (nSeed != nKnowns || nSensitivity != nUnknowns)
+        return status(component_refuse(i->component,
+                                       "derivatives are of scalars: give one seed per known, one place per unknown"));
+    return status(component_derivative(i->component, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity));
+}
+
+/* what the capability flags rule out */
+
+static fmi3Status not_provided(fmi3Instance instance) {
+    return unsupported(instance, "this FMU does not provide that; see its capability flags");
+}
+
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
+                                    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+                                    size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
+    (void)unknowns, (void)nUnknowns, (void)knowns, (void)nKnowns, (void)seed, (void)nSeed, (void)sensitivity, (void)nSensitivity;
+    return not_provided(instance);
+}
+
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                    size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
+                                    size_t nValues) {
+    (void)valueReferences, (void)nValueReferences, (void)orders, (void)values, (void)nValues;
+    return not_provided(instance);
+}
+
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference valueReference,
+                                               size_t *nDependencies) {
+    (void)valueReference, (void)nDependencies;
+    return not_provided(instance);
+}
+
+fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
+                                       size_t elementIndicesOfDependent[], fmi3ValueReference independents[],
+                                       size_t elementIndicesOfIndependents[], fmi3DependencyKind dependencyKinds[],
+                                       size_t nDependencies) {
+    (void)dependent, (void)elementIndicesOfDependent, (void)independents, (void)elementIndicesOfIndependents, (void)dependencyKinds, (void)nDependencies;
+    return not_provided(instance);
+}
+
+/* structural parameters, events and clocks */
+
+static fmi3Status no_events(fmi3Instance instance) {
+    return unsupported(instance, "this FMU has no structural parameters, no event mode and no clocks");
+}
+
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) {
+    return no_events(instance);
+}
+
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
+    return no_events(instance);
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
+    return no_events(instance);
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
+    return no_events(instance);
+}
+
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) {
+    return no_events(instance);
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
+                                    fmi3Boolean *terminateSimulation, fmi3Boolean *nominalsOfContinuousStatesChanged,
+                                    fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
+                                    fmi3Float64 *nextEventTime) {
+    (void)discreteStatesNeedUpdate, (void)terminateSimulation, (void)nominalsOfContinuousStatesChanged, (void)valuesOfContinuousStatesChanged, (void)nextEventTimeDefined, (void)nextEventTime;
+    return no_events(instance);
+}
+
+fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                  size_t nValueReferences, fmi3Float64 intervals[],
+                                  fmi3IntervalQualifier qualifiers[]) {
+    (void)valueReferences, (void)nValueReferences, (void)intervals, (void)qualifiers;
+    return no_events(instance);
+}
+
+fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                   size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+                                   fmi3IntervalQualifier qualifiers[]) {
+    (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions, (void)qualifiers;
+    return no_events(instance);
+}
+
+fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                               size_t nValueReferences, fmi3Float64 shifts[]) {
+    (void)valueReferences, (void)nValueReferences, (void)shifts;
+    return no_events(instance);
+}
+
+fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[]) {
+    (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
+    return no_events(instance);
+}
+
+fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                  size_t nValueReferences, const fmi3Float64 intervals[]) {
+    (void)valueReferences, (void)nValueReferences, (void)intervals;
+    return no_events(instance);
+}
+
+fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                   size_t nValueReferences, const fmi3UInt64 counters[],
+                                   const fmi3UInt64 resolutions[]) {
+    (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
+    return no_events(instance);
+}
+
+fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                               size_t nValueReferences, const fmi3Float64 shifts[]) {
+    (void)valueReferences, (void)nValueReferences, (void)shifts;
+    return no_events(instance);
+}
+
+fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                size_t nValueReferences, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]) {
+    (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
+    return no_events(instance);
+}
+
+fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clockReference,
+                                      fmi3Float64 activationTime) {
+    (void)clockReference, (void)activationTime;
+    return no_events(instance);
+}
+
+/* model exchange */
+
+static fmi3Status no_model_exchange(fmi3Instance instance) {
+    return unsupported(instance, "this FMU is for co-simulation only; functions of model exchange are not supported");
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
+    return no_model_exchange(instance);
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation) {
+    (void)noSetFMUStatePriorToCurrentPoint, (void)enterEventMode, (void)terminateSimulation;
+    return no_model_exchange(instance);
+}
+
+fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
+    (void)time;
+    return no_model_exchange(instance);
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates) {
+    (void)continuousStates, (void)nContinuousStates;
+    return no_model_exchange(instance);
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
+                                             size_t nContinuousStates) {
+    (void)derivatives, (void)nContinuousStates;
+    return no_model_exchange(instance);
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators) {
+    (void)eventIndicators, (void)nEventIndicators;
+    return no_model_exchange(instance);
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[], size_t nContinuousStates) {
+    (void)continuousStates, (void)nContinuousStates;
+    return no_model_exchange(instance);
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates) {
+    (void)nominals, (void)nContinuousStates;
+    return no_model_exchange(instance);
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators) {
+    (void)nEventIndicators;
+    return no_model_exchange(instance);
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates) {
+    (void)nContinuousStates;
+    return no_model_exchange(instance);
+}

@@ -1,0 +1,73 @@
+/* What a model gives to the component: a table of scalars, and a handful of functions.
+
+   fmi2.c or fmi3.c (the shell) -> component.c (values, rules, states) -> one model: rope_model.c, or another one.
+   An FMU holds one model, linked in; all that it changes lives in its ModelInstance. */
+#ifndef MODEL_H
+#define MODEL_H
+
+#include <stddef.h>
+
+/* room for a message, its end included */
+enum { MODEL_MESSAGE = 640 };
+
+typedef enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING, KIND_ENUMERATION } Kind;
+typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_INDEPENDENT } Causality;
+typedef enum { VARIABILITY_FIXED, VARIABILITY_TUNABLE, VARIABILITY_CONTINUOUS, VARIABILITY_DISCRETE } Variability;
+/* who knows the value: it was entered; the model computes it; the component knows it */
+typedef enum { FROM_ENTRY, FROM_MODEL, FROM_STATUS_VALID, FROM_STATUS_MESSAGE, FROM_TIME } Source;
+
+/* One scalar; its place in the table is its value reference.  An array is a run of scalars: the first carries the
+   number of them in `length`, the others have length 0 and no value reference of their own. */
+typedef struct {
+    const char *name;
+    double start;        /* of entries; integers and booleans are exact */
+    const char *choices; /* of entries that choose one of a few: "0 locked, 1 free, 2 coulomb"; else NULL */
+    unsigned number;     /* of choices */
+    unsigned length;
+    unsigned char kind, causality, variability, source;
+} Variable;
+
+extern const Variable MODEL_VARIABLES[];
+extern const size_t MODEL_SCALARS;
+/* checked at instantiation: the GUID of FMI 2, the instantiation token of FMI 3 */
+extern const char MODEL_TOKEN[];
+
+/* as calloc and free */
+typedef struct {
+    void *(*take)(size_t number, size_t size);
+    void (*give_back)(void *);
+} Allocator;
+
+typedef struct ModelInstance ModelInstance;
+
+/* `values` holds the entries by value reference (MODEL_SCALARS doubles; others are 0).  Entries are finite, choices in
+   range, integers whole.  Functions that return int return 1 when all is well; 0 when not, then `message`
+   (MODEL_MESSAGE bytes) names value, bound and cure, and the model is what it was before. */
+
+/* With these parameters; takes all memory it will ever need.  NULL when that cannot be. */
+ModelInstance *model_create(const double *values, const Allocator *allocator, char *message);
+void model_destroy(ModelInstance *model); /* NULL: nothing to do */
+/* Consistent at the time t with these inputs; may be called again, with other inputs, before the first step. */
+int model_initialize(ModelInstance *model, double t, const double *values, char *message);
+int model_step(ModelInstance *model, double t, double h, const double *values, char *message);
+/* go on with other tunable parameters */
+int model_retune(ModelInstance *model, const double *values, char *message);
+
+/* the instant that the model is at */
+double model_time(const ModelInstance *model);
+/* scalars with FROM_MODEL */
+double model_output(ModelInstance *model, size_t scalar);
+const char *model_text(const ModelInstance *model, size_t scalar);
+/* a line for the log about what was set up; "" for none */
+void model_note(const ModelInstance *model, char *message);
+
+/* Adds seed times the derivatives of the scalars `unknown` to the scalar `known` to sum[0] ... sum[number - 1]. */
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number, double *sum,
+                     char *message);
+
+/* The complete state without the entries: plain bytes without addresses, the same in every process. */
+size_t model_state_bytes(const ModelInstance *model);
+void model_save(const ModelInstance *model, void *to);
+int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message);
+
+#endif

@@ -1,0 +1,162 @@
+/* The balance rope as a model: entries to scene and end motions, signals to outputs. */
+#include <stdio.h>
+#include <string.h>
+
+#include "model.h"
+#include "rope.h"
+#include "rope_table.h"
+
+enum { INPUTS_OF_END = sizeof(EndMotion) / sizeof(double), FORCES = 12 };
+
+struct ModelInstance {
+    Simulator *rope;
+    Memory memory;
+    Scene scene;
+    double interval; /* length of the last step */
+    int at_step_end; /* the reading of the inputs */
+};
+
+static void *field(void *structure, size_t offset) { return (char *)structure + offset; }
+
+static void read_parameters(ModelInstance *model, const double *values) {
+    size_t i;
+    for (i = 0; i < MODEL_SCALARS; i++) {
+        const Place *place = &ROPE_PLACES[i];
+        if (place->where == SCENE_REAL) *(double *)field(&model->scene, place->offset) = values[i];
+        if (place->where == SCENE_INTEGER) *(int *)field(&model->scene, place->offset) = (int)values[i];
+        if (place->where == AT_STEP_END) model->at_step_end = values[i] != 0.0;
+    }
+}
+
+static void read_motions(const double *values, EndMotion ends[2]) {
+    size_t i;
+    for (i = 0; i < MODEL_SCALARS; i++) {
+        const Place *place = &ROPE_PLACES[i];
+        if (place->where == LEFT_MOTION) *(double *)field(&ends[LEFT], place->offset) = values[i];
+        if (place->where == RIGHT_MOTION) *(double *)field(&ends[RIGHT], place->offset) = values[i];
+    }
+}
+
+/* the motion h later if the accelerations stay as they are */
+static void extrapolate(EndMotion *end, double h) {
+    int k;
+    for (k = 0; k < 3; k++) {
+        end->x[k] = end->x[k] + end->v[k] * h + 0.5 * end->a[k] * h * h;
+        end->v[k] = end->v[k] + end->a[k] * h;
+    }
+    end->yaw = end->yaw + end->yaw_rate * h;
+}
+
+static int told(const ModelInstance *model, int ok, char *message) {
+    if (!ok) snprintf(message, MODEL_MESSAGE, "%s", rope_message(model->rope));
+    return ok;
+}
+
+ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
+    ModelInstance *model = allocator->take(1, sizeof *model);
+    if (!model) {
+        snprintf(message, MODEL_MESSAGE, "no memory for the rope; free other instances first");
+        return NULL;
+    }
+    memset(model, 0, sizeof *model);
+    model->memory.take = allocator->take;
+    model->memory.give_back = allocator->give_back;
+    read_parameters(model, values);
+    model->interval = model->scene.solver.step_max;
+    model->rope = rope_create(&model->scene, &model->memory, message);
+    if (model->rope) return model;
+    allocator->give_back(model);
+    return NULL;
+}
+
+void model_destroy(ModelInstance *model) {
+    if (!model) return;
+    rope_destroy(model->rope);
+    model->memory.give_back(model);
+}
+
+int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
+    EndMotion ends[2];
+    read_motions(values, ends);
+    return told(model, rope_initialize(model->rope, t, ends), message);
+}
+
+int model_step(ModelInstance *model, double t, double h, const double *values, char *message) {
+    EndMotion ends[2];
+    read_motions(values, ends);
+    if (!model->at_step_end) {
+        extrapolate(&ends[LEFT], h);
+        extrapolate(&ends[RIGHT], h);
+    }
+    if (!told(model, rope_advance(model->rope, t + h, ends), message)) return 0;
+    model->interval = h;
+    return 1;
+}
+
+int model_retune(ModelInstance *model, const double *values, char *message) {
+    Scene before = model->scene;
+    read_parameters(model, values);
+    if (told(model, rope_retune(model->rope, &model->scene), message)) return 1;
+    model->scene = before;
+    return 0;
+}
+
+double model_time(const ModelInstance *model) { return rope_time(model->rope); }
+
+double model_output(ModelInstance *model, size_t scalar) {
+    return rope_signal(model->rope, (int)ROPE_PLACES[scalar].offset);
+}
+
+const char *model_text(const ModelInstance *model, size_t scalar) {
+    return ROPE_PLACES[scalar].where == RUNG_NAME ? rope_rung(model->rope) : rope_rung_reason(model->rope);
+}
+
+void model_note(const ModelInstance *model, char *message) {
+    snprintf(message, MODEL_MESSAGE, "model: %s, %d elements, %s", rope_rung(model->rope), rope_elements(model->rope),
+             rope_rung_reason(model->rope));
+}
+
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number, double *sum,
+                     char *message) {
+    /* an input at the start of the step moves what is extrapolated from it: acceleration, speed, position */
+    double h = model->interval, force[FORCES], change[3];
+    int side = ROPE_PLACES[known].where == RIGHT_MOTION, k = (int)(ROPE_PLACES[known].offset / sizeof(double)), part;
+    int parts = 1, stride = k < 9 ? 3 : 1;
+    size_t i;
+    if (!model->at_step_end) parts = k < 9 ? k / 3 + 1 : k - 8;
+    change[0] = seed;
+    change[1] = seed * h;
+    change[2] = 0.5 * seed * h * h;
+    for (i = 0; i < number; i++)
+        if (ROPE_PLACES[unknown[i]].derivative < 0) {
+            snprintf(message, MODEL_MESSAGE,
+                     "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
+                     MODEL_VARIABLES[unknown[i]].name);
+            return 0;
+        }
+    for (part = 0; part < parts; part++) {
+        int input = side * INPUTS_OF_END + k - part * stride;
+        if (!told(model, rope_derivative(model->rope, input, force), message)) return 0;
+        for (i = 0; i < number; i++) sum[i] += change[part] * force[ROPE_PLACES[unknown[i]].derivative];
+    }
+    return 1;
+}
+
+/* the interval, then the rope */
+
+size_t model_state_bytes(const ModelInstance *model) { return sizeof(double) + rope_state_bytes(model->rope); }
+
+void model_save(const ModelInstance *model, void *to) {
+    memcpy(to, &model->interval, sizeof(double));
+    rope_save(model->rope, (double *)to + 1);
+}
+
+int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
+    if (bytes < sizeof(double)) {
+        snprintf(message, MODEL_MESSAGE, "the state has no rope in it; save it anew");
+        return 0;
+    }
+    if (!told(model, rope_restore(model->rope, (const double *)from + 1, bytes - sizeof(double)), message)) return 0;
+    memcpy(&model->interval, from, sizeof(double));
+    return 1;
+}

@@ -1,0 +1,27 @@
+/* Where each scalar of the interface lives in the rope; the table is generated from fmu_src.interface. */
+#ifndef ROPE_TABLE_H
+#define ROPE_TABLE_H
+
+#include <stddef.h>
+
+enum Where {
+    NOWHERE,
+    SCENE_REAL,    /* offset: in struct Scene */
+    SCENE_INTEGER, /* likewise */
+    LEFT_MOTION,   /* offset: in struct EndMotion */
+    RIGHT_MOTION,  /* likewise */
+    SIGNAL,        /* offset: number of the signal */
+    RUNG_NAME,
+    RUNG_REASON,
+    AT_STEP_END
+};
+
+typedef struct {
+    enum Where where;
+    size_t offset;
+    int derivative; /* place in what rope_derivative gives; -1: none */
+} Place;
+
+extern const Place ROPE_PLACES[]; /* MODEL_SCALARS */
+
+#endif

@@ -1,0 +1,62 @@
+#include "snapshot.h"
+
+#include <stdint.h>
+#include <string.h>
+
+struct Snapshot {
+    size_t bytes, room;
+    uint64_t state[]; /* aligned for whatever a state holds */
+};
+
+static Snapshot *with_room(Component *c, const Allocator *allocator, size_t bytes) {
+    Snapshot *snapshot = allocator->take(1, sizeof *snapshot + bytes);
+    if (!snapshot) {
+        component_refuse(c, "no memory for a state; free states that are not needed");
+        return NULL;
+    }
+    snapshot->room = bytes;
+    return snapshot;
+}
+
+int snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot) {
+    size_t bytes = component_state_bytes(c);
+    if (!*snapshot || (*snapshot)->room < bytes) {
+        Snapshot *larger = with_room(c, allocator, bytes);
+        if (!larger) return 0;
+        snapshot_free(allocator, *snapshot);
+        *snapshot = larger;
+    }
+    (*snapshot)->bytes = bytes;
+    component_save(c, (*snapshot)->state);
+    return 1;
+}
+
+int snapshot_restore(Component *c, const Snapshot *snapshot) {
+    return component_restore(c, snapshot->state, snapshot->bytes);
+}
+
+void snapshot_free(const Allocator *allocator, Snapshot *snapshot) {
+    if (snapshot) allocator->give_back(snapshot);
+}
+
+size_t snapshot_bytes(const Snapshot *snapshot) { return snapshot->bytes; }
+
+int snapshot_write(Component *c, const Snapshot *snapshot, void *to, size_t bytes) {
+    if (bytes < snapshot->bytes)
+        return component_refuse(c, "the buffer is too small for the state; ask for the state's size first");
+    memcpy(to, snapshot->state, snapshot->bytes);
+    return 1;
+}
+
+int snapshot_read(Component *c, const Allocator *allocator, const void *from, size_t bytes, Snapshot **snapshot) {
+    Snapshot *read = with_room(c, allocator, bytes);
+    if (!read) return 0;
+    memcpy(read->state, from, bytes);
+    read->bytes = bytes;
+    if (!component_is_state(c, read->state, bytes)) {
+        snapshot_free(allocator, read);
+        return 0;
+    }
+    *snapshot = read;
+    return 1;
+}

@@ -1,0 +1,94 @@
+"""The interface table as C: ``MODEL_VARIABLES`` of model.h, and where each scalar lives in the rope."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Iterator, Sequence
+
+from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.signals import SIGNALS
+
+from ..arrays import arrays
+from ..interface import Variable, choices_of
+
+#: end forces and moments, in the order of rope_derivative
+FORCES = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
+_SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
+#: fields of struct Scene whose names differ from the interface's
+_SCENE = {"left.swivel": "swivels[LEFT]", "right.swivel": "swivels[RIGHT]"}
+_HEAD = """\
+/* Generated from the interface table: the variables, and where each lives in the rope. */
+#include "model.h"
+"""
+
+
+def c_table(table: Sequence[Variable], token: str, fmi: int) -> str:
+    """``variables.c``: the scalars with their start values; FMI 3 has arrays, enumerations and the time."""
+    lengths = {array.reference: array.length for array in arrays(table)} if fmi == 3 else {}
+    rows = [_row(v, fmi, lengths.get(i, 0) if fmi == 3 else 1) for i, v in enumerate(table)]
+    if fmi == 3:
+        rows.append('{"time", 0.0, NULL, 0, 1, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
+    return "\n".join(
+        [
+            _HEAD,
+            f'const char MODEL_TOKEN[] = "{token}";',
+            f"const size_t MODEL_SCALARS = {len(rows)};",
+            _array("const Variable MODEL_VARIABLES[]", rows),
+        ]
+    )
+
+
+def c_places(table: Sequence[Variable], fmi: int) -> str:
+    """``places.c``: where rope_model.c finds each scalar."""
+    rows = [_place(v) for v in table] + (["{NOWHERE, 0, -1}"] if fmi == 3 else [])
+    includes = '#include "rope.h"\n#include "rope_table.h"\n'
+    return "\n".join([_HEAD.rstrip(), includes, _array("const Place ROPE_PLACES[]", rows)])
+
+
+def _array(declaration: str, rows: Iterable[str]) -> str:
+    return f"{declaration} = {{\n" + "".join(f"    {row},\n" for row in rows) + "};\n"
+
+
+def _row(v: Variable, fmi: int, length: int) -> str:
+    words = choices_of(v.name)
+    choices = "NULL" if words is None else '"' + ", ".join(f"{i} {word}" for i, word in enumerate(words)) + '"'
+    kind = "ENUMERATION" if words is not None and fmi == 3 else v.kind.upper()
+    source = "FROM_ENTRY" if v.causality != "output" else _SOURCES.get(v.name, "FROM_MODEL")
+    start = repr(float(v.start)) if isinstance(v.start, int | float) else "0.0"
+    return (
+        f'{{"{v.name}", {start}, {choices}, {len(words or ())}, {length}, KIND_{kind}, '
+        f"CAUSALITY_{v.causality.upper()}, VARIABILITY_{v.variability.upper()}, {source}}}"
+    )
+
+
+def _place(v: Variable) -> str:
+    where, offset = _home(v)
+    derivative = FORCES.index(v.name) if v.name in FORCES else -1
+    return f"{{{where}, {offset}, {derivative}}}"
+
+
+def _home(v: Variable) -> tuple[str, str]:
+    group, _, field = v.name.rpartition(".")
+    if v.name == "inputs_at_step_end":
+        return "AT_STEP_END", "0"
+    if v.name in ("status.rung", "status.rung_reason"):
+        return field.upper() if field == "rung_reason" else "RUNG_NAME", "0"
+    if v.name in SIGNALS:
+        return "SIGNAL", str(list(SIGNALS).index(v.name))
+    if v.causality == "output" or v.name == "solver.kernels":  # status of the component; of no use in native code
+        return "NOWHERE", "0"
+    if v.causality == "input":
+        return f"{group.upper()}_MOTION", f"offsetof(EndMotion, {dict(_motion_fields())[field]})"
+    field = field.replace("counts[", "counts[-1 + ")
+    where = "SCENE_REAL" if v.kind == "Real" else "SCENE_INTEGER"
+    return where, f"offsetof(Scene, {_SCENE.get(group, group)}.{field})"
+
+
+def _motion_fields() -> Iterator[tuple[str, str]]:
+    """Fields of the Python EndMotion, and those of struct EndMotion in rope.h."""
+    for field in dataclasses.fields(EndMotion):
+        name = field.name
+        if name[-1] in "xyz":
+            yield name, f"{name[:-1] or 'x'}[{'xyz'.index(name[-1])}]"
+        else:
+            yield name, name
