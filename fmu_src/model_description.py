@@ -1,107 +1,143 @@
-"""The interface table as modelDescription.xml of FMI 2.0."""
+"""The interface table as modelDescription.xml of FMI 2.0, for the Python and the native flavour."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 from .interface import Variable
+from .units import QUANTITIES, add_units, quantity_attributes, units_of
 
+MODEL = "BalanceRope"
 DESCRIPTION = (
     "Balance rope of a friction hoist: coupled tension, torsion and lateral motion of a round wire rope hanging in a "
     "U below two conveyances, with swivels; time-varying mesh TMN-ETM"
 )
-#: unit -> exponents of the SI base units, and display units (name, factor)
-_UNITS: dict[str, tuple[dict[str, int], dict[str, float]]] = {
-    "m": ({"m": 1}, {"mm": 1e3}),
-    "s": ({"s": 1}, {"ms": 1e3}),
-    "kg": ({"kg": 1}, {}),
-    "1": ({}, {}),
-    "rad": ({"rad": 1}, {"deg": 57.29577951308232}),
-    "rad/m": ({"rad": 1, "m": -1}, {}),
-    "rad/s": ({"rad": 1, "s": -1}, {}),
-    "m/s": ({"m": 1, "s": -1}, {}),
-    "m/s2": ({"m": 1, "s": -2}, {}),
-    "kg/m": ({"kg": 1, "m": -1}, {}),
-    "kg.m": ({"kg": 1, "m": 1}, {}),
-    "kg.m2": ({"kg": 1, "m": 2}, {}),
-    "N": ({"kg": 1, "m": 1, "s": -2}, {"kN": 1e-3}),
-    "N.m": ({"kg": 1, "m": 2, "s": -2}, {}),
-    "N.m2": ({"kg": 1, "m": 3, "s": -2}, {}),
-    "Pa": ({"kg": 1, "m": -1, "s": -2}, {"MPa": 1e-6}),
-    "J": ({"kg": 1, "m": 2, "s": -2}, {"kJ": 1e-3}),
-}
+EXPERIMENT = {"startTime": "0", "stopTime": "30", "stepSize": "0.01"}
+LOG_CATEGORIES = {"logStatusError": "why a call failed, and what to do", "logAll": "all messages"}
+#: outputs with directional derivatives: end forces and moments
+_FORCES = tuple(f"{side}.{kind}{axis}" for side in ("left", "right") for kind in "fm" for axis in "xyz")
 
 
-def model_description(
-    table: Sequence[Variable], identifier: str, guid: str, version: str, tool: str, date: str
-) -> Element:
-    """The root element; ``date`` is UTC as in 2026-01-31T12:00:00Z."""
-    root = Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName="BalanceRope",
-        guid=guid,
-        description=DESCRIPTION,
-        author="the balance-rope authors",
-        version=version,
-        license="BSD-3-Clause",
-        generationTool=tool,
-        generationDateAndTime=date,
-        variableNamingConvention="structured",
-    )
-    SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=identifier,
-        needsExecutionTool="true",
-        canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="false",
-        canBeInstantiatedOnlyOncePerProcess="false",
-        canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-    )
-    definitions = SubElement(root, "UnitDefinitions")
-    for name in sorted({v.unit for v in table} - {""}):
-        base, displays = _UNITS[name]
-        unit = SubElement(definitions, "Unit", name=name)
-        SubElement(unit, "BaseUnit", {key: str(exponent) for key, exponent in base.items()})
-        for display, factor in displays.items():
-            SubElement(unit, "DisplayUnit", name=display, factor=repr(factor))
-    categories = SubElement(root, "LogCategories")
-    SubElement(categories, "Category", name="logStatusError", description="why a call failed, and what to do")
-    SubElement(categories, "Category", name="logAll", description="all messages")
-    SubElement(root, "DefaultExperiment", startTime="0", stopTime="30", stepSize="0.01")
+class Build(NamedTuple):
+    """What the model description says of the FMU itself.
+
+    ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make
+    the native flavour, none for the Python flavour.
+    """
+
+    token: str
+    version: str
+    tool: str
+    date: str
+    sources: tuple[str, ...] = ()
+
+
+def model_description(table: Sequence[Variable], build: Build) -> Element:
+    """The root element."""
+    root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": build.token, **facts(build)})
+    _add_interface(root, build)
+    add_units(root, table)
+    types = SubElement(root, "TypeDefinitions")
+    for unit in units_of(table):
+        SubElement(SubElement(types, "SimpleType", name=QUANTITIES[unit].name), "Real", quantity_attributes(unit))
+    add_log_categories(root)
+    SubElement(root, "DefaultExperiment", EXPERIMENT)
     model_variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(table):
         _add_variable(model_variables, reference, variable)
     structure = SubElement(root, "ModelStructure")
+    inputs = " ".join(str(index) for index, v in enumerate(table, start=1) if v.causality == "input")
     for section in ("Outputs", "InitialUnknowns"):
         node = SubElement(structure, section)
         for index, variable in enumerate(table, start=1):
             if variable.causality == "output":
-                SubElement(node, "Unknown", index=str(index))
+                unknown = SubElement(node, "Unknown", index=str(index))
+                if section == "Outputs":
+                    unknown.attrib |= dependencies(variable, inputs)
     return root
 
 
-def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
-    node = SubElement(
-        parent,
-        "ScalarVariable",
-        name=variable.name,
-        valueReference=str(reference),
-        description=variable.description,
-        causality=variable.causality,
-        variability=variable.variability,
-    )
+def facts(build: Build) -> dict[str, str]:
+    """Attributes of the root element that FMI 2.0 and 3.0 share."""
+    out = {
+        "modelName": MODEL,
+        "description": DESCRIPTION,
+        "author": "the balance-rope authors",
+        "version": build.version,
+        "copyright": "the balance-rope authors",
+        "license": "BSD-3-Clause",
+        "generationTool": build.tool,
+        "variableNamingConvention": "structured",
+    }
+    return out | ({"generationDateAndTime": build.date} if build.date else {})
+
+
+def dependencies(variable: Variable, inputs: str) -> dict[str, str]:
+    """End forces and moments depend on all motions of the step that ended; without attributes an output may on all."""
+    if variable.name not in _FORCES:
+        return {}
+    return {"dependencies": inputs, "dependenciesKind": " ".join("dependent" for _ in inputs.split())}
+
+
+def add_log_categories(root: Element) -> None:
+    """``LogCategories``, alike in FMI 2.0 and 3.0."""
+    categories = SubElement(root, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=description)
+
+
+def common_attributes(variable: Variable) -> dict[str, str]:
+    """Attributes of a variable that FMI 2.0 and 3.0 share."""
+    out = {
+        "description": variable.description,
+        "causality": variable.causality,
+        "variability": variable.variability,
+    }
     if variable.causality != "input":
-        node.set("initial", "calculated" if variable.causality == "output" else "exact")
-    attributes = {} if not variable.unit else {"unit": variable.unit}
+        out["initial"] = "calculated" if variable.causality == "output" else "exact"
+    return out
+
+
+def type_attributes(variable: Variable) -> dict[str, str]:
+    """Declared type, unit and bounds."""
+    out = {"declaredType": QUANTITIES[variable.unit].name, "unit": variable.unit} if variable.unit else {}
     for key, bound in (("min", variable.minimum), ("max", variable.maximum)):
         if bound is not None:
-            attributes[key] = str(bound)
-    if variable.start is not None:
-        start = variable.start
-        attributes["start"] = str(start).lower() if isinstance(start, bool) else str(start)
-    SubElement(node, variable.kind, attributes)
+            out[key] = f"{bound:g}"
+    return out
+
+
+def _add_interface(root: Element, build: Build) -> None:
+    native = bool(build.sources)
+    interface = SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=MODEL,
+        needsExecutionTool=_xml(not native),
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="false",
+        maxOutputDerivativeOrder="0",
+        canRunAsynchronuously="false",
+        canBeInstantiatedOnlyOncePerProcess="false",
+        canNotUseMemoryManagementFunctions=_xml(not native),
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+        providesDirectionalDerivative=_xml(native),
+    )
+    if native:
+        files = SubElement(interface, "SourceFiles")
+        for name in build.sources:
+            SubElement(files, "File", name=name)
+
+
+def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
+    attributes = {"name": variable.name, "valueReference": str(reference), **common_attributes(variable)}
+    node = SubElement(parent, "ScalarVariable", attributes)
+    start = {} if variable.start is None else {"start": _xml(variable.start)}
+    SubElement(node, variable.kind, type_attributes(variable) | start)
+
+
+def _xml(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)

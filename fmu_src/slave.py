@@ -16,7 +16,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from fmu_src.component import RopeComponent
-from fmu_src.model_description import model_description
+from fmu_src.model_description import MODEL, Build, model_description
 from rope_model.parameters import PRESETS
 
 
@@ -26,7 +26,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         resources = Path(kwargs["resources"])
-        self.modelName = "BalanceRope"
+        self.modelName = MODEL
         self.build = json.loads((resources / "build.json").read_text(encoding="utf-8"))
         preset = PRESETS[self.build["preset"]](self.build["level"])
         self.component = RopeComponent(preset, resources / "kernels", self._log)
@@ -35,7 +35,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         """The model description from our own table: pythonfmu's has no units and no initial unknowns."""
         build = self.build
         return model_description(
-            self.component.table, self.modelName, build["guid"], build["version"], build["tool"], build["date"]
+            self.component.table, Build(build["guid"], build["version"], build["tool"], build["date"])
         )
 
     def setup_experiment(

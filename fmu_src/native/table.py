@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from rope_model.simulation.ends import SIDES, EndMotion
@@ -79,7 +80,8 @@ def _home(v: Variable) -> tuple[str, str]:
         return "NOWHERE", "0"
     if v.causality == "input":
         return f"{group.upper()}_MOTION", f"offsetof(EndMotion, {dict(_motion_fields())[field]})"
-    field = field.replace("counts[", "counts[-1 + ")
+    if match := re.fullmatch(r"counts\[(\d+)\]", field):
+        field = f"counts[{int(match[1]) - 1}]"
     where = "SCENE_REAL" if v.kind == "Real" else "SCENE_INTEGER"
     return where, f"offsetof(Scene, {_SCENE.get(group, group)}.{field})"
 

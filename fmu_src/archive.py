@@ -1,0 +1,28 @@
+"""FMU archives with the same bytes every time: sorted, deflated entries without time stamps."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+
+def write_archive(destination: Path, files: Mapping[str, bytes]) -> None:
+    """``files`` by their paths in the archive, with forward slashes; replaces ``destination`` atomically."""
+    destination.parent.mkdir(parents=True, exist_ok=True)
+    scratch = destination.with_suffix(".tmp")
+    with zipfile.ZipFile(scratch, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # of the platform that wrote it otherwise
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, files[name])
+    shutil.move(scratch, destination)
+
+
+def read_archive(path: Path) -> dict[str, bytes]:
+    """The files of an archive, backslashes in their names put right."""
+    with zipfile.ZipFile(path) as archive:
+        return {name.replace("\\", "/"): archive.read(name) for name in archive.namelist()}

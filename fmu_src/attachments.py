@@ -1,0 +1,2 @@
+"""placeholder"""
+def attachments(table, preset, level, fmi, native): return {}

@@ -1,0 +1,112 @@
+"""Builds the native FMU: self-contained C, FMI 2.0 or 3.0, for many platforms at once."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import os
+import time
+import uuid
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from xml.etree import ElementTree
+
+from rope_model.parameters import PRESETS, Level, Preset
+
+from ..archive import write_archive
+from ..attachments import attachments
+from ..interface import Variable, variables
+from ..model_description import MODEL, Build, model_description
+from ..model_description3 import build_description, model_description3
+from .build import available_platforms, binaries
+from .table import c_places, c_table
+
+_HERE = Path(__file__).resolve().parent
+_COMMON = ("component.c", "component.h", "model.h", "snapshot.c", "snapshot.h", "rope_model.c", "rope_table.h")
+
+
+def export_native(
+    destination: Path,
+    preset: str = "rope-120",
+    level: Level = "standard",
+    fmi: int = 2,
+    platforms: Sequence[str] | None = None,
+    rope: Mapping[str, str] | None = None,
+) -> Path:
+    """Write the native FMU with the start values of ``preset`` at a level of accuracy to ``destination``.
+
+    ``platforms`` are names of FMI 3.0, all that can be built here if None.  ``rope`` replaces the C files behind
+    rope.h (tests do).  Two exports of the same sources give the same bytes.
+    """
+    if preset not in PRESETS:
+        raise ValueError(f"there is no scene {preset!r}; choose one of {', '.join(PRESETS)}")
+    if fmi not in (2, 3):
+        raise ValueError(f"there is no FMI version {fmi}; choose 2 or 3")
+    chosen = available_platforms() if platforms is None else tuple(platforms)
+    if not chosen:
+        raise ValueError("no platform to build for: install a C compiler, or the ziglang package")
+    table = native_table(PRESETS[preset](level))
+    sources = {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)}
+    token = _token(sources, f"{preset} {level} {fmi}")
+    sources["variables.c"] = c_table(table, token, fmi)
+    build = Build(
+        token,
+        importlib.metadata.version("balance-rope"),
+        f"balance-rope {importlib.metadata.version('balance-rope')}, native",
+        _date(),
+        tuple(sorted(name for name in sources if name.endswith(".c"))),
+    )
+    describe = model_description if fmi == 2 else model_description3
+    files = {"modelDescription.xml": xml_bytes(describe(table, build))}
+    files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
+    files["sources/buildDescription.xml"] = xml_bytes(build_description(build))
+    files |= binaries(sources, MODEL, fmi, chosen)
+    files |= attachments(table, preset, level, fmi, native=True)
+    write_archive(destination, files)
+    return destination
+
+
+def native_table(preset: Preset) -> tuple[Variable, ...]:
+    """The interface table; what only the Python flavour can do is said."""
+    return tuple(
+        v._replace(description=f"of no effect here, the code is compiled; Python flavour: {v.description}")
+        if v.name == "solver.kernels"
+        else v
+        for v in variables(preset)
+    )
+
+
+def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:
+    """Everything between rope.h and the FMI functions but the table of variables."""
+    out = {name: (_HERE / name).read_text(encoding="utf-8") for name in (*_COMMON, f"fmi{fmi}.c")}
+    headers = sorted((_HERE / "include").glob(f"fmi{fmi}*.h"))
+    out |= {path.name: path.read_text(encoding="utf-8") for path in headers}
+    out["places.c"] = c_places(table, fmi)
+    return out
+
+
+def rope_sources() -> dict[str, str]:
+    """The rope simulator in C: file name -> text."""
+    from rope_model.native.build import sources
+
+    return sources()
+
+
+def xml_bytes(root: ElementTree.Element) -> bytes:
+    """The document, indented."""
+    ElementTree.indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="utf-8") + b"\n"
+
+
+def _token(sources: Mapping[str, str], what: str) -> str:
+    """GUID or instantiation token: the same for the same sources, start values and FMI version."""
+    digest = hashlib.sha256(what.encode())
+    for name, text in sorted(sources.items()):
+        digest.update(f"\0{name}\0{text}".encode())
+    return str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope native {digest.hexdigest()}"))
+
+
+def _date() -> str:
+    """UTC, of SOURCE_DATE_EPOCH; empty without it, for two exports shall be the same bytes."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(epoch))) if epoch else ""
