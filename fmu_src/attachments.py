@@ -1,2 +1,5 @@
 """placeholder"""
-def attachments(table, preset, level, fmi, native): return {}
+
+
+def attachments(table, preset, level, fmi, native):
+    return {}

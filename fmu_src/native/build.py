@@ -55,9 +55,7 @@ def available_platforms() -> tuple[str, ...]:
     return (host_platform(),) if find_compiler() and host_platform() in PLATFORMS else ()
 
 
-def binaries(
-    sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]
-) -> dict[str, bytes]:
+def binaries(sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]) -> dict[str, bytes]:
     """Path in the FMU -> library, of the C files and headers in ``sources``."""
     built = {name: library(sources, identifier, name).read_bytes() for name in platforms}
     paths: dict[str, bytes] = {}
