@@ -87,7 +87,9 @@ def _read(component: Component) -> Element:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     version = root.get("fmiVersion")
     if version != "2.0":
-        raise ValueError(f"FMU '{component.fmu}' has fmiVersion = {version}, but must have 2.0 in an SSP: export that one")
+        raise ValueError(
+            f"FMU '{component.fmu}' has fmiVersion = {version}, but must have 2.0 in an SSP: export that one"
+        )
     known = {v.get("name") for v in root.iter("ScalarVariable") if v.get("causality") in ("parameter", "input")}
     if unknown := sorted(set(component.parameters) - known):
         raise ValueError(f"{component.name} has no parameter {', '.join(unknown)}: see its documentation for the names")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 
+from hoist_demo.drive_fmu.documentation import attachments
 from hoist_demo.drive_fmu.interface import INPUTS, Variable, plant_outputs, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.parameters import Setup, require_trip_fits
@@ -24,6 +25,7 @@ class DriveModel:
     description: str
     variables: tuple[Variable, ...]
     sources: dict[str, str]  # file name -> text; those that end in .c are compiled
+    attachments: dict[str, bytes]  # path in the FMU -> documentation, licence
 
 
 def drive_model(setup: Setup) -> DriveModel:
@@ -41,7 +43,7 @@ def drive_model(setup: Setup) -> DriveModel:
         "drive_kernels.c": generated.c,
         "drive_table.h": _table(setup, table, generated),
     }
-    return DriveModel(NAME, text, table, sources)
+    return DriveModel(NAME, text, table, sources, attachments(text, table))
 
 
 def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
