@@ -8,6 +8,12 @@ from typing import NamedTuple
 
 from .interface import Value, Variable
 
+#: descriptions of the arrays as a whole
+_DESCRIPTIONS = {
+    "mesh.counts": "numbers of elements of the segments II to VI, TMN-ETM only",
+    **{f"shape.{axis}": f"{axis.upper()} of points along the rope, denser around the loop" for axis in "xyz"},
+}
+
 
 class Array(NamedTuple):
     """Consecutive scalars; ``length`` is 1, and ``name`` the variable's own, where there is no array."""
@@ -30,5 +36,7 @@ def arrays(table: Sequence[Variable]) -> list[Array]:
         if match and match[2] != "1":
             found[-1] = found[-1]._replace(starts=(*found[-1].starts, variable.start))
         else:
-            found.append(Array(reference, match[1] if match else variable.name, variable, (variable.start,)))
+            name = match[1] if match else variable.name
+            whole = variable._replace(description=_DESCRIPTIONS.get(name, variable.description))
+            found.append(Array(reference, name, whole, (variable.start,)))
     return found

@@ -1,5 +1,58 @@
-"""placeholder"""
+"""What lies in an FMU beside description and code: documentation, licences, icons, terminals, reference results."""
+
+from __future__ import annotations
+
+import importlib.metadata
+from collections.abc import Sequence
+from pathlib import Path
+from xml.etree import ElementTree
+
+from rope_model.parameters import Preset
+
+from .documentation import index_html
+from .interface import Variable
+from .model_description import MODEL
+from .reference import reference_files
+from .terminals import terminals_and_icons
+
+_HERE = Path(__file__).resolve().parent
+_EXTRA = "extra/org.balance-rope.reference"
+_DEPENDENCIES = """\
+This FMU runs Python code: the importing process must be, or be able to load, a CPython 3.11 or newer in which the
+packages numpy and casadi (3.6.5 or newer) can be imported.  Outside of a Python process on Linux, preload libpython.
+
+The kernels inside are compiled for the platform of the export; elsewhere CasADi's virtual machine computes the same,
+more slowly.  The native flavour of this FMU has no such needs: balance-rope export --native.
+"""
 
 
-def attachments(table, preset, level, fmi, native):
-    return {}
+def attachments(table: Sequence[Variable], preset: Preset, fmi: int, native: bool) -> dict[str, bytes]:
+    """Path in the FMU -> contents."""
+    files = {
+        "documentation/index.html": index_html(table, native).encode(),
+        "documentation/licenses/license.txt": license_text().encode(),
+        "terminalsAndIcons/terminalsAndIcons.xml": xml_bytes(terminals_and_icons(table)),
+    }
+    for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
+        files[f"terminalsAndIcons/{name}"] = (_HERE / "pictures" / name).read_bytes()
+    if fmi == 2:
+        files["model.png"] = files["terminalsAndIcons/icon.png"]
+    if native:
+        files["documentation/licenses/fmi-headers.txt"] = (_HERE / "native" / "include" / "LICENSE.txt").read_bytes()
+    else:
+        files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
+    return files | {f"{_EXTRA}/{name}": data for name, data in reference_files(preset, MODEL).items()}
+
+
+def license_text() -> str:
+    """Our licence, as installed."""
+    text = importlib.metadata.distribution("balance-rope").read_text("licenses/LICENSE")
+    if text is None:
+        raise RuntimeError("the licence is missing from the installed package; install balance-rope anew")
+    return text
+
+
+def xml_bytes(root: ElementTree.Element) -> bytes:
+    """The document, indented."""
+    ElementTree.indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="utf-8") + b"\n"

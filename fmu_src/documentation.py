@@ -1,20 +1,20 @@
-"""The interface table as Markdown: ``python -m fmu_src.documentation > docs/interface.md``."""
+"""The interface table as Markdown, ``python -m fmu_src.documentation > docs/interface.md``, and as the HTML in an FMU."""
 
 from __future__ import annotations
 
+import html
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rope_model.parameters import rope_120
 
 from .interface import Variable, variables
 
 _INTRODUCTION = """\
-# The FMU's variables
-
-FMI 2.0 co-simulation, start values of the 120 m scene. Units are SI; `1` marks a pure number. Parameters marked
-*tunable* may be changed between steps, the others only before initialisation. [assumed] marks data that are ours.
+FMI 2.0 co-simulation, or 3.0 (native flavour), start values of the 120 m scene. Units are SI; `1` marks a pure number.
+Parameters marked *tunable* may be changed between steps, the others only before initialisation. [assumed] marks data
+that are ours.
 
 X points from the left to the right suspension point, Y up, Z = X x Y out of plane. The nominal suspension points are
 at x = -spacing/2 and +spacing/2, z = 0; inputs `x` and `z` count from there, `y` is the height in the shaft from any
@@ -22,34 +22,96 @@ origin common to both ends. Yaw of conveyances and loop is positive about Y. Twi
 rope's tangent, which is -Y at the left end and +Y at the right end. Forces and moments are those of the rope on the
 conveyance. A run starts from rest. Give `y`, `vy` and `ay` of one smooth motion: an end that would have to
 accelerate by more than 100 m/s^2 within a step is refused.
-
+"""
+_PYTHON = """\
 When a call fails, doStep returns *discard* (FMPy's `simulate_fmu` then ends early without an error), `status.valid` is
 false and `status.message` names value, bound and cure; the state is that before the step, which may be tried again.
-After a failed initialisation the real outputs are NaN. `added_mass` is for hosts that want to step heavy coupling
-implicitly: how much the end's pull grows with an upward acceleration held over one communication step.
+After a failed initialisation the real outputs are NaN.
 """
+_NATIVE = """\
+When a call fails it returns *error*, and its message, which `status.message` repeats, names value, bound and cure.
+After an error in a step, in initialisation or of a value to be set, restore a state or reset the FMU; the state is
+that before the step. Directional derivatives are those of end forces and moments at the end of a step to the inputs of
+that step, for a step as long as the last; with `inputs_at_step_end` = false the extrapolation is part of them.
+"""
+_ADDED_MASS = """\
+`added_mass` is for hosts that want to step heavy coupling implicitly: how much the end's pull grows with an upward
+acceleration held over one communication step.
+"""
+_SHAPES = """\
+FMI 3.0 has the arrays `shape.x`, `shape.y`, `shape.z` (81) and `mesh.counts` (5) as such and the choices as
+enumerations with the same codes; the other names, and all value references, are the same.
+"""
+#: docs/model.md in short
+_MODEL = """\
+<h2>Model</h2>
+<p>Each element joins two nodes with position r, slope r' and torsion angle &theta;; r is cubic, &theta; linear in the
+arc length x. With t = r'/|r'|: axial strain e = |r'| &minus; 1, curvature vector k = r' &times; r''/|r'|&sup2;,
+torsional strain &tau; = &theta;' + twist of the frame, spin w = &theta;<sub>t</sub> + spin of the frame.</p>
+<table>
+<tr><td>Costello's law</td><td>T = Qa e + Qb &tau;, &nbsp; M = Qc e + Qd &tau;</td></tr>
+<tr><td>strain energy</td><td>U = &int; &frac12; (Qa e&sup2; + 2 Qs e &tau; + Qd &tau;&sup2; + EI |k|&sup2;) dx,
+&nbsp; Qs = (Qb + Qc)/2</td></tr>
+<tr><td>kinetic energy</td><td>K = &int; &frac12; &rho; |r<sub>t</sub>|&sup2; + &frac12; &rho;J w&sup2; dx</td></tr>
+<tr><td>potential of the weight</td><td>V = &int; &rho; g r<sub>Y</sub> dx</td></tr>
+<tr><td>swivel that slips</td><td>M = &minus;(&frac12; &mu; d<sub>m</sub> T + M<sub>seal</sub>) sgn b<sub>t</sub>,
+with the tension T at the end</td></tr>
+</table>
+<p>Damping is proportional to stiffness (beta_K). Ends are vertical and prescribed; between two instants of the host
+each coordinate follows a quintic in time. Time integration: generalized-alpha with step control. Mesh: TMN-ETM, seven
+segments with element lengths l, l/2, l/4, l/8, l/4, l/2, l that follow the loop. Four rungs compute as much as the
+scene needs: torsional (all), spatial (no torsion), planar, rigid. There is no contact: legs that touch pass through
+each other; <code>loop.clearance</code> tells.</p>
+"""
+_STYLE = (
+    "body{font:15px/1.45 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
+    "td,th{border:1px solid #ccc;padding:.15em .5em;text-align:left;vertical-align:top}code{white-space:nowrap}"
+)
+_TITLES = (("parameter", "Parameters"), ("input", "Inputs"), ("output", "Outputs"))
 
 
 def interface_page() -> str:
     """The page; the numbered shape points are folded into one row per axis."""
     table = variables(rope_120())
-    lines = [_INTRODUCTION]
-    for causality, title in (("parameter", "Parameters"), ("input", "Inputs"), ("output", "Outputs")):
+    lines = ["# The FMU's variables", "", _INTRODUCTION, "Python flavour: " + _PYTHON, "Native flavour: " + _NATIVE]
+    lines += [_SHAPES, _ADDED_MASS]
+    for causality, title in _TITLES:
         lines += [f"## {title}", "", "| name | unit or type | start | |", "|---|---|---|---|"]
-        lines += _rows([v for v in table if v.causality == causality])
+        lines += [f"| {' | '.join(row)} |" for row in _rows([v for v in table if v.causality == causality])]
         lines.append("")
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _rows(table: list[Variable]) -> Iterator[str]:
+def index_html(table: Sequence[Variable], native: bool) -> str:
+    """documentation/index.html: how to use the FMU, the model, the variables."""
+    parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _NATIVE if native else _PYTHON]
+    parts += [_SHAPES if native else "", _ADDED_MASS]
+    paragraphs = "\n".join(f"<p>{_marked_up(text)}</p>" for part in parts for text in part.split("\n\n") if text)
+    body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}", _MODEL]
+    for causality, title in _TITLES:
+        rows = _rows([v for v in table if v.causality == causality])
+        cells = ["".join(f"<td>{_marked_up(cell)}</td>" for cell in row) for row in rows]
+        head = "".join(f"<th>{text}</th>" for text in ("name", "unit or type", "start", ""))
+        body.append(f"<h2>{title}</h2>\n<table><tr>{head}</tr>\n" + "\n".join(f"<tr>{row}</tr>" for row in cells))
+        body.append("</table>")
+    head = f'<meta charset="utf-8"><title>Balance rope</title><style>{_STYLE}</style>'
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head><body>\n' + "\n".join(body) + "\n</body></html>\n"
+
+
+def _marked_up(text: str) -> str:
+    text = re.sub(r"`(.+?)`", r"<code>\1</code>", html.escape(text.strip(), quote=False))
+    return re.sub(r"(?<!\w)\*(\w+)\*", r"<em>\1</em>", text)
+
+
+def _rows(table: list[Variable]) -> Iterator[tuple[str, str, str, str]]:
     for v in table:
         if match := re.fullmatch(r"(shape\.[xyz])\[(\d+)\]", v.name):
             if match[2] == "1":
-                yield f"| `{match[1]}[1]` ... `[81]` | {v.unit} | | points along the rope, denser around the loop |"
+                yield f"`{match[1]}[1]` ... `[81]`", v.unit, "", "points along the rope, denser around the loop"
             continue
         start = "" if v.start is None else str(v.start).lower() if isinstance(v.start, bool) else f"{v.start:g}"
         tunable = "*tunable*; " if v.variability == "tunable" else ""
-        yield f"| `{v.name}` | {v.unit or v.kind} | {start} | {tunable}{v.description} |"
+        yield f"`{v.name}`", v.unit or v.kind, start, f"{tunable}{v.description}"
 
 
 if __name__ == "__main__":

@@ -11,12 +11,10 @@ import importlib.metadata
 import json
 import os
 import re
-import shutil
 import sys
 import tempfile
 import time
 import uuid
-import zipfile
 from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
@@ -25,7 +23,14 @@ from rope_model.parameters import PRESETS, Level
 from rope_model.simulation.mesh import partition, suited
 from rope_model.simulation.rope_system import write_bundle
 
+from .archive import read_archive, write_archive
+from .attachments import attachments
+from .interface import variables
+
 SOURCES = ("rope_model", "fmu_src")
+#: what the FMU needs not: parts of the export, and of the native flavour
+_LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference.py", "terminals.py"}
+_LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "native"}
 
 
 def export_fmu(destination: Path, preset: str = "rope-120", level: Level = "standard") -> Path:
@@ -38,7 +43,6 @@ def export_fmu(destination: Path, preset: str = "rope-120", level: Level = "stan
     scene = PRESETS[preset](level).scene
     mesh = suited(scene.mesh, scene.rope, scene.layout)
     elements = partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
-    destination.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"
@@ -54,7 +58,8 @@ def export_fmu(destination: Path, preset: str = "rope-120", level: Level = "stan
         draft.parent.mkdir()
         FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
         sys.path.remove(str(stage))  # the builder leaves it there
-        _rewrite(draft, destination)
+        data = PRESETS[preset](level)
+        write_archive(destination, read_archive(draft) | attachments(variables(data), data, fmi=2, native=False))
     return destination
 
 
@@ -87,7 +92,7 @@ def _root() -> Path:
 
 def _sources() -> list[Path]:
     files = [path for package in SOURCES for path in sorted((_root() / package).rglob("*.py"))]
-    return [path for path in files if path.name not in ("export.py", "documentation.py", "modal.py")]
+    return [path for path in files if not _LEFT_OUT.intersection(path.relative_to(_root()).parts)]
 
 
 def _copy_package(package: Path) -> None:
@@ -100,15 +105,3 @@ def _copy_package(package: Path) -> None:
             text = re.sub(r"(?m)^from rope_model", "from ..rope_model", text)
         copy.write_text(text, encoding="utf-8")
     (package / "__init__.py").write_text("", encoding="utf-8")
-
-
-def _rewrite(draft: Path, destination: Path) -> None:
-    """The archive again with sorted, compressed entries and no time stamps; replaces ``destination`` atomically."""
-    scratch = destination.with_suffix(".tmp")
-    with zipfile.ZipFile(draft) as old, zipfile.ZipFile(scratch, "w", zipfile.ZIP_DEFLATED) as new:
-        for name in sorted(old.namelist()):
-            entry = zipfile.ZipInfo(name.replace("\\", "/"), date_time=(1980, 1, 1, 0, 0, 0))
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = 0o644 << 16
-            new.writestr(entry, old.read(name))
-    shutil.move(scratch, destination)

@@ -74,16 +74,34 @@ _MODEL = {
     "force_tolerance": ("1", "relative error of the end forces that auto may trade for speed"),
 }
 _TUNABLE = {"step_max", "step_min", "tolerance", "newton_tolerance", "mu_static", "mu_kinetic", "seal_moment"}
-#: what is physically possible, for the parameters where it is one-sided
+#: least and largest value that the rope takes; where it must be above the least, 0 is given
 _MINIMUM = {
-    "beta_K": 0.0,
-    "mu_static": 0.0,
-    "mu_kinetic": 0.0,
-    "seal_moment": 0.0,
-    "rho_inf": 0.0,
-    "force_tolerance": 0.0,
+    **dict.fromkeys(("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "beta_K", "diameter"), 0.0),
+    **dict.fromkeys(("spacing", "gravity", "mean_diameter", "mu_static", "mu_kinetic", "seal_moment", "inertia"), 0.0),
+    **dict.fromkeys(("step_max", "step_min", "tolerance", "newton_tolerance", "rho_inf", "force_tolerance"), 0.0),
+    "elements": 2,
+    "coarse_length": 0.0,
+    "end_levels": 0,
+    "loop_error": 1e-5,
 }
-_MAXIMUM = {"rho_inf": 1.0}
+_MAXIMUM = {
+    "length": 1e4,
+    "diameter": 1.0,
+    "elements": 20000,
+    "end_levels": 8,
+    "loop_error": 1.0,
+    "step_max": 1.0,
+    "step_min": 1.0,
+    "newton_tolerance": 1e-3,
+    "rho_inf": 1.0,
+    "force_tolerance": 1.0,
+}
+#: least element counts of the segments II to VI
+_COUNTS = (2, 4, 8, 4, 2)
+#: inputs beyond are refused: metres or radians, their rates, accelerations (simulation.ends.checked)
+_REACH = {"m": 1e4, "rad": 1e4, "m/s": 60.0, "rad/s": 60.0, "m/s2": 100.0}
+#: outputs that are never negative
+_NOT_NEGATIVE = ("count.", "stress.", "energy.kinetic")
 _INPUT_UNIT = {"": "m", "v": "m/s", "a": "m/s2"}
 #: names of the inputs of each side in the order of EndMotion
 _MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
@@ -141,7 +159,8 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
             )
     for i, segment in enumerate(SEGMENTS):
         text = f"number of elements of segment {segment}, TMN-ETM only"
-        yield Variable(f"mesh.counts[{i + 1}]", "parameter", "fixed", "Integer", "", scene.mesh.counts[i], text)
+        name, start = f"mesh.counts[{i + 1}]", scene.mesh.counts[i]
+        yield Variable(name, "parameter", "fixed", "Integer", "", start, text, _COUNTS[i])
     yield Variable(
         "inputs_at_step_end",
         "parameter",
@@ -155,18 +174,18 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
 
 
 def _inputs(travel: float) -> Iterator[Variable]:
+    def one(name: str, unit: str, start: float, text: str) -> Variable:
+        return Variable(name, "input", "continuous", "Real", unit, start, text, -_REACH[unit], _REACH[unit])
+
     for side in SIDES:
         for derivative, what in (("", "position"), ("v", "speed"), ("a", "acceleration")):
             for axis in "xyz":
                 start = travel if (side, derivative + axis) == ("right", "y") else 0.0
                 where = {"x": "in plane, from the nominal point", "y": "up", "z": "out of plane"}[axis]
                 text = f"{what} of the {side} suspension point, {where}"
-                unit = _INPUT_UNIT[derivative]
-                yield Variable(f"{side}.{derivative}{axis}", "input", "continuous", "Real", unit, start, text)
-        yield Variable(
-            f"{side}.yaw", "input", "continuous", "Real", "rad", 0.0, f"yaw of the {side} conveyance about Y"
-        )
-        yield Variable(f"{side}.yaw_rate", "input", "continuous", "Real", "rad/s", 0.0, f"rate of {side}.yaw")
+                yield one(f"{side}.{derivative}{axis}", _INPUT_UNIT[derivative], start, text)
+        yield one(f"{side}.yaw", "rad", 0.0, f"yaw of the {side} conveyance about Y")
+        yield one(f"{side}.yaw_rate", "rad/s", 0.0, f"rate of {side}.yaw")
 
 
 def _outputs() -> Iterator[Variable]:
@@ -175,7 +194,8 @@ def _outputs() -> Iterator[Variable]:
         kind = kinds[signal.kind]
         variability: Literal["continuous", "discrete"] = "continuous" if kind == "Real" else "discrete"
         unit = signal.unit if kind == "Real" else ""
-        yield Variable(name, "output", variability, kind, unit, None, signal.description)
+        least = 0 if name.startswith(_NOT_NEGATIVE) else None
+        yield Variable(name, "output", variability, kind, unit, None, signal.description, least)
     yield Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded")
     yield Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty")
     yield Variable("status.rung", "output", "discrete", "String", "", None, "rung of the model that is computed")

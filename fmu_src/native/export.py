@@ -9,12 +9,11 @@ import time
 import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from xml.etree import ElementTree
 
 from rope_model.parameters import PRESETS, Level, Preset
 
 from ..archive import write_archive
-from ..attachments import attachments
+from ..attachments import attachments, xml_bytes
 from ..interface import Variable, variables
 from ..model_description import MODEL, Build, model_description
 from ..model_description3 import build_description, model_description3
@@ -45,7 +44,8 @@ def export_native(
     chosen = available_platforms() if platforms is None else tuple(platforms)
     if not chosen:
         raise ValueError("no platform to build for: install a C compiler, or the ziglang package")
-    table = native_table(PRESETS[preset](level))
+    data = PRESETS[preset](level)
+    table = native_table(data)
     sources = {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)}
     token = _token(sources, f"{preset} {level} {fmi}")
     sources["variables.c"] = c_table(table, token, fmi)
@@ -61,7 +61,7 @@ def export_native(
     files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     files["sources/buildDescription.xml"] = xml_bytes(build_description(build))
     files |= binaries(sources, MODEL, fmi, chosen)
-    files |= attachments(table, preset, level, fmi, native=True)
+    files |= attachments(table, data, fmi, native=True)
     write_archive(destination, files)
     return destination
 
@@ -90,12 +90,6 @@ def rope_sources() -> dict[str, str]:
     from rope_model.native.build import sources
 
     return sources()
-
-
-def xml_bytes(root: ElementTree.Element) -> bytes:
-    """The document, indented."""
-    ElementTree.indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="utf-8") + b"\n"
 
 
 def _token(sources: Mapping[str, str], what: str) -> str:

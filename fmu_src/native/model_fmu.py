@@ -9,11 +9,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..archive import write_archive
+from ..attachments import license_text, xml_bytes
 from ..interface import Variable
 from ..model_description import Build, model_description
 from ..model_description3 import build_description
 from .build import available_platforms, binaries
-from .export import xml_bytes
 from .table import c_table
 
 _HERE = Path(__file__).resolve().parent
@@ -49,6 +49,8 @@ def export_model(
     for unknown in root.iterfind("ModelStructure/Outputs/Unknown"):
         unknown.set("dependencies", "")
     files = {"modelDescription.xml": xml_bytes(root), **attachments}
+    files["documentation/licenses/license.txt"] = license_text().encode()
+    files["documentation/licenses/fmi-headers.txt"] = (_HERE / "include" / "LICENSE.txt").read_bytes()
     files |= {f"sources/{file}": text.encode() for file, text in sources.items()}
     files["sources/buildDescription.xml"] = xml_bytes(build_description(build))
     files |= binaries(sources, name, 2, chosen)

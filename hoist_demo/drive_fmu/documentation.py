@@ -1,14 +1,13 @@
-"""What travels in the drive's FMU for its reader: documentation/index.html, and the licence."""
+"""What travels in the drive's FMU for its reader: documentation/index.html and a picture."""
 
 from __future__ import annotations
 
 import html
 from collections.abc import Sequence
+from importlib.resources import files
 
 from hoist_demo.drive_fmu.interface import Variable
 from hoist_demo.parameters import ASSUMED_DATA
-
-LICENSE = "SPDX-License-Identifier: BSD-3-Clause\n\nCopyright (c) the balance-rope authors\n"
 
 _ABOUT = """\
 <p>{description}.</p>
@@ -32,7 +31,7 @@ def attachments(description: str, table: Sequence[Variable]) -> dict[str, bytes]
     """Files by their paths in the FMU."""
     return {
         "documentation/index.html": _page(description, table).encode(),
-        "documentation/licenses/license.txt": LICENSE.encode(),
+        "model.png": files(__package__).joinpath("icon.png").read_bytes(),
     }
 
 

@@ -1,0 +1,69 @@
+"""A short run of the rope, to compare an FMU with after import; the format is that of the FMI cross-check.
+
+Both ends move as in the first second of a slow trip; inputs are read as FMI does, at the start of each step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rope_model.parameters import Preset
+
+from .component import RopeComponent
+
+H, STEPS = 0.01, 100
+#: m and s of the whole trip
+TRAVEL, DURATION = 2.0, 4.0
+_OUTPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
+_OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
+
+
+def reference_files(preset: Preset, name: str) -> dict[str, bytes]:
+    """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt; RuntimeError when the run fails."""
+    component = RopeComponent(preset, None, lambda message, is_error: None)
+    places = {v.name: i for i, v in enumerate(component.table)}
+    height = component.values["right.y"]
+    assert isinstance(height, float)
+    inputs, results = [("time", *_motion(0.0, height))], [("time", *_OUTPUTS)]
+
+    def output() -> list[float]:
+        return component.get([places[key] for key in _OUTPUTS], "Real")
+
+    component.enter_initialization()
+    component.exit_initialization()
+    for k in range(STEPS + 1):
+        motion = _motion(k * H, height)
+        component.set([places[key] for key in motion], list(motion.values()), "Real")
+        inputs.append((_text(k * H), *map(_text, motion.values())))
+        results.append((_text(k * H), *map(_rounded, output())))
+        if k < STEPS and not component.do_step(k * H, H):
+            raise RuntimeError(f"the reference run fails: {component.status.message}")
+    options = f"StartTime, 0\nStopTime, {_text(H * STEPS)}\nStepSize, {_text(H)}\nRelTol, 1e-6\n"
+    return {
+        f"{name}_in.csv": "\n".join(_lines(inputs)).encode(),
+        f"{name}_ref.csv": "\n".join(_lines(results)).encode(),
+        f"{name}_ref.opt": options.encode(),
+    }
+
+
+def _motion(t: float, height: float) -> dict[str, float]:
+    s = t / DURATION
+    x = TRAVEL * s**3 * (10 - 15 * s + 6 * s**2)
+    v = TRAVEL / DURATION * 30 * s**2 * (1 - s) ** 2
+    a = TRAVEL / DURATION**2 * 60 * s * (1 - s) * (1 - 2 * s)
+    names = ("left.y", "left.vy", "left.ay", "right.y", "right.vy", "right.ay")
+    return dict(zip(names, (x, v, a, height - x, -v, -a), strict=True))
+
+
+def _text(x: float) -> str:
+    return f"{x:.15g}"
+
+
+def _rounded(x: float) -> str:
+    """Nine digits, six decimals: below is rounding, which differs between machines."""
+    return f"{round(x, 6) + 0.0:.9g}"
+
+
+def _lines(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    yield from (",".join(f'"{cell}"' if i == 0 else cell for cell in row) for i, row in enumerate(rows))
+    yield ""
