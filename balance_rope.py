@@ -10,10 +10,19 @@ from importlib.metadata import version
 from pathlib import Path
 
 from fmu_src.export import export_fmu
+from fmu_src.native.build import PLATFORMS, available_platforms
+from fmu_src.native.export import export_native
 from hoist_demo.cli import add_demo
 from rope_model.parameters import LEVELS, PRESETS
 
-DEFAULT_FMU = Path("build") / "balance_rope.fmu"
+BUILD = Path("build")
+#: flavour and FMI version -> file name
+NAMES = {
+    ("Python", 2): "balance_rope.fmu",
+    ("native", 2): "balance_rope_native.fmu",
+    ("native", 3): "balance_rope_native_fmi3.fmu",
+}
+DEFAULT_FMU = BUILD / NAMES["Python", 2]
 DOCS, QUICK = Path("docs"), Path("out") / "chart"
 
 DESCRIPTION = """\
@@ -25,6 +34,7 @@ sheave, head ropes, conveyances) is a CasADi model that exchanges end motions an
 EPILOG = """\
 first steps:
   balance-rope export                  write the rope to build/balance_rope.fmu
+  balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
   balance-rope demo                    wind 90 m with it; figures, CSV and a report in out/demo
   balance-rope demo --quick            wind 10 m only, to see that all is in place
   balance-rope demo --in-process       the same rope without the FMU
@@ -40,21 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--version", action="version", version=f"balance-rope {version('balance-rope')}")
     parser.add_argument("-v", "--verbose", action="store_true", help="log what the solver does")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    export = commands.add_parser(
-        "export",
-        help="write the rope as an FMU",
-        description="Export the balance rope as an FMI 2.0 co-simulation FMU. The importing host needs Python with "
-        "numpy and casadi; every parameter can still be set before initialisation.",
-    )
-    export.add_argument("--scene", choices=sorted(PRESETS), default="rope-120", help="start values (%(default)s)")
-    export.add_argument(
-        "--level",
-        choices=tuple(LEVELS),
-        default="standard",
-        help="accuracy against speed, see docs/chart.md (%(default)s)",
-    )
-    export.add_argument("--out", type=Path, default=DEFAULT_FMU, help="the .fmu to write (%(default)s)")
-    export.set_defaults(run=_export)
+    _add_export(commands)
     add_demo(commands, DEFAULT_FMU)
     chart = commands.add_parser(
         "chart",
@@ -78,10 +74,54 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
 
 
+def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    export = commands.add_parser(
+        "export",
+        help="write the rope as an FMU",
+        description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) needs Python with "
+        "numpy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is self-contained C and needs "
+        "nothing. Both have the same variables; every parameter can still be set before initialisation.",
+    )
+    export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
+    export.add_argument("--native", action="store_true", help="the native flavour; needs a C compiler or ziglang here")
+    export.add_argument("--fmi", type=int, nargs="+", choices=(2, 3), default=[2], help="version of FMI (2)")
+    export.add_argument(
+        "--platform",
+        nargs="+",
+        choices=tuple(PLATFORMS),
+        metavar="NAME",
+        help=f"platforms of the native flavour: {', '.join(PLATFORMS)} (all that can be built here)",
+    )
+    export.add_argument("--scene", choices=sorted(PRESETS), default="rope-120", help="start values (%(default)s)")
+    export.add_argument(
+        "--level",
+        choices=tuple(LEVELS),
+        default="standard",
+        help="accuracy against speed, see docs/chart.md (%(default)s)",
+    )
+    export.add_argument("--out", type=Path, help=f"the .fmu to write, or the folder if there are several ({BUILD}/...)")
+    export.set_defaults(run=_export)
+
+
 def _export(options: argparse.Namespace) -> int:
-    path = export_fmu(options.out, options.scene, options.level)
-    what = f"FMI 2.0 co-simulation, scene {options.scene}, level {options.level}"
-    print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {what}")
+    wanted = [("native", fmi) for fmi in options.fmi] if options.native else []
+    if options.python or not options.native:
+        if 2 not in options.fmi:
+            raise ValueError("the Python flavour is FMI 2.0 only; FMI 3.0 comes with --native")
+        wanted.insert(0, ("Python", 2))
+    rows = [("file", "flavour", "FMI", "platforms", "size")]
+    for flavour, fmi in wanted:
+        path = options.out if options.out and len(wanted) == 1 else (options.out or BUILD) / NAMES[flavour, fmi]
+        if flavour == "native":
+            platforms = options.platform or available_platforms()
+            export_native(path, options.scene, options.level, fmi, platforms)
+        else:
+            platforms = ["where Python, numpy and casadi are"]
+            export_fmu(path, options.scene, options.level)
+        rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), f"{path.stat().st_size / 1e6:.2f} MB"))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     return 0
 
 

@@ -55,4 +55,5 @@ def license_text() -> str:
 def xml_bytes(root: ElementTree.Element) -> bytes:
     """The document, indented."""
     ElementTree.indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="utf-8") + b"\n"
+    text: str = ElementTree.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()

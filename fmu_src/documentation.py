@@ -1,4 +1,4 @@
-"""The interface table as Markdown, ``python -m fmu_src.documentation > docs/interface.md``, and as the HTML in an FMU."""
+"""The interface table as Markdown (``python -m fmu_src.documentation > docs/interface.md``) and as HTML in the FMUs."""
 
 from __future__ import annotations
 

@@ -22,9 +22,8 @@ def reference_files(preset: Preset, name: str) -> dict[str, bytes]:
     """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt; RuntimeError when the run fails."""
     component = RopeComponent(preset, None, lambda message, is_error: None)
     places = {v.name: i for i, v in enumerate(component.table)}
-    height = component.values["right.y"]
-    assert isinstance(height, float)
-    inputs, results = [("time", *_motion(0.0, height))], [("time", *_OUTPUTS)]
+    start = {v.name: v.start for v in component.table if v.causality == "input" and isinstance(v.start, float)}
+    inputs, results = [("time", *start)], [("time", *_OUTPUTS)]
 
     def output() -> list[float]:
         return component.get([places[key] for key in _OUTPUTS], "Real")
@@ -32,7 +31,7 @@ def reference_files(preset: Preset, name: str) -> dict[str, bytes]:
     component.enter_initialization()
     component.exit_initialization()
     for k in range(STEPS + 1):
-        motion = _motion(k * H, height)
+        motion = start | _motion(k * H, start["right.y"])
         component.set([places[key] for key in motion], list(motion.values()), "Real")
         inputs.append((_text(k * H), *map(_text, motion.values())))
         results.append((_text(k * H), *map(_rounded, output())))

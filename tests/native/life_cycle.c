@@ -1,0 +1,90 @@
+/* A host in C for valgrind: two instances of FMI 2.0 through a whole life with failed calls, states, reset.
+   Arguments: library, GUID.  Prints how often memory was taken while stepping. */
+#include <dlfcn.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "fmi2FunctionTypes.h"
+
+static size_t taken;
+
+static void *take(size_t number, size_t size) {
+    taken++;
+    return calloc(number, size);
+}
+
+static void ignore(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
+                   fmi2String message, ...) {
+    (void)environment, (void)name, (void)status, (void)category, (void)message;
+}
+
+static void *library;
+
+static void *function(const char *name) {
+    void *found = dlsym(library, name);
+    if (!found) exit(fprintf(stderr, "%s is missing\n", name));
+    return found;
+}
+
+#define F(name) ((name##TYPE *)function(#name))
+
+int main(int number, char **arguments) {
+    fmi2CallbackFunctions callbacks = {ignore, take, free, NULL, NULL};
+    fmi2Component c[2];
+    fmi2FMUstate state = NULL, read = NULL;
+    fmi2ValueReference references[400];
+    fmi2Real values[400], nan_value = NAN, point = 0.0;
+    fmi2String text;
+    fmi2Byte *bytes;
+    size_t size, before, i, k, outputs = 0;
+    unsigned life;
+    if (number != 3 || !(library = dlopen(arguments[1], RTLD_NOW))) return 1;
+    if (F(fmi2Instantiate)("bad", fmi2CoSimulation, "none", "", &callbacks, 0, 0)) return 2;
+    for (i = 0; i < 2; i++)
+        if (!(c[i] = F(fmi2Instantiate)("rope", fmi2CoSimulation, arguments[2], "", &callbacks, 0, 1))) return 3;
+    for (life = 0; life < 2; life++) {
+        for (i = 0; i < 2; i++) {
+            if (F(fmi2DoStep)(c[i], 0.0, 0.01, 1) != fmi2Error) return 4;
+            F(fmi2SetupExperiment)(c[i], 0, 0.0, 0.0, 0, 0.0);
+            if (F(fmi2EnterInitializationMode)(c[i]) || F(fmi2ExitInitializationMode)(c[i])) return 5;
+        }
+        for (k = outputs = 0; k < 400; k++) {
+            references[outputs] = (fmi2ValueReference)k;
+            if (F(fmi2GetReal)(c[0], references + outputs, 1, values) == fmi2OK) outputs++;
+        }
+        before = taken;
+        for (k = 0; k < 20; k++)
+            for (i = 0; i < 2; i++) {
+                if (F(fmi2DoStep)(c[i], 0.01 * (double)k, 0.01, 1)) return 6;
+                if (F(fmi2GetReal)(c[i], references, outputs, values)) return 7;
+            }
+        printf("%lu\n", (unsigned long)(taken - before));
+        if (F(fmi2GetFMUstate)(c[0], &state) || F(fmi2SerializedFMUstateSize)(c[0], state, &size)) return 8;
+        bytes = malloc(size);
+        if (F(fmi2SerializeFMUstate)(c[0], state, bytes, size)) return 9;
+        if (F(fmi2DeSerializeFMUstate)(c[1], bytes, size, &read) || F(fmi2SetFMUstate)(c[1], read)) return 10;
+        bytes[size / 2] ^= 1;
+        if (F(fmi2DeSerializeFMUstate)(c[1], bytes, size, &read) != fmi2Error) return 11;
+        free(bytes);
+        references[0] = 47; /* left.y */
+        if (F(fmi2SetReal)(c[0], references, 1, &nan_value) != fmi2Error) return 12;
+        if (F(fmi2DoStep)(c[0], 0.2, 0.01, 1) != fmi2Error || F(fmi2SetFMUstate)(c[0], state)) return 13;
+        if (F(fmi2GetRealStatus)(c[0], fmi2LastSuccessfulTime, &point) || fabs(point - 0.2) > 1e-9) return 14;
+        references[0] = (fmi2ValueReference)361; /* status.message */
+        F(fmi2GetString)(c[0], references, 1, &text);
+        F(fmi2FreeFMUstate)(c[0], &state);
+        F(fmi2FreeFMUstate)(c[1], &read);
+        if (life) continue;
+        for (i = 0; i < 2; i++) F(fmi2Reset)(c[i]);
+        references[0] = 6; /* rope.EI, one that makes initialisation fail */
+        values[0] = -1.0;
+        F(fmi2SetReal)(c[0], references, 1, values);
+        F(fmi2EnterInitializationMode)(c[0]);
+        if (F(fmi2ExitInitializationMode)(c[0]) != fmi2Error) return 15;
+        F(fmi2Reset)(c[0]);
+    }
+    if (F(fmi2Terminate)(c[1])) return 16;
+    for (i = 0; i < 2; i++) F(fmi2FreeInstance)(c[i]);
+    return 0;
+}
