@@ -84,7 +84,7 @@ def emulator(platform: str) -> list[str] | None:
 
 
 def script(described: ElementTree.Element) -> str:
-    """Commands for foreign_host: the rope's ends moved as by its reference, the drive's forces at their start values."""
+    """Commands for foreign_host: the rope follows the reference, the drive runs under the forces at the start."""
     references = {str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")}
     outputs = {v.get("name") for v in described.iter("ScalarVariable") if v.get("causality") == "output"}
     reference = s_curve(SETUPS["rope-120"].winding)

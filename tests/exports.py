@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,32 @@ class Flavour:
 
 
 FLAVOURS = {"python": Flavour(export_fmu, fmi=2, native=False, tolerance=1e-12)}
+#: whether the rope itself is there in C; else a stand-in takes its place in the archives
+NATIVE_ROPE = importlib.util.find_spec("rope_model.native.build") is not None
+
+
+def native(fmi: int, platforms: Sequence[str] | None = None) -> Callable[[Path], Path]:
+    """Exports the native FMU; for all platforms that can be built here if None."""
+
+    def export(destination: Path) -> Path:
+        rope = None if NATIVE_ROPE else stand_in()
+        return export_native(destination, fmi=fmi, platforms=platforms, rope=rope)
+
+    return export
+
+
+def stand_in() -> dict[str, str]:
+    """Hanging weights behind rope.h."""
+    root = Path(__file__).parent
+    files = (root / "native" / "stand_in.c", root.parent / "rope_model" / "native" / "rope.h")
+    return {path.name: path.read_text(encoding="utf-8") for path in files}
+
+
+if NATIVE_ROPE and host_platform() in available_platforms():
+    FLAVOURS |= {
+        f"native-{fmi}": Flavour(native(fmi, (host_platform(),)), fmi=fmi, native=True, tolerance=1e-9)
+        for fmi in (2, 3)
+    }
 
 
 def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),)) -> Path:
@@ -35,14 +62,6 @@ def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),
     return export_model(destination, drive.name, drive.description, table, drive.sources, drive.attachments, platforms)
 
 
-def native_with_stand_in(destination: Path, fmi: int) -> Path:
-    """The native FMU around the stand-in for the rope, for all platforms that can be built here."""
-    root = Path(__file__).parent
-    files = (root / "native" / "stand_in.c", root.parent / "rope_model" / "native" / "rope.h")
-    rope = {path.name: path.read_text(encoding="utf-8") for path in files}
-    return export_native(destination, fmi=fmi, rope=rope)
-
-
 def drive_everywhere(destination: Path) -> Path:
     """The hoist drive for all platforms that can be built here."""
     return export_drive(destination, available_platforms())
@@ -50,8 +69,8 @@ def drive_everywhere(destination: Path) -> Path:
 
 #: every kind of archive that is exported
 ARCHIVES: dict[str, Callable[[Path], Path]] = {
-    **{name: flavour.export for name, flavour in FLAVOURS.items()},
-    "native-2": lambda path: native_with_stand_in(path, 2),
-    "native-3": lambda path: native_with_stand_in(path, 3),
+    "python": export_fmu,
+    "native-2": native(2),
+    "native-3": native(3),
     "drive": drive_everywhere,
 }

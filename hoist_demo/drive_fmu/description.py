@@ -25,7 +25,8 @@ class DriveModel:
     description: str
     variables: tuple[Variable, ...]
     sources: dict[str, str]  # file name -> text; those that end in .c are compiled
-    attachments: dict[str, bytes]  # path in the FMU -> documentation, licence
+    attachments: dict[str, bytes]  # path in the FMU -> documentation and picture
+    duration: float  # s, of the trip with what waits before and after it
 
 
 def drive_model(setup: Setup) -> DriveModel:
@@ -43,7 +44,8 @@ def drive_model(setup: Setup) -> DriveModel:
         "drive_kernels.c": generated.c,
         "drive_table.h": _table(setup, table, generated),
     }
-    return DriveModel(NAME, text, table, sources, attachments(text, table))
+    duration = s_curve(setup.winding).duration + setup.winding.settle
+    return DriveModel(NAME, text, table, sources, attachments(text, table), duration)
 
 
 def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
