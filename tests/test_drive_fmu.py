@@ -165,15 +165,18 @@ def test_without_a_trip_the_drive_stays_at_rest(drive: Drive) -> None:
 
 def test_internal_steps_converge_with_order_four(drive: Drive) -> None:
     ends = []
-    for steps in (4, 8, 16, 256):
+    for steps in (4, 8, 16, 128):
         assert drive.start(solver__step_max=H / steps)
-        for k in range(400):
+        # a blow that sets the conveyances swinging by decimetres, so that errors stand clear of rounding
+        drive.set(**{INPUTS[1]: -2e5})
+        for k in range(60):
             assert drive.step(k * H), drive.says()
+        drive.set(**{INPUTS[1]: rest_forces(SETUP)[1]})
         ends.append(drive.get("left.vy"))
         drive.close()
     drive.instance = None
     errors = np.abs(np.array(ends[:-1]) - ends[-1])
-    assert np.all(np.log2(errors[:-1] / errors[1:]) > 3.7)
+    assert np.all(np.log2(errors[:-1] / errors[1:]) > 3.8), errors
 
 
 @pytest.mark.parametrize(
