@@ -30,7 +30,7 @@ def attachments(table: Sequence[Variable], preset: Preset, fmi: int, native: boo
     """Path in the FMU -> contents."""
     files = {
         "documentation/index.html": index_html(table, native).encode(),
-        "documentation/licenses/license.txt": _license().encode(),
+        "documentation/licenses/license.txt": license_text().encode(),
         "terminalsAndIcons/terminalsAndIcons.xml": xml_bytes(terminals_and_icons(table)),
     }
     for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
@@ -44,7 +44,7 @@ def attachments(table: Sequence[Variable], preset: Preset, fmi: int, native: boo
     return files | {f"{_EXTRA}/{name}": data for name, data in reference_files(preset, MODEL).items()}
 
 
-def _license() -> str:
+def license_text() -> str:
     """Our licence, as installed; an egg-info in a checkout has no copy, the distribution beside it has."""
     found = importlib.metadata.distributions(name="balance-rope")
     text = next((text for one in found if (text := one.read_text("licenses/LICENSE"))), None)

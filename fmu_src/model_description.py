@@ -24,7 +24,8 @@ class Build(NamedTuple):
     """What the model description says of the FMU itself.
 
     ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make
-    the native flavour, none for the Python flavour.
+    the native flavour, none for the Python flavour. A model other than the rope gives its ``name`` and
+    ``description``, and says whether it has directional derivatives.
     """
 
     token: str
@@ -32,6 +33,9 @@ class Build(NamedTuple):
     tool: str
     date: str
     sources: tuple[str, ...] = ()
+    name: str = MODEL
+    description: str = DESCRIPTION
+    derivatives: bool = True
 
 
 def model_description(table: Sequence[Variable], build: Build) -> Element:
@@ -62,8 +66,8 @@ def model_description(table: Sequence[Variable], build: Build) -> Element:
 def facts(build: Build) -> dict[str, str]:
     """Attributes of the root element that FMI 2.0 and 3.0 share."""
     out = {
-        "modelName": MODEL,
-        "description": DESCRIPTION,
+        "modelName": build.name,
+        "description": build.description,
         "author": "the balance-rope authors",
         "version": build.version,
         "copyright": "the balance-rope authors",
@@ -114,7 +118,7 @@ def _add_interface(root: Element, build: Build) -> None:
     interface = SubElement(
         root,
         "CoSimulation",
-        modelIdentifier=MODEL,
+        modelIdentifier=build.name,
         needsExecutionTool=_xml(not native),
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs="false",
@@ -124,7 +128,7 @@ def _add_interface(root: Element, build: Build) -> None:
         canNotUseMemoryManagementFunctions=_xml(not native),
         canGetAndSetFMUstate="true",
         canSerializeFMUstate="true",
-        providesDirectionalDerivative=_xml(native),
+        providesDirectionalDerivative=_xml(native and build.derivatives),
     )
     if native:
         files = SubElement(interface, "SourceFiles")

@@ -9,7 +9,6 @@ from .arrays import Array, arrays
 from .interface import CHOICES, Variable, choices_of
 from .model_description import (
     EXPERIMENT,
-    MODEL,
     Build,
     add_log_categories,
     common_attributes,
@@ -35,7 +34,7 @@ def model_description3(table: Sequence[Variable], build: Build) -> Element:
     SubElement(
         root,
         "CoSimulation",
-        modelIdentifier=MODEL,
+        modelIdentifier=build.name,
         needsExecutionTool="false",
         canBeInstantiatedOnlyOncePerProcess="false",
         canGetAndSetFMUState="true",
@@ -76,7 +75,9 @@ def model_description3(table: Sequence[Variable], build: Build) -> Element:
 def build_description(build: Build) -> Element:
     """sources/buildDescription.xml: what ``fmpy compile`` and other tools need to compile the sources."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
-    files = SubElement(SubElement(root, "BuildConfiguration", modelIdentifier=MODEL), "SourceFileSet", language="C99")
+    files = SubElement(
+        SubElement(root, "BuildConfiguration", modelIdentifier=build.name), "SourceFileSet", language="C99"
+    )
     for name in build.sources:
         SubElement(files, "SourceFile", name=name)
     # the binary's functions have no prefix

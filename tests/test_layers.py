@@ -41,6 +41,7 @@ HOMES = {
         "rope_model.native.elements",
         "hoist_demo.equations",
         "hoist_demo.plant",
+        "hoist_demo.drive_fmu.kernels",
     },
     "scipy": {"rope_model.simulation.modal"},
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},

@@ -1,0 +1,168 @@
+"""A system of FMUs as an SSP archive (System Structure and Parameterization 1.0, ssp-standard.org).
+
+An output and an input of the same name in two different FMUs are connected. That the files are what they should be is
+the FMUs' own business: their model descriptions are read, nothing else.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from .archive import write_archive
+
+SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
+SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
+SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
+_KINDS = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU of FMI 2.0 in the system, and values for its parameters."""
+
+    name: str
+    fmu: Path
+    parameters: Mapping[str, float | int | bool | str]
+
+
+@dataclass(frozen=True)
+class _Port:
+    """A variable that is connected, with its unit ('' for none)."""
+
+    component: str
+    name: str
+    kind: str  # Real, Integer, Boolean
+    causality: str
+    unit: str
+
+
+def export_ssp(
+    destination: Path, name: str, components: Sequence[Component], stop: float, step: float, description: str = ""
+) -> Path:
+    """Write the system with its FMUs; stop time and communication step in s. Same FMUs, same bytes.
+
+    The step is an annotation that libcosim reads; SSP 1.0 itself has no place for it.
+    """
+    described = {c.name: _read(c) for c in components}
+    root = Element("ssd:SystemStructureDescription", {"version": "1.0", "name": name})
+    for prefix, uri in (("ssd", SSD), ("ssc", SSC), ("ssv", SSV), ("osp", OSP)):
+        root.set(f"xmlns:{prefix}", uri)
+    root.set("generationTool", "balance-rope")
+    system = SubElement(root, "ssd:System", {"name": name, "description": description})
+    ports = [port for c in components for port in _ports(c.name, described[c.name])]
+    pairs = _pairs(ports)
+    connected = {port for pair in pairs for port in pair}
+    elements = SubElement(system, "ssd:Elements")
+    for component in components:
+        _add_component(elements, component, [p for p in ports if p.component == component.name and p in connected])
+    connections = SubElement(system, "ssd:Connections")
+    for start, end in pairs:
+        SubElement(
+            connections,
+            "ssd:Connection",
+            startElement=start.component,
+            startConnector=start.name,
+            endElement=end.component,
+            endConnector=end.name,
+        )
+    _add_units(root, described.values(), {port.unit for port in connected} - {""})
+    _add_experiment(root, stop, step)
+    ElementTree.indent(root)
+    text = b'<?xml version="1.0" encoding="UTF-8"?>\n' + bytes(ElementTree.tostring(root)) + b"\n"
+    files = {"SystemStructure.ssd": text}
+    files |= {f"resources/{c.name}.fmu": c.fmu.read_bytes() for c in components}
+    write_archive(destination, files)
+    return destination
+
+
+def _read(component: Component) -> Element:
+    """The model description; ValueError for another FMI version and for parameters that there are not."""
+    with zipfile.ZipFile(component.fmu) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    version = root.get("fmiVersion")
+    if version != "2.0":
+        raise ValueError(
+            f"FMU '{component.fmu}' has fmiVersion = {version}, but must have 2.0 in an SSP: export that one"
+        )
+    known = {v.get("name") for v in root.iter("ScalarVariable") if v.get("causality") in ("parameter", "input")}
+    if unknown := sorted(set(component.parameters) - known):
+        raise ValueError(f"{component.name} has no parameter {', '.join(unknown)}: see its documentation for the names")
+    return root
+
+
+def _ports(component: str, description: Element) -> list[_Port]:
+    ports = []
+    for variable in description.iter("ScalarVariable"):
+        name, causality, kind = str(variable.get("name")), variable.get("causality"), variable[0]
+        if causality in ("input", "output"):
+            ports.append(_Port(component, name, kind.tag, str(causality), kind.get("unit", "")))
+    return ports
+
+
+def _pairs(ports: Sequence[_Port]) -> list[tuple[_Port, _Port]]:
+    """Output and input of one name in two components."""
+    pairs = [
+        (start, end)
+        for end in ports
+        for start in ports
+        if (start.name, start.causality, end.causality) == (end.name, "output", "input")
+        and start.component != end.component
+    ]
+    for start, end in pairs:
+        if (start.kind, start.unit) != (end.kind, end.unit):
+            raise ValueError(
+                f"{start.component}.{start.name} is {start.kind} in {start.unit!r}, but {end.component}.{end.name} is "
+                f"{end.kind} in {end.unit!r}: rename one of them"
+            )
+    return pairs
+
+
+def _add_component(parent: Element, component: Component, ports: Sequence[_Port]) -> None:
+    node = SubElement(
+        parent,
+        "ssd:Component",
+        name=component.name,
+        type="application/x-fmu-sharedlibrary",
+        source=f"resources/{component.name}.fmu",
+        implementation="CoSimulation",
+    )
+    connectors = SubElement(node, "ssd:Connectors")
+    for port in ports:
+        connector = SubElement(connectors, "ssd:Connector", name=port.name, kind=port.causality)
+        SubElement(connector, f"ssc:{port.kind}", {"unit": port.unit} if port.unit else {})
+    if not component.parameters:
+        return
+    binding = SubElement(SubElement(node, "ssd:ParameterBindings"), "ssd:ParameterBinding")
+    values = SubElement(binding, "ssd:ParameterValues")
+    # the name by which ecos and libcosim apply a set
+    parameter_set = SubElement(values, "ssv:ParameterSet", {"version": "1.0", "name": "initialValues"})
+    parameters = SubElement(parameter_set, "ssv:Parameters")
+    for name, value in component.parameters.items():
+        text = str(value).lower() if isinstance(value, bool) else str(value)
+        SubElement(SubElement(parameters, "ssv:Parameter", name=name), f"ssv:{_KINDS[type(value)]}", value=text)
+
+
+def _add_units(root: Element, descriptions: Iterable[Element], used: set[str]) -> None:
+    """Definitions of the units that the connectors name, from the model descriptions."""
+    units: dict[str, dict[str, str]] = {}
+    for description in descriptions:
+        for unit in description.iter("Unit"):
+            base = unit.find("BaseUnit")
+            if unit.get("name") in used and base is not None:
+                units[str(unit.get("name"))] = dict(base.attrib)
+    node = SubElement(root, "ssd:Units")
+    for name in sorted(units):
+        SubElement(SubElement(node, "ssc:Unit", name=name), "ssc:BaseUnit", units[name])
+
+
+def _add_experiment(root: Element, stop: float, step: float) -> None:
+    experiment = SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(stop))
+    annotations = SubElement(experiment, "ssd:Annotations")
+    annotation = SubElement(annotations, "ssc:Annotation", type="com.opensimulationplatform")
+    SubElement(SubElement(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=repr(step))

@@ -1,0 +1,112 @@
+"""The drive put together for a builder of FMUs: table, words and C sources."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from importlib.resources import files
+
+from hoist_demo.drive_fmu.documentation import attachments
+from hoist_demo.drive_fmu.interface import INPUTS, Variable, plant_outputs, variables
+from hoist_demo.drive_fmu.kernels import Kernels, kernels
+from hoist_demo.parameters import Setup, require_trip_fits
+from hoist_demo.reference import s_curve
+
+NAME = "HoistDrive"
+MOST_STEPS = 100_000
+"""Internal steps that one communication step may take."""
+
+
+@dataclass(frozen=True)
+class DriveModel:
+    """What a builder packs: the sources implement the model behind a generic FMI shell."""
+
+    name: str
+    description: str
+    variables: tuple[Variable, ...]
+    sources: dict[str, str]  # file name -> text; those that end in .c are compiled
+    attachments: dict[str, bytes]  # path in the FMU -> documentation and picture
+    duration: float  # s, of the trip with what waits before and after it
+
+
+def drive_model(setup: Setup) -> DriveModel:
+    """Hoist and trip of ``setup`` as C; the trip is part of the export."""
+    require_trip_fits(setup.hoist, setup.winding)
+    generated = kernels(setup)
+    table = variables(setup, generated.step)
+    trip = f"{abs(setup.winding.travel):g} m {'up' if setup.winding.travel > 0.0 else 'down'} at up to"
+    text = (
+        "Drive of a friction hoist with motor, sheave, head ropes and two conveyances, S-curve reference and speed "
+        f"controller; left conveyance {trip} {setup.winding.speed:g} m/s"
+    )
+    sources = {
+        "drive_model.c": files(__package__).joinpath("drive_model.c").read_text(encoding="utf-8"),
+        "drive_kernels.c": generated.c,
+        "drive_table.h": _table(setup, table, generated),
+    }
+    duration = s_curve(setup.winding).duration + setup.winding.settle
+    return DriveModel(NAME, text, table, sources, attachments(text, table), duration)
+
+
+def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
+    """drive_table.h: sizes, places in the table and the trip."""
+    names = [v.name for v in table]
+    parameters = [v for v in table if v.causality == "parameter"]
+    shown = plant_outputs()
+    # the delay before the trip is a parameter of its own
+    reference = s_curve(replace(setup.winding, start_delay=0.0))
+    trip = [
+        (start, p.position, p.speed, p.acceleration, p.jerk)
+        for start, p in zip(reference.starts, reference.points, strict=True)
+    ]
+    controls = sum(v.causality == "output" and v.kind == "Real" for v in table) - len(shown)
+    integers = {
+        "STATES": generated.states,
+        "INPUTS": generated.inputs,
+        "PARAMETERS": len(parameters),
+        "FORCE": names.index(INPUTS[0]),
+        "FIRST_OUTPUT": names.index(next(v.name for v in table if v.causality == "output")),
+        "PLANT_OUTPUTS": len(shown),
+        "OUTPUTS": len(shown) + controls,
+        "LEFT_Y": shown.index("y_left"),
+        "RATE": shown.index("rate"),
+        "TRIP_START": names.index("trip.start"),
+        "STEP_MAX": names.index("solver.step_max"),
+        "GAINS": names.index("controller.speed"),
+        "SEGMENTS": len(trip),
+        "MOST_STEPS": MOST_STEPS,
+        **dict(zip(("ARG", "RES", "IW", "W"), generated.work, strict=True)),
+    }
+    bounds = [(v.minimum or 0.0, 1e9 if v.maximum is None else v.maximum) for v in parameters]
+    lines = [
+        "/* Generated: the drive's sizes, its places in the table of variables, and the trip. */",
+        "#ifndef DRIVE_TABLE_H",
+        "#define DRIVE_TABLE_H",
+        "",
+        "enum {",
+        *(f"    DRIVE_{name} = {value}," for name, value in integers.items()),
+        "};",
+        "",
+        f"#define DRIVE_RADIUS {setup.hoist.sheave_radius!r}",
+        f"#define DRIVE_LOWEST_FORCE ({generated.lowest_force!r})",
+        "",
+        "/* lowest and highest value of each parameter */",
+        f"static const double DRIVE_BOUNDS[][2] = {_rows(bounds)};",
+        "",
+        "/* s: begin of each segment; m, m/s, m/s2, m/s3: its first position, speed, acceleration, and its jerk */",
+        f"static const double DRIVE_TRIP[][5] = {_rows(trip)};",
+        "",
+        "/* drive_kernels.c */",
+        *(
+            f"int drive_{name}(const double **arg, double **res, int *iw, double *w, int mem);"
+            for name in ("rest", "step", "outputs", "control")
+        ),
+        "",
+        "#endif",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _rows(rows: Sequence[Sequence[float]]) -> str:
+    return "{" + ", ".join("{" + ", ".join(repr(float(x)) for x in row) + "}" for row in rows) + "}"

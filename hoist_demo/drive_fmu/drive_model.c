@@ -1,0 +1,239 @@
+/* The hoist drive as a model: controller and plant over one communication step.
+
+   Per step: the reference at its start, the controller's torque, then plant steps of equal length with torque and rope
+   forces held, as hoist_demo.host does it.  The numbers of drive_table.h and the functions drive_... are generated. */
+#include "drive_table.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "model.h"
+
+#define LEAST_ROPE 0.1 /* m, of a head rope between sheave and conveyance */
+
+typedef struct {
+    double t, start, hold, integral, left_start;
+    double x[DRIVE_STATES], u[DRIVE_INPUTS], free_lengths[2];
+    double outputs[DRIVE_OUTPUTS]; /* of the plant, then reference and command */
+} State;
+
+struct ModelInstance {
+    State state, next;
+    void (*give_back)(void *);
+    double parameters[DRIVE_PARAMETERS];
+    const double *arg[DRIVE_ARG];
+    double *res[DRIVE_RES], w[DRIVE_W];
+    int iw[DRIVE_IW];
+};
+
+typedef struct {
+    double s, v, a, j;
+} Motion;
+
+static Motion later(Motion m, double dt) {
+    Motion out;
+    out.s = m.s + dt * (m.v + dt * (m.a / 2.0 + dt * m.j / 6.0));
+    out.v = m.v + dt * (m.a + dt * m.j / 2.0);
+    out.a = m.a + dt * m.j;
+    out.j = m.j;
+    return out;
+}
+
+/* the trip at t, s after its start; it rests before */
+static Motion reference(double t) {
+    static const Motion rest = {0.0, 0.0, 0.0, 0.0};
+    int k = DRIVE_SEGMENTS - 1;
+    while (k >= 0 && t < DRIVE_TRIP[k][0]) k--;
+    if (k < 0) return rest;
+    {
+        Motion at = {DRIVE_TRIP[k][1], DRIVE_TRIP[k][2], DRIVE_TRIP[k][3], DRIVE_TRIP[k][4]};
+        return later(at, t - DRIVE_TRIP[k][0]);
+    }
+}
+
+static void plant_outputs(ModelInstance *m, State *s) {
+    m->arg[0] = s->x;
+    m->arg[1] = s->u;
+    m->arg[2] = s->free_lengths;
+    m->res[0] = s->outputs;
+    drive_outputs(m->arg, m->res, m->iw, m->w, 0);
+}
+
+static void control_outputs(State *s, const double *parameters) {
+    Motion r = reference(s->t - s->start - parameters[DRIVE_TRIP_START]);
+    double *shown = s->outputs + DRIVE_PLANT_OUTPUTS;
+    shown[0] = r.s;
+    shown[1] = r.v;
+    shown[2] = r.a;
+    shown[3] = s->u[0];
+}
+
+static int read_parameters(double *parameters, const double *values, char *message) {
+    int i;
+    for (i = 0; i < DRIVE_PARAMETERS; i++) {
+        if (!(values[i] >= DRIVE_BOUNDS[i][0] && values[i] <= DRIVE_BOUNDS[i][1]) ||
+            (values[i] == 0.0 && i != DRIVE_TRIP_START)) {
+            snprintf(message, MODEL_MESSAGE, "%s = %.9g is out of range: it must be above %.9g and at most %.9g; give "
+                     "the value of the export, %.9g", MODEL_VARIABLES[i].name, values[i], DRIVE_BOUNDS[i][0],
+                     DRIVE_BOUNDS[i][1], MODEL_VARIABLES[i].start);
+            return 0;
+        }
+    }
+    memcpy(parameters, values, DRIVE_PARAMETERS * sizeof(double));
+    return 1;
+}
+
+ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
+    ModelInstance *m = allocator->take(1, sizeof *m);
+    if (!m) {
+        snprintf(message, MODEL_MESSAGE, "no memory for the drive; free other instances first");
+        return NULL;
+    }
+    memset(m, 0, sizeof *m);
+    m->give_back = allocator->give_back;
+    if (read_parameters(m->parameters, values, message)) return m;
+    m->give_back(m);
+    return NULL;
+}
+
+void model_destroy(ModelInstance *m) {
+    if (m) m->give_back(m);
+}
+
+int model_initialize(ModelInstance *m, double t, const double *values, char *message) {
+    State *s = &m->next;
+    int i;
+    for (i = 0; i < 2; i++) {
+        double force = values[DRIVE_FORCE + i];
+        if (!(force >= DRIVE_LOWEST_FORCE && force <= 0.0)) {
+            snprintf(message, MODEL_MESSAGE,
+                     "%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "
+                     "check the rope's mass and the sign", MODEL_VARIABLES[DRIVE_FORCE + i].name, force,
+                     DRIVE_LOWEST_FORCE);
+            return 0;
+        }
+    }
+    memset(s, 0, sizeof *s);
+    s->t = s->start = t;
+    m->arg[0] = values + DRIVE_FORCE;
+    m->res[0] = s->x;
+    m->res[1] = s->free_lengths;
+    drive_rest(m->arg, m->res, m->iw, m->w, 0);
+    s->u[0] = s->hold = s->x[0];
+    s->u[1] = values[DRIVE_FORCE];
+    s->u[2] = values[DRIVE_FORCE + 1];
+    plant_outputs(m, s);
+    s->left_start = s->outputs[DRIVE_LEFT_Y];
+    control_outputs(s, m->parameters);
+    m->state = *s;
+    return 1;
+}
+
+static void control(ModelInstance *m, State *s, double h) {
+    Motion r = reference(s->t - s->start - m->parameters[DRIVE_TRIP_START]);
+    double sample[8], torque, integral;
+    sample[0] = r.s;
+    sample[1] = r.v;
+    sample[2] = r.a;
+    sample[3] = s->outputs[DRIVE_LEFT_Y] - s->left_start;
+    sample[4] = DRIVE_RADIUS * s->outputs[DRIVE_RATE];
+    sample[5] = s->hold;
+    sample[6] = s->integral;
+    sample[7] = h;
+    m->arg[0] = sample;
+    m->arg[1] = m->parameters + DRIVE_GAINS;
+    m->res[0] = &torque;
+    m->res[1] = &integral;
+    drive_control(m->arg, m->res, m->iw, m->w, 0);
+    s->u[0] = torque;
+    s->integral = integral;
+}
+
+/* finite, and rope left at the sheave */
+static int sound(const State *s, char *message) {
+    double left = s->free_lengths[0] - DRIVE_RADIUS * s->x[1], right = s->free_lengths[1] + DRIVE_RADIUS * s->x[1];
+    int i;
+    for (i = 0; i < DRIVE_STATES; i++)
+        if (!isfinite(s->x[i])) {
+            snprintf(message, MODEL_MESSAGE, "the drive's state is not finite after t = %.9g s; check the forces "
+                     "%s = %.9g N and %s = %.9g N", s->t, MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1],
+                     MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2]);
+            return 0;
+        }
+    if (fmin(left, right) > LEAST_ROPE) return 1;
+    snprintf(message, MODEL_MESSAGE, "head rope of %.3g m left at the sheave, not above %.3g m: overwind; check trip, "
+             "gains and rope forces", fmin(left, right), LEAST_ROPE);
+    return 0;
+}
+
+int model_step(ModelInstance *m, double t, double h, const double *values, char *message) {
+    double steps = ceil(h / m->parameters[DRIVE_STEP_MAX] - 1e-9), part, x[DRIVE_STATES];
+    long k;
+    State *s = &m->next;
+    if (!(steps <= DRIVE_MOST_STEPS)) {
+        snprintf(message, MODEL_MESSAGE, "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
+                 "take shorter ones", h, steps, m->parameters[DRIVE_STEP_MAX], DRIVE_MOST_STEPS);
+        return 0;
+    }
+    if (steps < 1.0) steps = 1.0;
+    part = h / steps;
+    *s = m->state;
+    control(m, s, h);
+    s->u[1] = values[DRIVE_FORCE];
+    s->u[2] = values[DRIVE_FORCE + 1];
+    for (k = 0; k < (long)steps; k++) {
+        m->arg[0] = s->x;
+        m->arg[1] = s->u;
+        m->arg[2] = s->free_lengths;
+        m->arg[3] = &part;
+        m->res[0] = x;
+        drive_step(m->arg, m->res, m->iw, m->w, 0);
+        memcpy(s->x, x, sizeof x);
+        if (!sound(s, message)) return 0;
+    }
+    s->t = t + h;
+    plant_outputs(m, s);
+    control_outputs(s, m->parameters);
+    m->state = *s;
+    return 1;
+}
+
+int model_retune(ModelInstance *m, const double *values, char *message) {
+    return read_parameters(m->parameters, values, message);
+}
+
+double model_time(const ModelInstance *m) { return m->state.t; }
+
+double model_output(ModelInstance *m, size_t scalar) { return m->state.outputs[scalar - DRIVE_FIRST_OUTPUT]; }
+
+const char *model_text(const ModelInstance *m, size_t scalar) {
+    (void)m, (void)scalar;
+    return "";
+}
+
+void model_note(const ModelInstance *m, char *message) {
+    snprintf(message, MODEL_MESSAGE, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
+             m->parameters[DRIVE_STEP_MAX]);
+}
+
+int model_derivative(ModelInstance *m, size_t known, double seed, const unsigned *unknown, size_t number, double *sum,
+                     char *message) {
+    (void)m, (void)known, (void)seed, (void)unknown, (void)number, (void)sum;
+    snprintf(message, MODEL_MESSAGE, "the drive has no directional derivatives; take differences");
+    return 0;
+}
+
+size_t model_state_bytes(const ModelInstance *m) { return sizeof m->state; }
+
+void model_save(const ModelInstance *m, void *to) { memcpy(to, &m->state, sizeof m->state); }
+
+int model_restore(ModelInstance *m, const void *from, size_t bytes, char *message) {
+    if (bytes != sizeof m->state) {
+        snprintf(message, MODEL_MESSAGE, "a state of the drive has %lu bytes, not %lu; save it anew",
+                 (unsigned long)sizeof m->state, (unsigned long)bytes);
+        return 0;
+    }
+    memcpy(&m->state, from, sizeof m->state);
+    return 1;
+}

@@ -1,0 +1,151 @@
+"""Plant and control law as C: generated from what HoistPlant holds, whatever parts its hoist has.
+
+    x_{k+1} = RK4(rates; x_k, u, h) ,   h <= LIMIT / largest |eigenvalue| of d rates / d x
+
+with u held over a communication step. The state at rest depends on the two forces of the balance rope; it is
+interpolated in them between what HoistPlant.equilibrium finds at Chebyshev's points, to rounding: the forces are small
+against the stiffness EA of the head ropes, and DEGREE is chosen for (force / EA)^(DEGREE + 1).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.controller import Gains
+from hoist_demo.drive_fmu.interface import plant_outputs, start_heights
+from hoist_demo.parameters import GRAVITY, Hoist, Setup
+from hoist_demo.plant import HoistPlant, PlantOutput
+
+LIMIT = 0.1
+"""RK4's step times the largest eigenvalue: an error of 1e-7 of the fastest oscillation per step; 2.8 is unstable."""
+
+DEGREE = 4
+
+
+@dataclass(frozen=True)
+class Kernels:
+    """The C text, and what the C code around it needs to know."""
+
+    c: str
+    states: int
+    inputs: int  # of the plant; torque command and the two forces come first
+    step: float  # s, largest stable and accurate
+    lowest_force: float  # N, the state at rest is known from here to 0
+    work: tuple[int, int, int, int]  # sizes of arg, res, iw and w
+
+
+def kernels(setup: Setup) -> Kernels:
+    """C functions drive_rest, drive_step, drive_outputs and drive_control."""
+    plant = HoistPlant(setup.hoist)
+    lowest = -2.0 * GRAVITY * setup.hoist.tail_rope_mass * setup.hoist.tail_rope_length
+    rest = _rest(plant, setup, lowest)
+    functions = [rest, _step(plant), _outputs(plant), _control(setup.hoist)]
+    options: dict[str, Any] = {"with_header": False, "casadi_int": "int", "indent": 4}
+    generator = ca.CodeGenerator("drive_kernels", options)
+    for function in functions:
+        generator.add(function)
+    work = tuple(max(getattr(f, size)() for f in functions) for size in ("sz_arg", "sz_res", "sz_iw", "sz_w"))
+    return Kernels(
+        c=str(generator.dump()),
+        states=int(plant._rates.size1_in(0)),
+        inputs=int(plant._rates.size1_in(1)),
+        step=_largest_step(plant, setup, rest),
+        lowest_force=lowest,
+        work=(int(work[0]), int(work[1]), max(1, int(work[2])), max(1, int(work[3]))),
+    )
+
+
+def _rest(plant: HoistPlant, setup: Setup, lowest: float) -> Any:
+    """(F_left, F_right) -> x, l0 (2), at the start heights."""
+    nodes = 0.5 * lowest * (1.0 - np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)))
+    states = [[plant.equilibrium(*start_heights(setup), float(f), float(g)) for g in nodes] for f in nodes]
+    values = np.array([[[*s.x, *s.free_lengths] for s in row] for row in states])
+    force = ca.SX.sym("F", 2)
+    weights = [_lagrange(nodes, force[i]) for i in range(2)]
+    # the mean first and the small rest by interpolation: rounding is that of the small part
+    mean = values.mean(axis=(0, 1))
+    sum_ = ca.SX(mean)
+    for i in range(DEGREE + 1):
+        for j in range(DEGREE + 1):
+            sum_ += weights[0][i] * weights[1][j] * (values[i, j] - mean)
+    n = values.shape[2] - 2
+    return ca.Function("drive_rest", [force], [sum_[:n], sum_[n:]])
+
+
+def _lagrange(nodes: NDArray[np.float64], at: Any) -> list[Any]:
+    """Polynomials that are 1 at one node and 0 at the others."""
+    out = []
+    for i, node in enumerate(nodes):
+        factor = ca.SX(1.0)
+        for k, other in enumerate(nodes):
+            if k != i:
+                factor *= (at - other) / (node - other)
+        out.append(factor)
+    return out
+
+
+def _arguments(plant: HoistPlant) -> tuple[Any, Any, Any]:
+    rates = plant._rates
+    return ca.SX.sym("x", rates.size1_in(0)), ca.SX.sym("u", rates.size1_in(1)), ca.SX.sym("l0", 2)
+
+
+def _step(plant: HoistPlant) -> Any:
+    """(x, u, l0, h) -> x after h: the classical Runge-Kutta method."""
+    x, u, l0 = _arguments(plant)
+    h = ca.SX.sym("h")
+
+    def f(at: Any) -> Any:
+        return plant._rates(at, u, l0[0], l0[1])
+
+    k1 = f(x)
+    k2 = f(x + h / 2 * k1)
+    k3 = f(x + h / 2 * k2)
+    k4 = f(x + h * k3)
+    return ca.Function("drive_step", [x, u, l0, h], [x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)])
+
+
+def _outputs(plant: HoistPlant) -> Any:
+    """(x, u, l0) -> the fields that the interface shows."""
+    x, u, l0 = _arguments(plant)
+    names = [field.name for field in fields(PlantOutput)]
+    shown = plant._outputs(x, u, l0[0], l0[1])
+    return ca.Function("drive_outputs", [x, u, l0], [ca.vertcat(*(shown[names.index(n)] for n in plant_outputs()))])
+
+
+def _control(hoist: Hoist) -> Any:
+    """SpeedController.command: (reference s v a, travel, speed, M_hold, I, h, gains) -> (M_c, I)."""
+    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(ca.SX.sym("sample", 8))
+    sample = ca.vertcat(s, v, a, travel, speed, hold, integral, h)
+    gains = {field.name: ca.SX.sym(field.name) for field in fields(Gains)}
+    k_v = gains["speed"]
+    error = v + gains["position"] * (s - travel) - speed
+    force = hoist.moving_mass * a + 2.0 * GRAVITY * (hoist.tail_rope_mass - hoist.rope_mass) * s
+    force += hoist.loss_coulomb * ca.tanh(v / hoist.loss_speed) + hoist.loss_viscous * v + k_v * error + integral
+    wanted = hold + hoist.sheave_radius * force
+    torque = ca.fmin(ca.fmax(wanted, -hoist.torque_limit), hoist.torque_limit)
+    stands = ca.logic_and(torque != wanted, error * wanted > 0)
+    grown = ca.if_else(stands, integral, integral + h * k_v * error / gains["integral_time"])
+    return ca.Function("drive_control", [sample, ca.vertcat(*gains.values())], [torque, grown])
+
+
+def _largest_step(plant: HoistPlant, setup: Setup, rest: Any) -> float:
+    """Two significant digits [s]; the fastest oscillation is that of the shortest head rope, at either landing."""
+    x, u, l0 = _arguments(plant)
+    jacobian = ca.Function("J", [x, u, l0], [ca.jacobian(plant._rates(x, u, l0[0], l0[1]), x)])
+    fastest = 0.0
+    for force in (0.0, -GRAVITY * setup.hoist.tail_rope_mass * setup.hoist.tail_rope_length):
+        for heights in (start_heights(setup), start_heights(setup)[::-1]):
+            state = plant.equilibrium(*heights, force, force)
+            held = np.zeros(u.size1())
+            held[:3] = state.x[0], force, force
+            matrix = np.asarray(jacobian(state.x, held, list(state.free_lengths)))
+            fastest = max(fastest, float(np.abs(np.linalg.eigvals(matrix)).max()))
+    step = LIMIT / fastest
+    unit = 10.0 ** (math.floor(math.log10(step)) - 1)
+    return float(f"{math.floor(step / unit) * unit:.1e}")

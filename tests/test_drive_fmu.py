@@ -1,0 +1,210 @@
+"""The drive's C code, compiled here and called through model.h, against the drive in process."""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fmu_src.interface import Variable
+from fmu_src.native.table import c_table
+from hoist_demo.controller import ControllerState, Measurement, SpeedController
+from hoist_demo.drive_fmu.description import DriveModel, drive_model
+from hoist_demo.drive_fmu.interface import INPUTS, MOTIONS, rest_forces, start_heights
+from hoist_demo.parameters import SETUPS, Setup
+from hoist_demo.plant import HoistPlant, PlantInput
+from hoist_demo.reference import s_curve
+from rope_model.numerics.kernels import find_compiler
+
+NATIVE = Path(__file__).parents[1] / "fmu_src" / "native"
+SETUP = SETUPS["rope-120"]
+H = 0.01
+
+
+class Allocator(ctypes.Structure):
+    """Of model.h."""
+
+    _fields_ = (("take", ctypes.c_void_p), ("give_back", ctypes.c_void_p))
+
+
+class Drive:
+    """One instance of the compiled model."""
+
+    def __init__(self, library: ctypes.CDLL, model: DriveModel) -> None:
+        self.library, self.table = library, model.variables
+        self.places = {v.name: i for i, v in enumerate(self.table)}
+        self.values = (ctypes.c_double * len(self.table))(*(v.start or 0.0 for v in self.table))
+        self.message = ctypes.create_string_buffer(640)
+        libc = ctypes.CDLL(None)
+        self._allocator = Allocator(*(ctypes.cast(f, ctypes.c_void_p) for f in (libc.calloc, libc.free)))
+        library.model_create.restype = ctypes.c_void_p
+        library.model_output.restype = ctypes.c_double
+        self.instance: ctypes.c_void_p | None = None
+
+    def start(self, **values: float) -> bool:
+        self.set(**values)
+        found = self.library.model_create(self.values, ctypes.byref(self._allocator), self.message)
+        self.instance = ctypes.c_void_p(found) if found else None
+        if self.instance is None:
+            return False
+        time = ctypes.c_double(0.0)
+        return bool(self.library.model_initialize(self.instance, time, self.values, self.message))
+
+    def set(self, **values: float) -> None:
+        for name, value in values.items():
+            self.values[self.places[name.replace("__", ".")]] = value
+
+    def step(self, t: float, h: float = H) -> bool:
+        return bool(
+            self.library.model_step(self.instance, ctypes.c_double(t), ctypes.c_double(h), self.values, self.message)
+        )
+
+    def get(self, name: str) -> float:
+        return float(self.library.model_output(self.instance, ctypes.c_size_t(self.places[name])))
+
+    def says(self) -> str:
+        return self.message.value.decode()
+
+    def close(self) -> None:
+        self.library.model_destroy(self.instance)
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> tuple[ctypes.CDLL, DriveModel]:
+    compiler = find_compiler()
+    if compiler is None:
+        pytest.skip("no C compiler: pip install ziglang")
+    folder, model = tmp_path_factory.mktemp("drive"), drive_model(SETUP)
+    sources = {**model.sources, "variables.c": c_table([Variable(*v) for v in model.variables], "token", 2)}
+    sources["model.h"] = (NATIVE / "model.h").read_text()
+    for name, text in sources.items():
+        (folder / name).write_text(text)
+    files = [name for name in sources if name.endswith(".c")]
+    flags = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
+    # CasADi's text is not ours to warn of
+    flags += ["-Wno-unused-parameter", "-Wno-unused-function", "-Wno-unused-variable"]
+    done = subprocess.run(
+        [*compiler, *flags, *files, "-o", "drive.so", "-lm"], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return ctypes.CDLL(str(folder / "drive.so")), model
+
+
+@pytest.fixture
+def drive(compiled: tuple[ctypes.CDLL, DriveModel]) -> Iterator[Drive]:
+    instance = Drive(*compiled)
+    yield instance
+    instance.close()
+
+
+def in_process(setup: Setup, forces: list[tuple[float, float]]) -> list[list[float]]:
+    """Motions after each step under the given forces of the balance rope; the loop of hoist_demo.host."""
+    plant, reference = HoistPlant(setup.hoist, tolerance=1e-12), s_curve(setup.winding)
+    heights = start_heights(setup)
+    state = plant.equilibrium(*heights, *rest_forces(setup))
+    shown = plant.outputs(state, PlantInput(float(state.x[0]), *rest_forces(setup)))
+    controller, memory = SpeedController(setup.hoist, shown.torque), ControllerState()
+    rows = []
+    for k, (left, right) in enumerate(forces):
+        measured = Measurement(shown.y_left - heights[0], setup.hoist.sheave_radius * shown.rate)
+        command = controller.command(reference.at(k * H), measured, memory, H)
+        memory, held = command.state, PlantInput(command.torque, left, right)
+        moved = plant.step(state, H, held)
+        assert moved.valid, moved.message
+        state, shown = moved.state, plant.outputs(moved.state, held)
+        rows.append([getattr(shown, field) for field in MOTIONS.values()])
+    return rows
+
+
+def swaying(steps: int) -> list[tuple[float, float]]:
+    """Forces that differ from those at rest by up to a fifth, and swing at 1.5 Hz."""
+    left, right = rest_forces(SETUP)
+    swing = 0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(steps))
+    return [(left * (1 + s), right * (1 - s)) for s in swing]
+
+
+def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Drive) -> None:
+    forces = swaying(2600)
+    expected = in_process(SETUP, forces)
+    assert drive.start()
+    found = []
+    for k, (left, right) in enumerate(forces):
+        drive.set(**dict(zip(INPUTS, (left, right), strict=True)))
+        assert drive.step(k * H), drive.says()
+        found.append([drive.get(name) for name in MOTIONS])
+    scale = np.abs(expected).max(axis=0)
+    assert scale[0] > 89.0
+    # RK4 with 1e-7 of the fastest oscillation per step against CVODES at 1e-12
+    assert_allclose(np.array(found) / scale, np.array(expected) / scale, rtol=0.0, atol=2e-6)
+
+
+def test_state_at_rest_is_that_of_the_plant_for_other_forces(drive: Drive) -> None:
+    left, right = 1.7 * rest_forces(SETUP)[0], 0.6 * rest_forces(SETUP)[1]
+    assert drive.start(**{INPUTS[0]: left, INPUTS[1]: right})
+    expected = HoistPlant(SETUP.hoist).equilibrium(*start_heights(SETUP), left, right)
+    # a rounding of 1e-14 m in the rope's free length of 15 m is 1e-12 of the force
+    assert_allclose(drive.get("drive.torque"), expected.x[0], rtol=1e-11)
+    # at rest to rounding: 1e-13 of 15 m times EA / (l m), the largest there is
+    assert abs(drive.get("left.ay")) < 1e-9
+    assert abs(drive.get("right.ay")) < 1e-9
+
+
+def test_without_a_trip_the_drive_stays_at_rest(drive: Drive) -> None:
+    assert drive.start(trip__start=100.0)
+    for k in range(500):
+        assert drive.step(k * H), drive.says()
+    assert abs(drive.get("left.vy")) < 1e-10
+    assert_allclose([drive.get("left.y"), drive.get("right.y")], start_heights(SETUP), atol=1e-10)
+
+
+def test_internal_steps_converge_with_order_four(drive: Drive) -> None:
+    ends = []
+    for steps in (4, 8, 16, 128):
+        assert drive.start(solver__step_max=H / steps)
+        # a blow that sets the conveyances swinging by decimetres, so that errors stand clear of rounding
+        drive.set(**{INPUTS[1]: -2e5})
+        for k in range(60):
+            assert drive.step(k * H), drive.says()
+        drive.set(**{INPUTS[1]: rest_forces(SETUP)[1]})
+        ends.append(drive.get("left.vy"))
+        drive.close()
+    drive.instance = None
+    errors = np.abs(np.array(ends[:-1]) - ends[-1])
+    assert np.all(np.log2(errors[:-1] / errors[1:]) > 3.8), errors
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"left__fy_mean": 1.0}, "between -18835.2 N and 0"),
+        ({"solver__step_max": 1.0}, "at most 0.0026"),
+        ({"controller__integral_time": 0.0}, "controller.integral_time = 0 is out of range"),
+    ],
+)
+def test_absurd_values_are_refused_with_bound_and_cure(drive: Drive, values: dict[str, float], words: str) -> None:
+    assert not drive.start(**values)
+    assert words in drive.says()
+
+
+def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Drive) -> None:
+    assert drive.start(solver__step_max=0.001)
+    drive.set(**{INPUTS[1]: -1e6})
+    t = 0.0
+    while drive.step(t):
+        before, t = drive.get("left.y"), t + H
+    assert "overwind" in drive.says()
+    assert drive.get("left.y") == before
+
+
+def test_another_trip_has_its_own_reference() -> None:
+    setup = replace(SETUP, winding=replace(SETUP.winding, travel=-20.0))
+    text = drive_model(setup).sources["drive_table.h"]
+    last = text.partition("DRIVE_TRIP[][5] = {")[2].partition("};")[0].rpartition("{")[2]
+    duration = s_curve(setup.winding).duration - setup.winding.start_delay
+    assert_allclose([float(x) for x in last.rstrip("}").split(",")], [duration, -20.0, 0.0, 0.0, 0.0], rtol=1e-15)

@@ -1,0 +1,274 @@
+"""What a reviewer of components checks in an FMU, on every kind that is exported."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+import shutil
+import subprocess
+import zipfile
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import pytest
+from exports import ARCHIVES
+from fmpy.validation import validate_fmu
+
+from fmu_src.native.build import PLATFORMS, available_platforms
+
+HEADERS = Path(__file__).parents[1] / "fmu_src" / "native" / "include"
+#: what may lie in an archive, FMI 2.0.4 section 2.3 and FMI 3.0 section 2.5
+LAYOUT = re.compile(
+    r"modelDescription\.xml|model\.png|binaries/[^/]+/[^/]+\.(so|dll|dylib)|sources/[^/]+\.(c|h|xml)|"
+    r"documentation/(index\.html|externalDependencies\.txt|licenses/[^/]+\.txt)|extra/[^/]+\.[^/]+/.+|resources/.+|"
+    r"terminalsAndIcons/(terminalsAndIcons\.xml|[^/]+\.(png|svg))"
+)
+STRAY = re.compile(r"__pycache__|\.pyc$|\.DS_Store|Thumbs\.db|~$|/\.")
+#: structured names: FMI 2.0.4, section 2.2.9
+PART = r"(?:[A-Za-z_]\w*|'[^']+')"
+NAME = re.compile(rf"{PART}(?:\[\d+(?:,\d+)*\])?(?:\.{PART}(?:\[\d+(?:,\d+)*\])?)*")
+MODEL_EXCHANGE = re.compile(
+    "EventMode|NewDiscreteStates|Continuous|IntegratorStep|fmi2SetTime|GetDerivatives|Indicators"
+)
+
+
+class Archive:
+    """An FMU and its model description; variables alike for FMI 2 and 3."""
+
+    def __init__(self, kind: str, path: Path) -> None:
+        self.kind, self.path = kind, path
+        with zipfile.ZipFile(path) as archive:
+            self.entries = archive.infolist()
+            self.files = {entry.filename: archive.read(entry) for entry in self.entries}
+        self.root: Element = ElementTree.fromstring(self.files["modelDescription.xml"])
+        self.fmi = int(self.root.get("fmiVersion", "")[0])
+        self.native = self.interface.get("needsExecutionTool") == "false"
+
+    @property
+    def interface(self) -> Element:
+        found = self.root.find("CoSimulation")
+        assert found is not None
+        return found
+
+    @property
+    def variables(self) -> list[dict[str, Any]]:
+        """Attributes of each variable, those of its type included, and the ``kind``."""
+        listed = self.root.find("ModelVariables")
+        assert listed is not None
+        if self.fmi == 2:
+            return [{**v.attrib, **v[0].attrib, "kind": v[0].tag} for v in listed]
+        out = []
+        for v in listed:
+            start = [s.get("value") for s in v.findall("Start")]
+            out.append({**v.attrib, **({"start": start[0]} if start else {}), "kind": v.tag})
+        return out
+
+    def structure(self, section: str) -> list[Element]:
+        structure = self.root.find("ModelStructure")
+        assert structure is not None
+        return list(structure.find(section) or []) if self.fmi == 2 else structure.findall(section)
+
+
+@pytest.fixture(scope="module", params=sorted(ARCHIVES))
+def fmu(request: Any, tmp_path_factory: pytest.TempPathFactory) -> Archive:
+    if request.param != "python" and not available_platforms():
+        pytest.skip("no C compiler: pip install ziglang")
+    path = tmp_path_factory.mktemp("archive") / f"{request.param}.fmu"
+    return Archive(request.param, ARCHIVES[request.param](path))
+
+
+def test_archive_is_deflated_with_relative_forward_names_and_nothing_stray(fmu: Archive) -> None:
+    names = [entry.filename for entry in fmu.entries]
+    assert names == sorted(set(names))
+    for entry in fmu.entries:
+        name = entry.filename
+        assert entry.compress_type == zipfile.ZIP_DEFLATED, name
+        assert "\\" not in name, name
+        assert not name.startswith("/"), name
+        assert name == posixpath.normpath(name), name
+        assert name.isascii(), name
+        assert LAYOUT.fullmatch(name), name
+        assert not STRAY.search(name), name
+        assert entry.date_time == (1980, 1, 1, 0, 0, 0), name
+        assert not entry.flag_bits & 1, f"{name} is encrypted"
+    with zipfile.ZipFile(fmu.path) as archive:
+        assert archive.testzip() is None
+
+
+def test_no_text_names_a_folder_of_the_exporting_machine(fmu: Archive) -> None:
+    here = [str(Path(__file__).parents[1]), str(Path.home()), "/tmp/"]
+    for name, data in fmu.files.items():
+        assert [place for place in here if place != "/" and place.encode() in data] == [], name
+
+
+def test_description_is_valid_for_fmpy_and_its_schema(fmu: Archive) -> None:
+    assert validate_fmu(str(fmu.path)) == []
+
+
+def test_names_are_structured_and_value_references_unique(fmu: Archive) -> None:
+    assert fmu.root.get("variableNamingConvention") == "structured"
+    names = [v["name"] for v in fmu.variables]
+    assert len(set(names)) == len(names)
+    assert [name for name in names if not NAME.fullmatch(name)] == []
+    # FMI 2.0: per base type, where Integer and Enumeration are one
+    references = [v["valueReference"] for v in fmu.variables]
+    assert len(set(references)) == len(references)
+
+
+def test_every_variable_is_described_and_every_number_has_a_declared_unit(fmu: Archive) -> None:
+    units = {unit.get("name"): unit for unit in fmu.root.iter("Unit")}
+    displayed = {(unit, display.get("name")) for unit in units for display in units[unit].iter("DisplayUnit")}
+    types = {node.get("name"): node if fmu.fmi == 3 else node[0] for node in fmu.root.findall("TypeDefinitions/*")}
+    for unit in units.values():
+        assert unit.find("BaseUnit") is not None, unit.get("name")
+    for v in fmu.variables:
+        assert v.get("description") or v["causality"] == "independent", v["name"]
+        if v["kind"] not in ("Real", "Float64") or v["causality"] == "independent":
+            continue
+        declared = types.get(v.get("declaredType"))
+        unit = v.get("unit") or (declared.get("unit") if declared is not None else None)
+        assert unit in units, v["name"]
+        if declared is not None:
+            assert declared.get("unit") == unit, v["name"]
+            assert declared.get("displayUnit") is None or (unit, declared.get("displayUnit")) in displayed, v["name"]
+
+
+def test_start_values_are_there_exactly_where_the_standard_wants_them_and_within_bounds(fmu: Archive) -> None:
+    for v in fmu.variables:
+        given = v["causality"] in ("parameter", "input")
+        if v["causality"] in ("output", "independent"):
+            assert "start" not in v, v["name"]
+        assert ("start" in v) == given, v["name"]
+        if v["causality"] == "output":
+            assert v["initial"] == "calculated", v["name"]
+        if given and v["kind"] in ("Real", "Integer", "Float64", "Int32"):
+            for start in v["start"].split():
+                assert float(v.get("min", start)) <= float(start) <= float(v.get("max", start)), v["name"]
+
+
+def test_initial_unknowns_are_the_calculated_outputs_in_order(fmu: Archive) -> None:
+    """FMI 2.0.4, section 2.2.8: outputs with initial approx or calculated, ordered; FMI 3.0, section 2.4.8."""
+    outputs = [
+        str(i) if fmu.fmi == 2 else v["valueReference"]
+        for i, v in enumerate(fmu.variables, start=1)
+        if v["causality"] == "output"
+    ]
+    key = "index" if fmu.fmi == 2 else "valueReference"
+    for section in ("Outputs", "InitialUnknowns") if fmu.fmi == 2 else ("Output", "InitialUnknown"):
+        assert [unknown.get(key) for unknown in fmu.structure(section)] == outputs, section
+
+
+def test_dependencies_name_known_variables_with_a_kind_each(fmu: Archive) -> None:
+    if fmu.fmi == 2:
+        known = {str(i) for i, v in enumerate(fmu.variables, start=1) if v["causality"] in ("input", "parameter")}
+    else:
+        known = {v["valueReference"] for v in fmu.variables if v["causality"] in ("input", "parameter", "independent")}
+    allowed = {"dependent", "constant", "fixed", "tunable", "discrete"}
+    for section in ("Outputs", "InitialUnknowns") if fmu.fmi == 2 else ("Output", "InitialUnknown"):
+        for unknown in fmu.structure(section):
+            on = unknown.get("dependencies", "").split()
+            kinds = unknown.get("dependenciesKind")
+            assert set(on) <= known, unknown.attrib
+            assert kinds is None or len(kinds.split()) == len(on), unknown.attrib
+            # at the start there is no kind but these two
+            least = {"dependent", "constant"} if section.startswith("Initial") else allowed
+            assert set((kinds or "").split()) <= least, unknown.attrib
+
+
+def test_reader_finds_documentation_licence_and_picture(fmu: Archive) -> None:
+    page = fmu.files["documentation/index.html"].decode()
+    assert page.startswith("<!DOCTYPE html>")
+    inputs = [v["name"].partition("[")[0] for v in fmu.variables if v["causality"] == "input"]
+    assert [name for name in inputs if name not in page] == []
+    assert re.search(r"(src|href)=\"https?://", page) is None, "the page loads from the network"
+    assert any(name.startswith("documentation/licenses/") for name in fmu.files)
+    assert fmu.root.get("license")
+    pictures = [name for name in fmu.files if name.endswith(".png")]
+    assert pictures
+    for name in pictures:
+        assert fmu.files[name].startswith(b"\x89PNG\r\n\x1a\n"), name
+    assert fmu.fmi == 3 or "model.png" in pictures
+    assert fmu.native or "documentation/externalDependencies.txt" in fmu.files
+
+
+def test_default_experiment_and_build_are_stated(fmu: Archive) -> None:
+    experiment = fmu.root.find("DefaultExperiment")
+    assert experiment is not None
+    assert float(experiment.get("stopTime", "0")) > float(experiment.get("startTime", "0"))
+    assert float(experiment.get("stepSize", "0")) > 0
+    assert fmu.root.get("version")
+    assert fmu.root.get("generationTool")
+    assert re.fullmatch(r"[0-9a-f-]{36}", fmu.root.get("guid") or fmu.root.get("instantiationToken") or "")
+
+
+def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) -> None:
+    identifier = fmu.interface.get("modelIdentifier")
+    binaries = {name: data for name, data in fmu.files.items() if name.startswith("binaries/")}
+    assert {name.rpartition("/")[2].partition(".")[0] for name in binaries} == {identifier}
+    if fmu.native:
+        folders = {PLATFORMS[p].folder2 if fmu.fmi == 2 else p for p in available_platforms()}
+        assert {name.split("/")[1] for name in binaries} == folders
+    header = (HEADERS / f"fmi{fmu.fmi}Functions.h").read_text(encoding="utf-8")
+    promised = set(re.findall(rf"^#define (fmi{fmu.fmi}\w+)\s+fmi{fmu.fmi}FullName", header, re.MULTILINE))
+    if not fmu.native:  # pythonfmu's library leaves out what is for model exchange alone
+        promised = {name for name in promised if not MODEL_EXCHANGE.search(name)}
+    assert len(promised) > 30
+    checked = [name for name in binaries if exported(fmu, name) is not None]
+    for name in checked:
+        assert promised - (exported(fmu, name) or set()) == set(), name
+    if shutil.which("nm"):
+        assert any(name.endswith(".so") for name in checked)
+
+
+def exported(fmu: Archive, name: str) -> set[str] | None:
+    """Defined dynamic symbols; None where no tool here reads the format."""
+    for command in (["nm", "-D", "--defined-only"], ["llvm-nm", "--defined-only", "--extern-only"], ["objdump", "-p"]):
+        if shutil.which(command[0]):
+            done = inspected(fmu, name, command)
+            found = set(re.findall(r"\b_?(fmi[23]\w+)", done))
+            if found:
+                return found
+    return None
+
+
+def inspected(fmu: Archive, name: str, command: list[str]) -> str:
+    """What a tool says of a binary; '' when it cannot read it."""
+    with zipfile.ZipFile(fmu.path) as archive:
+        path = Path(archive.extract(name, fmu.path.parent))
+    return subprocess.run([*command, str(path)], capture_output=True, text=True, check=False).stdout
+
+
+@pytest.mark.skipif(shutil.which("readelf") is None, reason="readelf is not installed")
+def test_native_library_needs_the_c_library_alone(fmu: Archive) -> None:
+    if not fmu.native:
+        pytest.skip("the Python FMU needs Python, and says so in externalDependencies.txt")
+    libraries = [name for name in fmu.files if name.startswith("binaries/") and name.endswith(".so")]
+    assert libraries
+    for name in libraries:
+        dynamic = inspected(fmu, name, ["readelf", "-d"])
+        needed = set(re.findall(r"\(NEEDED\).*\[(.+)\]", dynamic))
+        assert needed <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1", "ld-linux-x86-64.so.2"}, name
+        assert "RPATH" not in dynamic, name
+        assert "RUNPATH" not in dynamic, name
+        # of 2013: runs wherever a tool runs
+        versions = re.findall(r"GLIBC_2\.(\d+)", inspected(fmu, name, ["readelf", "-V"]))
+        assert max(map(int, versions)) <= 17, name
+        open_ = re.findall(r"UND (\w+)", inspected(fmu, name, ["readelf", "--dyn-syms", "-W"]))
+        assert [symbol for symbol in open_ if symbol.startswith(("Py", "_Py", "fmi"))] == [], name
+
+
+def test_sources_are_complete(fmu: Archive) -> None:
+    if not fmu.native:
+        assert not any(name.startswith("sources/") for name in fmu.files)
+        return
+    listed = ElementTree.fromstring(fmu.files["sources/buildDescription.xml"])
+    files = {str(node.get("name")) for node in listed.iter("SourceFile")}
+    assert files == {name.removeprefix("sources/") for name in fmu.files if re.fullmatch(r"sources/.+\.c", name)}
+    if fmu.fmi == 2:
+        assert {node.get("name") for node in fmu.interface.iter("File")} == files
+    for name, data in fmu.files.items():
+        if name.startswith("sources/"):
+            for header in re.findall(r'(?m)^#include "(.+)"', data.decode()):
+                assert f"sources/{header}" in fmu.files, (name, header)

@@ -1,0 +1,98 @@
+"""Hoist drive and rope as one SSP, wound in tools from the package index (see ssp_driver for what each tool does)."""
+
+from __future__ import annotations
+
+import functools
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import ssp_driver
+import tool_driver
+from exports import FLAVOURS, export_drive
+from fmpy.ssp.ssd import read_ssd
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from test_tools import environment, require
+
+from fmu_src.ssp import Component, export_ssp
+from hoist_demo.host import Host
+from hoist_demo.inprocess_rope import rope_in_process
+
+STEPS = 2600  # the trip of 90 m and its arrival
+COUPLING = {"inputs_at_step_end": False}  # drive and rope step at the same time
+
+
+def system(folder: Path, rope: Path, drive: Path) -> Path:
+    components = [Component("drive", drive, {}), Component("rope", rope, COUPLING)]
+    return export_ssp(folder / "balance_rope.ssp", "FrictionHoist", components, stop=35.0, step=ssp_driver.H)
+
+
+@pytest.fixture(scope="module", params=sorted(name for name, flavour in FLAVOURS.items() if flavour.fmi == 2))
+def ssp(request: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("ssp")
+    return system(folder, FLAVOURS[request.param].export(folder / "rope.fmu"), export_drive(folder / "drive.fmu"))
+
+
+@functools.cache
+def wound(tool: str, ssp: Path) -> NDArray[np.float64]:
+    """(steps, signals)."""
+    command = [sys.executable, str(Path(ssp_driver.__file__)), tool, str(ssp), str(STEPS)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment())
+    line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
+    assert line is not None, done.stdout[-2000:] + done.stderr[-2000:]
+    return np.array(json.loads(line.removeprefix("RESULT ")))
+
+
+@pytest.mark.parametrize(("tool", "oracle"), [("ecos", "fmpy_adding"), ("libcosim", "fmpy_counting")])
+def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(ssp: Path, tool: str, oracle: str) -> None:
+    require(tool)
+    found, expected = wound(tool, ssp), wound(oracle, ssp)
+    assert expected[-1, 0] == pytest.approx(90.0, abs=0.01)
+    # the same calls in the same order
+    assert_allclose(found, expected, rtol=1e-13, atol=0.0)
+
+
+def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
+    found = wound("fmpy_adding", ssp)
+    recording = Host(rope_in_process("rope-120")).run().recording
+    names = ["conveyance.left.y", "conveyance.right.y", "conveyance.left.vy", "drive.torque", "left.fy", "right.fy"]
+    expected = np.array([recording[name] for name in names]).T[1 : STEPS + 1]
+    # the host steps drive and rope one after the other, the tools at once with the motion extrapolated over 10 ms:
+    # the rest is the jerk, 0.5 m/s3 x H x a rope of 960 kg, and the waves that it raises
+    scale = np.abs(expected).max(axis=0)
+    assert_allclose(found[:, :4] / scale[:4], expected[:, :4] / scale[:4], rtol=0.0, atol=2e-6)
+    assert_allclose(found[:, 4:] / scale[4:], expected[:, 4:] / scale[4:], rtol=0.0, atol=5e-4)
+
+
+def test_structure_is_valid_ssp_and_connects_every_signal_of_both(ssp: Path) -> None:
+    description = read_ssd(str(ssp))  # against the schema of SSP 1.0
+    assert {c.startConnector for c in description.system.connections} == {
+        *tool_driver.INPUTS,
+        "left.fy_mean",
+        "right.fy_mean",
+    }
+    with zipfile.ZipFile(ssp) as archive:
+        assert archive.namelist() == ["SystemStructure.ssd", "resources/drive.fmu", "resources/rope.fmu"]
+        text = archive.read("SystemStructure.ssd").decode()
+    assert '<ssd:DefaultExperiment startTime="0.0" stopTime="35.0">' in text
+
+
+def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(ssp) as archive:
+        archive.extractall(tmp_path)
+    rope, drive = tmp_path / "resources" / "rope.fmu", tmp_path / "resources" / "drive.fmu"
+    assert system(tmp_path, rope, drive).read_bytes() == ssp.read_bytes()
+
+
+def test_parameter_that_there_is_not_is_refused(ssp: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(ssp) as archive:
+        archive.extractall(tmp_path)
+    wrong = Component("rope", tmp_path / "resources" / "rope.fmu", {"rope.lenght": 3.0})
+    with pytest.raises(ValueError, match=r"no parameter rope\.lenght"):
+        export_ssp(tmp_path / "a.ssp", "a", [wrong], 1.0, 0.01)
