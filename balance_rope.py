@@ -5,14 +5,20 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
+import tempfile
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
 from fmu_src.export import export_fmu
+from fmu_src.interface import Variable
 from fmu_src.native.build import PLATFORMS, available_platforms
 from fmu_src.native.export import export_native
+from fmu_src.native.model_fmu import export_model
+from fmu_src.ssp import Component, export_ssp
 from hoist_demo.cli import add_demo
+from hoist_demo.drive_fmu.description import drive_model
+from hoist_demo.parameters import SETUPS
 from rope_model.parameters import LEVELS, PRESETS
 
 BUILD = Path("build")
@@ -99,6 +105,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         default="standard",
         help="accuracy against speed, see docs/chart.md (%(default)s)",
     )
+    export.add_argument(
+        "--ssp", action="store_true", help="also hoist drive and rope (FMI 2.0) as one system, an .ssp beside the .fmu"
+    )
     export.add_argument("--out", type=Path, help=f"the .fmu to write, or the folder if there are several ({BUILD}/...)")
     export.set_defaults(run=_export)
 
@@ -109,6 +118,8 @@ def _export(options: argparse.Namespace) -> int:
         if 2 not in options.fmi:
             raise ValueError("the Python flavour is FMI 2.0 only; FMI 3.0 comes with --native")
         wanted.insert(0, ("Python", 2))
+    if options.ssp and 2 not in options.fmi:
+        raise ValueError("the system (--ssp) is made of FMI 2.0 FMUs; add 2 to --fmi")
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for flavour, fmi in wanted:
         path = options.out if options.out and len(wanted) == 1 else (options.out or BUILD) / NAMES[flavour, fmi]
@@ -119,10 +130,26 @@ def _export(options: argparse.Namespace) -> int:
             platforms = ["where Python, numpy and casadi are"]
             export_fmu(path, options.scene, options.level)
         rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), f"{path.stat().st_size / 1e6:.2f} MB"))
+        if options.ssp and fmi == 2:
+            ssp = _system(path, options.scene, options.platform)
+            rows.append((str(ssp), f"{flavour} rope, native drive", "2.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB"))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     return 0
+
+
+def _system(rope: Path, scene: str, platforms: Sequence[str] | None) -> Path:
+    """The rope's FMU and the hoist drive of its scene as one system, ``rope`` with the ending .ssp."""
+    drive = drive_model(SETUPS[scene])
+    table = [Variable(*variable) for variable in drive.variables]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "drive.fmu"
+        fmu = export_model(path, drive.name, drive.description, table, drive.sources, drive.attachments, platforms)
+        # drive and rope step at the same time: the rope extrapolates the motion
+        components = [Component("drive", fmu, {}), Component("rope", rope, {"inputs_at_step_end": False})]
+        name, text = "FrictionHoist", drive.description
+        return export_ssp(rope.with_suffix(".ssp"), name, components, drive.duration, 0.01, text)
 
 
 def _chart(options: argparse.Namespace) -> int:

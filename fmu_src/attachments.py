@@ -40,16 +40,17 @@ def attachments(table: Sequence[Variable], preset: Preset, fmi: int, native: boo
     if native:
         files["documentation/licenses/fmi-headers.txt"] = (_HERE / "native" / "include" / "LICENSE.txt").read_bytes()
     else:
+        files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
     return files | {f"{_EXTRA}/{name}": data for name, data in reference_files(preset, MODEL).items()}
 
 
-def license_text() -> str:
-    """Our licence, as installed; an egg-info in a checkout has no copy, the distribution beside it has."""
-    found = importlib.metadata.distributions(name="balance-rope")
+def license_text(package: str = "balance-rope") -> str:
+    """A package's licence, as installed; an egg-info in a checkout has no copy, the distribution beside it has."""
+    found = importlib.metadata.distributions(name=package)
     text = next((text for one in found if (text := one.read_text("licenses/LICENSE"))), None)
     if text is None:
-        raise RuntimeError("the licence is missing from the installed package; install balance-rope anew")
+        raise RuntimeError(f"the licence is missing from the installed package {package}; install it anew")
     return text
 
 

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import zipfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -19,6 +20,8 @@ import pytest
 from fmpy.build import build_platform_binary
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from lxml import etree
 from native_host import H, Host
 
@@ -484,6 +487,50 @@ def test_what_the_flags_rule_out_is_an_error_with_a_message(host: Host) -> None:
         assert host.call(name, *arguments) == 3
         assert len(host.log) == heard + 1
     assert host.step(0.0) == ""
+
+
+NUMBERS = st.one_of(st.floats(width=64), st.sampled_from([0.0, H, 2 * H, 90.0, 1e308, -1.0]))
+REFERENCES = st.one_of(st.integers(0, 400), st.sampled_from([2**31, 2**32 - 1]))
+CALLS = st.lists(
+    st.tuples(st.sampled_from(["enter", "exit", "step", "terminate", "reset", "set", "get", "save", "restore"]))
+    | st.tuples(st.just("set"), REFERENCES, NUMBERS)
+    | st.tuples(st.just("step"), NUMBERS, NUMBERS)
+    | st.tuples(st.just("derivative"), REFERENCES, REFERENCES, NUMBERS),
+    max_size=30,
+)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(calls=CALLS)
+def test_no_sequence_of_calls_does_harm(fmus: dict[int, Path], folders: dict[int, str], calls: list[Any]) -> None:
+    for fmi in VERSIONS:
+        host = Host(fmus[fmi], folders[fmi])
+        states: list[Any] = []
+        put = host.fmu.setReal if fmi == 2 else host.fmu.setFloat64
+        derivative = host.fmu.getDirectionalDerivative
+        actions: dict[str, Any] = {
+            "enter": host.enter,
+            "exit": host.fmu.exitInitializationMode,
+            "terminate": host.fmu.terminate,
+            "reset": host.fmu.reset,
+            "get": partial(host.get, "left.fy", "status.message"),
+            "set": lambda reference=47, value=0.0, put=put: put([reference], [value]),
+            "step": lambda t=0.0, h=H, fmu=host.fmu: fmu.doStep(t, h),
+            "derivative": lambda unknown, known, seed, of=derivative: of([unknown], [known], [seed]),
+            "save": lambda states=states, host=host: states.append(host.state()),
+            "restore": lambda states=states, host=host: [host.restore(state) for state in states[-1:]],
+        }
+        for name, *arguments in calls:
+            try:
+                actions[name](*arguments)
+            except FMICallException:
+                assert host.error()
+        for state in states:
+            host.free(state)
+        host.fmu.reset()
+        host.start(inputs_at_step_end=True)
+        assert len(host.run(0, 2)) == 2
+        host.call("FreeInstance")
 
 
 # states
