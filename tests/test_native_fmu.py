@@ -5,8 +5,10 @@ from __future__ import annotations
 import ctypes
 import inspect
 import math
+import os
 import shutil
 import subprocess
+import sys
 import zipfile
 from collections.abc import Iterator
 from functools import partial
@@ -613,27 +615,45 @@ def test_instances_do_not_know_of_each_other(fmi: int, fmus: dict[int, Path], fo
 # memory
 
 
-def lived(fmu: Path, folder: Path, valgrind: bool) -> list[int]:
-    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c."""
-    program, unzipped = folder / "life", Path(fmpy.extract(str(fmu), str(folder)))
-    source = ROOT / "tests" / "native" / "life_cycle.c"
-    subprocess.run(["cc", "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", program, "-ldl", "-lm"], check=True)
-    binary = next((unzipped / "binaries").rglob("BalanceRope.so"))
-    command = [str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
-    if valgrind:
-        command = ["valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99", *command]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+#: platform -> what runs its programs here
+RUNNERS = {
+    host_platform(): (),
+    "valgrind": ("valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99"),
+    "aarch64-linux": ("qemu-aarch64-static", "-L", "/usr/aarch64-linux-gnu"),
+    "x86_64-windows": ("wine",),
+}
+
+
+def lived(fmu: Path, folder: Path, way: str) -> list[int]:
+    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c, run in one of RUNNERS."""
+    runner = RUNNERS[way]
+    if runner and shutil.which(runner[0]) is None:
+        pytest.skip(f"needs {runner[0]}")
+    name = host_platform() if way == "valgrind" else way
+    compiler = ["cc"]
+    if name != host_platform():
+        compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].target.replace("2.17", "2.31")]
+    elif not name.endswith("linux") or shutil.which("cc") is None:
+        pytest.skip("needs Linux and a C compiler")
+    unzipped, program = Path(fmpy.extract(str(fmu), str(folder))), folder / "life.exe"
+    source = str(ROOT / "tests" / "native" / "life_cycle.c")
+    libraries = ["-lm"] if name.endswith("windows") else ["-ldl", "-lm"]
+    subprocess.run(
+        [*compiler, "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", str(program), *libraries], check=True
+    )
+    binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
+    command = [*runner, str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
+    environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, env=environment)
     assert done.returncode == 0, done.stderr[-3000:]
     return [int(line) for line in done.stdout.split()]
 
 
-@pytest.mark.parametrize("valgrind", [False, True])
+@pytest.mark.parametrize("way", [host_platform(), "valgrind"])
 def test_no_memory_is_taken_while_stepping_and_all_is_given_back(
-    fmus: dict[int, Path], tmp_path: Path, valgrind: bool
+    fmus: dict[int, Path], tmp_path: Path, way: str
 ) -> None:
-    if not host_platform().endswith("linux") or not all(shutil.which(x) for x in ("cc", "valgrind")):
-        pytest.skip("needs Linux, a C compiler and valgrind")
-    assert lived(fmus[2], tmp_path, valgrind) == [0, 0]
+    assert lived(fmus[2], tmp_path, way) == [0, 0]
 
 
 # command line
