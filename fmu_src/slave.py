@@ -17,6 +17,7 @@ from pythonfmu.enums import Fmi2Status
 
 from fmu_src.component import RopeComponent
 from fmu_src.model_description import MODEL, Build, model_description
+from fmu_src.wrapper_library import release_at_exit
 from rope_model.parameters import PRESETS
 
 
@@ -26,6 +27,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         resources = Path(kwargs["resources"])
+        release_at_exit(resources.parent / "binaries" / "linux64" / f"{MODEL}.so")
         self.modelName = MODEL
         self.build = json.loads((resources / "build.json").read_text(encoding="utf-8"))
         preset = PRESETS[self.build["preset"]](self.build["level"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import zipfile
@@ -13,6 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from freed_blocks import freed_blocks
 from numpy.testing import assert_allclose
 
 from fmu_src.documentation import interface_page
@@ -165,13 +167,16 @@ def test_portable_kernels_travel_inside(fmu: Path) -> None:
     assert np.all(np.isfinite(drive("portable", fmu)))
 
 
-def exits(fmu: Path, runs: int) -> list[int]:
-    command = [sys.executable, str(DRIVER), "brief", str(fmu)]
-    return [subprocess.run(command, capture_output=True, timeout=120, check=False).returncode for _ in range(runs)]
+def exits(fmu: Path, runs: int, **variables: str) -> list[int]:
+    command, where = [sys.executable, str(DRIVER), "brief", str(fmu)], {**os.environ, **variables}
+    return [
+        subprocess.run(command, capture_output=True, timeout=120, check=False, env=where).returncode
+        for _ in range(runs)
+    ]
 
 
-def test_processes_exit_cleanly(fmu: Path) -> None:
-    assert exits(fmu, 8) == [0] * 8
+def test_no_freed_memory_is_used_up_to_the_end_of_the_process(fmu: Path, tmp_path: Path) -> None:
+    assert exits(fmu, 1, LD_PRELOAD=str(freed_blocks(tmp_path))) == [0]
 
 
 @pytest.mark.slow
