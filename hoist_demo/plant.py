@@ -19,19 +19,24 @@ F_c tanh(R phi' / v_c) + d R phi'. The tension on the sheave is what a leg's own
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.loads import under_changing_load
 from hoist_demo.parameters import GRAVITY, Hoist
 
 Vector = NDArray[np.float64]
 
 STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
+FORCES = (1, 2)
+"""Places of the two vertical forces in a packed input."""
+ACCELERATIONS = (STATE_NAMES.index("v_left"), STATE_NAMES.index("v_right"))
+"""Places of the two vertical accelerations in the rates."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +55,16 @@ class PlantInput:
     torque_command: float  # N m
     force_left: float  # N, of the balance rope on the conveyance, negative is down
     force_right: float  # N
+
+
+@dataclass(frozen=True)
+class PlantInputPath:
+    """Input over one communication step, s = 0 .. 1: start + rise s + bend s^2, and forces less m_a times a."""
+
+    start: PlantInput
+    rise: PlantInput
+    bend: PlantInput
+    added_mass: tuple[float, float] = (0.0, 0.0)  # kg, m_a of the left and the right end
 
 
 @dataclass(frozen=True)
@@ -95,7 +110,9 @@ class HoistPlant:
         self._outputs: Any = model["outputs"]
         self._rates: Any = model["rates"]
         self._hold: Any = model["hold"]
-        options: dict[str, Any] = {
+        self._dae: Any = model["dae"]
+        self._under_path: Any = None
+        self._options: dict[str, Any] = {
             "reltol": tolerance,
             "abstol": tolerance,
             "quad_err_con": True,
@@ -105,7 +122,7 @@ class HoistPlant:
             "disable_internal_warnings": True,
         }
         # time scaled to [0, 1], so that one integrator serves every step length
-        self._integrator: Any = ca.integrator("drive", "cvodes", model["dae"], 0.0, 1.0, options)
+        self._integrator: Any = ca.integrator("drive", "cvodes", self._dae, 0.0, 1.0, self._options)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance."""
@@ -118,13 +135,17 @@ class HoistPlant:
         x[0] = float(self._hold(x, *lengths))
         return PlantState(x=x, work=np.zeros(len(WORK_NAMES)), free_lengths=lengths)
 
-    def step(self, state: PlantState, h: float, u: PlantInput) -> PlantStep:
-        """State h [s] later under the held input; a failure of CVODES is a status."""
-        parameters = [h, u.torque_command, u.force_left, u.force_right, *state.free_lengths]
+    def step(self, state: PlantState, h: float, u: PlantInput | PlantInputPath) -> PlantStep:
+        """State h [s] later under the input, held or along its path; a failure of CVODES is a status."""
+        if isinstance(u, PlantInput):
+            integrator, given = self._integrator, _pack(u)
+        else:
+            integrator, given = self._along_path(), [*_pack(u.start), *_pack(u.rise), *_pack(u.bend), *u.added_mass]
+        parameters = [h, *given, *state.free_lengths]
         if not np.all(np.isfinite(parameters)):
             return PlantStep(False, f"drive: input is not finite: {u}", state)
         try:
-            result = self._integrator(x0=state.x, p=parameters)
+            result = integrator(x0=state.x, p=parameters)
         except RuntimeError as error:
             cause = str(error).strip().splitlines()[-1]
             return PlantStep(False, f"drive: CVODES failed ({cause}): shorten the communication step", state)
@@ -138,6 +159,25 @@ class HoistPlant:
             return PlantStep(False, f"drive: head rope of {min(free):.3g} m left at the sheave: overwind", state)
         return PlantStep(True, "", new)
 
+    def mobility(self, state: PlantState) -> Vector:
+        """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]; exact, they are linear."""
+        rows = list(ACCELERATIONS)
+        at_rest = self.rates(state, PlantInput(0.0, 0.0, 0.0))[rows]
+        unit = 1.0e4  # N
+        columns = [self.rates(state, PlantInput(0.0, *forces))[rows] for forces in ((unit, 0.0), (0.0, unit))]
+        return np.array([column - at_rest for column in columns]).T / unit
+
+    def acting(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
+        """What acts at s = 0 .. 1 of a path when the drive is in this state there."""
+        values = [a + s * (b + s * c) for a, b, c in zip(*map(_pack, (path.start, path.rise, path.bend)), strict=True)]
+        added = np.array(path.added_mass)
+        if added.any():
+            a = self.rates(state, PlantInput(*values))[list(ACCELERATIONS)]
+            matrix = np.eye(2) + added[:, None] * self.mobility(state)
+            for place, force in zip(FORCES, np.linalg.solve(matrix, added * a), strict=True):
+                values[place] -= float(force)
+        return PlantInput(*values)
+
     def rates(self, state: PlantState, u: PlantInput) -> Vector:
         """dx/dt, shape (7,)."""
         return np.asarray(self._rates(state.x, _pack(u), *state.free_lengths), dtype=np.float64).ravel()
@@ -146,6 +186,13 @@ class HoistPlant:
         """Measured quantities; accelerations and tensions belong to the held input u."""
         values = self._outputs(state.x, _pack(u), *state.free_lengths)
         return PlantOutput(*(float(value) for value in np.asarray(values).ravel()))
+
+    def _along_path(self) -> Any:
+        """The integrator for inputs that change within a step, made when the first is met."""
+        if self._under_path is None:
+            dae = under_changing_load(self._dae, len(fields(PlantInput)), FORCES, ACCELERATIONS)
+            self._under_path = ca.integrator("drive_path", "cvodes", dae, 0.0, 1.0, self._options)
+        return self._under_path
 
     def _free_length(self, name: str, y: float, mass: float, force: float) -> float:
         """Positive root of s = l (1 + (m g - F + mu g l / 2) / EA) [m]."""

@@ -21,7 +21,7 @@ MAY_IMPORT = {
 }
 #: library -> modules or packages in which it may be imported; numpy is welcome everywhere
 HOMES = {
-    "casadi": {"rope_model.physics.element", "rope_model.numerics", "hoist_demo.plant"},
+    "casadi": {"rope_model.physics.element", "rope_model.numerics", "hoist_demo.loads", "hoist_demo.plant"},
     "scipy": {"rope_model.simulation.modal"},
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
     "fmpy": {"hoist_demo.fmu_rope"},
