@@ -20,7 +20,7 @@ from hoist_demo.checkpoint import Checkpoint
 from hoist_demo.controller import Command, ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.coupling.catalogue import scheme_named
 from hoist_demo.coupling.interface import Advance, Load, Memory, Pair
-from hoist_demo.coupling.stability import Outlook, outlook
+from hoist_demo.coupling.stability import Outlook, measured_answer, outlook
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.partners import HangingPartner, HoistPartner, Stopwatch, input_of
 from hoist_demo.plant import HoistPlant, PlantInput, PlantOutput, PlantState, energy_residual
@@ -233,31 +233,27 @@ class Host:
         return run
 
     def _outlook(self, run: _Run) -> Outlook | None:
-        """Whether the scheme will be stable, from a step at rest that is taken back; None where nobody can tell."""
+        """Whether the scheme will be stable, from a trial at rest that is taken back; None where nobody can tell."""
         H, name = self.coupling.step, self.coupling.scheme
-        snapshot = run.rope.save()
-        if snapshot is None:
+        if self.scheme.needs_added_mass and run.rope.added_mass() is None:
+            raise ValueError(
+                f"scheme = '{name}' needs the rope's added mass, outputs left.added_mass and right.added_mass, "
+                "which this rope has not got: take gauss-seidel-1 or iterative-secant"
+            )
+        if (snapshot := run.rope.save()) is None:
             if self.scheme.needs_rollback:
                 raise ValueError(
                     f"scheme = '{name}' takes steps back, but this rope cannot save its state: take semi-implicit-1 "
                     "or gauss-seidel-1, or an FMU with canGetAndSetFMUstate"
                 )
             return None
-        try:
-            here = run.drive.motion(Load.constant(run.memory.last.force), 1.0)
-            cause = run.rope.step(self.coupling.start, H, here)
-            added = None if cause else run.rope.added_mass()
-            run.rope.restore(snapshot)
-        finally:
-            run.rope.free(snapshot)
-        if added is None:
-            if self.scheme.needs_added_mass:
-                raise ValueError(
-                    f"scheme = '{name}' needs the rope's added mass, outputs left.added_mass and right.added_mass, "
-                    "which this rope has not got: take gauss-seidel-1 or iterative-secant"
-                )
+        run.rope.free(snapshot)
+        here = run.drive.motion(Load.constant(run.memory.last.force), 1.0)
+        answer, cause = measured_answer(run.pair, self.coupling.start, H, here)
+        if cause:
+            _log.info("the coupling's stability is not known: %s", cause)
             return None
-        seen = outlook(self.scheme, added, run.drive.mobility())
+        seen = outlook(self.scheme, answer, run.drive.mobility())
         if warning := seen.warning(name, H):
             _log.warning("%s", warning)
         return seen

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,14 +56,25 @@ class Data:
 
 def driven(A: Array, b: Array, x: Array, h: float, coefficients: Array) -> Array:
     """x(h) of x' = A x + b u with u = sum c_i s^i, s = t / h: exact."""
-    n, p = len(x), len(coefficients)
+    free, forced = propagators(A.tobytes(), b.tobytes(), len(x), h, len(coefficients))
+    end: Array = free @ x + forced @ coefficients
+    return end
+
+
+@lru_cache(maxsize=512)
+def propagators(A: bytes, b: bytes, n: int, h: float, p: int) -> tuple[Array, Array]:
+    """What a step makes of the state, (n, n), and of the coefficients of u, (n, p)."""
     whole = np.zeros((n + p, n + p))
-    whole[:n, :n], whole[:n, n:] = A, np.outer(b, coefficients) if b.ndim == 1 else b @ coefficients
+    whole[:n, :n] = np.frombuffer(A).reshape(n, n)
+    forced = np.zeros((n, p))
     for i in range(1, p):
         whole[n + i, n + i - 1] = i / h  # of s^i
-    z = np.concatenate([x, np.eye(p)[0]])
-    end: Array = (expm(whole * h) @ z)[:n]
-    return end
+    for i in range(p):
+        whole[:n, n:] = 0.0
+        whole[:n, n + i] = np.frombuffer(b)
+        step = expm(whole * h)
+        forced[:, i] = step[:n, n]
+    return step[:n, :n], forced
 
 
 class Drive:

@@ -15,6 +15,7 @@ SCHEMES: dict[str, Scheme] = {
     "impulse-preserving": ImpulsePreserving(),
     **{f"semi-implicit-{order}": SemiImplicit(order) for order in range(3)},
     **{f"iterative-{name}": Iterative(name) for name in ACCELERATORS},
+    "implicit-impulse": Iterative("jacobian", held=True),
     "energy-controlled": EnergyControlled(GaussSeidel(1)),
 }
 """Numbers are orders of extrapolation; docs/coupling.md compares them."""

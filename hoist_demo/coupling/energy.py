@@ -32,9 +32,9 @@ class EnergyControlled:
         return self.inner.needs_added_mass
 
     @property
-    def limit(self) -> float:
+    def weights(self) -> tuple[float, ...]:
         """Of the scheme inside."""
-        return self.inner.limit
+        return self.inner.weights
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """Steps of the scheme's own, the last of which ends at t + h."""

@@ -13,8 +13,8 @@ import numpy as np
 
 from .interface import Sample, Vector
 
-LEBESGUE_MEAN = (1.0, 2.0, 11.0 / 3.0)
-"""Sum of the sizes of the samples' weights in the mean of the extrapolated step, by order (Adams-Bashforth)."""
+MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
+"""Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth)."""
 
 
 def extrapolated(samples: Sequence[Sample], name: str, order: int, h: float) -> tuple[Vector, Vector, Vector]:

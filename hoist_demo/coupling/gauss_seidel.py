@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .extrapolation import LEBESGUE_MEAN, extrapolated
+from .extrapolation import MEAN_WEIGHTS, extrapolated
 from .interface import Advance, Books, Load, Memory, Pair
 
 
@@ -19,9 +19,9 @@ class GaussSeidel:
     needs_added_mass: bool = False
 
     @property
-    def limit(self) -> float:
-        """|a_new| = m_a / M |weights| |a|, the signs being worst when a alternates."""
-        return 1.0 / LEBESGUE_MEAN[self.order]
+    def weights(self) -> tuple[float, ...]:
+        """Of past forces in the step's mean."""
+        return MEAN_WEIGHTS[self.order]
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""
@@ -37,7 +37,7 @@ class ImpulsePreserving:
     the other one step late, and complete.
     """
 
-    limit: float = 1.0
+    weights: tuple[float, ...] = (0.5, 0.5)  # of the forces at both ends of the last step
     needs_rollback: bool = False
     needs_added_mass: bool = False
 
@@ -51,5 +51,5 @@ def exchanged(pair: Pair, memory: Memory, t: float, h: float, load: Load) -> Adv
     books = Books(pair, load)
     if cause := pair.drive_then_rope(t, h, load):
         return Advance(memory, cause)
-    sample = pair.sampled(t + h)
+    sample = pair.sampled(t + h, load)
     return Advance(memory.with_sample(sample, books.closed(sample.mean)))

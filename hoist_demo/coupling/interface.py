@@ -60,7 +60,7 @@ class Sample:
     t: float  # s
     force: Vector  # N, of the rope at t
     mean: Vector  # N, of the rope over the step that ended at t
-    acceleration: Vector  # m/s^2, of the drive under `force`
+    acceleration: Vector  # m/s^2, of the drive under the load that it had at t
 
 
 @dataclass(frozen=True)
@@ -153,10 +153,9 @@ class Pair:
     drive: DrivePartner
     rope: RopePartner
 
-    def sampled(self, t: float) -> Sample:
-        """What both have now."""
-        force, mean = self.rope.forces()
-        return Sample(t, force, mean, self.drive.motion(Load.constant(force), 1.0).acceleration)
+    def sampled(self, t: float, load: Load) -> Sample:
+        """What both have at the end of a step under the load."""
+        return Sample(t, *self.rope.forces(), self.drive.motion(load, 1.0).acceleration)
 
     def added_mass(self) -> Vector:
         """Of a rope that must have one."""
@@ -167,7 +166,7 @@ class Pair:
 
     def start(self, t: float) -> Memory:
         """Memory of a scheme that begins now; before t everything is taken to have been at rest."""
-        return Memory((self.sampled(t),))
+        return Memory((self.sampled(t, Load.constant(self.rope.forces()[0])),))
 
     def drive_then_rope(self, t: float, h: float, load: Load) -> str:
         """Both over one step: the rope follows the motion that the drive makes under the load."""
@@ -196,8 +195,8 @@ class Scheme(Protocol):
     """A way to exchange."""
 
     @property
-    def limit(self) -> float:
-        """Largest ratio of the rope's added mass to the mass it acts on at which the exchange is stable."""
+    def weights(self) -> tuple[float, ...]:
+        """Weights of past forces, latest first, in the mean load of a step; none when the load is iterated."""
         ...
 
     @property

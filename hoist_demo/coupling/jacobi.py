@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .extrapolation import LEBESGUE_MEAN, extrapolated
+from .extrapolation import MEAN_WEIGHTS, extrapolated
 from .interface import Advance, Books, Load, Memory, Motion, Pair
 
 
@@ -27,9 +27,9 @@ class Jacobi:
     needs_added_mass: bool = False
 
     @property
-    def limit(self) -> float:
-        """That of Gauss-Seidel: under forces alone the drive moves as the rope has been told that it would."""
-        return 1.0 / LEBESGUE_MEAN[self.order]
+    def weights(self) -> tuple[float, ...]:
+        """Of past forces in the step's mean."""
+        return MEAN_WEIGHTS[self.order]
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""
@@ -45,5 +45,5 @@ class Jacobi:
         cause = pair.drive.step(t, h, load) or pair.rope.step(t, h, expected)
         if cause:
             return Advance(memory, cause)
-        sample = pair.sampled(t + h)
+        sample = pair.sampled(t + h, Load.constant(pair.rope.forces()[0]))
         return Advance(memory.with_sample(sample, books.closed(sample.mean)))

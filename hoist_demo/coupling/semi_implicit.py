@@ -10,10 +10,9 @@ coupling Jacobian.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-from .extrapolation import extrapolated
+from .extrapolation import MEAN_WEIGHTS, extrapolated
 from .gauss_seidel import exchanged
 from .interface import Advance, Load, Memory, Pair
 
@@ -23,9 +22,13 @@ class SemiImplicit:
     """Extrapolation to `order` 0, 1 or 2; of the order `order` + 1 in H."""
 
     order: int
-    limit: float = math.inf
     needs_rollback: bool = False
     needs_added_mass: bool = True
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Of past forces in the step's mean."""
+        return MEAN_WEIGHTS[self.order]
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""
