@@ -1,8 +1,7 @@
 """Host of the balance rope: a friction hoist in CasADi, co-simulated with the rope.
 
-Reads from top to bottom as parameters -> reference -> plant -> controller -> rope_plant (fmu_rope, inprocess_rope)
--> partners,
-coupling -> host, checkpoint -> recording -> summary, figures, report -> cli.
+Reads from top to bottom as parameters -> reference -> plant (loads) -> controller -> rope_plant (fmu_rope,
+inprocess_rope) -> coupling -> partners -> recording, checkpoint -> host -> summary, figures, report -> cli.
 
 Signs. Heights and vertical forces are positive upwards; a positive travel, sheave angle and torque lift the left
 conveyance. Forces of the balance rope are those on the conveyance, so that a hanging rope has `fy` < 0. SI units.

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import logging
 import math
+import subprocess
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,6 +22,7 @@ from benchmarks.coupling.oscillator import Data, error, started
 from benchmarks.coupling.page import page
 from benchmarks.coupling.reading import PROMISED, foretold, order, rows, theory
 from benchmarks.reproduction.tables import read
+from fmu_src.export import export_fmu
 from hoist_demo.checkpoint import Checkpoint
 from hoist_demo.coupling.catalogue import SCHEMES, scheme_named
 from hoist_demo.coupling.energy import EnergyControlled
@@ -280,6 +283,59 @@ def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
     (tmp_path / "x.npz").write_text(json.dumps({}))
     with pytest.raises(ValueError, match=r"x\.npz' must be a checkpoint"):
         Checkpoint.read(tmp_path / "x.npz")
+
+
+# through the FMU, in a process of its own, because a loaded FMU shares Python with the test
+
+THROUGH_THE_FMU = """
+import sys
+from pathlib import Path
+from hoist_demo.checkpoint import Checkpoint
+from hoist_demo.fmu_rope import FmuRope
+from hoist_demo.host import Host
+from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.rope_plant import EndMotion
+
+path, folder = Path(sys.argv[1]), Path(sys.argv[2])
+trip = Winding(travel=0.002, settle=0.0, start_delay=0.0)
+
+rope = FmuRope(path)
+assert rope.initialize(0.0, EndMotion(), EndMotion(y=90.0)).valid
+snapshot, moved = rope.save(), (EndMotion(y=1e-4, vy=0.02, ay=0.5), EndMotion(y=90.0))
+assert rope.step(0.0, 0.01, *moved).valid
+first = rope.signals()
+rope.restore(snapshot)
+assert rope.step(0.0, 0.01, *moved).valid
+assert rope.signals() == first
+assert rope.read(["left.added_mass", "nothing"])["left.added_mass"] > 0.0
+rope.free(snapshot)
+try:
+    rope.from_bytes(b"x")
+except ValueError:
+    pass
+rope.close()
+
+def run(**options):
+    rope = FmuRope(path)
+    result = Host(rope, Hoist(), trip, Coupling(scheme="iterative-jacobian")).run(**options)
+    rope.close()
+    return result
+
+whole = run()
+assert whole.completed, whole.cause
+stopped = run(progress=lambda fraction, t: t < 0.2, save_to=folder / "last_good.npz")
+resumed = run(resume=Checkpoint.read(stopped.saved))
+assert resumed.completed, resumed.cause
+for name, values in whole.recording.signals.items():
+    assert (resumed.recording[name] == values).all(), name
+"""
+
+
+def test_rollback_and_resuming_through_the_fmu_are_bit_identical(tmp_path: Path) -> None:
+    fmu = export_fmu(tmp_path / "balance_rope.fmu", "rope-120", "draft")
+    command = [sys.executable, "-c", THROUGH_THE_FMU, str(fmu), str(tmp_path)]
+    done = subprocess.run(command, cwd=DOCS.parent, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
 
 
 # the committed data
