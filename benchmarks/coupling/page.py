@@ -9,7 +9,7 @@ from hoist_demo.coupling.catalogue import SCHEMES
 from hoist_demo.coupling.stability import MARGIN
 from hoist_demo.parameters import Coupling
 
-from .reading import PROMISED, foretold, order, rows, theory
+from .reading import PROMISED, foretold, order, order_on_hoist, rows, theory
 
 IMAGES, DATA = "images/coupling", "data/coupling"
 
@@ -77,19 +77,21 @@ def _orders(tables: Tables) -> str:
         f"![Error over communication step]({IMAGES}/error.png)\n",
         "Orders in H, of the force between the steps named; the hoist's rope makes steps of 2.5 ms in all runs, and "
         "its controller samples every 40 ms, which gives the motion a kink at each sample.\n",
-        "| scheme | theory | two masses, 10 to 5 ms | hoist, 20 to 5 ms | hoist, error at 10 ms |",
+        "| scheme | theory | two masses, 10 to 5 ms | hoist, 20 to 5 ms (iterative: 40 to 20) | hoist, error at 10 ms |",
         "|---|---|---|---|---|",
     ]
     for name in SCHEMES:
         at = rows(tables["schemes"], scheme=name)
         error = float(at["force error"][np.isclose(at["H [s]"], 0.01)][0])
         exact = order(tables["oscillator"], name, 0.01, 0.005)
-        hoist = order(tables["schemes"], name, 0.02, 0.005)
+        hoist = order_on_hoist(tables["schemes"], name)
         lines.append(f"| {name} | {theory(name)} | {exact:.2f} | {hoist:.2f} | {100 * error:.2g} % |")
     lines.append(
-        "\nVerdict: on the two masses every scheme has the order of its theory. On the hoist those without iteration "
-        "have it too as far as the kinks let a parabola; iteration is limited by the kinks and by the rope's own waves "
-        "within a step.\n"
+        "\nVerdict: on the two masses every scheme has the order of its theory. On the hoist every scheme has it, within "
+        "half an order, or a higher one: `jacobi-0` is still above its asymptote at these steps, and the held mean of "
+        "`implicit-impulse` is of first order in the inertia of the end alone, which is small. The iterative schemes "
+        "meet the reference's own tolerance from 10 ms on. At 40 ms extrapolation along a line or a parabola is "
+        "unstable on this hoist: axial waves of the long leg take 120 ms, and the host says so before the start.\n"
     )
     return "\n".join(lines)
 
@@ -107,8 +109,11 @@ def _cost(tables: Tables) -> str:
             f"| {name} | {100 * t['force error'][k]:.2g} % | {t['exchanges per step'][k]:.3g} "
             f"| {t['cost [s/s]'][k] / base:.2f} |"
         )
-    best = t["scheme"][int(np.nanargmin(t["cost [s/s]"] * np.where(t["force error"] < 1e-3, 1.0, np.nan)))]
-    lines.append(f"\nVerdict: the cheapest within 0.1 % at 10 ms in this run is `{best}`. {_machine(tables)}\n")
+    lines.append(
+        "\nVerdict: without iteration all cost about the same and differ in error only (`energy-controlled` does here what "
+        "`gauss-seidel-1` does: their times show the scatter); iteration takes about twice the exchanges. "
+        f"{_machine(tables)}\n"
+    )
     return "\n".join(lines)
 
 
@@ -122,6 +127,7 @@ def _stability(tables: Tables) -> str:
     t = tables["stability"]
     agree, count = foretold(t, MARGIN)
     lines = [
+        "Runs of 0.3 s and 40 steps at least; slower growth than that shows is counted as stable.\n",
         f"![Map of stability]({IMAGES}/stability.png)\n",
         "A conveyance of mass M on one end of a 20 m rope. Exchange without iteration answers to the acceleration of "
         "the last step with the rope's added mass m_a, |a_new| = m_a/M |a|; for steps shorter than an axial wave's way "
