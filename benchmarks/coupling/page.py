@@ -77,7 +77,7 @@ def _orders(tables: Tables) -> str:
         f"![Error over communication step]({IMAGES}/error.png)\n",
         "Orders in H, of the force between the steps named; the hoist's rope makes steps of 2.5 ms in all runs, and "
         "its controller samples every 40 ms, which gives the motion a kink at each sample.\n",
-        "| scheme | theory | two masses, 10 to 5 ms | hoist, 20 to 5 ms (iterative: 40 to 20) | hoist, error at 10 ms |",
+        "| scheme | theory | two masses, 10 to 5 ms | hoist, 20 to 5 ms (iterative: 40 to 20) | error at 10 ms |",
         "|---|---|---|---|---|",
     ]
     for name in SCHEMES:
@@ -87,7 +87,7 @@ def _orders(tables: Tables) -> str:
         hoist = order_on_hoist(tables["schemes"], name)
         lines.append(f"| {name} | {theory(name)} | {exact:.2f} | {hoist:.2f} | {100 * error:.2g} % |")
     lines.append(
-        "\nVerdict: on the two masses every scheme has the order of its theory. On the hoist every scheme has it, within "
+        "\nVerdict: on the two masses every scheme has the order of its theory. On the hoist every scheme has it, to "
         "half an order, or a higher one: `jacobi-0` is still above its asymptote at these steps, and the held mean of "
         "`implicit-impulse` is of first order in the inertia of the end alone, which is small. The iterative schemes "
         "meet the reference's own tolerance from 10 ms on. At 40 ms extrapolation along a line or a parabola is "
@@ -110,8 +110,8 @@ def _cost(tables: Tables) -> str:
             f"| {t['cost [s/s]'][k] / base:.2f} |"
         )
     lines.append(
-        "\nVerdict: without iteration all cost about the same and differ in error only (`energy-controlled` does here what "
-        "`gauss-seidel-1` does: their times show the scatter); iteration takes about twice the exchanges. "
+        "\nVerdict: without iteration all cost about the same and differ in error only (`energy-controlled` does here "
+        "what `gauss-seidel-1` does: their times show the scatter); iteration takes about twice the exchanges. "
         f"{_machine(tables)}\n"
     )
     return "\n".join(lines)

@@ -47,7 +47,7 @@ def order(t: Table, scheme: str, longer: float, shorter: float) -> float:
 
 
 def order_on_hoist(t: Table, scheme: str) -> float:
-    """Order on the hoist; of the iterative schemes at long steps, where the reference's tolerance does not show yet."""
+    """Order on the hoist; of the iterative schemes at long steps, where the reference's tolerance does not show."""
     longer, shorter = (0.04, 0.02) if scheme.startswith("iterative") else (0.02, 0.005)
     return order(t, scheme, longer, shorter)
 
