@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -47,6 +47,9 @@ choice: $(READY)
 
 hoist: $(READY)
 	$(BIN)/python -m benchmarks.hoist
+
+coupling: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.coupling
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

@@ -40,6 +40,7 @@ HOMES = {
         "rope_model.numerics",
         "rope_model.native.elements",
         "hoist_demo.equations",
+        "hoist_demo.loads",
         "hoist_demo.plant",
         "hoist_demo.drive_fmu.kernels",
     },
