@@ -1,9 +1,10 @@
-"""What an FMU lets a host choose: its parameters by name, with unit, type and bounds, read without loading it."""
+"""What an FMU lets a host choose and read: parameters with unit, type and bounds, and outputs, without loading it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from zipfile import BadZipFile
 
 import fmpy
@@ -24,12 +25,6 @@ class FmuParameter:
 
 def read_parameters(path: Path) -> dict[str, FmuParameter]:
     """All parameters of the FMU by name."""
-    if not path.is_file():
-        raise ValueError(f"FMU '{path}' is missing: export it with `balance-rope export --out {path}`")
-    try:
-        description = fmpy.read_model_description(str(path))
-    except (ValidationError, BadZipFile) as error:
-        raise ValueError(f"FMU '{path}' must be a valid FMU, but: {error}: export it anew") from error
     return {
         variable.name: FmuParameter(
             name=variable.name,
@@ -39,9 +34,23 @@ def read_parameters(path: Path) -> dict[str, FmuParameter]:
             minimum=None if variable.min is None else float(variable.min),
             maximum=None if variable.max is None else float(variable.max),
         )
-        for variable in description.modelVariables
+        for variable in _description(path).modelVariables
         if variable.causality == "parameter"
     }
+
+
+def read_outputs(path: Path) -> tuple[str, ...]:
+    """Names of all outputs of the FMU."""
+    return tuple(v.name for v in _description(path).modelVariables if v.causality == "output")
+
+
+def _description(path: Path) -> Any:
+    if not path.is_file():
+        raise ValueError(f"FMU '{path}' is missing: export it with `balance-rope export --out {path}`")
+    try:
+        return fmpy.read_model_description(str(path))
+    except (ValidationError, BadZipFile) as error:
+        raise ValueError(f"FMU '{path}' must be a valid FMU, but: {error}: export it anew") from error
 
 
 def _start(kind: str, text: str) -> float | int | bool | str:

@@ -1,4 +1,4 @@
-"""Shapers leave their mode at rest, the fitted swing is the given one, the low rung is the plant, the optimum is kept."""
+"""Shapers leave their mode at rest, a fitted swing is the given one, the low rung is the plant, an optimum is kept."""
 
 from __future__ import annotations
 

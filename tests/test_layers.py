@@ -21,12 +21,15 @@ MAY_IMPORT = {
 }
 #: library -> modules or packages in which it may be imported; numpy is welcome everywhere
 HOMES = {
-    "casadi": {"rope_model.physics.element", "rope_model.numerics", "hoist_demo.plant"},
-    "scipy": {"rope_model.simulation.modal"},
+    "casadi": {"rope_model.physics.element", "rope_model.numerics", "hoist_demo.plant", "hoist_demo.design"},
+    "scipy": {"rope_model.simulation.modal", "hoist_demo.design", "hoist_demo.study.sampling"},
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
-    "fmpy": {"hoist_demo.fmu_rope"},
+    "fmpy": {"hoist_demo.fmu_rope", "hoist_demo.fmu_parameters"},
     "matplotlib": {"hoist_demo.figures"},
-    "tqdm": {"hoist_demo.cli"},
+    "tqdm": {"hoist_demo.cli", "hoist_demo.study.command"},
+    "dask": {"hoist_demo.study.cluster"},
+    "pandas": {"hoist_demo.study.store"},
+    "pyarrow": {"hoist_demo.study.store"},
 }
 
 

@@ -76,6 +76,16 @@ MEANING = {
     "energy_made_up": "largest energy that the coupling's delay makes up",
 }
 
+ROPE_SIGNALS = frozenset(
+    {
+        f"{end}.{name}"
+        for end in ENDS
+        for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
+    }
+    | {"loop.x", "loop.yaw", "loop.clearance", "energy.work_ends"}
+)
+"""Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them."""
+
 RIPPLE_WINDOW = 1.0
 """Length of the moving mean that is taken off the end force [s]."""
 

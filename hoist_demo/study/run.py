@@ -20,13 +20,14 @@ from hoist_demo.controller import Gains
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
+from hoist_demo.fmu_parameters import read_outputs
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.host import Host, Result
 from hoist_demo.parameters import SETUPS, Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import RopePlant
 from hoist_demo.study.catalogue import SECTIONS, Value
-from hoist_demo.study.metrics import UNITS, Arrival, measure
+from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
 
 FINISHED = ("completed", "stopped")
 """States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause."""
@@ -93,7 +94,8 @@ def execute(run: RunData, fmu: Path) -> Outcome:
     """Design, wind and measure; whatever goes wrong is an outcome, with its cause."""
     begin = time.perf_counter()
     try:
-        rope = FmuRope(fmu, run.fmu)
+        wanted = ROPE_SIGNALS | set(run.signals)
+        rope = FmuRope(fmu, run.fmu, not_read=[name for name in read_outputs(fmu) if name not in wanted])
         try:
             result, design_time = wind(run, rope)
         finally:
