@@ -7,6 +7,7 @@ import math
 import os
 import signal
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -26,11 +27,12 @@ from hoist_demo.reference import s_curve
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study, StudyError, read_study
 from hoist_demo.study.metrics import MEANING, UNITS, Arrival, measure
+from hoist_demo.study.nested import Leaf, changed, leaves
 from hoist_demo.study.perform import perform
 from hoist_demo.study.run import Outcome, build
 from hoist_demo.study.sampling import Range, latin_hypercube
 from hoist_demo.study.store import Store, read_results
-from hoist_demo.study.units import field_units, spelled
+from hoist_demo.study.units import spelled
 
 SHORT = """
 [fixed]
@@ -159,9 +161,55 @@ def test_values_that_fit_only_together_are_accepted(read) -> None:  # type: igno
 
 @pytest.mark.parametrize("data", [Hoist, Winding, Coupling, Gains, Shaper, Trajectory, Arrival])
 def test_every_field_states_a_unit(data: type) -> None:
-    symbols = {"1", "m", "kg", "s", "N", "Hz", "rad", "N.m", "N.m2", "N.s/m", "kg/m", "m/s", "m/s2", "m/s3", "1/s"}
-    symbols |= {"kg.m2", "N/m", "N.m/rad", "N.m.s/rad", "W", "N.m/s", "rad/s", "deg"}
-    assert set(field_units(data).values()) <= symbols
+    symbols = {
+        "1",
+        "s/m",
+        "m",
+        "kg",
+        "s",
+        "N",
+        "Hz",
+        "rad",
+        "N.m",
+        "N.m2",
+        "N.s/m",
+        "kg/m",
+        "m/s",
+        "m/s2",
+        "m/s3",
+        "1/s",
+    }
+    symbols |= {"s/m", "kg.m2", "N/m", "N.m/rad", "N.m.s/rad", "W", "N.m/s", "rad/s", "deg"}
+    assert {leaf.unit for leaf in leaves(data)} <= symbols
+
+
+@dataclass(frozen=True)
+class Part:
+    delay: float = 0.5  # s
+    share: float = 0.1  # -
+
+    def __post_init__(self) -> None:
+        if self.share > self.delay:
+            raise ValueError(f"share = {self.share} must be at most delay = {self.delay}")
+
+
+@dataclass(frozen=True)
+class Whole:
+    count: int = 3  # -, of things
+    part: Part | None = None  # None: without
+    limit: float | None = None  # N m, None: none
+    name: str = "a"
+
+
+def test_parts_are_reached_by_dotted_names() -> None:
+    assert list(leaves(Whole)) == [
+        Leaf("count", "Integer", "1"),
+        Leaf("part.delay", "Real", "s"),
+        Leaf("part.share", "Real", "1"),
+        Leaf("limit", "Real", "N.m"),
+        Leaf("name", "String", "1"),
+    ]
+    assert changed(Whole(), {"part.share": 0.9, "part.delay": 1.0, "limit": 2.0}) == Whole(3, Part(1.0, 0.9), 2.0)
 
 
 def test_spellings_of_a_unit_are_one() -> None:

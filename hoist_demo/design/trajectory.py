@@ -28,7 +28,13 @@ Vector = NDArray[np.float64]
 
 _INSIDE = 0.9  # 1, share of the limits that the first guess uses
 _SUBSTEP = 0.05  # s, at most a sixth of the period of the swings that matter
-_IPOPT = {"print_level": 0, "sb": "yes", "max_iter": 1000, "tol": 1e-5, "hessian_approximation": "limited-memory"}
+_IPOPT: dict[str, Any] = {
+    "print_level": 0,
+    "sb": "yes",
+    "max_iter": 1000,
+    "tol": 1e-5,
+    "hessian_approximation": "limited-memory",
+}
 _SMOOTHNESS = 1e-4  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,8 @@ from hoist_demo.design.trajectory import Trajectory
 from hoist_demo.fmu_parameters import read_parameters
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.study.metrics import Arrival
-from hoist_demo.study.units import field_units, spelled
+from hoist_demo.study.nested import leaves
+from hoist_demo.study.units import spelled
 
 Value = float | int | bool | str
 
@@ -81,14 +82,9 @@ class Catalogue:
     def __init__(self, fmu: Path) -> None:
         self._parameters = {"controller": Parameter("controller", "1", "String", choices=CONTROLLERS)}
         for section, data in SECTIONS.items():
-            units = field_units(data)
-            for field in fields(data):
-                if field.default is MISSING:
-                    continue  # a field without a default is data of a preset, not a number to vary
-                kind = _kind(field.default)
-                if kind:
-                    key = f"{section}.{field.name}"
-                    self._parameters[key] = Parameter(key, units[field.name], kind)
+            for leaf in leaves(data):
+                key = f"{section}.{leaf.name}"
+                self._parameters[key] = Parameter(key, leaf.unit, leaf.kind)
         for name, p in read_parameters(fmu).items():
             if name not in RESERVED:
                 kind = "Integer" if p.kind == "Enumeration" else p.kind
@@ -114,14 +110,3 @@ class Catalogue:
     def units(self, keys: Mapping[str, Any]) -> dict[str, str]:
         """Unit of each key."""
         return {key: self[key].unit for key in keys}
-
-
-def _kind(default: object) -> str:
-    """FMI type of a field by its default; "" for one that is not a single value."""
-    if isinstance(default, bool):
-        return "Boolean"
-    if isinstance(default, int):
-        return "Integer"
-    if isinstance(default, str):
-        return "String"
-    return "Real" if default is None or isinstance(default, float) else ""

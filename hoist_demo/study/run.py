@@ -11,7 +11,7 @@ import json
 import time
 import traceback
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import RopePlant
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
+from hoist_demo.study.nested import changed
 
 FINISHED = ("completed", "stopped")
 """States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause."""
@@ -82,7 +83,7 @@ def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()
             chosen[section][field] = value
         elif key != "controller":
             fmu[key] = value
-    data = {name: replace(data[name], **chosen[name]) for name in SECTIONS}
+    data = {name: changed(data[name], chosen[name]) for name in SECTIONS}
     run = RunData(scene, str(values.get("controller", "pi-feed-forward")), fmu=fmu, signals=signals, **data)
     require_trip_fits(run.hoist, run.winding)
     require_possible(run.controller, run.winding)

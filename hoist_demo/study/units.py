@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import inspect
 import re
-from dataclasses import fields
 from typing import Any
 
 _FIELD = re.compile(r"^    (\w+): [^#]+#\s*(.+)$", re.MULTILINE)
@@ -21,11 +20,6 @@ def spelled(unit: str) -> str:
 
 
 def field_units(data: type[Any]) -> dict[str, str]:
-    """Unit of each field of a data class."""
-    comments = dict(_FIELD.findall(inspect.getsource(data)))
-    units = {}
-    for field in fields(data):
-        if field.name not in comments:
-            raise ValueError(f"{data.__name__}.{field.name} must state its unit in a comment: write `# m, what it is`")
-        units[field.name] = spelled(re.split(r"[,:]", comments[field.name])[0].split(" [assumed]")[0])
-    return units
+    """First words of the comment of each field that has one: the unit, where the field is a number."""
+    comments = _FIELD.findall(inspect.getsource(data))
+    return {name: spelled(re.split(r"[,:]", comment)[0].split(" [assumed]")[0]) for name, comment in comments}
