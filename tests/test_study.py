@@ -236,6 +236,13 @@ def test_key_changes_with_every_piece_of_data() -> None:
     assert build("rope-120", {"rope.EI": 300.0}).key("bytes") == base.key("bytes")
 
 
+def test_key_keeps_clear_of_what_the_controller_does_not_use() -> None:
+    plain, other = build("rope-120", {}), build("rope-120", {"shaper.frequency": 2.0, "trajectory.hold": 2.0})
+    assert plain.key("bytes") == other.key("bytes")
+    shaped = [build("rope-120", {"controller": "input-shaping", "shaper.frequency": f}) for f in (1.0, 2.0)]
+    assert shaped[0].key("bytes") != shaped[1].key("bytes")
+
+
 # metrics
 
 

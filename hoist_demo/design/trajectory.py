@@ -35,14 +35,14 @@ _IPOPT: dict[str, Any] = {
     "tol": 1e-5,
     "hessian_approximation": "limited-memory",
 }
-_SMOOTHNESS = 1e-4  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
+_SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
 
 
 @dataclass(frozen=True)
 class Trajectory:
     """What the optimisation may do; the defaults are ours [assumed]."""
 
-    swing_speed: float = 0.005  # m/s, of the conveyances after arrival, that is worth swing_price
+    swing_speed: float = 0.01  # m/s, of the conveyances after arrival, that is worth swing_price
     swing_price: float = 1.0  # s
     hold: float = 1.5  # s, after arrival, over which the swing counts
     intervals: int = 120  # 1, of the trip

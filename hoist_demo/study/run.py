@@ -36,6 +36,10 @@ ERROR = "error"
 """State of a run that could not be carried out (a dead worker, an exception); resuming tries it again."""
 
 
+_TUNING_OF = {"input-shaping": "shaper", "optimised-trajectory": "trajectory"}
+"""Data that only one controller uses, and that is not part of the key of the others' runs."""
+
+
 @dataclass(frozen=True)
 class RunData:
     """Everything that decides a run's result but the FMU's bytes."""
@@ -55,6 +59,9 @@ class RunData:
     def key(self, fmu_hash: str) -> str:
         """Name of the run, 24 hexadecimal digits."""
         data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": version("balance-rope")}
+        for controller, tuning in _TUNING_OF.items():
+            if self.controller != controller:
+                del data[tuning]
         text = json.dumps([data, fmu_hash], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:24]
 
