@@ -16,6 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from hoist_demo.parameters import Hoist
+from hoist_demo.study.metrics import METRICS
 from hoist_demo.study.store import Results, Store, read_results
 
 STUDIES, DOCS = Path("out") / "study", Path("docs")
@@ -38,6 +39,7 @@ CONTROLLER_COLUMNS = {
 }
 SWIVEL_COLUMNS = {
     "case": ("swivels", 1.0, "{}"),
+    "rope.installed_twist": ("installed twist, turns", 0.5 / np.pi, "{:g}"),
     "left_starting_torque": ("starts to slip at, left, N m", 1.0, "{:.2f}"),
     "right_starting_torque": ("right", 1.0, "{:.2f}"),
     "left_slip": ("slip path, left, turns", 0.5 / np.pi, "{:.1f}"),
@@ -69,6 +71,11 @@ def main() -> None:
     page = DOCS / "study_controllers.md"
     for name in NAMES[:2]:
         insert(page, name, markdown(found[name], CONTROLLER_COLUMNS))
+    insert(
+        DOCS / "study.md",
+        "metrics",
+        "\n".join(f"| `{name}` | {unit} | {text} |" for name, (unit, text) in METRICS.items()),
+    )
     insert(DOCS / "study_swivel.md", "swivel", markdown(found["swivel"], SWIVEL_COLUMNS))
 
 
@@ -121,21 +128,25 @@ def arrivals(store: Store, results: Results) -> None:
 
 
 def swivels(store: Store, results: Results) -> None:
-    """Torque of the left swivel and yaw of the loop along the winding."""
-    figure, axes = plt.subplots(3, 1, figsize=(9.0, 7.0), sharex=True, layout="constrained")
-    colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.9, len(results.table)))
-    for colour, row in zip(colours, results.table.itertuples(), strict=True):
-        series = store.signals(row.key)
-        t = 0.01 * np.arange(len(series))
-        axes[0].plot(t, series["left.swivel.torque"], color=colour, label=row.case)
-        axes[1].plot(t, np.degrees(series["left.swivel.angle"]) / 360.0, color=colour)
-        axes[2].plot(t, np.degrees(series["loop.yaw"]), color=colour)
-    for axis, label in zip(
-        axes, ("left swivel torque [N m]", "left swivel angle [turns]", "loop yaw [deg]"), strict=True
-    ):
-        axis.set_ylabel(label)
-    axes[2].set_xlabel("time [s]")
-    axes[0].legend(frameon=False, fontsize=8, ncols=4)
+    """Torque and angle of the right swivel and yaw of the loop along the winding, without and with installed twist."""
+    twists = results.table["rope.installed_twist"].unique()
+    cases = list(results.table["case"].unique())
+    colours = dict(zip(cases, plt.get_cmap("viridis")(np.linspace(0.0, 0.9, len(cases))), strict=True))
+    figure, axes = plt.subplots(3, len(twists), figsize=(9.0, 7.0), sharex=True, layout="constrained")
+    for column, twist in enumerate(twists):
+        axes[0, column].set_title(f"installed twist {twist / (2 * np.pi):.2g} turns", fontsize=9)
+        for row in results.table[results.table["rope.installed_twist"] == twist].itertuples():
+            series = store.signals(row.key)
+            t = 0.01 * np.arange(len(series))
+            axes[0, column].plot(t, series["right.swivel.torque"], color=colours[row.case], lw=1, label=row.case)
+            axes[1, column].plot(t, series["right.swivel.angle"] / (2 * np.pi), color=colours[row.case], lw=1)
+            axes[2, column].plot(t, np.degrees(series["loop.yaw"]), color=colours[row.case], lw=1)
+        axes[2, column].set_xlabel("time [s]")
+    for k, label in enumerate(("right swivel torque [N m]", "right swivel angle [turns]", "loop yaw [deg]")):
+        axes[k, 0].set_ylabel(label)
+    figure.legend(
+        *axes[0, 0].get_legend_handles_labels(), loc="outside lower center", frameon=False, fontsize=8, ncols=4
+    )
     save(figure, "swivel")
 
 

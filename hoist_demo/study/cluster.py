@@ -57,7 +57,7 @@ def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     # distributed tells every coming and going of its parts; what matters of it is each run's cause
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     count = os.cpu_count() if workers is None else workers
-    options = {"threads_per_worker": 1, "processes": True, "dashboard_address": None, "silence_logs": logging.CRITICAL}
+    options = {"threads_per_worker": 1, "processes": True, "dashboard_address": ":0", "silence_logs": logging.CRITICAL}
     with LocalCluster(n_workers=count, **options) as local, Client(local) as client:
         yield client
 

@@ -64,7 +64,7 @@ def _study(options: argparse.Namespace) -> int:
 
     store = Store(options.out or Path("out") / "study" / options.study.stem)
     keys = [sample.data.key(study.fmu_hash) for sample in study.samples] if study.tuning is None else []
-    total = len(keys) or None
+    total = len(set(keys)) or None
     there = len(store.finished(keys))
     if there:
         print(f"{there} of {total} runs are there already")
@@ -79,8 +79,8 @@ def _study(options: argparse.Namespace) -> int:
                 partial(run_samples, client, study, store=store, finished=lambda *_: bar.update()),
             )
     except KeyboardInterrupt:
-        kept = write_what_is_there(study, store)
-        print(f"\ninterrupted: {kept.runs} runs are kept in {kept.table}; the same command goes on", file=sys.stderr)
+        kept = f"{store.directory}" if study.tuning else f"{write_what_is_there(study, store).table}"
+        print(f"\ninterrupted: what is finished is kept in {kept}; the same command goes on", file=sys.stderr)
         return 130
     for run, cause in performed.causes.items():
         print(f"{run}: {cause}", file=sys.stderr)

@@ -13,6 +13,7 @@ scale = "log". Later ones count: fixed, then case, then vary. All errors of a fi
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import math
 import tomllib
@@ -22,11 +23,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hoist_demo.fmu_parameters import read_outputs
+from hoist_demo.host import DRIVE_UNITS
 from hoist_demo.parameters import SETUPS
 from hoist_demo.study.catalogue import Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
-from hoist_demo.study.run import RunData, build
+from hoist_demo.study.run import RunData, build, fmu_part
 from hoist_demo.study.sampling import Range, grid, latin_hypercube
 from hoist_demo.study.units import spelled
 
@@ -130,19 +133,18 @@ class _Reader:
         fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
         with self._collect("[study] fmu" if self.fmu is None else "--fmu"):
             self.catalogue = Catalogue(fmu)
-        scene = head.get("scene", "rope-120")
+        scene, signals = head.get("scene", "rope-120"), tuple[str, ...]()
         if scene not in SETUPS:
             self.problems.append(f"[study] scene = {scene!r} must be one of {', '.join(SETUPS)}: choose one")
-        signals = head.get("signals", [])
-        if not (isinstance(signals, list) and all(isinstance(name, str) for name in signals)):
-            self.problems.append(f'[study] signals = {signals!r} must be a list of names: write ["loop.yaw"]')
+        with self._collect("[study]"):
+            signals = self._signals(head.get("signals", []), fmu)
         cases = self._cases(self._values("fixed", self._table("fixed")))
         vary = self._vary()
         tuning = self._tuning() if "tune" in self.raw else None
         drawn = self._draw(vary, tuning)
         if scene not in SETUPS or self.catalogue is None:
             raise StudyError(self.path, self.problems)
-        samples = self._checked(scene, tuple(map(str, signals)), fmu, cases, progress(drawn))
+        samples = self._checked(scene, signals, fmu, cases, progress(drawn))
         if self.problems:
             raise StudyError(self.path, self.problems)
         keys = {key: None for values in cases.values() for key in values} | dict.fromkeys(vary)
@@ -151,7 +153,7 @@ class _Reader:
             fmu=fmu,
             fmu_hash=hashlib.sha256(fmu.read_bytes()).hexdigest(),
             scene=scene,
-            signals=tuple(signals),
+            signals=signals,
             units=self.catalogue.units(keys),
             samples=tuple(samples),
             cases=cases,
@@ -180,11 +182,25 @@ class _Reader:
                     found[case].append(Sample(case, everything, data))
                 except ValueError as error:
                     problems = _blamed(scene, everything) or [str(error)]
+                    problems += probe.rejected(build(scene, fmu_part(everything)))
                 for problem in problems:
                     problem = f"case {case}: {problem}" if case else problem
                     if problem not in self.problems:
                         self.problems.append(problem)
         return [sample for samples in found.values() for sample in samples]
+
+    def _signals(self, names: Any, fmu: Path) -> tuple[str, ...]:
+        """Names of the time series to keep."""
+        if not isinstance(names, list):
+            raise ValueError(f'signals = {names!r} must be a list of names: write ["loop.yaw"]')
+        if self.catalogue is not None:
+            known = [*DRIVE_UNITS, *read_outputs(fmu)]
+            for name in names:
+                if name not in known:
+                    near = difflib.get_close_matches(str(name), known, n=3)
+                    cure = f"did you mean {' or '.join(near)}?" if near else "see docs/interface.md"
+                    raise ValueError(f"signals has {name!r}, which nothing shows: {cure}")
+        return tuple(map(str, names))
 
     def _unknown_tables(self) -> None:
         for name, content in self.raw.items():

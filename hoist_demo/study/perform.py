@@ -42,8 +42,8 @@ def perform(study: Study, store: Store, run: Run) -> Performed:
 
 
 def write_what_is_there(study: Study, store: Store) -> Performed:
-    """The table of an interrupted study: the runs that are finished."""
-    pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples if study.tuning is None]
+    """The table of an interrupted study: the runs that are recorded; a search has its table when it is complete."""
+    pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
     there = [(s, key) for s, key in pairs if store.read(key)]
     return _written(study, store, [s for s, _ in there], [key for _, key in there], None)
 

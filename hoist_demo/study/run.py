@@ -82,20 +82,24 @@ def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()
     setup = SETUPS[scene]
     data: dict[str, Any] = {"hoist": setup.hoist, "winding": setup.winding}
     data |= {name: kind() for name, kind in SECTIONS.items() if name not in data}
-    fmu: dict[str, Value] = {}
     chosen: dict[str, dict[str, Value]] = {name: {} for name in SECTIONS}
     for key, value in values.items():
         section, _, field = key.partition(".")
         if section in SECTIONS:
             chosen[section][field] = value
-        elif key != "controller":
-            fmu[key] = value
     data = {name: changed(data[name], chosen[name]) for name in SECTIONS}
-    run = RunData(scene, str(values.get("controller", "pi-feed-forward")), fmu=fmu, signals=signals, **data)
+    run = RunData(
+        scene, str(values.get("controller", "pi-feed-forward")), fmu=fmu_part(values), signals=signals, **data
+    )
     require_trip_fits(run.hoist, run.winding)
     require_possible(run.controller, run.winding)
     s_curve(run.winding)
     return run
+
+
+def fmu_part(values: Mapping[str, Value]) -> dict[str, Value]:
+    """Those of the values that are the FMU's."""
+    return {key: v for key, v in values.items() if key != "controller" and key.partition(".")[0] not in SECTIONS}
 
 
 def execute(run: RunData, fmu: Path) -> Outcome:
