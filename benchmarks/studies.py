@@ -42,13 +42,14 @@ SWIVEL_COLUMNS = {
     "rope.installed_twist": ("installed twist, turns", 0.5 / np.pi, "{:g}"),
     "left_starting_torque": ("starts to slip at, left, N m", 1.0, "{:.2f}"),
     "right_starting_torque": ("right", 1.0, "{:.2f}"),
-    "left_slip": ("slip path, left, turns", 0.5 / np.pi, "{:.1f}"),
-    "right_slip": ("right", 0.5 / np.pi, "{:.1f}"),
+    "left_slip": ("slip path, left, turns", 0.5 / np.pi, "{:.2f}"),
+    "right_slip": ("right", 0.5 / np.pi, "{:.2f}"),
     "left_slip_time": ("slipping, left, s", 1.0, "{:.1f}"),
     "right_slip_time": ("right", 1.0, "{:.1f}"),
     "left_swivel_torque": ("largest torque, left, N m", 1.0, "{:.1f}"),
     "right_swivel_torque": ("right", 1.0, "{:.1f}"),
-    "loop_yaw": ("yaw of the loop, deg", 180.0 / np.pi, "{:.2f}"),
+    "loop_yaw": ("largest yaw of the loop, deg", 180.0 / np.pi, "{:.1f}"),
+    "yaw_at_end": ("at the end", 180.0 / np.pi, "{:.1f}"),
     "clearance": ("clearance, m", 1.0, "{:.3f}"),
 }
 
@@ -68,6 +69,8 @@ def main() -> None:
         controllers(found["controllers"])
         arrivals(stores["controllers_complete"], found["controllers_complete"])
         swivels(stores["swivel"], found["swivel"])
+    swivel = found["swivel"].table
+    swivel["yaw_at_end"] = [float(stores["swivel"].signals(key)["loop.yaw"].iloc[-1]) for key in swivel["key"]]
     page = DOCS / "study_controllers.md"
     for name in NAMES[:2]:
         insert(page, name, markdown(found[name], CONTROLLER_COLUMNS))
@@ -121,8 +124,8 @@ def arrivals(store: Store, results: Results) -> None:
         axes[0].plot(t, 1e3 * (swing - swing.iloc[-1]), color=colour, label=row.case)
         axes[1].plot(t, 1e-3 * series["drive.torque"], color=colour)
         axes[0].axvline(row.cycle_time, color=colour, lw=0.8, ls=":")
-    axes[0].set(ylabel="right conveyance on its ropes [mm]", xlim=(19.0, 28.0), ylim=(-20.0, 20.0))
-    axes[1].set(ylabel="motor torque [kN m]", xlabel="time since the start of the trip [s]")
+    axes[0].set(ylabel="right conveyance on its ropes [mm]", xlim=(20.5, 27.5), ylim=(-10.0, 9.0))
+    axes[1].set(ylim=(30.0, 70.0), ylabel="motor torque [kN m]", xlabel="time since the start of the trip [s]")
     axes[0].legend(frameon=False, fontsize=8, ncols=2)
     save(figure, "arrival")
 
