@@ -73,6 +73,11 @@ def test_rest_has_no_swing() -> None:
     assert fit_swing(np.arange(0.0, 5.0, 0.01), np.full(500, 3.0)) is None
 
 
+def test_creep_into_the_landing_is_no_swing() -> None:
+    t = np.arange(0.0, 5.0, 0.01)
+    assert fit_swing(t, 1e-3 * np.exp(-3.0 * t)) is None
+
+
 def test_low_rung_without_balance_rope_accelerates_as_the_plant() -> None:
     hoist = Hoist(tail_rope_mass=0.0)
     gains = Gains(feed_forward=0.0)

@@ -48,7 +48,9 @@ def fit_swing(time: Array, x: Array) -> SwingMode | None:
         residual, [w0, 0.03 * w0], bounds=([0.5 * w0, -0.1 * w0], [1.5 * w0, w0]), x_scale=[w0, 0.03 * w0]
     )
     w_d, decay = (float(value) for value in fit.x)
-    if np.var(fit.fun) > 0.5 * np.var(rest):
+    # a fit that ends at its bounds has found a drift or a bump, not a mode
+    bounded = not 0.51 * w0 < w_d < 1.49 * w0 or decay > 0.99 * w0
+    if bounded or np.var(fit.fun) > 0.5 * np.var(rest):
         return None
     c = np.linalg.lstsq(basis(fit.x), x, rcond=None)[0]
     return SwingMode(w_d / (2.0 * math.pi), decay / math.hypot(w_d, decay), math.hypot(c[2], c[3]))
