@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling studies throughput fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -50,6 +50,17 @@ hoist: $(READY)
 
 coupling: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.coupling
+
+studies: fmu
+	$(BIN)/balance-rope export --level draft --out build/draft.fmu
+	$(BIN)/balance-rope study docs/studies/controllers.toml
+	$(BIN)/balance-rope study docs/studies/controllers_complete.toml
+	$(BIN)/balance-rope study docs/studies/swivel.toml
+	$(BIN)/python -m benchmarks.studies
+
+throughput: fmu
+	$(BIN)/balance-rope export --level draft --out build/draft.fmu
+	$(BIN)/python -m benchmarks.throughput
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

@@ -19,6 +19,7 @@ from fmu_src.ssp import Component, export_ssp
 from hoist_demo.cli import add_demo
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import SETUPS
+from hoist_demo.study.command import add_study
 from rope_model.parameters import LEVELS, PRESETS
 
 BUILD = Path("build")
@@ -44,6 +45,7 @@ first steps:
   balance-rope demo                    wind 90 m with it; figures, CSV and a report in out/demo
   balance-rope demo --quick            wind 10 m only, to see that all is in place
   balance-rope demo --in-process       the same rope without the FMU
+  balance-rope study STUDY.toml        wind many times, with parameters over grids, samples or a search
   balance-rope chart                   measure accuracy against speed; page, figures and data in docs
   balance-rope COMMAND --help          what a command can do
 """
@@ -58,6 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_export(commands)
     add_demo(commands, DEFAULT_FMU)
+    add_study(commands)
     chart = commands.add_parser(
         "chart",
         help="measure accuracy against speed",

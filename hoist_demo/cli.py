@@ -1,4 +1,4 @@
-"""The command `balance-rope demo`: the only module of this package that prints."""
+"""The command `balance-rope demo`: with `study/command.py` all of this package that prints."""
 
 from __future__ import annotations
 
