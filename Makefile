@@ -51,15 +51,18 @@ hoist: $(READY)
 coupling: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.coupling
 
-studies: fmu
-	$(BIN)/balance-rope export --level draft --out build/draft.fmu
+STUDY_FMUS = $(BIN)/balance-rope export --native --platform host --level draft --out build/draft.fmu && \
+	$(BIN)/balance-rope export --native --platform host --out build/standard.fmu
+
+studies: $(READY)
+	$(STUDY_FMUS)
 	$(BIN)/balance-rope study docs/studies/controllers.toml
 	$(BIN)/balance-rope study docs/studies/controllers_complete.toml
 	$(BIN)/balance-rope study docs/studies/swivel.toml
 	$(BIN)/python -m benchmarks.studies
 
-throughput: fmu
-	$(BIN)/balance-rope export --level draft --out build/draft.fmu
+throughput: $(READY)
+	$(STUDY_FMUS)
 	$(BIN)/python -m benchmarks.throughput
 
 fmu: $(READY)

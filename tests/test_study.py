@@ -283,7 +283,7 @@ def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
     result, hoist, winding = made_up(swing=0.01)
     found = measure(result, hoist, winding, Arrival())
     assert found["torque_rms"] == pytest.approx(5e3)
-    assert found["slip_safety"] == pytest.approx(hoist.tension_ratio_limit / 1.5)
+    assert found["slip_safety"] == pytest.approx((hoist.tension_ratio_limit - 1) / 0.5)
     assert found["motor_energy_drawn"] == pytest.approx(5e3, rel=1e-9)
     assert found["motor_energy"] == pytest.approx(5e3 - 500.0 * (result.recording.time[-1] - 5.0))
     # p-p of a sine that decays by 0.1 1/s, first extremes at 1/6 and 1/2 s

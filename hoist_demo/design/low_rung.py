@@ -42,7 +42,7 @@ class LowRung:
 
 def low_rung(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowRung:
     """The closed loop for a trip that begins at rest with the conveyances at the given heights [m]."""
-    EA, mu, rho, g = hoist.rope_stiffness, hoist.rope_mass, hoist.tail_rope_mass, GRAVITY
+    EA, mu, rho, g = hoist.rope_stiffness, hoist.rope_mass, hoist.tail_rope_number * hoist.tail_rope_mass, GRAVITY
     q, v = ca.SX.sym("q", 3), ca.SX.sym("v", 3)
     y, l0 = (y_left + q[1], y_right + q[2]), _free_lengths(hoist, y_left, y_right)
     legs = ((hoist.tail_rope_length + y[0] - y[1]) / 2, (hoist.tail_rope_length - y[0] + y[1]) / 2)
@@ -97,7 +97,7 @@ def _free_lengths(hoist: Hoist, y_left: float, y_right: float) -> tuple[float, f
     lengths = []
     for y, mass, leg in zip((y_left, y_right), (hoist.mass_left, hoist.mass_right), legs, strict=True):
         s = hoist.sheave_height - y
-        b = 1.0 + (mass + hoist.tail_rope_mass * leg) * GRAVITY / hoist.rope_stiffness
+        b = 1.0 + (mass + hoist.tail_rope_number * hoist.tail_rope_mass * leg) * GRAVITY / hoist.rope_stiffness
         c = hoist.rope_mass * GRAVITY / (2.0 * hoist.rope_stiffness)
         lengths.append(2.0 * s / (b + float(np.sqrt(b * b + 4.0 * c * s))))
     return lengths[0], lengths[1]

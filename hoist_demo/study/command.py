@@ -6,6 +6,7 @@ import argparse
 import sys
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from tqdm import tqdm
 
@@ -19,7 +20,7 @@ examples:
   balance-rope study STUDY.toml --check                        read and check the file and every start, run nothing
   balance-rope study STUDY.toml --scheduler tcp://host:8786    on the workers of a dask scheduler
 
-Results: results.parquet (pandas.read_parquet opens it) and results.csv in --out, one row per run.
+Results in --out: results.parquet (pandas.read_parquet opens it) and results.csv, one row per run, and report.html.
 exit code: 0 all runs wound to the end, 1 some did not (their causes are printed and in the table), 2 wrong study
 file or arguments, 130 interrupted.
 """
@@ -47,9 +48,10 @@ def add_study(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
 def _study(options: argparse.Namespace) -> int:
     # dask, pandas and pyarrow are needed here only, and load slowly
     try:
+        from hoist_demo.html.study import study_report
         from hoist_demo.study.cluster import cluster, run_samples
         from hoist_demo.study.perform import perform, write_what_is_there
-        from hoist_demo.study.store import Store
+        from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: install it with `pip install 'balance-rope[study]'`") from error
     from hoist_demo.study.definition import read_study
@@ -88,4 +90,8 @@ def _study(options: argparse.Namespace) -> int:
     if performed.best is not None:
         units = study.units
         print("best: " + ", ".join(f"{key} = {value:.6g} {units[key]}" for key, value in performed.best.items()))
+    results = read_results(performed.table)
+    parameters = [name for name in results.table.columns if name in study.units or name == "case"]
+    meta: dict[str, Any] = {"title": study.title, "parameters": parameters}
+    print(f"open in a browser: {study_report(results.table, results.units, meta, store.directory / 'report.html')}")
     return 1 if performed.causes else 0

@@ -46,7 +46,7 @@ METRICS = {
     "right_starting_torque": ("N.m", "likewise, right"),
     "left_swivel_torque": ("N.m", "largest magnitude, left"),
     "right_swivel_torque": ("N.m", "likewise, right"),
-    "slip_safety": ("1", "Euler-Eytelwein ratio of the lining over the largest ratio of the head rope tensions"),
+    "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): below 1 they slip"),
     "simulated_time": ("s", "of the record"),
     "energy_made_up": ("J", "largest energy that the coupling's delay makes up"),
 }
@@ -127,7 +127,7 @@ def _drive(recording: Recording, hoist: Hoist) -> dict[str, float]:
         "torque_limited_time": _time_of(recording, "drive.torque_limited"),
         "motor_energy": float(np.sum(power)),
         "motor_energy_drawn": float(np.sum(np.maximum(power, 0.0))),
-        "slip_safety": hoist.tension_ratio_limit / float(np.max(recording["drive.tension_ratio"])),
+        "slip_safety": hoist.slip_safety(float(np.max(recording["drive.tension_ratio"]))),
     }
 
 
