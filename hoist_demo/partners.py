@@ -87,9 +87,10 @@ def motion_of(output: PlantOutput) -> Motion:
 
 def input_of(held: PlantInput, forces: Vector) -> PlantInput:
     """A plant's input with the rope's forces."""
-    return replace(held, **{c.input: float(force) for c, force in zip(COORDINATES, forces, strict=True)})
+    return PlantInput(**vars(held) | dict(zip(_INPUTS, forces.tolist(), strict=True)))
 
 
+_INPUTS = tuple(c.input for c in COORDINATES)
 _NOTHING = PlantInput(0.0, 0.0, 0.0)
 
 
@@ -100,6 +101,9 @@ class HoistPartner:
         self.plant, self.state, self.held = plant, state, held
         self.input = held  # that acts now, forces included
         self._clock = clock
+        # a scheme asks for the same again and again
+        self._known_output: tuple[PlantState, PlantInput, PlantOutput] | None = None
+        self._known_path: tuple[Load, PlantInput, PlantInputPath] | None = None
 
     def step(self, t: float, h: float, load: Load) -> str:
         """One step under the load; a constant one is held to the bit."""
@@ -117,13 +121,13 @@ class HoistPartner:
 
     def output(self) -> PlantOutput:
         """What the hoist shows now."""
-        return self.plant.outputs(self.state, self.input)
+        return self._output(self.input)
 
     def motion(self, load: Load, s: float) -> Motion:
         """Motion of the ends now."""
         with self._clock.running():
             acting = self.plant.acting(self.state, self._path(load), s)
-            return motion_of(self.plant.outputs(self.state, acting))
+            return motion_of(self._output(acting))
 
     def mobility(self) -> Vector:
         """Of the two vertical accelerations."""
@@ -143,7 +147,19 @@ class HoistPartner:
     def restore(self, snapshot: tuple[PlantState, PlantInput]) -> None:
         self.state, self.input = snapshot
 
+    def _output(self, acting: PlantInput) -> PlantOutput:
+        known = self._known_output
+        if known is None or known[0] is not self.state or known[1] != acting:
+            self._known_output = known = self.state, acting, self.plant.outputs(self.state, acting)
+        return known[2]
+
     def _path(self, load: Load) -> PlantInputPath:
+        known = self._known_path
+        if known is None or known[0] is not load or known[1] is not self.held:
+            self._known_path = known = load, self.held, self._made_path(load)
+        return known[2]
+
+    def _made_path(self, load: Load) -> PlantInputPath:
         added = (float(load.added_mass[0]), float(load.added_mass[1]))
         rise, bend = input_of(_NOTHING, load.rise), input_of(_NOTHING, load.bend)
         return PlantInputPath(input_of(self.held, load.start), rise, bend, added)

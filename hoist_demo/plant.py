@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any
 
 import casadi as ca
@@ -309,5 +310,8 @@ def _ratio(one: float, other: float) -> float:
     return high / low if low > 0.0 else math.inf
 
 
+_inputs_of = attrgetter(*INPUT_NAMES)
+
+
 def _pack(u: PlantInput) -> list[float]:
-    return [getattr(u, name) for name in INPUT_NAMES]
+    return [*_inputs_of(u)]
