@@ -52,7 +52,8 @@ def low_rung(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowRu
     for i, (sign, mass) in enumerate(((1.0, hoist.mass_left), (-1.0, hoist.mass_right))):
         w, vy, leg = sign * v[0], v[1 + i], legs[i]
         length, s = l0[i] - sign * q[0], hoist.sheave_height - y[i]
-        kinetic += (mass + rho * leg) * vy**2 / 2 + mu * length * (w**2 + w * vy + vy**2) / 6
+        flow = s / length * w  # the head rope is stretched where it runs on the sheave
+        kinetic += (mass + rho * leg) * vy**2 / 2 + mu * length * (flow**2 + flow * vy + vy**2) / 6
         potential += EA * (s - length) ** 2 / (2 * length) - mu * g * length * s / 2 + mass * g * y[i]
         potential += rho * g * leg * (y[i] - leg / 2)
         damping += hoist.head_rope_damping * ca.sqrt(mass * EA / length) * (w - vy) ** 2
