@@ -128,7 +128,7 @@ def _control(hoist: Hoist) -> Any:
     ahead = hoist.moving_mass * a + hoist.imbalance_rate * s
     ahead += hoist.loss_coulomb * ca.tanh(v / hoist.loss_speed) + hoist.loss_viscous * v
     wanted = hold + hoist.sheave_radius * (gains["feed_forward"] * ahead + k_v * error + integral)
-    limit = hoist.torque_limit
+    limit: Any = hoist.torque_limit
     if hoist.power_limit is not None:
         limit = hoist.power_limit / ca.fmax(ca.fabs(speed / hoist.sheave_radius), hoist.power_limit / limit)
     torque = ca.fmin(ca.fmax(wanted, -limit), limit)
