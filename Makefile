@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling studies throughput fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -47,6 +47,23 @@ choice: $(READY)
 
 hoist: $(READY)
 	$(BIN)/python -m benchmarks.hoist
+
+coupling: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.coupling
+
+STUDY_FMUS = $(BIN)/balance-rope export --native --platform host --level draft --out build/draft.fmu && \
+	$(BIN)/balance-rope export --native --platform host --out build/standard.fmu
+
+studies: $(READY)
+	$(STUDY_FMUS)
+	$(BIN)/balance-rope study docs/studies/controllers.toml
+	$(BIN)/balance-rope study docs/studies/controllers_complete.toml
+	$(BIN)/balance-rope study docs/studies/swivel.toml
+	$(BIN)/python -m benchmarks.studies
+
+throughput: $(READY)
+	$(STUDY_FMUS)
+	$(BIN)/python -m benchmarks.throughput
 
 fmu: $(READY)
 	$(BIN)/balance-rope export

@@ -12,13 +12,14 @@ from pathlib import Path
 
 from fmu_src.export import export_fmu
 from fmu_src.interface import Variable
-from fmu_src.native.build import PLATFORMS, available_platforms
+from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
 from fmu_src.ssp import Component, export_ssp
 from hoist_demo.cli import add_demo
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import SETUPS
+from hoist_demo.study.command import add_study
 from rope_model.parameters import LEVELS, PRESETS
 
 BUILD = Path("build")
@@ -44,6 +45,7 @@ first steps:
   balance-rope demo                    wind 90 m with it; figures, CSV and a report in out/demo
   balance-rope demo --quick            wind 10 m only, to see that all is in place
   balance-rope demo --in-process       the same rope without the FMU
+  balance-rope study STUDY.toml        wind many times, with parameters over grids, samples or a search
   balance-rope chart                   measure accuracy against speed; page, figures and data in docs
   balance-rope COMMAND --help          what a command can do
 """
@@ -58,6 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_export(commands)
     add_demo(commands, DEFAULT_FMU)
+    add_study(commands)
     chart = commands.add_parser(
         "chart",
         help="measure accuracy against speed",
@@ -94,9 +97,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     export.add_argument(
         "--platform",
         nargs="+",
-        choices=tuple(PLATFORMS),
+        choices=("host", *PLATFORMS),
         metavar="NAME",
-        help=f"platforms of the native flavour: {', '.join(PLATFORMS)} (all that can be built here)",
+        help=f"platforms of the native flavour: host, {', '.join(PLATFORMS)} (all that can be built here)",
     )
     export.add_argument("--scene", choices=sorted(PRESETS), default="rope-120", help="start values (%(default)s)")
     export.add_argument(
@@ -120,18 +123,19 @@ def _export(options: argparse.Namespace) -> int:
         wanted.insert(0, ("Python", 2))
     if options.ssp and 2 not in options.fmi:
         raise ValueError("the system (--ssp) is made of FMI 2.0 FMUs; add 2 to --fmi")
+    asked = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for flavour, fmi in wanted:
         path = options.out if options.out and len(wanted) == 1 else (options.out or BUILD) / NAMES[flavour, fmi]
         if flavour == "native":
-            platforms = options.platform or available_platforms()
+            platforms = asked
             export_native(path, options.scene, options.level, fmi, platforms)
         else:
             platforms = ["where Python, numpy and casadi are"]
             export_fmu(path, options.scene, options.level)
         rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), f"{path.stat().st_size / 1e6:.2f} MB"))
         if options.ssp and fmi == 2:
-            ssp = _system(path, options.scene, options.platform)
+            ssp = _system(path, options.scene, asked)
             rows.append((str(ssp), f"{flavour} rope, native drive", "2.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB"))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:

@@ -1,4 +1,4 @@
-"""The command `balance-rope demo`: the only module of this package that prints."""
+"""The command `balance-rope demo`: with `study/command.py` all of this package that prints."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from typing import Any
 
 from tqdm import tqdm
 
+from hoist_demo.checkpoint import Checkpoint
+from hoist_demo.coupling.catalogue import SCHEMES
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.host import Host, Result
 from hoist_demo.parameters import ASSUMED_DATA, SETUPS, Coupling, Hoist, Winding
@@ -21,6 +23,9 @@ from hoist_demo.summary import SummaryRow, render, summarize
 
 KERNELS = ("auto", "compiled", "portable")
 """Choices of the FMU's integer parameter `solver.kernels`, in the order of its codes."""
+
+LAST_GOOD = "last_good.npz"
+"""File in the output folder with the last good state of a run that stopped."""
 
 LEVELS = ("draft", "standard", "reference")
 
@@ -38,6 +43,8 @@ examples:
   balance-rope demo --travel -90                 lower the left conveyance instead
   balance-rope demo --estop-at 12                emergency stop at 5 m/s^2 near full speed
   balance-rope demo --step 0.005 --out out/fine  a finer coupling, to see whether the results change
+  balance-rope demo --scheme iterative-secant    each exchange iterated to convergence
+  balance-rope demo --resume out/demo/last_good.npz  go on with a run that was interrupted or stopped
 
 exit code: 0 wound to the end, 1 the rope or the drive stopped the run (the cause is printed and what was recorded
 is written all the same), 2 wrong arguments.
@@ -62,6 +69,14 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without the FMU")
     demo.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
     demo.add_argument("--step", type=float, default=Coupling().step, metavar="H", help="communication step [s] (0.01)")
+    demo.add_argument(
+        "--scheme",
+        choices=tuple(SCHEMES),
+        default=Coupling().scheme,
+        metavar="NAME",
+        help=f"how drive and rope exchange, see docs/coupling.md: {', '.join(SCHEMES)} (%(default)s)",
+    )
+    demo.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
     demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (8; rope-240: 10)")
     demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (90; rope-240: 200)")
     demo.add_argument("--estop-at", type=float, metavar="T", help="emergency stop of 5 m/s^2 from time T [s]")
@@ -80,15 +95,16 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
 
 
 def _demo(options: argparse.Namespace) -> int:
-    hoist, coupling = SETUPS[options.scene].hoist, Coupling(step=options.step)
+    hoist, coupling = SETUPS[options.scene].hoist, Coupling(step=options.step, scheme=options.scheme)
     winding = _winding(options)
+    resume = Checkpoint.read(options.resume) if options.resume else None
     try:
         options.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ValueError(f"--out {options.out} cannot be made a folder ({error.strerror}): choose another") from error
     rope = _rope(options)
     try:
-        result = _run(Host(rope, hoist, winding, coupling))
+        result = _run(Host(rope, hoist, winding, coupling), options.out / LAST_GOOD, resume)
     finally:
         rope.close()
     rows = summarize(result, hoist, winding, coupling)
@@ -103,6 +119,8 @@ def _demo(options: argparse.Namespace) -> int:
     print(f"open in a browser: {written[-1]}")
     if not result.completed:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
+        if result.saved is not None:
+            print(f"balance-rope: the last good state is in {result.saved}; see --resume", file=sys.stderr)
         return 1
     return 0
 
@@ -142,7 +160,7 @@ def _rope(options: argparse.Namespace) -> RopePlant:
     return rope
 
 
-def _run(host: Host) -> Result:
+def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
     """The run under a progress bar on stderr."""
     layout = "winding {percentage:3.0f}% |{bar}| {desc} [{elapsed} < {remaining}]"
     stopped = False
@@ -160,7 +178,7 @@ def _run(host: Host) -> Result:
                 bar.update(100.0 * fraction - bar.n)
                 return not stopped
 
-            return host.run(advance)
+            return host.run(advance, save_to, resume)
     finally:
         signal.signal(signal.SIGINT, before)
 

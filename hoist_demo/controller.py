@@ -4,7 +4,8 @@
     M_c = R [ m a_ref + F_hold + f s_ref + F_loss(v_ref) + k_v e + I ] ,     I <- I + H k_v e / T_i
 
 F_hold holds the imbalance at the start, f = 2 g (tail - head rope mass per length) is its change per metre of travel,
-F_loss the known friction at the reference speed.
+F_loss the known friction at the reference speed. The three terms that follow the reference are the feed-forward; a
+share of them between 0 (plain PI) and 1 is used.
 The command is cut at the limits of torque and power, and the integral then stands still as long as it would push
 further (conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5).
 When the reference says that the safety brake stops the hoist, the motor is off and `emergency.py` asks for the brake.
@@ -27,12 +28,15 @@ class Gains:
     speed: float = 1.5e5  # N s/m, k_v
     integral_time: float = 1.0  # s, T_i
     position: float = 1.0  # 1/s, k_s
+    feed_forward: float = 1.0  # 1, share of the feed-forward that is used
 
     def __post_init__(self) -> None:
         for name in ("speed", "integral_time", "position"):
             value = getattr(self, name)
             if not value > 0.0:
                 raise ValueError(f"gain {name} = {value!r} must be above 0: start from the default")
+        if not 0.0 <= self.feed_forward <= 1.0:
+            raise ValueError(f"gain feed_forward = {self.feed_forward!r} must be within 0 and 1: it is a share")
 
 
 @dataclass(frozen=True)
@@ -79,8 +83,9 @@ class SpeedController:
             return self._brake(reference.braking, measured, state, h)
         k_v = self._gains.speed
         error = reference.speed + self._gains.position * (reference.position - measured.travel) - measured.speed
-        force = self._mass * reference.acceleration + self._hoist.imbalance_rate * reference.position
-        force += self._loss(reference.speed) + k_v * error + state.integral
+        ahead = self._mass * reference.acceleration + self._hoist.imbalance_rate * reference.position
+        ahead += self._loss(reference.speed)
+        force = self._gains.feed_forward * ahead + k_v * error + state.integral
         wanted = self._holding_torque + self._radius * force
         limit = self._hoist.torque_available(measured.speed / self._radius)
         torque = min(max(wanted, -limit), limit)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import logging
 import shutil
-from collections.abc import Collection, Mapping
-from contextlib import suppress
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from ctypes import byref
 from dataclasses import fields
 from pathlib import Path
@@ -116,6 +116,44 @@ class FmuRope:
                 values.update((v.name, float(value)) for v, value in zip(variables, read, strict=True))
         return values
 
+    def read(self, names: Iterable[str]) -> dict[str, float]:
+        """Some Real outputs by name, in the order asked for."""
+        wanted = [name for name in names if name in self._variables]
+        with _told():
+            return dict(zip(wanted, self._slave.getReal([self._reference(name) for name in wanted]), strict=True))
+
+    def save(self) -> Any:
+        """A handle of the FMU's state; None when it cannot save."""
+        if not self._description.coSimulation.canGetAndSetFMUstate:
+            return None
+        with _told():
+            return self._slave.getFMUState()
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a handle of this instance."""
+        with _told():
+            self._slave.setFMUState(snapshot)
+
+    def free(self, snapshot: Any) -> None:
+        """Give a handle back to the FMU."""
+        if snapshot is not None:
+            with suppress(FMICallException):
+                self._slave.freeFMUState(snapshot)
+
+    def to_bytes(self, snapshot: Any) -> bytes:
+        """The FMU's serialized state."""
+        with _told():
+            return bytes(self._slave.serializeFMUState(snapshot))
+
+    def from_bytes(self, data: bytes) -> Any:
+        """A handle from a serialized state."""
+        try:
+            return self._slave.deSerializeFMUstate(data)
+        except FMICallException as error:
+            raise ValueError(
+                f"the FMU must know these {len(data)} bytes as a state of its own, but: {error}"
+            ) from error
+
     def units(self) -> dict[str, str]:
         """Unit of each signal as the model description states it."""
         return self._units_of_outputs()
@@ -211,6 +249,15 @@ def _numeric_outputs(description: Any, not_read: Collection[str]) -> dict[str, l
         if variable.causality == "output" and variable.type in getters and variable.name not in not_read:
             outputs[getters[variable.type]].append(variable)
     return outputs
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """An FMU's failed call as RuntimeError, so that nobody else needs FMPy."""
+    try:
+        yield
+    except FMICallException as error:
+        raise RuntimeError(f"the FMU fails: {error}; see its log messages") from error
 
 
 def _unit(variable: Any) -> str:

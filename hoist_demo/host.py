@@ -1,26 +1,40 @@
-"""The co-simulation loop: drive and balance rope, one after the other (Gauss-Seidel).
+"""The co-simulation: a controller that samples, and between two samples drive and rope coupled by a scheme.
 
-    controller(t_k) -> drive over [t_k, t_k + H] with the rope's mean force of the last step held
-                    -> motion of the ends at t_k + H -> rope over the same step -> record,       t_k = start + k H.
+    controller(t_k) -> record -> scheme over [t_k, t_k + T] in communication steps H -> ... ,      t_k = start + k T.
 
-The mean force is fed back because it carries the impulse of the step, which the force at its end does not.
-A rope or drive that cannot go on ends the loop; what was recorded stays, and the result names the cause.
+T is H unless the controller samples less often. A rope or drive that cannot go on, or a coupling that cannot be
+solved, ends the loop; what was recorded stays, the result names the cause, and the state at the last sample is kept as
+a checkpoint, from which `run` goes on.
 """
 
 from __future__ import annotations
 
 import logging
 import math
-import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
+from hoist_demo.checkpoint import Checkpoint
 from hoist_demo.controller import Command, ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.coupling.catalogue import scheme_named
+from hoist_demo.coupling.interface import Advance, Load, Memory, Pair
+from hoist_demo.coupling.stability import Outlook, measured_answer, outlook
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
-from hoist_demo.plant import HoistPlant, PlantInput, PlantOutput, PlantState, energy_residual
+from hoist_demo.partners import HangingPartner, HoistPartner, Stopwatch, input_of
+from hoist_demo.plant import (
+    SIDE_FORCES,
+    HoistPlant,
+    PlantInput,
+    PlantOutput,
+    PlantState,
+    energy_residual,
+    side_forces,
+)
 from hoist_demo.recording import TIME, Recorder, Recording
 from hoist_demo.reference import Reference, ReferencePoint, s_curve
-from hoist_demo.rope_plant import REQUIRED_SIGNALS, EndMotion, RopePlant, RopeStatus
+from hoist_demo.rope_plant import EndMotion, RopePlant
 
 _log = logging.getLogger(__name__)
 
@@ -54,23 +68,9 @@ DRIVE_UNITS = {
     "drive.energy_kinetic": "J",
     "drive.energy_potential": "J",
     "drive.energy_residual": "J",
+    "coupling.energy": "J",
+    "coupling.exchanges": "1",
 }
-
-
-@dataclass
-class Stopwatch:
-    """Wall and processor time of one of the two partners; a context manager that adds up."""
-
-    wall: float = 0.0  # s
-    cpu: float = 0.0  # s
-
-    def __enter__(self) -> Stopwatch:
-        self._wall, self._cpu = time.perf_counter(), time.process_time()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.wall += time.perf_counter() - self._wall
-        self.cpu += time.process_time() - self._cpu
 
 
 @dataclass(frozen=True)
@@ -86,16 +86,38 @@ class Result:
     drive_clock: Stopwatch  # of the drive's steps
     rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
     start_clock: Stopwatch  # of the rope's initialization
+    warning: str = ""  # of the coupling, before the start
+    checkpoint: Checkpoint | None = None  # the last good state, when the run stopped after its first sample
+    saved: Path | None = None  # where it was written
+
+
+@dataclass
+class _Run:
+    """What changes during a run, at the latest communication point."""
+
+    drive: HoistPartner
+    rope: HangingPartner
+    controller: ControllerState
+    memory: Memory
+    at_rest: PlantOutput  # of the drive, at the start
+    recorder: Recorder
+    first: int = 0  # sample from which it goes on
+
+    @property
+    def pair(self) -> Pair:
+        """For the scheme."""
+        return Pair(self.drive, self.rope)
 
 
 @dataclass(frozen=True)
-class _Point:
-    """Both partners and the controller at one communication point."""
+class _Kept:
+    """A run's state at one sample; that of the rope as a snapshot in memory."""
 
-    t: float
-    plant: PlantState
+    k: int
+    drive: tuple[PlantState, PlantInput]
     controller: ControllerState
-    rope: dict[str, float]
+    memory: Memory
+    rope: Any
 
 
 class Host:
@@ -113,11 +135,13 @@ class Host:
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
         self.coupling = Coupling() if coupling is None else coupling
+        self.scheme = scheme_named(self.coupling.scheme)
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
         self.plant = HoistPlant(self.hoist)
         self.reference = s_curve(self.winding)
         self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
+        self.outlook: Outlook | None = None
 
     @property
     def start_heights(self) -> tuple[float, float]:
@@ -125,62 +149,176 @@ class Host:
         low, high = 0.0, self.hoist.shaft_travel
         return (low, high) if self.winding.travel > 0.0 else (high, low)
 
-    def run(self, progress: Progress | None = None) -> Result:
-        """Wind once; `progress` hears of every step and may stop the run."""
-        H, start = self.coupling.step, self.coupling.start
-        planned = math.ceil((self.reference.duration + self.winding.settle) / H - 1e-9)
-        y_left, y_right = self.start_heights
-        recorder = Recorder(DRIVE_UNITS | {n: u for n, u in self.rope.units().items() if n not in DRIVE_UNITS})
+    @property
+    def data(self) -> str:
+        """What must be the same for a run to go on from a checkpoint; scheme and step may change."""
+        coupling = self.coupling
+        return repr((self.hoist, self.winding, self._gains, coupling.start, coupling.sample_time))
 
-        # both at rest: the rope's forces first, then the drive that carries them
-        with self.start_clock:
-            status = self.rope.initialize(start, EndMotion(y=y_left), EndMotion(y=y_right))
-            signals = self.rope.signals() if status.valid else {}
-        cause = _cause(status, signals, "rope, at the start")
-        if cause:
-            return self._result(recorder, 0, planned, cause)
-        state = self.plant.equilibrium(y_left, y_right, signals["left.fy"], signals["right.fy"])
-        held = PlantInput(float(state.x[0]), signals["left.fy"], signals["right.fy"])
-        at_rest = self.plant.outputs(state, held)
-        controller = SpeedController(self.hoist, at_rest.torque, self._gains)
-        point = _Point(start, state, ControllerState(), signals)
-        shown = at_rest
+    def run(
+        self, progress: Progress | None = None, save_to: Path | None = None, resume: Checkpoint | None = None
+    ) -> Result:
+        """Wind once; `progress` hears of every sample and may stop the run.
 
-        for k in range(planned):
-            # sample the controller; the rope's force is that of the last step
-            reference = self.reference.at(point.t - start)
-            measured = Measurement(shown.y_left - y_left, self.hoist.sheave_radius * shown.rate)
-            command = controller.command(reference, measured, point.controller, H)
-            held = _held(command, point.rope, first=k == 0)
-            recorder.add(self._row(point, reference, command, shown, at_rest))
+        When the run stops before its end, its last good state is in the result and is written to `save_to`. With
+        `resume` the run goes on from such a state, with the same bits as if it had never stopped.
+        """
+        H, T, start = self.coupling.step, self.coupling.sample_time, self.coupling.start
+        samples = math.ceil((self.reference.duration + self.winding.settle) / T - 1e-9)
+        run = self._started(resume)
+        if isinstance(run, str):
+            return self._result(Recorder({}), 0, samples, run)
+        controller = SpeedController(self.hoist, run.at_rest.torque, self._gains)
+        steps, per_sample = run.first * self.coupling.per_sample, self.coupling.per_sample
+        kept: _Kept | None = None
+        cause = ""
 
-            # drive, then rope, over the same step
-            with self.drive_clock:
-                moved = self.plant.step(point.plant, H, held)
-                shown = self.plant.outputs(moved.state, held)
-            if not moved.valid:
-                return self._result(recorder, k, planned, f"t = {point.t:.6g} s: {moved.message}")
-            left, right = _ends(shown)
-            with self.rope_clock:
-                status = self.rope.step(point.t, H, left, right)
-                signals = self.rope.signals() if status.valid else {}
-            cause = _cause(status, signals, f"rope, step from t = {point.t:.6g} s")
+        for k in range(run.first, samples + 1):
+            t = start + k * T
+            if k > run.first and k < samples and progress is not None and not progress(k / samples, t):
+                cause = f"t = {t:.6g} s: stopped by the user"
+            self.rope.free(kept.rope if kept is not None else None)
+            kept = _Kept(k, run.drive.save(), run.controller, run.memory, run.rope.save())
             if cause:
-                return self._result(recorder, k, planned, cause)
-            point = _Point(start + (k + 1) * H, moved.state, command.state, signals)
-            if progress is not None and not progress((k + 1) / planned, point.t):
-                return self._result(recorder, k + 1, planned, f"t = {point.t:.6g} s: stopped by the user")
+                break
 
-        # the last communication point, with the command that would follow
-        reference = self.reference.at(point.t - start)
-        measured = Measurement(shown.y_left - y_left, self.hoist.sheave_radius * shown.rate)
-        command = controller.command(reference, measured, point.controller, H)
-        recorder.add(self._row(point, reference, command, shown, at_rest))
-        return self._result(recorder, planned, planned, "")
+            # sample and record
+            reference, shown = self.reference.at(t - start), run.drive.output()
+            measured = Measurement(shown.y_left - self.start_heights[0], self.hoist.sheave_radius * shown.rate)
+            command = controller.command(reference, measured, run.controller, T)
+            run.recorder.add(self._row(run, t, reference, command, shown))
+            if k == samples:
+                break
+            run.drive.held = replace(
+                run.drive.held, torque_command=command.torque, brake=command.brake, **self._side_forces()
+            )
 
-    def _result(self, recorder: Recorder, steps: int, planned: int, cause: str) -> Result:
+            # drive and rope over the same interval
+            for j in range(per_sample):
+                advance = self._advanced(run, start + (k * per_sample + j) * H, H)
+                if cause := advance.cause:
+                    break
+                run.memory = advance.memory
+                steps += 1
+            if cause:
+                break
+            run.controller = command.state
+
+        if not cause and progress is not None:
+            progress(1.0, start + samples * T)
+        checkpoint = self._checkpoint(run, kept, cause) if cause and kept is not None else None
+        self.rope.free(kept.rope if kept is not None else None)
+        if checkpoint is not None and save_to is not None:
+            checkpoint.write(save_to)
+        return replace(
+            self._result(run.recorder, steps, samples, cause),
+            checkpoint=checkpoint,
+            saved=save_to if checkpoint is not None else None,
+        )
+
+    def _started(self, resume: Checkpoint | None) -> _Run | str:
+        """A run at rest, or as it was when it stopped; the cause when the rope does not hang."""
+        start, (y_left, y_right) = self.coupling.start, self.start_heights
+        if resume is not None:
+            self._require_resumable(resume)
+        rope = HangingPartner(self.rope, self.rope_clock)
+        if cause := rope.start(start, EndMotion(y=y_left), EndMotion(y=y_right), self.start_clock):
+            return cause
+        recorder = Recorder(DRIVE_UNITS | {n: u for n, u in self.rope.units().items() if n not in DRIVE_UNITS})
+        forces, _ = rope.forces()
+        state = self.plant.equilibrium(y_left, y_right, float(forces[0]), float(forces[1]))
+        held = input_of(PlantInput(float(state.x[0]), 0.0, 0.0), forces)
+        drive = HoistPartner(self.plant, state, held, self.drive_clock)
+        if self.hoist.play is not None:
+            rope.beside = drive.ends
+        run = _Run(drive, rope, ControllerState(), Pair(drive, rope).start(start), drive.output(), recorder)
+        self.outlook = self._outlook(run)
+        if resume is not None:
+            drive.restore((resume.plant, resume.input))
+            snapshot = self.rope.from_bytes(resume.rope)
+            rope.restore(snapshot)
+            rope.free(snapshot)
+            recorder.resume(resume.recording, resume.sample)
+            drive.held = resume.input
+            run.controller, run.memory, run.at_rest = resume.controller, resume.memory, resume.at_rest
+            run.first = resume.sample
+        return run
+
+    def _outlook(self, run: _Run) -> Outlook | None:
+        """Whether the scheme will be stable, from a trial at rest that is taken back; None where nobody can tell."""
+        H, name = self.coupling.step, self.coupling.scheme
+        if self.scheme.needs_added_mass and run.rope.added_mass() is None:
+            raise ValueError(
+                f"scheme = '{name}' needs the rope's added mass, outputs left.added_mass and right.added_mass, "
+                "which this rope has not got: take gauss-seidel-1 or iterative-secant"
+            )
+        if (snapshot := run.rope.save()) is None:
+            if self.scheme.needs_rollback:
+                raise ValueError(
+                    f"scheme = '{name}' takes steps back, but this rope cannot save its state: take semi-implicit-1 "
+                    "or gauss-seidel-1, or an FMU with canGetAndSetFMUstate"
+                )
+            return None
+        run.rope.free(snapshot)
+        here = run.drive.motion(Load.constant(run.memory.last.force), 1.0)
+        answer, cause = measured_answer(run.pair, self.coupling.start, H, here)
+        if cause:
+            _log.info("the coupling's stability is not known: %s", cause)
+            return None
+        seen = outlook(self.scheme, answer, run.drive.mobility())
+        if warning := seen.warning(name, H):
+            _log.warning("%s", warning)
+        return seen
+
+    def _side_forces(self) -> dict[str, float]:
+        """What the rope does to conveyances that have play, held until the next sample."""
+        return side_forces(self.rope.read(SIDE_FORCES)) if self.hoist.play is not None else {}
+
+    def _advanced(self, run: _Run, t: float, h: float) -> Advance:
+        """One communication step of the scheme; what it raises is the cause for which the run stops."""
+        try:
+            return self.scheme.advance(run.pair, run.memory, t, h)
+        except (ValueError, RuntimeError) as error:
+            return Advance(run.memory, f"t = {t:.6g} s: {error}")
+
+    def _checkpoint(self, run: _Run, kept: _Kept, cause: str) -> Checkpoint:
+        rope = b""
+        if kept.rope is not None:
+            try:
+                rope = self.rope.to_bytes(kept.rope)
+            except RuntimeError as error:
+                _log.warning("the rope's last good state is lost: %s", error)
+        return Checkpoint(
+            sample=kept.k,
+            t=self.coupling.start + kept.k * self.coupling.sample_time,
+            plant=kept.drive[0],
+            controller=kept.controller,
+            input=kept.drive[1],
+            at_rest=run.at_rest,
+            memory=kept.memory,
+            rope=rope,
+            recording=run.recorder.recording(),
+            data=self.data,
+            cause=cause,
+        )
+
+    def _require_resumable(self, resume: Checkpoint) -> None:
+        if resume.data != self.data:
+            raise ValueError(
+                f"the checkpoint at t = {resume.t:g} s must be of the same hoist, winding, gains and sample time: "
+                f"it is of {resume.data}"
+            )
+        if not resume.rope:
+            raise ValueError(
+                f"the checkpoint at t = {resume.t:g} s must hold the rope's state, which its rope could not save: "
+                "start anew, or take an FMU with canGetAndSetFMUstate"
+            )
+
+    def _result(self, recorder: Recorder, steps: int, samples: int, cause: str) -> Result:
+        planned = samples * self.coupling.per_sample
         if cause:
             _log.info("co-simulation stopped after %d of %d steps: %s", steps, planned, cause)
+        seen = self.outlook
         return Result(
             recording=recorder.recording(),
             completed=not cause,
@@ -191,15 +329,17 @@ class Host:
             drive_clock=self.drive_clock,
             rope_clock=self.rope_clock,
             start_clock=self.start_clock,
+            warning=seen.warning(self.coupling.scheme, self.coupling.step) if seen is not None else "",
         )
 
     def _row(
-        self, point: _Point, reference: ReferencePoint, command: Command, shown: PlantOutput, at_rest: PlantOutput
+        self, run: _Run, t: float, reference: ReferencePoint, command: Command, shown: PlantOutput
     ) -> dict[str, float]:
         """One line of the recording, in the order of DRIVE_UNITS, then the rope's signals."""
-        motor, losses, ropes, left, right = (float(value) for value in point.plant.work)
+        work = run.drive.state.work
+        motor, losses, ropes, left, right = (float(value) for value in work)
         values = (
-            point.t,
+            t,
             reference.position,
             reference.speed,
             reference.acceleration,
@@ -224,26 +364,11 @@ class Host:
             left + right,
             shown.energy_kinetic,
             shown.energy_potential,
-            energy_residual(at_rest, shown, point.plant.work),
+            energy_residual(run.at_rest, shown, work),
+            run.memory.residual,
+            float(run.memory.exchanges),
         )
+        with self.rope_clock.running():
+            signals = self.rope.signals()
         drive = dict(zip(DRIVE_UNITS, values, strict=True))
-        return drive | {name: value for name, value in point.rope.items() if name not in drive}
-
-
-def _held(command: Command, rope: dict[str, float], first: bool) -> PlantInput:
-    """Input of the drive's next step; before the first step there is no mean force yet."""
-    left, right = ("left.fy", "right.fy") if first else ("left.fy_mean", "right.fy_mean")
-    return PlantInput(command.torque, rope[left], rope[right])
-
-
-def _ends(shown: PlantOutput) -> tuple[EndMotion, EndMotion]:
-    left = EndMotion(y=shown.y_left, vy=shown.v_left, ay=shown.a_left)
-    return left, EndMotion(y=shown.y_right, vy=shown.v_right, ay=shown.a_right)
-
-
-def _cause(status: RopeStatus, signals: dict[str, float], where: str) -> str:
-    """Why the rope's answer cannot be used; "" when it can."""
-    if not status.valid:
-        return f"{where}: {status.message or 'status.valid is false, without a message'}"
-    bad = [name for name in REQUIRED_SIGNALS if not math.isfinite(signals.get(name, math.nan))]
-    return f"{where}: {', '.join(bad)} missing or not finite: check the rope plant" if bad else ""
+        return drive | {name: value for name, value in signals.items() if name not in drive}

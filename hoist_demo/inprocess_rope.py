@@ -5,6 +5,7 @@ The only module of the host that knows rope_model; it serves as the FMU's twin a
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict, replace
 from typing import Literal
 
@@ -12,7 +13,8 @@ from hoist_demo.rope_plant import EndMotion, RopeStatus
 from rope_model.native.engine import rope_simulator
 from rope_model.parameters import PRESETS, Level, Scene
 from rope_model.simulation import ends
-from rope_model.simulation.signals import SIGNALS, signals
+from rope_model.simulation.signals import SIGNALS, group_of, signals
+from rope_model.simulation.state import RopeState
 
 
 class InProcessRope:
@@ -34,6 +36,34 @@ class InProcessRope:
     def signals(self) -> dict[str, float]:
         """All outputs by FMI name."""
         return {name: float(value) for name, value in signals(self._simulator).items()}
+
+    def read(self, names: Iterable[str]) -> dict[str, float]:
+        """Some outputs; kin are computed together."""
+        wanted = [name for name in names if name in SIGNALS]
+        values: dict[str, float] = {}
+        for name in wanted:
+            if name not in values:
+                values |= group_of(name)(self._simulator)
+        return {name: float(values[name]) for name in wanted}
+
+    def save(self) -> RopeState:
+        """The state, which nothing changes."""
+        return self._simulator.state
+
+    def restore(self, snapshot: RopeState) -> None:
+        """Go on from a state."""
+        self._simulator.restore(snapshot)
+
+    def free(self, snapshot: RopeState) -> None:
+        """Nothing is held."""
+
+    def to_bytes(self, snapshot: RopeState) -> bytes:
+        """The state as bytes."""
+        return snapshot.to_bytes()
+
+    def from_bytes(self, data: bytes) -> RopeState:
+        """The state that these bytes hold."""
+        return RopeState.from_bytes(data)
 
     def units(self) -> dict[str, str]:
         """Unit of each output."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any
 
 import casadi as ca
@@ -16,15 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.equations import INPUT_NAMES, POWER_NAMES, STATE_NAMES, equations, state_names
+from hoist_demo.loads import under_changing_load
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.rope_plant import EndMotion
 
 __all__ = [
     "LOSS_NAMES",
+    "SIDE_FORCES",
     "STATE_NAMES",
     "WORK_NAMES",
     "HoistPlant",
     "PlantInput",
+    "PlantInputPath",
     "PlantOutput",
     "PlantState",
     "PlantStep",
@@ -37,6 +41,12 @@ Vector = NDArray[np.float64]
 
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
 LOSS_NAMES = ("rim", "guides", "brake", "shaft")
+SIDE_FORCES = tuple(f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fz", "my"))
+"""The rope's signals that act on conveyances with play."""
+FORCES = tuple(INPUT_NAMES.index(name) for name in ("force_left", "force_right"))
+"""Places of the two vertical forces in a packed input."""
+ACCELERATIONS = (STATE_NAMES.index("v_left"), STATE_NAMES.index("v_right"))
+"""Places of the two vertical accelerations in the rates."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +73,16 @@ class PlantInput:
     fx_right: float = 0.0
     fz_right: float = 0.0
     my_right: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlantInputPath:
+    """Input over one communication step, s = 0 .. 1: start + rise s + bend s^2, and forces less m_a times a."""
+
+    start: PlantInput
+    rise: PlantInput
+    bend: PlantInput
+    added_mass: tuple[float, float] = (0.0, 0.0)  # kg, m_a of the left and the right end
 
 
 @dataclass(frozen=True)
@@ -148,8 +168,9 @@ class HoistPlant:
         self.hoist = hoist
         self.state_names = state_names(hoist)
         model = equations(hoist)
-        self._outputs, self._rates, self._hold = model.outputs, model.rates, model.hold
-        options: dict[str, Any] = {
+        self._outputs, self._rates, self._hold, self._dae = model.outputs, model.rates, model.hold, model.dae
+        self._under_path: Any = None
+        self._options: dict[str, Any] = {
             "reltol": tolerance,
             "abstol": tolerance,
             "quad_err_con": True,
@@ -161,7 +182,7 @@ class HoistPlant:
             "disable_internal_warnings": True,
         }
         # time scaled to [0, 1], so that one integrator serves every step length
-        self._integrator: Any = ca.integrator("drive", "cvodes", model.dae, 0.0, 1.0, options)
+        self._integrator: Any = ca.integrator("drive", "cvodes", self._dae, 0.0, 1.0, self._options)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.
@@ -191,13 +212,17 @@ class HoistPlant:
             x[self.state_names.index("twist")] = x[0] / hoist.shaft.stiffness
         return PlantState(x=x, work=np.zeros(len(WORK_NAMES)), free_lengths=lengths)
 
-    def step(self, state: PlantState, h: float, u: PlantInput) -> PlantStep:
-        """State h [s] later under the held input; a failure of CVODES is a status."""
-        parameters = [h, *_pack(u), *state.free_lengths]
+    def step(self, state: PlantState, h: float, u: PlantInput | PlantInputPath) -> PlantStep:
+        """State h [s] later under the input, held or along its path; a failure of CVODES is a status."""
+        if isinstance(u, PlantInput):
+            integrator, given = self._integrator, _pack(u)
+        else:
+            integrator, given = self._along_path(), [*_pack(u.start), *_pack(u.rise), *_pack(u.bend), *u.added_mass]
+        parameters = [h, *given, *state.free_lengths]
         if not np.all(np.isfinite(parameters)):
             return PlantStep(False, f"drive: input is not finite: {u}", state)
         try:
-            result = self._integrator(x0=state.x, p=parameters)
+            result = integrator(x0=state.x, p=parameters)
         except RuntimeError as error:
             cause = str(error).strip().splitlines()[-1]
             return PlantStep(False, f"drive: CVODES failed ({cause}): shorten the communication step", state)
@@ -214,6 +239,25 @@ class HoistPlant:
             return PlantStep(False, f"drive: head rope of {min(free):.3g} m left at the sheave: overwind", state)
         return PlantStep(True, "", new)
 
+    def mobility(self, state: PlantState) -> Vector:
+        """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]; exact, they are linear."""
+        rows = list(ACCELERATIONS)
+        at_rest = self.rates(state, PlantInput(0.0, 0.0, 0.0))[rows]
+        unit = 1.0e4  # N
+        columns = [self.rates(state, PlantInput(0.0, *forces))[rows] for forces in ((unit, 0.0), (0.0, unit))]
+        return np.array([column - at_rest for column in columns]).T / unit
+
+    def acting(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
+        """What acts at s = 0 .. 1 of a path when the drive is in this state there."""
+        values = [a + s * (b + s * c) for a, b, c in zip(*map(_pack, (path.start, path.rise, path.bend)), strict=True)]
+        added = np.array(path.added_mass)
+        if added.any():
+            a = self.rates(state, PlantInput(*values))[list(ACCELERATIONS)]
+            matrix = np.eye(2) + added[:, None] * self.mobility(state)
+            for place, force in zip(FORCES, np.linalg.solve(matrix, added * a), strict=True):
+                values[place] -= float(force)
+        return PlantInput(*values)
+
     def rates(self, state: PlantState, u: PlantInput) -> Vector:
         """dx/dt, in the order of state_names."""
         return np.asarray(self._rates(state.x, _pack(u), *state.free_lengths), dtype=np.float64).ravel()
@@ -222,6 +266,13 @@ class HoistPlant:
         """Measured quantities; accelerations and tensions belong to the held input u."""
         values = self._outputs(state.x, _pack(u), *state.free_lengths)
         return PlantOutput(*np.asarray(values).ravel().tolist())
+
+    def _along_path(self) -> Any:
+        """The integrator for inputs that change within a step, made when the first is met."""
+        if self._under_path is None:
+            dae = under_changing_load(self._dae, len(INPUT_NAMES), FORCES, ACCELERATIONS)
+            self._under_path = ca.integrator("drive_path", "cvodes", dae, 0.0, 1.0, self._options)
+        return self._under_path
 
     def _free_length(self, name: str, y: float, mass: float, force: float) -> float:
         """Positive root of s = l (1 + (m g - n F + mu g l / 2) / EA) [m]."""
@@ -250,11 +301,8 @@ def energy_residual(start: PlantOutput, now: PlantOutput, work: Vector) -> float
 
 def side_forces(signals: Mapping[str, float]) -> dict[str, float]:
     """The balance rope's horizontal forces and its moments about the vertical, as keywords of PlantInput."""
-    return {
-        f"{name}_{side}": signals.get(f"{side}.{name}", 0.0)
-        for side in ("left", "right")
-        for name in ("fx", "fz", "my")
-    }
+    sided = (name.partition(".") for name in SIDE_FORCES)
+    return {f"{force}_{side}": signals.get(f"{side}.{force}", 0.0) for side, _, force in sided}
 
 
 def _ratio(one: float, other: float) -> float:
@@ -262,5 +310,8 @@ def _ratio(one: float, other: float) -> float:
     return high / low if low > 0.0 else math.inf
 
 
+_inputs_of = attrgetter(*INPUT_NAMES)
+
+
 def _pack(u: PlantInput) -> list[float]:
-    return [getattr(u, name) for name in INPUT_NAMES]
+    return [*_inputs_of(u)]

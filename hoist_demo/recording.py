@@ -66,6 +66,11 @@ class Recorder:
             self._names = list(row)
         self._rows.append([row.get(name, float("nan")) for name in self._names])
 
+    def resume(self, recording: Recording, rows: int) -> None:
+        """Begin with the first rows of a recording."""
+        self._names = list(recording.signals)
+        self._rows = [[float(recording[name][k]) for name in self._names] for k in range(rows)]
+
     def recording(self) -> Recording:
         """All rows so far."""
         table = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), len(self._names))

@@ -88,7 +88,7 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
         SummaryRow(group, "largest head rope tension", _largest(1e-3 * _tensions(recording)), "kN"),
         SummaryRow(group, "largest tension ratio on the sheave", float(np.max(ratio))),
         SummaryRow(group, "ratio at which the ropes slip", hoist.tension_ratio_limit),
-        SummaryRow(group, "slip safety, limit / largest ratio", hoist.tension_ratio_limit / float(np.max(ratio))),
+        SummaryRow(group, "smallest slip safety, (limit - 1) / (ratio - 1)", hoist.slip_safety(float(np.max(ratio)))),
     ]
     if float(np.max(ratio)) > hoist.tension_ratio_limit:
         above = recording.time[ratio > hoist.tension_ratio_limit]

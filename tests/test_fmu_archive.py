@@ -21,7 +21,7 @@ from fmu_src.native.build import PLATFORMS, available_platforms
 HEADERS = Path(__file__).parents[1] / "fmu_src" / "native" / "include"
 #: what may lie in an archive, FMI 2.0.4 section 2.3 and FMI 3.0 section 2.5
 LAYOUT = re.compile(
-    r"modelDescription\.xml|model\.png|binaries/[^/]+/[^/]+\.(so|dll|dylib)|sources/[^/]+\.(c|h|xml)|"
+    r"modelDescription\.xml|model\.png|binaries/[^/]+/[^/]+\.(so|dll|dylib)|sources/[^/]+\.(c|h|inc|xml)|"
     r"documentation/(index\.html|externalDependencies\.txt|licenses/[^/]+\.txt)|extra/[^/]+\.[^/]+/.+|resources/.+|"
     r"terminalsAndIcons/(terminalsAndIcons\.xml|[^/]+\.(png|svg))"
 )

@@ -21,6 +21,7 @@ from exports import FLAVOURS, Flavour
 from freed_blocks import freed_blocks
 from numpy.typing import NDArray
 
+from rope_model.native.engine import NativeRope
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.signals import signals
@@ -55,9 +56,9 @@ def wound(tool: str, fmu: Path, reading: str, steps: int) -> NDArray[np.float64]
 
 
 @functools.cache
-def in_process(tool: str, reading: str, steps: int) -> NDArray[np.float64]:
+def in_process(native: bool, tool: str, reading: str, steps: int) -> NDArray[np.float64]:
     """The same by the rope in process, with the tool's clock."""
-    rope, rows = RopeSimulator(rope_120().scene), []
+    rope, rows = (NativeRope if native else RopeSimulator)(rope_120().scene), []
     rope.initialize(0.0, *motions(0.0))
     for k, (t, h) in enumerate(tool_driver.clock(tool, steps)):
         ends = motions((k + 1) * tool_driver.H)
@@ -99,7 +100,7 @@ def test_forces_in_the_tool_are_those_of_the_rope_in_process(
     require(tool)
     if flavour.fmi not in IMPORTS[tool]:
         pytest.skip(f"{tool} does not import FMI {flavour.fmi}")
-    expected, found = in_process(tool, reading, steps), wound(tool, fmu, reading, steps)
+    expected, found = in_process(flavour.native, tool, reading, steps), wound(tool, fmu, reading, steps)
     assert found.shape == expected.shape
     scale = np.maximum(np.abs(expected).max(axis=0), 1.0)
     assert np.abs((found - expected) / scale).max() < flavour.tolerance

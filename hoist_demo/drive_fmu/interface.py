@@ -32,6 +32,7 @@ _GAINS = {
     "speed": ("N.s/m", "gain of the speed loop [assumed]"),
     "integral_time": ("s", "integral time of the speed loop [assumed]"),
     "position": ("1/s", "gain of the position loop [assumed]"),
+    "feed_forward": ("1", "share of the feed-forward that is used, 0 to 1"),
 }
 _CONTROL = {
     "reference.position": ("m", "travel of the left conveyance that is asked for"),

@@ -125,10 +125,13 @@ def _control(hoist: Hoist) -> Any:
     gains = {field.name: ca.SX.sym(field.name) for field in fields(Gains)}
     k_v = gains["speed"]
     error = v + gains["position"] * (s - travel) - speed
-    force = hoist.moving_mass * a + 2.0 * GRAVITY * (hoist.tail_rope_mass - hoist.rope_mass) * s
-    force += hoist.loss_coulomb * ca.tanh(v / hoist.loss_speed) + hoist.loss_viscous * v + k_v * error + integral
-    wanted = hold + hoist.sheave_radius * force
-    torque = ca.fmin(ca.fmax(wanted, -hoist.torque_limit), hoist.torque_limit)
+    ahead = hoist.moving_mass * a + hoist.imbalance_rate * s
+    ahead += hoist.loss_coulomb * ca.tanh(v / hoist.loss_speed) + hoist.loss_viscous * v
+    wanted = hold + hoist.sheave_radius * (gains["feed_forward"] * ahead + k_v * error + integral)
+    limit: Any = hoist.torque_limit
+    if hoist.power_limit is not None:
+        limit = hoist.power_limit / ca.fmax(ca.fabs(speed / hoist.sheave_radius), hoist.power_limit / limit)
+    torque = ca.fmin(ca.fmax(wanted, -limit), limit)
     stands = ca.logic_and(torque != wanted, error * wanted > 0)
     grown = ca.if_else(stands, integral, integral + h * k_v * error / gains["integral_time"])
     return ca.Function("drive_control", [sample, ca.vertcat(*gains.values())], [torque, grown])

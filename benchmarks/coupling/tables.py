@@ -1,0 +1,113 @@
+"""Measures everything and lays it down in tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from tqdm import tqdm
+
+from benchmarks.chart.measure import machine
+from benchmarks.reproduction.tables import Table, Tables, table
+from hoist_demo.coupling.catalogue import SCHEMES
+from hoist_demo.coupling.energy import EnergyControlled
+from hoist_demo.coupling.gauss_seidel import ImpulsePreserving
+from hoist_demo.coupling.iterative import Iterative
+from hoist_demo.parameters import SETUPS, Coupling, Winding
+
+from . import light, oscillator
+from .hoist import CONVERGED, Case, errors, wound
+
+#: s, communication steps of the error charts
+STEPS = (0.04, 0.02, 0.01, 0.005)
+#: s, of the rope in the error charts, the same in all runs, and of the reference's exchange
+ROPE_STEP = 0.0025
+SHORT = Case("rope-120", Winding(travel=0.5, settle=0.4, start_delay=0.1), "draft", ROPE_STEP)
+#: s, of the presets' runs
+PRESET_STEP, PRESET_REFERENCE = 0.01, 0.005
+#: W, bounds of the energy control
+BOUNDS = (4.0, 1.0, 0.25)
+#: N, of iterations where the error is to show and not the tolerance
+TIGHT = 1e-9
+
+
+def oscillators() -> Table:
+    """Error of every scheme on two masses."""
+    rows = []
+    for name, given in tqdm(SCHEMES.items(), desc="oscillator", unit="scheme", leave=False):
+        scheme = replace(given, tolerance=TIGHT) if isinstance(given, Iterative) else given
+        rows += [(name, H, oscillator.error(scheme, H)) for H in STEPS]
+    return table(("scheme", "H [s]", "force error"), rows)
+
+
+def schemes() -> Table:
+    """Error and cost of every scheme on the hoist's first half metre."""
+    exact = wound(SHORT, CONVERGED, ROPE_STEP)
+    rows = []
+    for name in tqdm(SCHEMES, desc="hoist", unit="scheme", leave=False):
+        given = SCHEMES[name]
+        scheme = replace(given, tolerance=0.01) if isinstance(given, Iterative) else name
+        for H in STEPS:
+            run = wound(SHORT, scheme, H)
+            rms, largest = errors(run, exact)
+            steps = run.simulated / H
+            cost = run.processor / run.simulated if not run.cause else float("nan")
+            rows.append((name, H, rms, largest, run.exchanges / steps, run.power, cost, run.cause))
+    names = (
+        "scheme",
+        "H [s]",
+        "force error",
+        "largest error",
+        "exchanges per step",
+        "power [W]",
+        "cost [s/s]",
+        "cause",
+    )
+    return table(names, rows)
+
+
+def presets() -> Table:
+    """The default scheme at 10 ms on every preset's whole trip."""
+    rows = []
+    for name, setup in tqdm(SETUPS.items(), desc="presets", unit="preset", leave=False):
+        case = Case(name, replace(setup.winding, settle=2.0), rope_step=PRESET_REFERENCE, sample=PRESET_STEP)
+        exact = wound(case, CONVERGED, PRESET_REFERENCE)
+        run = wound(replace(case, rope_step=None), Coupling().scheme, PRESET_STEP)
+        rows.append(
+            (name, Coupling().scheme, PRESET_STEP, *errors(run, exact), run.simulated, run.cause or exact.cause)
+        )
+    return table(("preset", "scheme", "H [s]", "force error", "largest error", "simulated [s]", "cause"), rows)
+
+
+def energies() -> Table:
+    """The energy control at several bounds, around the impulse-preserving scheme, which makes up most."""
+    exact = wound(SHORT, CONVERGED, ROPE_STEP)
+    rows = []
+    for bound in BOUNDS:
+        run = wound(SHORT, EnergyControlled(ImpulsePreserving(), bound, order=1), 0.02)
+        rows.append((bound, run.power, run.exchanges, run.taken_back, run.simulated, errors(run, exact)[0], run.cause))
+    names = ("bound [W]", "power [W]", "exchanges", "extra exchanges", "simulated [s]", "force error", "cause")
+    return table(names, rows)
+
+
+def stability() -> Table:
+    """The map of stability."""
+    rows = [(p.scheme, p.mass, p.H, float(p.stable), p.growth, p.added_mass) for p in light.points()]
+    return table(("scheme", "mass [kg]", "H [s]", "stable", "growth foretold", "added mass [kg]"), rows)
+
+
+TABLES: dict[str, Callable[[], Table]] = {
+    "oscillator": oscillators,
+    "schemes": schemes,
+    "energy": energies,
+    "stability": stability,
+    "presets": presets,
+    "machine": machine,
+}
+
+
+def measured(only: str | None = None) -> Tables:
+    """All tables, or one."""
+    if only not in (None, *TABLES):
+        raise SystemExit(f"--only {only!r} must be one of {', '.join(TABLES)}, or draw")
+    return {name: measure() for name, measure in TABLES.items() if only in (None, name)}

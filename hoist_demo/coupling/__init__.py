@@ -1,0 +1,9 @@
+"""How a drive and a rope exchange forces and motions: one scheme per file, all of them interchangeable.
+
+Reads as interface -> extrapolation -> gauss_seidel, jacobi, semi_implicit, iterative (with accelerators), energy ->
+catalogue, stability.
+
+The drive takes forces and gives motions, the rope takes motions and gives forces; a scheme advances both over one
+communication step H. Nothing here knows what the two are: n interface coordinates, forces on the drive in N (or
+N m), motions in m (or rad). Over a step, s runs from 0 to 1.
+"""

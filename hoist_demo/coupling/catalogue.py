@@ -1,0 +1,28 @@
+"""The schemes by name, for whoever chooses one in a file or on a command line."""
+
+from __future__ import annotations
+
+from .energy import EnergyControlled
+from .gauss_seidel import GaussSeidel, ImpulsePreserving
+from .interface import Scheme
+from .iterative import ACCELERATORS, Iterative
+from .jacobi import Jacobi
+from .semi_implicit import SemiImplicit
+
+SCHEMES: dict[str, Scheme] = {
+    **{f"jacobi-{order}": Jacobi(order) for order in range(3)},
+    **{f"gauss-seidel-{order}": GaussSeidel(order) for order in range(3)},
+    "impulse-preserving": ImpulsePreserving(),
+    **{f"semi-implicit-{order}": SemiImplicit(order) for order in range(3)},
+    **{f"iterative-{name}": Iterative(name) for name in ACCELERATORS},
+    "implicit-impulse": Iterative("jacobian", held=True),
+    "energy-controlled": EnergyControlled(GaussSeidel(1)),
+}
+"""Numbers are orders of extrapolation; docs/coupling.md compares them."""
+
+
+def scheme_named(name: str) -> Scheme:
+    """The scheme of this name; ValueError with all names when there is none."""
+    if name not in SCHEMES:
+        raise ValueError(f"scheme = '{name}' must be one of {', '.join(SCHEMES)}: choose one")
+    return SCHEMES[name]

@@ -1,0 +1,69 @@
+"""Step-size control by the power bond: what one partner gives and the other does not get.
+
+In each step the drive gets the work of its load, the rope gives its mean force times the way. Their difference over
+the step's length, a power, is kept below a bound: a step with more is taken back and repeated shorter, and the next
+step follows from what the last one had. Source: S. Sadjina, L. T. Kyllingstad, S. Skjong and E. Pedersen, Energy
+conservation and power bonds in co-simulations, Engineering with Computers 33 (2017), with rollback added.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from .interface import Advance, Memory, Pair, Scheme
+
+SAFETY, LARGEST_CHANGE = 0.8, 2.0
+
+
+@dataclass(frozen=True)
+class EnergyControlled:
+    """Divides the host's steps so that `inner` makes up no more than `bound` [W] in any of its own."""
+
+    inner: Scheme
+    bound: float = 20.0  # W
+    smallest: float = 1e-4  # s
+    order: int = 2  # in h, of the power that `inner` makes up
+    needs_rollback: bool = True
+
+    @property
+    def needs_added_mass(self) -> bool:
+        """Of the scheme inside."""
+        return self.inner.needs_added_mass
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Of the scheme inside."""
+        return self.inner.weights
+
+    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+        """Steps of the scheme's own, the last of which ends at t + h."""
+        done, wanted = 0.0, memory.step_next or h
+        while done < h:
+            parts = max(math.ceil((h - done) / wanted - 1e-9), 1)
+            step = (h - done) / parts
+            drive, rope = pair.drive.save(), pair.rope.save()
+            try:
+                advance = self.inner.advance(pair, memory, t + done, step)
+                if advance.cause:
+                    return advance
+                power = abs(advance.memory.residual - memory.residual) / step
+                factor = SAFETY * (self.bound / power) ** (1.0 / self.order) if power > 0.0 else math.inf
+                if power > self.bound:
+                    wanted = step * min(max(factor, 0.1), 0.5)
+                    pair.drive.restore(drive)
+                    pair.rope.restore(rope)
+                    memory = memory.with_taken_back(advance.memory.exchanges - memory.exchanges)
+                    if wanted < self.smallest:
+                        return Advance(
+                            memory,
+                            f"coupling: {power:.3g} W between drive and rope in a step of {step:.3g} s, bound "
+                            f"{self.bound:g} W, smallest step {self.smallest:g} s: allow more power or a smaller step",
+                        )
+                    continue
+            finally:
+                pair.rope.free(rope)
+            memory, done = advance.memory, h if parts == 1 else done + step
+            # a step that was cut to end at t + h says nothing against a longer one
+            wanted = max(step * min(factor, LARGEST_CHANGE), min(wanted, step * factor))
+        return Advance(replace(memory, step_next=min(wanted, h)))

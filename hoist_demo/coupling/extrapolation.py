@@ -1,0 +1,35 @@
+"""Polynomials through the last samples, continued over the next step.
+
+Order 0 holds the last value, 1 continues the line and 2 the parabola through the last two and three. The samples need
+not be evenly spaced; as long as there are too few the order is lower. Source: M. Busch, Zur effizienten Kopplung von
+Simulationsprogrammen, 2012, chapter 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .interface import Sample, Vector
+
+MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
+"""Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth)."""
+
+
+def extrapolated(samples: Sequence[Sample], name: str, order: int, h: float) -> tuple[Vector, Vector, Vector]:
+    """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
+    used = samples[-(order + 1) :]
+    values = [np.asarray(getattr(sample, name)) for sample in used]
+    last = values[-1]
+    zero = np.zeros_like(last)
+    if len(used) == 1:
+        return last, zero, zero
+    # Newton's divided differences, from the last sample backwards
+    t = [(sample.t - used[-1].t) / h for sample in used]
+    slope = (last - values[-2]) / -t[-2]
+    if len(used) == 2:
+        return last, slope, zero
+    before = (values[-2] - values[-3]) / (t[-2] - t[-3])
+    bend = (slope - before) / -t[-3]
+    return last, slope - bend * t[-2], bend

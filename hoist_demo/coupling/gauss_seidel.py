@@ -1,0 +1,55 @@
+"""Gauss-Seidel: the drive first with extrapolated forces, then the rope along the motion that the drive made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .extrapolation import MEAN_WEIGHTS, extrapolated
+from .interface import Advance, Books, Load, Memory, Pair
+
+
+@dataclass(frozen=True)
+class GaussSeidel:
+    """Forces extrapolated to `order` 0, 1 or 2; of the order `order` + 1 in H."""
+
+    order: int
+    needs_rollback: bool = False
+    needs_added_mass: bool = False
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Of past forces in the step's mean."""
+        return MEAN_WEIGHTS[self.order]
+
+    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+        """One exchange."""
+        start, rise, bend = extrapolated(memory.samples, "force", self.order, h)
+        return exchanged(pair, memory, t, h, Load(start, rise, bend, np.zeros_like(start)))
+
+
+@dataclass(frozen=True)
+class ImpulsePreserving:
+    """Gauss-Seidel with the rope's mean force of the last step held; of first order.
+
+    The mean carries the impulse of the step, which the force at its end does not: what one partner gives arrives at
+    the other one step late, and complete.
+    """
+
+    weights: tuple[float, ...] = (0.5, 0.5)  # of the forces at both ends of the last step
+    needs_rollback: bool = False
+    needs_added_mass: bool = False
+
+    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+        """One exchange."""
+        return exchanged(pair, memory, t, h, Load.constant(memory.last.mean))
+
+
+def exchanged(pair: Pair, memory: Memory, t: float, h: float, load: Load) -> Advance:
+    """The step done under a load, drive first."""
+    books = Books(pair, load)
+    if cause := pair.drive_then_rope(t, h, load):
+        return Advance(memory, cause)
+    sample = pair.sampled(t + h, load)
+    return Advance(memory.with_sample(sample, books.closed(sample.mean)))

@@ -1,0 +1,98 @@
+"""Iteration with rollback: the step is repeated until the forces that the drive got are those that the rope gives.
+
+Over the step the drive's load is the parabola through the rope's force at its start, its mean and its force at its
+end: unknown are x = (mean, end). Or the mean is held: unknown is x = mean. With the rope's added mass m_a and the
+drive's mobility B = da/dF
+
+    d end / d mean = -m_a B ,   d mean / d mean = -3/4 m_a B ,
+
+because the speed at the end follows the mean. The last is m_a B for an end that is a mass and half of it for one that
+is an impedance; in the middle either converges by 1/3 per exchange at worst. The parabola is of high order, but its
+force is continuous from step to step and damps nothing: with a drive lighter than the rope's added mass the solution
+itself alternates. The held mean is of first order and stable with any mass.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from .accelerators import Accelerator, Aitken, InterfaceJacobian, Secant
+from .extrapolation import extrapolated
+from .interface import Advance, Books, Load, Memory, Pair, Vector
+
+AcceleratorName = Literal["jacobian", "aitken", "secant"]
+ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
+
+MOST_EXCHANGES = 30
+"""Tries of one step, after which it fails."""
+
+
+@dataclass(frozen=True)
+class Iterative:
+    """Repeats a step until no force changes by more than `tolerance` [N]."""
+
+    accelerator: AcceleratorName
+    tolerance: float = 1.0  # N
+    held: bool = False  # the mean over the step, instead of a parabola
+    needs_rollback: bool = True
+
+    @property
+    def needs_added_mass(self) -> bool:
+        """Whether the Jacobian comes from it."""
+        return self.accelerator == "jacobian"
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """None when the mean is held; the parabola's bound is about that of a force held explicitly."""
+        return () if self.held else (1.0,)
+
+    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+        """As many exchanges as it takes."""
+        drive, rope = pair.drive.save(), pair.rope.save()
+        try:
+            return self._iterated(pair, memory, t, h, (drive, rope))
+        finally:
+            pair.rope.free(rope)
+
+    def _iterated(self, pair: Pair, memory: Memory, t: float, h: float, start: tuple[object, object]) -> Advance:
+        force = memory.last.force
+        _, rise, bend = extrapolated(memory.samples, "force", 1 if self.held else 2, h)
+        x = self._unknown(force + rise / 2.0 + bend / 3.0, force + rise + bend)
+        accelerator = self._accelerator(pair)
+        for tried in range(MOST_EXCHANGES):
+            if tried:
+                pair.drive.restore(start[0])
+                pair.rope.restore(start[1])
+            load = Load.constant(x) if self.held else Load.through(force, *np.split(x, 2))
+            books = Books(pair, load)
+            if cause := pair.drive_then_rope(t, h, load):
+                return Advance(memory, cause)
+            end, mean = pair.rope.forces()
+            answer = self._unknown(mean, end)
+            change = float(np.max(np.abs(answer - x)))
+            if change <= self.tolerance:
+                sample = pair.sampled(t + h, load)
+                return Advance(memory.with_taken_back(tried).with_sample(sample, books.closed(mean)))
+            x = accelerator.next(x, answer)
+        return Advance(
+            memory,
+            f"coupling: after {MOST_EXCHANGES} exchanges the forces still change by {change:.3g} N, "
+            f"tolerance {self.tolerance:g} N: take the accelerator secant, a shorter step or a larger tolerance",
+        )
+
+    def _unknown(self, mean: Vector, end: Vector) -> Vector:
+        return mean if self.held else np.concatenate([mean, end])
+
+    def _accelerator(self, pair: Pair) -> Accelerator:
+        if self.accelerator == "aitken":
+            return Aitken()
+        if self.accelerator == "secant":
+            return Secant()
+        response: Vector = -pair.added_mass()[:, None] * pair.drive.mobility()
+        if self.held:
+            return InterfaceJacobian(0.75 * response)
+        none = np.zeros_like(response)
+        return InterfaceJacobian(np.block([[0.75 * response, none], [response, none]]))

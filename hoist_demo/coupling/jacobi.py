@@ -1,0 +1,49 @@
+"""Jacobi: both partners at once, each with what it expects of the other.
+
+The drive gets extrapolated forces. The rope gets the motion of extrapolated accelerations from the drive's place and
+speed at the step's start,
+
+    y(1) = y + h v + h^2 (c0/2 + c1/6 + c2/12) ,   v(1) = v + h (c0 + c1/2 + c2/3) ,   a(1) = c0 + c1 + c2 ;
+
+holding the place itself would move the rope's end by jumps. Drive and rope may run at the same time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .extrapolation import MEAN_WEIGHTS, extrapolated
+from .interface import Advance, Books, Load, Memory, Motion, Pair
+
+
+@dataclass(frozen=True)
+class Jacobi:
+    """Forces and accelerations extrapolated to `order` 0, 1 or 2; of the order `order` + 1 in H."""
+
+    order: int
+    needs_rollback: bool = False
+    needs_added_mass: bool = False
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Of past forces in the step's mean."""
+        return MEAN_WEIGHTS[self.order]
+
+    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+        """One exchange."""
+        start, rise, bend = extrapolated(memory.samples, "force", self.order, h)
+        c0, c1, c2 = extrapolated(memory.samples, "acceleration", self.order, h)
+        load = Load(start, rise, bend, np.zeros_like(start))
+        now, books = pair.drive.motion(load, 0.0), Books(pair, load)
+        expected = Motion(
+            now.place + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
+            now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
+            c0 + c1 + c2,
+        )
+        cause = pair.drive.step(t, h, load) or pair.rope.step(t, h, expected)
+        if cause:
+            return Advance(memory, cause)
+        sample = pair.sampled(t + h, Load.constant(pair.rope.forces()[0]))
+        return Advance(memory.with_sample(sample, books.closed(sample.mean)))

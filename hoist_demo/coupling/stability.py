@@ -1,0 +1,98 @@
+"""Whether an exchange will be stable, told before it begins.
+
+The rope's forces at the ends of steps after a pulse of the end's acceleration, held over one step, are measured on the
+rope itself, F_k = -sum_j m_j a_(k-j); m_0 is the added mass. The scheme drives the mass M of the next step with
+forces of past ones, weighted by w,
+
+    M a_(k+1) = sum_i w_i F_(k-i) ,     semi-implicit:  (M + m_0) a_(k+1) = sum_i w_i (F_(k-i) + m_0 a_(k-i)) .
+
+The largest root of this recursion is the growth per step. For a held force and a rope that is only a mass it is
+m_0 / M; for one that is only an impedance Z the bound is H < 2 M / Z; and where steps are as long as the period of an
+axial wave in the leg it is larger than either. The hoist's own springs are left out: they are slow against a step.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .interface import Motion, Pair, Scheme, Vector
+from .semi_implicit import SemiImplicit
+
+MEMORY = 48
+"""Steps for which the rope's answer is followed."""
+PULSE = 0.05
+"""Acceleration of the trial [m/s^2]."""
+MARGIN = 1.01
+"""Growth per step from which the user is warned: below, the rope's damping beyond its memory decides."""
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What to expect of a scheme."""
+
+    growth: float  # of a disturbance, per communication step
+    added_mass: float  # kg, of the rope's end over one step
+    mass: float  # kg, that it acts on
+
+    @property
+    def stable(self) -> bool:
+        """Whether disturbances are expected to die out."""
+        return self.growth < MARGIN
+
+    def warning(self, name: str, H: float) -> str:
+        """What to tell the user, "" when all is well."""
+        if self.stable:
+            return ""
+        return (
+            f"coupling {name} with H = {H:g} s: disturbances are expected to grow {self.growth:.3g} times per step "
+            f"(the rope's added mass {self.added_mass:.4g} kg, the conveyance's {self.mass:.4g} kg, and waves in the "
+            "rope): the run will be unstable. Take a shorter step, semi-implicit-0 or implicit-impulse"
+        )
+
+
+def measured_answer(pair: Pair, t: float, H: float, at_rest: Motion) -> tuple[Vector, str]:
+    """Masses m_j, (MEMORY, n) [kg], of ends that hang at rest, and the cause where that fails; the rope is taken back.
+
+    All ends get their pulse at once, alternately up and down, so that the loop stays where it is.
+    """
+    before, _ = pair.rope.forces()
+    snapshot = pair.rope.save()
+    sign = np.where(np.arange(before.size) % 2 == 0, PULSE, -PULSE)
+    answer = np.zeros((MEMORY, before.size))
+    try:
+        for k in range(MEMORY):
+            speed, way = sign * H, sign * H * H * (k + 0.5)
+            moved = Motion(at_rest.place + way, speed, sign * (k == 0))
+            if cause := pair.rope.step(t + k * H, H, moved):
+                return answer, cause
+            answer[k] = (before - pair.rope.forces()[0]) / sign
+        return answer, ""
+    finally:
+        pair.rope.restore(snapshot)
+        pair.rope.free(snapshot)
+
+
+def growth(scheme: Scheme, answer: Vector, mass: float) -> float:
+    """Largest root of the recursion for one end, `answer` (MEMORY,) in kg; 0 for schemes that use no past forces."""
+    w = np.array(scheme.weights)
+    if not w.size:
+        return 0.0
+    past = -np.convolve(w, answer)  # F_(k-i) by the accelerations a_k, a_(k-1), ...
+    if isinstance(scheme, SemiImplicit):
+        past[: w.size] += w * answer[0]
+        mass += float(answer[0])
+    roots = np.roots(np.concatenate([[1.0], -past / mass]))
+    return float(np.max(np.abs(roots), initial=0.0))
+
+
+def outlook(scheme: Scheme, answer: Vector, mobility: Vector) -> Outlook:
+    """For the measured answer (MEMORY, n) and the drive's mobility (n, n): the worst end on the smallest mass.
+
+    Either end of the rope may become the long leg in the course of a trip.
+    """
+    mass = 1.0 / float(np.max(np.diag(mobility)))
+    worst = max((growth(scheme, end, mass) for end in answer.T), default=math.nan)
+    return Outlook(worst, float(np.max(answer[0])), mass)

@@ -1,0 +1,51 @@
+"""The controllers of a study, chosen by name: what the drive follows, and with which gains.
+
+pi                    PI speed loop under a position loop on the winding's S-curve, no feed-forward
+pi-feed-forward       the same with acceleration, imbalance and friction fed forward
+input-shaping         with feed-forward, the S-curve shaped so that one swing mode stays at rest
+optimised-trajectory  with feed-forward, the fastest trip that leaves the ropes at rest
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from hoist_demo.controller import Gains
+from hoist_demo.design.shaping import Shaper, shape
+from hoist_demo.design.trajectory import Trajectory, optimise
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.reference import Reference, s_curve
+
+CONTROLLERS = ("pi", "pi-feed-forward", "input-shaping", "optimised-trajectory")
+DESIGNED = ("input-shaping", "optimised-trajectory")
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What the host needs of a controller."""
+
+    gains: Gains
+    reference: Reference
+
+
+def drive(name: str, hoist: Hoist, winding: Winding, gains: Gains, shaper: Shaper, trajectory: Trajectory) -> Drive:
+    """The named controller for a trip; an optimised one is computed here, which takes seconds."""
+    require_possible(name, winding)
+    if name == "pi":
+        return Drive(replace(gains, feed_forward=0.0), s_curve(winding))
+    if name == "input-shaping":
+        return Drive(gains, shape(s_curve(winding), shaper))
+    if name == "optimised-trajectory":
+        return Drive(gains, optimise(hoist, winding, gains, trajectory).reference)
+    return Drive(gains, s_curve(winding))
+
+
+def require_possible(name: str, winding: Winding) -> None:
+    """Reject an unknown controller, and a designed trip that is to end in an emergency stop."""
+    if name not in CONTROLLERS:
+        raise ValueError(f"controller = {name!r} must be one of {', '.join(CONTROLLERS)}: choose one")
+    if name in DESIGNED and winding.emergency_at is not None:
+        raise ValueError(
+            f"emergency_at = {winding.emergency_at:g} s must not be given with controller = {name!r}: "
+            "stop a trip of pi or pi-feed-forward"
+        )

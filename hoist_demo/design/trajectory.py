@@ -1,0 +1,155 @@
+"""The fastest trip that leaves the ropes at rest: an optimal control problem on the low rung, solved by IPOPT.
+
+    minimise   T + T_s int_hold (v_L^2 + v_R^2) / (2 v_s^2 t_hold) dt + smoothness of the jerk
+    subject to |v| <= v_max, |a| <= a_max, |j| <= j_max of the reference, |force| <= limit,
+               s(T) = travel, v(T) = a(T) = 0 and the reference at rest over the hold,
+
+with the limits of the winding, over the trip's duration T and a jerk that is constant on each of N equal intervals, by
+multiple shooting with the Runge-Kutta method of order 4. v_s is the swing speed that is worth T_s seconds. The solution
+is again a chain of constant-jerk segments, which the host samples like any S-curve.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.controller import Gains
+from hoist_demo.design.low_rung import STATES, LowRung, low_rung
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.reference import Reference, ReferencePoint, s_curve
+
+Vector = NDArray[np.float64]
+
+_INSIDE = 0.9  # 1, share of the limits that the first guess uses
+_SUBSTEP = 0.05  # s, at most a sixth of the period of the swings that matter
+_IPOPT: dict[str, Any] = {
+    "print_level": 0,
+    "sb": "yes",
+    "max_iter": 1000,
+    "tol": 1e-5,
+    "hessian_approximation": "limited-memory",
+}
+_SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """What the optimisation may do; the defaults are ours [assumed]."""
+
+    swing_speed: float = 0.01  # m/s, of the conveyances after arrival, that is worth swing_price
+    swing_price: float = 1.0  # s
+    hold: float = 1.5  # s, after arrival, over which the swing counts
+    intervals: int = 120  # 1, of the trip
+
+    def __post_init__(self) -> None:
+        for name in ("swing_speed", "swing_price", "hold"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} = {value!r} must be finite and above 0: start from the default")
+        if not 20 <= self.intervals <= 2000:
+            raise ValueError(f"intervals = {self.intervals!r} must be within 20 and 2000: take about 8 per second")
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The optimised trip."""
+
+    reference: Reference
+    duration: float  # s, of the motion
+    iterations: int
+
+
+def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: Trajectory) -> Optimum:
+    """Solve the problem; a solver that does not converge is an error with its status."""
+    low, high = 0.0, hoist.shaft_travel
+    y_left, y_right = (low, high) if winding.travel > 0.0 else (high, low)
+    model = low_rung(hoist, gains, y_left, y_right)
+    N = limits.intervals
+    # start from an S-curve that keeps off the limits, as an interior-point method likes it
+    gentle = {name: _INSIDE * getattr(winding, name) for name in ("speed", "acceleration", "jerk")}
+    plain = s_curve(replace(winding, start_delay=0.0, **gentle))
+    jerks = _mean_jerks(plain, N)
+    N_hold = max(1, round(limits.hold * N / plain.duration))
+    substeps = max(1, math.ceil(plain.duration / N / _SUBSTEP))
+    swing = _swing(model, N, N_hold, substeps)
+
+    # the reference is a chain of integrators between nodes; the hoist follows it from the start to the hold's end
+    opti = ca.Opti()
+    T, J, r = opti.variable(), opti.variable(1, N), opti.variable(3, N + 1)  # r: s [10 m], v [10 m/s], a [m/s^2]
+    scale, h, j = ca.DM([10.0, 10.0, 1.0]), T / N, winding.jerk * J
+    s, v, a = (scale[i] * r[i, :] for i in range(3))
+    ends = (
+        s[:-1] + h * (v[:-1] + h * (a[:-1] / 2 + h * j / 6)) - s[1:],
+        v[:-1] + h * (a[:-1] + h * j / 2) - v[1:],
+        a[:-1] + h * j - a[1:],
+    )
+    opti.subject_to(ca.vec(ca.vertcat(*(e / scale[i] for i, e in enumerate(ends)))) == 0)
+    opti.subject_to(r[:, 0] == 0)
+    opti.subject_to(r[:, N] == ca.DM([winding.travel, 0.0, 0.0]) / scale)
+
+    # limits of the reference, and of the motor by what is fed forward
+    opti.subject_to(opti.bounded(-1.0, ca.vec(J), 1.0))
+    opti.subject_to(opti.bounded(-1.0, ca.vec(v[1:N]) / winding.speed, 1.0))
+    opti.subject_to(opti.bounded(-1.0, ca.vec(a[1:N]) / winding.acceleration, 1.0))
+    limit = hoist.torque_limit / hoist.sheave_radius
+    opti.subject_to(opti.bounded(-1.0, ca.vec(model.ahead(s[1:N], v[1:N], a[1:N])) / limit, 1.0))
+    opti.subject_to(opti.bounded(0.7 * plain.duration, T, 1.5 * plain.duration))
+
+    price = limits.swing_price / (2.0 * limits.swing_speed**2)
+    rough = ca.sumsqr(ca.diff(ca.horzcat(0, J, 0), 1, 1)) / N
+    opti.minimize(T + price * swing(T, J * winding.jerk) + _SMOOTHNESS * rough)
+
+    opti.set_initial(T, plain.duration)
+    opti.set_initial(J, jerks / winding.jerk)
+    opti.set_initial(r, (plain.sample(np.linspace(0.0, plain.duration, N + 1))[:, :3] / np.array([10.0, 10.0, 1.0])).T)
+    opti.solver("ipopt", {"print_time": False}, _IPOPT)
+    try:
+        solution = opti.solve()
+    except RuntimeError as error:
+        status = opti.debug.return_status()
+        raise RuntimeError(
+            f"trajectory optimisation: IPOPT ended with {status}: change trajectory.intervals or relax the limits"
+        ) from error
+    duration, found = float(solution.value(T)), winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel()
+    return Optimum(_chain(winding, duration, found), duration, int(solution.stats()["iter_count"]))
+
+
+def _mean_jerks(trip: Reference, N: int) -> Vector:
+    """Mean jerk of each of N equal intervals [m/s^3]."""
+    times = np.linspace(0.0, trip.duration, N + 1)
+    return np.asarray(np.diff(trip.sample(times)[:, 2]) / np.diff(times))
+
+
+def _swing(model: LowRung, N: int, N_hold: int, substeps: int) -> Any:
+    """(T, jerks) -> mean over the hold of the squared conveyance speeds [m^2/s^2], from one simulation."""
+    x, j, h = ca.SX.sym("x", STATES), ca.SX.sym("j"), ca.SX.sym("h")
+    z, squares, dt = x, ca.SX(0), h / substeps
+    for _ in range(substeps):
+        k1 = model.rates(z, j)
+        k2 = model.rates(z + dt / 2 * k1, j)
+        k3 = model.rates(z + dt / 2 * k2, j)
+        k4 = model.rates(z + dt * k3, j)
+        z = z + dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        squares += (z[7] ** 2 + z[8] ** 2) / substeps
+    step = ca.Function("step", [x, j, h], [z, squares])
+    T, jerks = ca.MX.sym("T"), ca.MX.sym("jerks", 1, N)
+    rest = ca.DM.zeros(1, N_hold)
+    _, found = step.mapaccum(N + N_hold)(model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold))
+    return ca.Function("swing", [T, jerks], [ca.sum2(found[N:]) / N_hold])
+
+
+def _chain(winding: Winding, duration: float, jerks: Vector) -> Reference:
+    """The jerks as a reference that begins after the start delay and rests at the travel."""
+    h = duration / jerks.size
+    point, points = ReferencePoint(0.0, 0.0, 0.0, 0.0), []
+    for j in jerks:
+        points.append(ReferencePoint(point.position, point.speed, point.acceleration, float(j)))
+        point = points[-1].after(h)
+    starts = tuple(winding.start_delay + k * h for k in range(jerks.size + 1))
+    return Reference(starts, (*points, ReferencePoint(winding.travel, 0.0, 0.0, 0.0)))

@@ -1,0 +1,103 @@
+"""Runs on dask.distributed: a cluster of this machine's cores, or a scheduler elsewhere.
+
+Every worker is handed the FMU's bytes when it joins, also one that replaces a dead one, so that no folder need be
+shared. A run whose worker died is given to another; after three deaths the run is recorded as an error.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from dask.distributed import Client, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
+
+from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.run import ERROR, Outcome, RunData, execute
+from hoist_demo.study.store import Store
+
+_log = logging.getLogger(__name__)
+
+Finished = Callable[[str, Outcome], None]
+"""Called with the key and the outcome of every run as it is recorded."""
+
+
+class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
+    """Writes the FMU into the folder of every worker."""
+
+    def __init__(self, fmu_hash: str, content: bytes) -> None:
+        self.name = f"fmu-{fmu_hash}"
+        self._hash, self._content = fmu_hash, content
+
+    def setup(self, worker: Worker) -> None:
+        """Called by the worker when it joins."""
+        path = _fmu_of(Path(worker.local_directory), self._hash)
+        draft = path.with_suffix(f".{os.getpid()}")
+        draft.write_bytes(self._content)
+        draft.replace(path)
+
+
+@contextmanager
+def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
+    """A client of the given scheduler, or of a local cluster with one single-threaded process per core or worker."""
+    if scheduler is not None:
+        try:
+            client = Client(scheduler, timeout="20s")
+        except (OSError, ValueError) as error:
+            raise ValueError(
+                f"--scheduler {scheduler} cannot be reached ({error}): start it, or leave it out"
+            ) from error
+        with client:
+            yield client
+        return
+    # distributed tells every coming and going of its parts; what matters of it is each run's cause
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    count = os.cpu_count() if workers is None else workers
+    options = {"threads_per_worker": 1, "processes": True, "dashboard_address": ":0", "silence_logs": logging.CRITICAL}
+    with LocalCluster(n_workers=count, **options) as local, Client(local) as client:
+        yield client
+
+
+def run_samples(
+    client: Client, study: Study, samples: Sequence[Sample], store: Store, finished: Finished = lambda *_: None
+) -> list[str]:
+    """Carry out what the store does not hold yet, and return the key of each sample."""
+    keys = [sample.data.key(study.fmu_hash) for sample in samples]
+    done = store.finished(keys)
+    waiting = {key: sample.data for key, sample in zip(keys, samples, strict=True) if key not in done}
+    if not waiting:
+        return keys
+    client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
+    futures = {
+        client.submit(_work, run, study.fmu_hash, key=f"run-{key}", pure=False): key for key, run in waiting.items()
+    }
+    for future in as_completed(list(futures)):
+        key = futures.pop(future)
+        outcome, worker = _result_of(future)
+        store.write(key, waiting[key], outcome, worker)
+        _log.info("%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end")
+        finished(key, outcome)
+    return keys
+
+
+def _work(run: RunData, fmu_hash: str) -> tuple[Outcome, str]:
+    """On a worker: one run, and the worker's name."""
+    worker = get_worker()
+    return execute(run, _fmu_of(Path(worker.local_directory), fmu_hash)), str(worker.name)
+
+
+def _result_of(future: object) -> tuple[Outcome, str]:
+    """The outcome, or the error that kept the run from having one."""
+    try:
+        result: tuple[Outcome, str] = future.result()  # type: ignore[attr-defined]
+        return result
+    except Exception as error:  # whatever the cluster raises is that run's cause
+        return Outcome(ERROR, f"{type(error).__name__}: {error}", dict.fromkeys(UNITS, math.nan), {}, {}), ""
+
+
+def _fmu_of(directory: Path, fmu_hash: str) -> Path:
+    return directory / f"{fmu_hash}.fmu"

@@ -1,0 +1,376 @@
+"""A study file (TOML), read and checked as a whole before anything runs.
+
+    [study]    title, fmu, scene, signals
+    [fixed]    values of all runs
+    [[case]]   name and values of one case; the runs of [vary] are made for every case
+    [sample]   method = "grid" (the default), or "latin-hypercube" with runs and seed
+    [vary]     lists (grid) or ranges { low, high } (latin-hypercube, tune)
+    [tune]     instead of [sample]: minimise = { metric = weight }, generations, population, seed
+
+A value is a plain one in SI units, or { value, unit }; a list is [...] or { values, unit }; a range may have
+scale = "log". Later ones count: fixed, then case, then vary. All errors of a file are told at once.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import math
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hoist_demo.fmu_parameters import read_outputs
+from hoist_demo.host import DRIVE_UNITS
+from hoist_demo.parameters import SETUPS
+from hoist_demo.study.catalogue import Catalogue, Parameter, Value
+from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.probe import Probe
+from hoist_demo.study.run import RunData, build, fmu_part
+from hoist_demo.study.sampling import Range, grid, latin_hypercube
+from hoist_demo.study.units import spelled
+
+METHODS = ("grid", "latin-hypercube")
+
+_TABLES = {
+    "study": {"title", "fmu", "scene", "signals"},
+    "fixed": None,
+    "case": {"name", "values"},
+    "sample": {"method", "runs", "seed"},
+    "vary": None,
+    "tune": {"minimise", "generations", "population", "seed"},
+}
+_SPECIFICATION = {"value", "values", "low", "high", "unit", "scale"}
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One run of a study: the case, what varies, and the complete data."""
+
+    case: str
+    values: Mapping[str, Value]
+    data: RunData
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """What a search minimises, and how long it searches."""
+
+    minimise: Mapping[str, float]  # weight of each metric; 1 / its unit
+    generations: int
+    population: int  # runs per generation
+    seed: int
+
+
+@dataclass(frozen=True)
+class Study:
+    """A checked study."""
+
+    title: str
+    fmu: Path
+    fmu_hash: str
+    scene: str
+    signals: tuple[str, ...]
+    units: Mapping[str, str]  # of every key that is set
+    samples: tuple[Sample, ...]  # all runs; for a search the corners of its ranges
+    cases: Mapping[str, Mapping[str, Value]]  # fixed values of each case
+    ranges: Mapping[str, Range]
+    tuning: Tuning | None
+
+    def sample(self, case: str, values: Mapping[str, Value]) -> Sample:
+        """A run of this study with the given values."""
+        everything = {**self.cases[case], **values}
+        return Sample(case, everything, build(self.scene, everything, self.signals))
+
+
+class StudyError(ValueError):
+    """All that is wrong with a study file, one line each."""
+
+    def __init__(self, path: Path, problems: list[str]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(f"{path}: {problem}" for problem in problems))
+
+
+Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
+"""Passes the drawn values on one by one while they are checked, which takes a while."""
+
+
+def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
+    """The study of a file; `fmu` replaces the file's. Raises StudyError with all problems."""
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StudyError(path, [f"cannot be read ({error.strerror}): give an existing study file"]) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise StudyError(path, [f"is not TOML: {error}: correct it there"]) from error
+    return _Reader(path, raw, fmu).study(progress)
+
+
+class _Reader:
+    """Collects the problems while it reads."""
+
+    def __init__(self, path: Path, raw: dict[str, Any], fmu: Path | None) -> None:
+        self.path, self.raw, self.fmu = path, raw, fmu
+        self.problems: list[str] = []
+        self.catalogue: Catalogue | None = None
+
+    @contextmanager
+    def _collect(self, where: str = "") -> Iterator[None]:
+        try:
+            yield
+        except ValueError as error:
+            problem = f"{where}: {error}" if where else str(error)
+            if problem not in self.problems:
+                self.problems.append(problem)
+
+    def study(self, progress: Progress) -> Study:
+        self._unknown_tables()
+        head = self._table("study")
+        title = head.get("title", self.path.stem)
+        fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
+        with self._collect("[study] fmu" if self.fmu is None else "--fmu"):
+            self.catalogue = Catalogue(fmu)
+        scene, signals = head.get("scene", "rope-120"), tuple[str, ...]()
+        if scene not in SETUPS:
+            self.problems.append(f"[study] scene = {scene!r} must be one of {', '.join(SETUPS)}: choose one")
+        with self._collect("[study]"):
+            signals = self._signals(head.get("signals", []), fmu)
+        cases = self._cases(self._values("fixed", self._table("fixed")))
+        vary = self._vary()
+        tuning = self._tuning() if "tune" in self.raw else None
+        drawn = self._draw(vary, tuning)
+        if scene not in SETUPS or self.catalogue is None:
+            raise StudyError(self.path, self.problems)
+        samples = self._checked(scene, signals, fmu, cases, progress(drawn))
+        if self.problems:
+            raise StudyError(self.path, self.problems)
+        keys = {key: None for values in cases.values() for key in values} | dict.fromkeys(vary)
+        return Study(
+            title=str(title),
+            fmu=fmu,
+            fmu_hash=hashlib.sha256(fmu.read_bytes()).hexdigest(),
+            scene=scene,
+            signals=signals,
+            units=self.catalogue.units(keys),
+            samples=tuple(samples),
+            cases=cases,
+            ranges={key: r for key, r in vary.items() if isinstance(r, Range)},
+            tuning=tuning,
+        )
+
+    def _checked(
+        self,
+        scene: str,
+        signals: tuple[str, ...],
+        fmu: Path,
+        cases: Mapping[str, dict[str, Value]],
+        drawn: Iterable[dict[str, Value]],
+    ) -> list[Sample]:
+        """All runs, case by case, each accepted by the data classes and by the FMU."""
+        probe = Probe(fmu)
+        found: dict[str, list[Sample]] = {case: [] for case in cases}
+        for values in drawn:
+            for case, fixed in cases.items():
+                everything = {**fixed, **values}
+                problems: list[str] = []
+                try:
+                    data = build(scene, everything, signals)
+                    problems = probe.rejected(data)
+                    found[case].append(Sample(case, everything, data))
+                except ValueError as error:
+                    problems = _blamed(scene, everything) or [str(error)]
+                    problems += probe.rejected(build(scene, fmu_part(everything)))
+                for problem in problems:
+                    problem = f"case {case}: {problem}" if case else problem
+                    if problem not in self.problems:
+                        self.problems.append(problem)
+        return [sample for samples in found.values() for sample in samples]
+
+    def _signals(self, names: Any, fmu: Path) -> tuple[str, ...]:
+        """Names of the time series to keep."""
+        if not isinstance(names, list):
+            raise ValueError(f'signals = {names!r} must be a list of names: write ["loop.yaw"]')
+        if self.catalogue is not None:
+            known = [*DRIVE_UNITS, *read_outputs(fmu)]
+            for name in names:
+                if name not in known:
+                    near = difflib.get_close_matches(str(name), known, n=3)
+                    cure = f"did you mean {' or '.join(near)}?" if near else "see docs/interface.md"
+                    raise ValueError(f"signals has {name!r}, which nothing shows: {cure}")
+        return tuple(map(str, names))
+
+    def _unknown_tables(self) -> None:
+        for name, content in self.raw.items():
+            if name not in _TABLES:
+                self.problems.append(f"[{name}] is not a table of a study: the tables are {', '.join(_TABLES)}")
+                continue
+            allowed = _TABLES[name]
+            for table in content if isinstance(content, list) else [content]:
+                if not isinstance(table, dict):
+                    self.problems.append(f"{name} = {content!r} must be a table: write [{name}]")
+                elif allowed is not None:
+                    for key in table.keys() - allowed:
+                        self.problems.append(
+                            f"[{name}] {key} = {table[key]!r} is not a key: the keys are {', '.join(sorted(allowed))}"
+                        )
+        if "tune" in self.raw and "sample" in self.raw:
+            self.problems.append("[tune] must not stand beside [sample]: keep one of them")
+
+    def _table(self, name: str) -> dict[str, Any]:
+        table = self.raw.get(name, {})
+        return table if isinstance(table, dict) else {}
+
+    def _cases(self, fixed: dict[str, Value]) -> dict[str, dict[str, Value]]:
+        """Values of each case, fixed ones included; one case without a name when there are none."""
+        tables = self.raw.get("case", [])
+        if not tables:
+            return {"": fixed}
+        cases: dict[str, dict[str, Value]] = {}
+        for number, table in enumerate(tables if isinstance(tables, list) else [tables], 1):
+            name = str(table.get("name", number)) if isinstance(table, dict) else str(number)
+            if name in cases:
+                self.problems.append(f"[[case]] name = {name!r} must be given once: choose another name")
+            content = table.get("values", {}) if isinstance(table, dict) else {}
+            cases[name] = fixed | self._values(f"case {name}", content)
+        return cases
+
+    def _values(self, where: str, table: Mapping[str, Any]) -> dict[str, Value]:
+        """Single values of a table."""
+        found: dict[str, Value] = {}
+        for key, content in _flat(table):
+            with self._collect(f"[{where}]"):
+                if self.catalogue is None:
+                    continue
+                parameter = self.catalogue[key]
+                content = self._stripped(parameter, content)
+                if isinstance(content, (list, dict)):
+                    raise ValueError(f"{key} = {content!r} must be one value here: vary it in [vary]")
+                found[key] = parameter.read(content)
+        return found
+
+    def _vary(self) -> dict[str, tuple[Value, ...] | Range]:
+        found: dict[str, tuple[Value, ...] | Range] = {}
+        for key, content in _flat(self._table("vary")):
+            with self._collect("[vary]"):
+                if self.catalogue is None:
+                    continue
+                parameter = self.catalogue[key]
+                content = self._stripped(parameter, content)
+                if isinstance(content, dict):
+                    found[key] = self._range(parameter, content)
+                elif isinstance(content, list) and content:
+                    found[key] = tuple(parameter.read(value) for value in content)
+                else:
+                    raise ValueError(f"{key} = {content!r} must be a list or {{ low, high }}: fix it in [fixed]")
+        return found
+
+    def _stripped(self, parameter: Parameter, content: Any) -> Any:
+        """The content without its unit, which is checked: a value, a list, or a range's table."""
+        if not isinstance(content, dict):
+            return content
+        for name in content.keys() - _SPECIFICATION:
+            raise ValueError(
+                f"{parameter.key}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}"
+            )
+        unit = content.get("unit")
+        if unit is not None and spelled(str(unit)) != parameter.unit:
+            raise ValueError(
+                f"{parameter.key} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
+            )
+        rest = {name: value for name, value in content.items() if name != "unit"}
+        if len(rest) == 1 and next(iter(rest)) in ("value", "values"):
+            return next(iter(rest.values()))
+        return rest
+
+    def _range(self, parameter: Parameter, content: dict[str, Any]) -> Range:
+        key = parameter.key
+        if not {"low", "high"} <= content.keys() <= {"low", "high", "scale"}:
+            raise ValueError(f"{key} = {content!r} must have low and high (and may have scale): give both")
+        if parameter.kind not in ("Real", "Integer"):
+            raise ValueError(f"{key} = {content!r} must be a list, for it is no number: list its values")
+        low, high = (float(parameter.read(content[name])) for name in ("low", "high"))
+        scale = content.get("scale", "linear")
+        if scale not in ("linear", "log"):
+            raise ValueError(f"{key}.scale = {scale!r} must be linear or log: choose one")
+        if not low < high:
+            raise ValueError(f"{key}.low = {low!r} must be below high = {high!r}: exchange them")
+        if scale == "log" and low <= 0.0:
+            raise ValueError(f"{key}.low = {low!r} must be above 0 for scale = 'log': raise it or take linear")
+        return Range(low, high, scale == "log", parameter.kind == "Integer")
+
+    def _tuning(self) -> Tuning | None:
+        table = self._table("tune")
+        minimise = table.get("minimise", {})
+        with self._collect("[tune]"):
+            if not isinstance(minimise, dict) or not minimise:
+                raise ValueError(f"minimise = {minimise!r} must be metrics with weights: {{ cycle_time = 1.0 }}")
+            for name, weight in minimise.items():
+                if name not in UNITS:
+                    raise ValueError(f"minimise.{name} is not a metric: choose of {', '.join(UNITS)}")
+                if isinstance(weight, bool) or not isinstance(weight, (int, float)) or not math.isfinite(weight):
+                    raise ValueError(f"minimise.{name} = {weight!r} must be a finite weight: give a number")
+            counts = [self._count("tune", name, start) for name, start in (("generations", 10), ("population", 12))]
+            if counts[1] < 5:
+                raise ValueError(f"population = {counts[1]} must be at least 5: take some 5 for each range")
+            return Tuning({k: float(v) for k, v in minimise.items()}, counts[0], counts[1], self._seed("tune"))
+        return None
+
+    def _draw(self, vary: Mapping[str, tuple[Value, ...] | Range], tuning: Tuning | None) -> list[dict[str, Value]]:
+        """The samples of [vary]; for a search the corners of its ranges, to be checked."""
+        sample = self._table("sample")
+        method = "tune" if tuning or "tune" in self.raw else sample.get("method", "grid")
+        lists = {key: v for key, v in vary.items() if isinstance(v, tuple)}
+        ranges = {key: v for key, v in vary.items() if isinstance(v, Range)}
+        with self._collect("[sample]" if method != "tune" else "[tune]"):
+            if method not in (*METHODS, "tune"):
+                raise ValueError(f"method = {method!r} must be one of {', '.join(METHODS)}: choose one")
+            if method == "grid":
+                for name in sample.keys() & {"runs", "seed"}:
+                    raise ValueError(f"{name} = {sample[name]!r} has no meaning with method = 'grid': leave it out")
+                if ranges:
+                    raise ValueError(f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}")
+                return grid(lists)
+            if lists:
+                raise ValueError(f"{next(iter(lists))} is a list, {method} needs {{ low, high }}: give a range")
+            if not ranges:
+                raise ValueError(f"{method} needs ranges: give at least one {{ low, high }} in [vary]")
+            if method == "tune":
+                return grid({key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()})
+            return latin_hypercube(ranges, self._count("sample", "runs", None), self._seed("sample"))
+        return [{}]  # the fixed values are still worth a look
+
+    def _count(self, table: str, name: str, start: int | None) -> int:
+        value = self._table(table).get(name, start)
+        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+            raise ValueError(f"{name} = {value!r} must be a whole number above 0: give one")
+        return value
+
+    def _seed(self, table: str) -> int:
+        value = self._table(table).get("seed", 0)
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise ValueError(f"seed = {value!r} must be a whole number of at least 0: give one")
+        return value
+
+
+def _blamed(scene: str, values: Mapping[str, Value]) -> list[str]:
+    """The values that are impossible by themselves, when those of a run cannot stand together."""
+    problems = []
+    for key, value in values.items():
+        try:
+            build(scene, {key: value})
+        except ValueError as error:
+            problems.append(f"{key} = {value!r}: {error}")
+    return problems
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Keys with dots, whether the file quotes them or not; a value's own table is left whole."""
+    for name, content in table.items():
+        key = f"{prefix}{name}"
+        if isinstance(content, dict) and not content.keys() & _SPECIFICATION:
+            yield from _flat(content, f"{key}.")
+        else:
+            yield key, content

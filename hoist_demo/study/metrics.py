@@ -1,0 +1,203 @@
+"""What a drive engineer asks of a run, one number each; NaN where the run or the rope did not show it.
+
+Arrival. The reference arrives at a known time; the conveyances have arrived when they stay within `Arrival` from
+then on. Residual swing is the height of a conveyance against the rope's end at the sheave, so that a slow creep of
+the drive is not counted as swing; it is counted as time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from hoist_demo.design.swing import SwingMode, fit_swing
+from hoist_demo.host import Result
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.recording import Array, Recording
+
+ENDS = ("left", "right")
+
+METRICS = {
+    "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
+    "reference_time": ("s", "duration of the reference's motion"),
+    "position_error": ("m", "of the left conveyance at the record's end"),
+    "tracking_error": ("m", "largest, of the left conveyance against the reference"),
+    "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
+    "torque_peak": ("N.m", "of the motor, magnitude"),
+    "torque_limited_time": ("s", "at the torque limit"),
+    "motor_energy": ("J", "work of the motor"),
+    "motor_energy_drawn": ("J", "the same without what the motor feeds back"),
+    "rope_force_ripple": ("N", "end force of the balance rope less its mean over 1 s, RMS, the worse end"),
+    "rope_force_peak": ("N", "largest pull of the balance rope on a conveyance"),
+    "swing_left": ("m", "residual swing of the left conveyance on its head ropes, peak to peak"),
+    "swing_right": ("m", "likewise, right conveyance"),
+    "swing_frequency": ("Hz", "strongest mode of the larger of the two swings, damped frequency"),
+    "swing_damping": ("1", "its damping ratio"),
+    "loop_swing": ("m", "of the loop's lowest point in the plane, peak to peak, after arrival"),
+    "loop_yaw": ("rad", "largest magnitude"),
+    "clearance": ("m", "smallest, between the legs"),
+    "left_slip": ("rad", "path of the left swivel's slip"),
+    "right_slip": ("rad", "likewise, right"),
+    "left_slip_time": ("s", "during which the left swivel slips"),
+    "right_slip_time": ("s", "likewise, right"),
+    "left_starting_torque": ("N.m", "of the left swivel, at the last instant before it first slips"),
+    "right_starting_torque": ("N.m", "likewise, right"),
+    "left_swivel_torque": ("N.m", "largest magnitude, left"),
+    "right_swivel_torque": ("N.m", "likewise, right"),
+    "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): below 1 they slip"),
+    "simulated_time": ("s", "of the record"),
+    "energy_made_up": ("J", "largest energy that the coupling's delay makes up"),
+}
+"""Every metric with its unit and meaning, in the order of the table."""
+
+UNITS = {name: unit for name, (unit, _) in METRICS.items()}
+
+ROPE_SIGNALS = frozenset(
+    {
+        f"{end}.{name}"
+        for end in ENDS
+        for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
+    }
+    | {"loop.x", "loop.yaw", "loop.clearance", "energy.work_ends"}
+)
+"""Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them."""
+
+RIPPLE_WINDOW = 1.0
+"""Length of the moving mean that is taken off the end force [s]."""
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """When a conveyance counts as arrived; all values [assumed]."""
+
+    position_band: float = 0.01  # m, of the left conveyance about its landing
+    speed_band: float = 0.01  # m/s, of both conveyances
+    window: float = 5.0  # s, after the reference's arrival, over which swing is judged
+
+    def __post_init__(self) -> None:
+        for name in ("position_band", "speed_band", "window"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} = {value!r} must be finite and above 0: give a bound in SI units")
+
+
+def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) -> dict[str, float]:
+    """All metrics of a run by name."""
+    found = dict.fromkeys(UNITS, math.nan)
+    recording = result.recording
+    if not recording.signals:
+        return found
+    found["simulated_time"] = float(recording.time[-1] - recording.time[0])
+    found |= _drive(recording, hoist)
+    found |= _rope(recording)
+    for end in ENDS:
+        found |= _swivel(recording, end)
+    if result.completed:
+        found |= _trip(result, winding, arrival)
+        found |= _swing(recording, hoist, result.reference.duration, arrival)
+    return found
+
+
+def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
+    """Times and torques that only a completed trip has."""
+    recording = result.recording
+    t = recording.time - recording.time[0]
+    travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
+    place = recording["reference.position"][-1]
+    outside = np.abs(travel - place) > arrival.position_band
+    for end in ENDS:
+        outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
+    last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
+    moving = (t >= winding.start_delay) & (t <= result.reference.duration)
+    return {
+        "reference_time": result.reference.duration - winding.start_delay,
+        "cycle_time": float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan,
+        "position_error": float(place - travel[-1]),
+        "tracking_error": _largest(recording["reference.position"] - travel),
+        "torque_rms": float(np.sqrt(np.mean(recording["drive.torque"][moving] ** 2))),
+    }
+
+
+def _drive(recording: Recording, hoist: Hoist) -> dict[str, float]:
+    power = np.diff(recording["drive.work_motor"])
+    return {
+        "torque_peak": _largest(recording["drive.torque"]),
+        "torque_limited_time": _time_of(recording, "drive.torque_limited"),
+        "motor_energy": float(np.sum(power)),
+        "motor_energy_drawn": float(np.sum(np.maximum(power, 0.0))),
+        "slip_safety": hoist.slip_safety(float(np.max(recording["drive.tension_ratio"]))),
+    }
+
+
+def _rope(recording: Recording) -> dict[str, float]:
+    forces = [recording[f"{end}.fy"] for end in ENDS]
+    found = {
+        "rope_force_peak": max(float(np.max(-force)) for force in forces),
+        "rope_force_ripple": max(_ripple(recording.time, force) for force in forces),
+    }
+    if "loop.yaw" in recording:
+        found["loop_yaw"] = _largest(recording["loop.yaw"])
+    if "loop.clearance" in recording:
+        found["clearance"] = float(np.min(recording["loop.clearance"]))
+    if "energy.work_ends" in recording:
+        ends = recording["energy.work_ends"]
+        found["energy_made_up"] = _largest(recording["drive.work_from_balance_rope"] + ends - ends[0])
+    return found
+
+
+def _swivel(recording: Recording, end: str) -> dict[str, float]:
+    names = [f"{end}.swivel.{name}" for name in ("rate", "slipping", "torque")]
+    if not recording.has(*names):
+        return {}
+    rate, slipping, torque = (recording[name] for name in names)
+    starts = np.flatnonzero(np.diff(slipping) > 0.0)
+    return {
+        f"{end}_slip": float(np.sum(np.abs(rate[1:]) * np.diff(recording.time))),
+        f"{end}_slip_time": _time_of(recording, f"{end}.swivel.slipping"),
+        f"{end}_starting_torque": float(abs(torque[starts[0]])) if starts.size else math.nan,
+        f"{end}_swivel_torque": _largest(torque),
+    }
+
+
+def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> dict[str, float]:
+    """Swing of conveyances and loop within the window after the reference has arrived."""
+    t = recording.time - recording.time[0]
+    tail = (t >= arrived) & (t <= arrived + arrival.window)
+    if np.count_nonzero(tail) < 2:
+        return {}
+    rim = hoist.sheave_radius * recording["drive.angle"]
+    swings = {end: recording[f"conveyance.{end}.y"] - sign * rim for end, sign in (("left", 1.0), ("right", -1.0))}
+    found = {f"swing_{end}": float(np.ptp(swing[tail])) for end, swing in swings.items()}
+    larger = max(ENDS, key=lambda end: found[f"swing_{end}"])
+    mode: SwingMode | None = fit_swing(t[tail], swings[larger][tail])
+    if mode is not None:
+        found |= {"swing_frequency": mode.frequency, "swing_damping": mode.damping}
+    if "loop.x" in recording:
+        found["loop_swing"] = float(np.ptp(recording["loop.x"][tail]))
+    return found
+
+
+def _ripple(time: Array, force: Array) -> float:
+    """RMS of the force less its moving mean [N]; a record shorter than the window has none."""
+    count = round(RIPPLE_WINDOW / (time[1] - time[0])) if time.size > 1 else 0
+    if count < 2 or time.size <= count:
+        return math.nan
+    # odd, so that the mean is centred
+    count += 1 - count % 2
+    if time.size < count:
+        return math.nan
+    mean = np.convolve(force, np.full(count, 1.0 / count), mode="valid")
+    rest = force[count // 2 : count // 2 + mean.size] - mean
+    return float(np.sqrt(np.mean(rest**2)))
+
+
+def _largest(values: Array) -> float:
+    """Value of largest magnitude, without its sign."""
+    return float(np.max(np.abs(values)))
+
+
+def _time_of(recording: Recording, flag: str) -> float:
+    """Time during which a 0/1 signal is 1 [s], each value holding until the next row."""
+    return float(np.sum(np.diff(recording.time) * recording[flag][:-1]))

@@ -1,0 +1,61 @@
+"""Fields of the host's data classes by dotted names: their types and units, and copies with some of them changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any, get_args, get_type_hints
+
+from hoist_demo.study.units import field_units
+
+_KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """A single value of a data class or of one inside it."""
+
+    name: str  # with dots, e.g. `brake.delay`
+    kind: str  # as FMI names types: Real, Integer, Boolean or String
+    unit: str
+
+
+def leaves(data: type[Any]) -> Iterator[Leaf]:
+    """All single values of a data class; `brake: Brake | None` stands for the brake's own."""
+    hints, units = get_type_hints(data), field_units(data)
+    for field in fields(data):
+        inner = _inner(hints[field.name])
+        if inner is not None:
+            yield from (Leaf(f"{field.name}.{leaf.name}", leaf.kind, leaf.unit) for leaf in leaves(inner))
+            continue
+        kinds = [_KINDS[t] for t in (hints[field.name], *get_args(hints[field.name])) if t in _KINDS]
+        if kinds:
+            numeric = kinds[0] in ("Real", "Integer")
+            if numeric and field.name not in units:
+                raise ValueError(f"{data.__name__}.{field.name} must state its unit in a comment: write `# m, what`")
+            yield Leaf(field.name, kinds[0], units[field.name] if numeric else "1")
+
+
+def changed(data: Any, values: Mapping[str, object]) -> Any:
+    """A copy with the given values by dotted name, checked as a whole; a part that was None starts from defaults."""
+    direct: dict[str, object] = {}
+    parts: dict[str, dict[str, object]] = {}
+    for name, value in values.items():
+        head, _, rest = name.partition(".")
+        if rest:
+            parts.setdefault(head, {})[rest] = value
+        else:
+            direct[head] = value
+    for head, inside in parts.items():
+        part = getattr(data, head)
+        if part is None:
+            kind = _inner(get_type_hints(type(data))[head])
+            assert kind is not None  # the catalogue has let the name pass
+            part = kind()
+        direct[head] = changed(part, inside)
+    return replace(data, **direct)
+
+
+def _inner(hint: Any) -> type[Any] | None:
+    """The data class that a hint names, alone or beside None."""
+    return next((t for t in (hint, *get_args(hint)) if isinstance(t, type) and is_dataclass(t)), None)

@@ -1,0 +1,107 @@
+"""A study from its file to its table: sample or search, run what is missing, write the results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.design.tuning import search
+from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.store import Store
+
+Array = NDArray[np.float64]
+
+Run = Callable[[Sequence[Sample]], list[str]]
+"""Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given."""
+
+
+@dataclass(frozen=True)
+class Performed:
+    """What a study has come to."""
+
+    table: Path  # results.parquet
+    runs: int
+    causes: Mapping[str, str]  # of the runs that did not complete, by number and key
+    best: Mapping[str, float | int | bool | str] | None  # values of a search
+
+
+def perform(study: Study, store: Store, run: Run) -> Performed:
+    """Run the study's samples, or its search, and write the table."""
+    if study.tuning is None:
+        samples: list[Sample] = list(study.samples)
+        keys, best = run(samples), None
+    else:
+        samples, keys, best = _search(study, store, run)
+    return _written(study, store, samples, keys, best)
+
+
+def write_what_is_there(study: Study, store: Store) -> Performed:
+    """The table of an interrupted study: the runs that are recorded; a search has its table when it is complete."""
+    pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
+    there = [(s, key) for s, key in pairs if store.read(key)]
+    return _written(study, store, [s for s, _ in there], [key for _, key in there], None)
+
+
+def _search(
+    study: Study, store: Store, run: Run
+) -> tuple[list[Sample], list[str], Mapping[str, float | int | bool | str]]:
+    """All runs of the search in their order, and the best values; every point is run for every case."""
+    assert study.tuning is not None
+    tuning, names = study.tuning, list(study.ranges)
+    samples: list[Sample] = []
+    keys: list[str] = []
+
+    def values(x: Array) -> dict[str, float | int | bool | str]:
+        return {name: study.ranges[name].at(float(u)) for name, u in zip(names, x, strict=True)}
+
+    def costs(points: Array) -> list[float]:
+        asked = [[study.sample(case, values(x)) for case in study.cases] for x in points]
+        new = [sample for group in asked for sample in group]
+        new_keys = run(new)
+        samples.extend(new)
+        keys.extend(new_keys)
+        each = [_cost(store, key, tuning.minimise) for key in new_keys]
+        width = len(study.cases)
+        return [sum(each[k : k + width]) for k in range(0, len(each), width)]
+
+    best = search(costs, len(names), tuning.generations, tuning.population, tuning.seed)
+    return samples, keys, values(best)
+
+
+def _cost(store: Store, key: str, weights: Mapping[str, float]) -> float:
+    """Weighted sum of a run's metrics; infinite where it failed or did not show one of them."""
+    record = store.read(key)
+    if record is None or record["outcome"]["status"] != "completed":
+        return math.inf
+    cost = sum(weight * float(record["outcome"]["metrics"][name]) for name, weight in weights.items())
+    return cost if math.isfinite(cost) else math.inf
+
+
+def _written(
+    study: Study,
+    store: Store,
+    samples: Sequence[Sample],
+    keys: Sequence[str],
+    best: Mapping[str, float | int | bool | str] | None,
+) -> Performed:
+    rows: list[dict[str, object]] = []
+    causes: dict[str, str] = {}
+    for number, (sample, key) in enumerate(zip(samples, keys, strict=True), 1):
+        record = store.read(key)
+        if record is None:
+            raise RuntimeError(f"run {key} has left no record in {store.directory}: start the study again")
+        outcome = record["outcome"]
+        if outcome["status"] != "completed":
+            causes[f"run {number} ({key})"] = outcome["cause"]
+        chosen = {name: sample.values.get(name) for name in study.units if name != "controller"}
+        head = {"run": number, "key": key, "case": sample.case, "controller": sample.data.controller}
+        result = {"status": outcome["status"], "cause": outcome["cause"]}
+        rows.append(head | chosen | result | {name: outcome["metrics"].get(name, math.nan) for name in UNITS})
+    table = store.write_table(rows, {**study.units, **UNITS}, study.title)
+    return Performed(table, len(rows), causes, best)

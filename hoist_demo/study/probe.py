@@ -1,0 +1,52 @@
+"""The FMU's own opinion of its parameters, before anything runs: it is asked to initialize with them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+from hoist_demo.fmu_rope import FmuRope
+from hoist_demo.rope_plant import EndMotion
+from hoist_demo.study.catalogue import Value
+from hoist_demo.study.run import RunData
+
+
+class Probe:
+    """Asks an FMU, and the same question only once."""
+
+    def __init__(self, fmu: Path) -> None:
+        self._fmu = fmu
+        self._answers: dict[str, str] = {}
+
+    def rejected(self, run: RunData) -> list[str]:
+        """Why the rope does not start with the run's parameters, naming the key where one alone is to blame."""
+        high, rises = run.hoist.shaft_travel, run.winding.travel > 0.0
+        together = self._asked(run.fmu, high, rises)
+        if not together:
+            return []
+        alone = {key: self._asked({key: value}, high, rises) for key, value in run.fmu.items()}
+        blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]
+        chosen = ", ".join(f"{key} = {value!r}" for key, value in run.fmu.items()) or "the FMU's own parameters"
+        return blamed or [f"{chosen}: {together}"]
+
+    def _asked(self, parameters: Mapping[str, Value], high: float, rises: bool) -> str:
+        question = json.dumps([dict(parameters), high, rises], sort_keys=True)
+        if question not in self._answers:
+            ends = EndMotion(y=0.0), EndMotion(y=high)
+            left, right = ends if rises else ends[::-1]
+            self._answers[question] = _answer(self._fmu, parameters, left, right)
+        return self._answers[question]
+
+
+def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: EndMotion) -> str:
+    """Why the FMU does not start; "" when it does."""
+    try:
+        rope = FmuRope(fmu, parameters)
+    except ValueError as error:
+        return str(error)
+    try:
+        status = rope.initialize(0.0, left, right)
+    finally:
+        rope.close()
+    return "" if status.valid else status.message or "the FMU does not initialize, without a message"

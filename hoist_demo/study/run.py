@@ -1,0 +1,133 @@
+"""One run of a study: its complete data, its key, and its co-simulation with the FMU.
+
+The key is the hash of everything that decides the result: all data with their defaults, the FMU's bytes, and the
+version of this package. Equal keys are equal runs, so that a finished run is never repeated.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+import traceback
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from hoist_demo.controller import Gains
+from hoist_demo.design.controllers import drive, require_possible
+from hoist_demo.design.shaping import Shaper
+from hoist_demo.design.trajectory import Trajectory
+from hoist_demo.fmu_parameters import read_outputs
+from hoist_demo.fmu_rope import FmuRope
+from hoist_demo.host import Host, Result
+from hoist_demo.parameters import SETUPS, Coupling, Hoist, Winding, require_trip_fits
+from hoist_demo.reference import s_curve
+from hoist_demo.rope_plant import RopePlant
+from hoist_demo.study.catalogue import SECTIONS, Value
+from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
+from hoist_demo.study.nested import changed
+
+FINISHED = ("completed", "stopped")
+"""States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause."""
+ERROR = "error"
+"""State of a run that could not be carried out (a dead worker, an exception); resuming tries it again."""
+
+
+_TUNING_OF = {"input-shaping": "shaper", "optimised-trajectory": "trajectory"}
+"""Data that only one controller uses, and that is not part of the key of the others' runs."""
+
+
+@dataclass(frozen=True)
+class RunData:
+    """Everything that decides a run's result but the FMU's bytes."""
+
+    scene: str
+    controller: str
+    hoist: Hoist
+    winding: Winding
+    coupling: Coupling
+    gains: Gains
+    shaper: Shaper
+    trajectory: Trajectory
+    arrival: Arrival
+    fmu: Mapping[str, Value]  # parameters that differ from the FMU's own
+    signals: tuple[str, ...] = ()  # time series to keep
+
+    def key(self, fmu_hash: str) -> str:
+        """Name of the run, 24 hexadecimal digits."""
+        data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": version("balance-rope")}
+        for controller, tuning in _TUNING_OF.items():
+            if self.controller != controller:
+                del data[tuning]
+        text = json.dumps([data, fmu_hash], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run leaves behind: plain data that travels between processes."""
+
+    status: str  # completed, stopped or error
+    cause: str
+    metrics: Mapping[str, float]
+    signals: Mapping[str, list[float]]  # by name, those that were asked for
+    clock: Mapping[str, float]  # s: wall time of the design, the rope, the drive and all; not a result
+
+
+def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
+    """The scene's data with the given values; a `ValueError` names what does not fit together."""
+    setup = SETUPS[scene]
+    data: dict[str, Any] = {"hoist": setup.hoist, "winding": setup.winding}
+    data |= {name: kind() for name, kind in SECTIONS.items() if name not in data}
+    chosen: dict[str, dict[str, Value]] = {name: {} for name in SECTIONS}
+    for key, value in values.items():
+        section, _, field = key.partition(".")
+        if section in SECTIONS:
+            chosen[section][field] = value
+    data = {name: changed(data[name], chosen[name]) for name in SECTIONS}
+    run = RunData(
+        scene, str(values.get("controller", "pi-feed-forward")), fmu=fmu_part(values), signals=signals, **data
+    )
+    require_trip_fits(run.hoist, run.winding)
+    require_possible(run.controller, run.winding)
+    s_curve(run.winding)
+    return run
+
+
+def fmu_part(values: Mapping[str, Value]) -> dict[str, Value]:
+    """Those of the values that are the FMU's."""
+    return {key: v for key, v in values.items() if key != "controller" and key.partition(".")[0] not in SECTIONS}
+
+
+def execute(run: RunData, fmu: Path) -> Outcome:
+    """Design, wind and measure; whatever goes wrong is an outcome, with its cause."""
+    begin = time.perf_counter()
+    try:
+        wanted = ROPE_SIGNALS | set(run.signals)
+        rope = FmuRope(fmu, run.fmu, not_read=[name for name in read_outputs(fmu) if name not in wanted])
+        try:
+            result, design_time = wind(run, rope)
+        finally:
+            rope.close()
+        metrics = measure(result, run.hoist, run.winding, run.arrival)
+    except Exception as error:  # recorded, so that the other runs go on
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        cause = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
+        return Outcome(ERROR, cause, dict.fromkeys(UNITS, float("nan")), {}, {"all": time.perf_counter() - begin})
+    clock = {"design": design_time, "rope": result.rope_clock.wall, "drive": result.drive_clock.wall}
+    kept = {name: result.recording[name].tolist() for name in run.signals if name in result.recording}
+    status = "completed" if result.completed else "stopped"
+    return Outcome(status, result.cause, metrics, kept, clock | {"all": time.perf_counter() - begin})
+
+
+def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:
+    """The co-simulation of a run with any rope, and the wall time of its design [s]."""
+    begin = time.perf_counter()
+    chosen = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
+    design_time = time.perf_counter() - begin
+    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains)
+    host.reference = chosen.reference
+    return host.run(), design_time

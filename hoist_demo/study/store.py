@@ -1,0 +1,110 @@
+"""A study's folder: every finished run in a file of its own, written at once and whole, and the table of all.
+
+    runs/KEY.json       data, outcome and clock of a run; a file that exists is complete
+    signals/KEY.parquet its time series, where the study keeps any
+    results.parquet     one row per run in the study's order, units in the schema's field metadata
+    results.csv         the same, header `name [unit]`
+
+The table holds no clock and no date: the same study writes the same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from hoist_demo.study.run import FINISHED, Outcome, RunData
+
+Units = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Results:
+    """A study's table and the unit of each column, "" for a text."""
+
+    table: pd.DataFrame
+    units: dict[str, str]
+
+
+class Store:
+    """The folder of one study."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        try:
+            for name in ("runs", "signals"):
+                (directory / name).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ValueError(f"{directory} cannot be made a folder ({error.strerror}): choose another") from error
+
+    def finished(self, keys: Sequence[str]) -> set[str]:
+        """Those of the keys that need no run any more."""
+        return {key for key in keys if (record := self.read(key)) and record["outcome"]["status"] in FINISHED}
+
+    def read(self, key: str) -> dict[str, Any] | None:
+        """Record of a run, None where there is none."""
+        path = self._path(key)
+        if not path.is_file():
+            return None
+        record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        return record
+
+    def write(self, key: str, run: RunData, outcome: Outcome, worker: str) -> None:
+        """Keep a run: series first, then the record that declares it done."""
+        if outcome.signals:
+            table = pa.table({name: pa.array(values) for name, values in outcome.signals.items()})
+            with _whole(self.directory / "signals" / f"{key}.parquet") as path:
+                pq.write_table(table, path)
+        kept = {"status": outcome.status, "cause": outcome.cause, "metrics": dict(outcome.metrics)}
+        record = {"key": key, "data": asdict(run), "outcome": kept, "clock": dict(outcome.clock), "worker": worker}
+        with _whole(self._path(key)) as path:
+            path.write_text(json.dumps(record, indent=1), encoding="utf-8")
+
+    def signals(self, key: str) -> pd.DataFrame:
+        """Time series of a run."""
+        return pd.read_parquet(self.directory / "signals" / f"{key}.parquet")
+
+    def write_table(self, rows: Sequence[Mapping[str, object]], units: Units, title: str) -> Path:
+        """results.parquet and results.csv."""
+        frame = pd.DataFrame(list(rows))
+        table = pa.Table.from_pandas(frame, preserve_index=False)
+        fields = [field.with_metadata({"unit": units.get(field.name, "")}) for field in table.schema]
+        schema = pa.schema(fields, metadata={**(table.schema.metadata or {}), "title": title})
+        with _whole(self.directory / "results.parquet") as path:
+            pq.write_table(table.cast(schema), path)
+        header = [f"{name} [{unit}]" if (unit := units.get(name)) else str(name) for name in frame.columns]
+        with _whole(self.directory / "results.csv") as path:
+            frame.to_csv(path, index=False, header=header, float_format="%.9g", lineterminator="\n")
+        return self.directory / "results.parquet"
+
+    def _path(self, key: str) -> Path:
+        return self.directory / "runs" / f"{key}.json"
+
+
+def read_results(path: Path) -> Results:
+    """What a study has left in `results.parquet`; pandas.read_parquet opens it as well, without the units."""
+    table = pq.read_table(path)
+    units = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
+    return Results(table.to_pandas(), units)
+
+
+@contextmanager
+def _whole(path: Path) -> Iterator[Path]:
+    """A file to write that appears under its name complete or not at all, even when the process is killed."""
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        yield draft
+        with draft.open("rb+") as file:
+            os.fsync(file.fileno())
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)

@@ -1,0 +1,130 @@
+"""Shapers leave their mode at rest, a fitted swing is the given one, the low rung is the plant, an optimum is kept."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hoist_demo.controller import Gains
+from hoist_demo.design.controllers import drive
+from hoist_demo.design.low_rung import low_rung
+from hoist_demo.design.shaping import Shaper, shape
+from hoist_demo.design.swing import fit_swing
+from hoist_demo.design.trajectory import Trajectory, optimise
+from hoist_demo.design.tuning import search
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.plant import HoistPlant, PlantInput
+from hoist_demo.reference import Reference, s_curve
+
+TRIP = Winding(travel=20.0, speed=3.0, jerk=2.0)
+SHORT = Winding(travel=6.0, speed=2.0, jerk=2.0, start_delay=0.5)
+
+
+def swing_after(trip: Reference, frequency: float, damping: float) -> float:
+    """Amplitude that a damped oscillator, driven by the trip's acceleration, has left at its end."""
+    w_d = 2 * math.pi * frequency
+    pole = complex(-damping * w_d / math.sqrt(1 - damping**2), w_d)
+    times = np.linspace(0.0, trip.duration, 40_001)
+    a = trip.sample(times)[:, 2]
+    return float(abs(np.trapezoid(a * np.exp(pole * (trip.duration - times)), times)))
+
+
+@pytest.mark.parametrize("kind", ["ZV", "ZVD"])
+def test_shaped_trip_leaves_the_mode_at_rest(kind: str) -> None:
+    plain = s_curve(TRIP)
+    shaper = Shaper(kind, frequency=0.9, damping=0.1)
+    # what is left is the quadrature's error
+    assert swing_after(shape(plain, shaper), 0.9, 0.1) < 1e-6 * swing_after(plain, 0.9, 0.1)
+
+
+def test_zvd_forgives_a_wrong_frequency_where_zv_does_not() -> None:
+    plain = s_curve(TRIP)
+    left = {kind: swing_after(shape(plain, Shaper(kind, 0.9, 0.0)), 0.97, 0.0) for kind in ("ZV", "ZVD")}
+    assert left["ZVD"] < 0.2 * left["ZV"]
+
+
+def test_shaped_trip_is_the_convolution_at_any_time() -> None:
+    plain, shaper = s_curve(TRIP), Shaper("ZVD", 1.3, 0.05)
+    shaped = shape(plain, shaper)
+    for t in np.linspace(0.0, shaped.duration + 0.5, 301):
+        expected = sum(weight * plain.at(float(t) - delay).position for delay, weight in shaper.impulses)
+        assert shaped.at(float(t)).position == pytest.approx(expected, abs=1e-9)
+
+
+def test_shaped_trip_keeps_the_limits() -> None:
+    rows = shape(s_curve(TRIP), Shaper("ZV", 0.7, 0.02)).sample(np.linspace(0.0, 15.0, 3001))
+    bounds = np.array([TRIP.speed, TRIP.acceleration, TRIP.jerk])
+    assert np.all(np.max(np.abs(rows[:, 1:]), axis=0) <= bounds * (1 + 1e-12))
+
+
+@pytest.mark.parametrize(("frequency", "damping"), [(1.5, 0.03), (1.6, 0.15), (3.0, 0.0)])
+def test_fitted_swing_is_the_given_one(frequency: float, damping: float) -> None:
+    t = np.arange(0.0, 5.0, 0.01)
+    decay = damping * 2 * math.pi * frequency / math.sqrt(1 - damping**2)
+    found = fit_swing(t, 0.3 + 1e-3 * t + 2e-3 * np.exp(-decay * t) * np.cos(2 * math.pi * frequency * t + 0.4))
+    assert found is not None
+    assert (found.frequency, found.damping) == pytest.approx((frequency, damping), abs=1e-4)
+    assert found.amplitude == pytest.approx(2e-3, rel=1e-3)
+
+
+def test_rest_has_no_swing() -> None:
+    assert fit_swing(np.arange(0.0, 5.0, 0.01), np.full(500, 3.0)) is None
+
+
+def test_creep_into_the_landing_is_no_swing() -> None:
+    t = np.arange(0.0, 5.0, 0.01)
+    assert fit_swing(t, 1e-3 * np.exp(-3.0 * t)) is None
+
+
+def test_low_rung_without_balance_rope_accelerates_as_the_plant() -> None:
+    hoist = Hoist(tail_rope_mass=0.0)
+    gains = Gains(feed_forward=0.0)
+    model, plant = low_rung(hoist, gains, 0.0, 90.0), HoistPlant(hoist)
+    state = plant.equilibrium(0.0, 90.0, 0.0, 0.0)
+    R = hoist.sheave_radius
+    moved = np.array([1.0e4, 3.0 / R, 3.01, 87.005, 1.5 / R, 1.51, -1.49])
+    x = np.array([3.0, 1.5, 0.0, 3.0, 3.01, -2.995, 1.5, 1.51, -1.49, 1.0e4 / R, 0.0])
+    rates = plant.rates(type(state)(moved, state.work, state.free_lengths), PlantInput(0.0, 0.0, 0.0))
+    found = np.asarray(model.rates(x, 0.0)).ravel()
+    np.testing.assert_allclose(found[6:9], rates[4:7] * np.array([R, 1.0, 1.0]), rtol=1e-9)
+
+
+def test_low_rung_stays_at_rest() -> None:
+    model = low_rung(Hoist(), Gains(), 0.0, 90.0)
+    assert np.max(np.abs(np.asarray(model.rates(model.start, 0.0)))) < 1e-9
+
+
+def test_optimised_trip_keeps_the_limits_and_arrives() -> None:
+    optimum = optimise(Hoist(), SHORT, Gains(), Trajectory(intervals=60))
+    trip = optimum.reference
+    assert trip.duration == pytest.approx(SHORT.start_delay + optimum.duration)
+    rows = trip.sample(np.linspace(0.0, trip.duration - 1e-9, 2001))
+    bounds = np.array([SHORT.speed, SHORT.acceleration, SHORT.jerk])
+    # between the intervals' ends the speed may pass its bound by j dt^2 / 8 = 0.3 mm/s
+    assert np.all(np.max(np.abs(rows[:, 1:]), axis=0) <= bounds * (1 + 1e-6) + np.array([2e-3, 0.0, 0.0]))
+    # the solver's tolerance, on the scaled states
+    assert rows[-1, :3] == pytest.approx([SHORT.travel, 0.0, 0.0], abs=1e-4)
+
+
+def test_price_of_swing_buys_rest_with_time() -> None:
+    cheap = optimise(Hoist(), SHORT, Gains(), Trajectory(intervals=60, swing_price=1e-6))
+    dear = optimise(Hoist(), SHORT, Gains(), Trajectory(intervals=60, swing_price=10.0))
+    assert cheap.duration < dear.duration
+
+
+def test_plain_controllers_share_the_s_curve_and_differ_in_feed_forward() -> None:
+    data = (Hoist(), TRIP, Gains(), Shaper(), Trajectory())
+    plain, ahead = drive("pi", *data), drive("pi-feed-forward", *data)
+    assert plain.reference == ahead.reference == s_curve(TRIP)
+    assert (plain.gains.feed_forward, ahead.gains.feed_forward) == (0.0, 1.0)
+
+
+def test_search_finds_the_minimum_of_a_bowl_past_failing_points() -> None:
+    goal = np.array([0.3, 0.8])
+
+    def bowl(points: np.ndarray) -> list[float]:
+        return [math.nan if x[0] > 0.9 else float(np.sum((x - goal) ** 2)) for x in points]
+
+    assert search(bowl, 2, generations=40, population=20, seed=1) == pytest.approx(goal, abs=1e-2)
