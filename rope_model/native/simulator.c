@@ -38,8 +38,13 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message)
         return NULL;
     mesh = mesh_suited(&scene->mesh, &scene->rope, &scene->layout);
     elements = mesh_elements(&mesh, scene->rope.length, message);
-    if (elements == 0)
+    if (elements == 0) {
+        const size_t used = strlen(message);
+        if (scene->mesh.kind == AUTO_MESH)
+            snprintf(message + used, MESSAGE - used,
+                     " (mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error)");
         return NULL;
+    }
     nodes = (size_t)elements + 1;
     size = nodes * DOF;
     state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);

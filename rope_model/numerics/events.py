@@ -7,9 +7,10 @@ from collections.abc import Callable
 
 
 def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float) -> float:
-    """The right end of an interval not wider than ``width``, or of neighbouring numbers, in which ``f`` goes from negative to not negative.
+    """The right end of an interval in which ``f`` goes from negative to not negative, not wider than ``width``.
 
-    ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Regula falsi with the Illinois modification, and a
+    ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Neighbouring numbers may be further apart
+    than ``width``; then they are the interval.  Regula falsi with the Illinois modification, and a
     bisection whenever that does not halve the interval twice in a row, or a value is infinite (f may be kinked).
     """
     side, stalled = 0, 0

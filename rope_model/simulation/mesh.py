@@ -120,9 +120,7 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
         )
     elements = outer + 2 * mesh.end_levels + sum(mesh.counts)
     if elements > MOST_ELEMENTS:
-        raise ValueError(
-            f"coarse_length and counts make {elements:.0f} elements, more than {MOST_ELEMENTS}; use fewer"
-        )
+        raise ValueError(f"coarse_length and counts make {elements:.0f} elements, more than {MOST_ELEMENTS}; use fewer")
     coarse = length / (outer + inner)
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), 1, outer - 1))
     return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels)

@@ -71,8 +71,14 @@ class RopeSimulator:
     """
 
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
-        self._mesh = suited(scene.mesh, scene.rope, scene.layout)
-        elements = partition(self._mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
+        try:
+            self._mesh = suited(scene.mesh, scene.rope, scene.layout)
+            elements = partition(self._mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
+        except ValueError as error:
+            if scene.mesh.kind != "auto":
+                raise
+            source = "mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error"
+            raise ValueError(f"{error} ({source})") from error
         self.model = RopeModel(scene, KernelShelf(elements, scene.solver.kernels, bundle))
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
