@@ -30,7 +30,7 @@ def attachments(table: Sequence[Variable], preset: Preset, fmi: int, native: boo
     """Path in the FMU -> contents."""
     files = {
         "documentation/index.html": index_html(table, native).encode(),
-        "documentation/licenses/license.txt": _license().encode(),
+        "documentation/licenses/license.txt": _license("balance-rope"),
         "terminalsAndIcons/terminalsAndIcons.xml": xml_bytes(terminals_and_icons(table)),
     }
     for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
@@ -40,17 +40,18 @@ def attachments(table: Sequence[Variable], preset: Preset, fmi: int, native: boo
     if native:
         files["documentation/licenses/fmi-headers.txt"] = (_HERE / "native" / "include" / "LICENSE.txt").read_bytes()
     else:
+        files["documentation/licenses/pythonfmu.txt"] = _license("pythonfmu")
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
     return files | {f"{_EXTRA}/{name}": data for name, data in reference_files(preset, MODEL).items()}
 
 
-def _license() -> str:
-    """Our licence, as installed; an egg-info in a checkout has no copy, the distribution beside it has."""
-    found = importlib.metadata.distributions(name="balance-rope")
+def _license(package: str) -> bytes:
+    """A package's licence, as installed; an egg-info in a checkout has no copy, the distribution beside it has."""
+    found = importlib.metadata.distributions(name=package)
     text = next((text for one in found if (text := one.read_text("licenses/LICENSE"))), None)
     if text is None:
-        raise RuntimeError("the licence is missing from the installed package; install balance-rope anew")
-    return text
+        raise RuntimeError(f"the licence is missing from the installed package {package}; install it anew")
+    return text.encode()
 
 
 def xml_bytes(root: ElementTree.Element) -> bytes:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import ctypes
 import inspect
 import math
+import os
 import shutil
 import subprocess
+import sys
 import zipfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -19,6 +22,8 @@ import pytest
 from fmpy.build import build_platform_binary
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from lxml import etree
 from native_host import H, Host
 
@@ -486,6 +491,50 @@ def test_what_the_flags_rule_out_is_an_error_with_a_message(host: Host) -> None:
     assert host.step(0.0) == ""
 
 
+NUMBERS = st.one_of(st.floats(width=64), st.sampled_from([0.0, H, 2 * H, 90.0, 1e308, -1.0]))
+REFERENCES = st.one_of(st.integers(0, 400), st.sampled_from([2**31, 2**32 - 1]))
+CALLS = st.lists(
+    st.tuples(st.sampled_from(["enter", "exit", "step", "terminate", "reset", "set", "get", "save", "restore"]))
+    | st.tuples(st.just("set"), REFERENCES, NUMBERS)
+    | st.tuples(st.just("step"), NUMBERS, NUMBERS)
+    | st.tuples(st.just("derivative"), REFERENCES, REFERENCES, NUMBERS),
+    max_size=30,
+)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(calls=CALLS)
+def test_no_sequence_of_calls_does_harm(fmus: dict[int, Path], folders: dict[int, str], calls: list[Any]) -> None:
+    for fmi in VERSIONS:
+        host = Host(fmus[fmi], folders[fmi])
+        states: list[Any] = []
+        put = host.fmu.setReal if fmi == 2 else host.fmu.setFloat64
+        derivative = host.fmu.getDirectionalDerivative
+        actions: dict[str, Any] = {
+            "enter": host.enter,
+            "exit": host.fmu.exitInitializationMode,
+            "terminate": host.fmu.terminate,
+            "reset": host.fmu.reset,
+            "get": partial(host.get, "left.fy", "status.message"),
+            "set": lambda reference=47, value=0.0, put=put: put([reference], [value]),
+            "step": lambda t=0.0, h=H, fmu=host.fmu: fmu.doStep(t, h),
+            "derivative": lambda unknown, known, seed, of=derivative: of([unknown], [known], [seed]),
+            "save": lambda states=states, host=host: states.append(host.state()),
+            "restore": lambda states=states, host=host: [host.restore(state) for state in states[-1:]],
+        }
+        for name, *arguments in calls:
+            try:
+                actions[name](*arguments)
+            except FMICallException:
+                assert host.error()
+        for state in states:
+            host.free(state)
+        host.fmu.reset()
+        host.start(inputs_at_step_end=True)
+        assert len(host.run(0, 2)) == 2
+        host.call("FreeInstance")
+
+
 # states
 
 
@@ -566,27 +615,45 @@ def test_instances_do_not_know_of_each_other(fmi: int, fmus: dict[int, Path], fo
 # memory
 
 
-def lived(fmu: Path, folder: Path, valgrind: bool) -> list[int]:
-    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c."""
-    program, unzipped = folder / "life", Path(fmpy.extract(str(fmu), str(folder)))
-    source = ROOT / "tests" / "native" / "life_cycle.c"
-    subprocess.run(["cc", "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", program, "-ldl", "-lm"], check=True)
-    binary = next((unzipped / "binaries").rglob("BalanceRope.so"))
-    command = [str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
-    if valgrind:
-        command = ["valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99", *command]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+#: platform -> what runs its programs here
+RUNNERS = {
+    host_platform(): (),
+    "valgrind": ("valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99"),
+    "aarch64-linux": ("qemu-aarch64-static", "-L", "/usr/aarch64-linux-gnu"),
+    "x86_64-windows": ("wine",),
+}
+
+
+def lived(fmu: Path, folder: Path, way: str) -> list[int]:
+    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c, run in one of RUNNERS."""
+    runner = RUNNERS[way]
+    if runner and shutil.which(runner[0]) is None:
+        pytest.skip(f"needs {runner[0]}")
+    name = host_platform() if way == "valgrind" else way
+    compiler = ["cc"]
+    if name != host_platform():
+        compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].target.replace("2.17", "2.31")]
+    elif not name.endswith("linux") or shutil.which("cc") is None:
+        pytest.skip("needs Linux and a C compiler")
+    unzipped, program = Path(fmpy.extract(str(fmu), str(folder))), folder / "life.exe"
+    source = str(ROOT / "tests" / "native" / "life_cycle.c")
+    libraries = ["-lm"] if name.endswith("windows") else ["-ldl", "-lm"]
+    subprocess.run(
+        [*compiler, "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", str(program), *libraries], check=True
+    )
+    binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
+    command = [*runner, str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
+    environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, env=environment)
     assert done.returncode == 0, done.stderr[-3000:]
     return [int(line) for line in done.stdout.split()]
 
 
-@pytest.mark.parametrize("valgrind", [False, True])
+@pytest.mark.parametrize("way", [host_platform(), "valgrind"])
 def test_no_memory_is_taken_while_stepping_and_all_is_given_back(
-    fmus: dict[int, Path], tmp_path: Path, valgrind: bool
+    fmus: dict[int, Path], tmp_path: Path, way: str
 ) -> None:
-    if not host_platform().endswith("linux") or not all(shutil.which(x) for x in ("cc", "valgrind")):
-        pytest.skip("needs Linux, a C compiler and valgrind")
-    assert lived(fmus[2], tmp_path, valgrind) == [0, 0]
+    assert lived(fmus[2], tmp_path, way) == [0, 0]
 
 
 # command line

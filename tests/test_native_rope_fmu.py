@@ -17,9 +17,9 @@ from fmpy.fmi1 import FMICallException
 from fmu_driver import COMPARED, H, motion
 from native_host import Host
 from numpy.testing import assert_allclose
-from test_native_fmu import VERSIONS, lived
+from test_native_fmu import RUNNERS, VERSIONS, lived
 
-from fmu_src.native.build import host_platform
+from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.table import FORCES
 from rope_model.parameters import rope_120
@@ -170,11 +170,12 @@ def test_hostile_values_name_value_bound_and_cure(host: Host) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("valgrind", [False, True])
-def test_no_memory_is_taken_while_stepping_and_all_is_given_back(
-    fmus: dict[int, Path], tmp_path: Path, valgrind: bool
-) -> None:
-    assert lived(fmus[2], tmp_path, valgrind) == [0, 0]
+@pytest.mark.parametrize("way", list(RUNNERS))
+def test_whole_life_without_taking_memory_while_stepping(tmp_path: Path, way: str) -> None:
+    platform = host_platform() if way == "valgrind" else way
+    if platform not in available_platforms():
+        pytest.skip("needs ziglang")
+    assert lived(export_native(tmp_path / "rope.fmu", platforms=(platform,)), tmp_path, way) == [0, 0]
 
 
 def test_all_outputs_are_finite(host: Host) -> None:

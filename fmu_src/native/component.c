@@ -269,8 +269,9 @@ static void entry_checked(const Variable *variable, double value, char why[MODEL
         snprintf(why, MODEL_MESSAGE, "%s = %s is none of the choices: %s", variable->name, shortest(value, text),
                  variable->choices);
     else if (variable->kind != KIND_REAL && !(fabs(value) <= 2147483648.0 && value == floor(value)))
-        snprintf(why, MODEL_MESSAGE, "%s = %s is out of range: it must be a whole number of 32 bits; give a smaller one",
-                 variable->name, shortest(value, text));
+        snprintf(why, MODEL_MESSAGE,
+                 "%s = %s is out of range: it must be a whole number of 32 bits; give a smaller one", variable->name,
+                 shortest(value, text));
 }
 
 int component_set(Component *c, size_t scalar, double value) {

@@ -62,8 +62,8 @@ const char *model_text(const ModelInstance *model, size_t scalar);
 void model_note(const ModelInstance *model, char *message);
 
 /* Adds seed times the derivatives of the scalars `unknown` to the scalar `known` to sum[0] ... sum[number - 1]. */
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number, double *sum,
-                     char *message);
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
+                     double *sum, char *message);
 
 /* The complete state without the entries: plain bytes without addresses, the same in every process. */
 size_t model_state_bytes(const ModelInstance *model);

@@ -117,8 +117,8 @@ void model_note(const ModelInstance *model, char *message) {
              rope_rung_reason(model->rope));
 }
 
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number, double *sum,
-                     char *message) {
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
+                     double *sum, char *message) {
     /* an input at the start of the step moves what is extrapolated from it: acceleration, speed, position */
     double h = model->interval, force[FORCES], change[3];
     int side = ROPE_PLACES[known].where == RIGHT_MOTION, k = (int)(ROPE_PLACES[known].offset / sizeof(double)), part;

@@ -1,6 +1,12 @@
 /* A host in C for valgrind: two instances of FMI 2.0 through a whole life with failed calls, states, reset.
    Arguments: library, GUID.  Prints how often memory was taken while stepping. */
+#ifdef _WIN32
+#include <windows.h>
+#define dlopen(path, how) ((void *)LoadLibraryA(path))
+#define dlsym(from, name) ((void *)GetProcAddress(from, name))
+#else
 #include <dlfcn.h>
+#endif
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -58,13 +58,14 @@ static int moves_well(Simulator *rope, double h, const EndMotion ends[2]) {
     for (side = LEFT; side <= RIGHT; side++) {
         const char *name = side == LEFT ? "left" : "right";
         if (fabs(ends[side].v[1]) > 60.0) {
-            snprintf(rope->message, MESSAGE, "input %s.vy = %g is beyond +-60 (SI units); check its unit and connection",
-                     name, ends[side].v[1]);
+            snprintf(rope->message, MESSAGE,
+                     "input %s.vy = %g is beyond +-60 (SI units); check its unit and connection", name,
+                     ends[side].v[1]);
             return 0;
         }
         if (rope->state.initialized && fabs(ends[side].x[1] - rope->state.ends[side].x[1]) > 60.0 * h + 0.1) {
-            snprintf(rope->message, MESSAGE, "inputs %s.y and its derivatives do not fit together; give one smooth motion",
-                     name);
+            snprintf(rope->message, MESSAGE,
+                     "inputs %s.y and its derivatives do not fit together; give one smooth motion", name);
             return 0;
         }
     }
@@ -136,7 +137,8 @@ void rope_save(const Simulator *rope, void *to) { memcpy(to, &rope->state, sizeo
 int rope_restore(Simulator *rope, const void *from, size_t bytes) {
     const State *state = from;
     if (bytes != sizeof *state || state->elements != rope->state.elements) {
-        snprintf(rope->message, MESSAGE, "the saved state does not fit; restore it into a rope with the same parameters");
+        snprintf(rope->message, MESSAGE,
+                 "the saved state does not fit; restore it into a rope with the same parameters");
         return 0;
     }
     rope->state = *state;
