@@ -114,13 +114,14 @@ static void moved(const Motion *m, double t, double values[MOVED]) {
 }
 
 /* a rope of few elements, of all kinds of mesh */
-enum { REALS = 7, INTEGERS = 9 };
+enum { REALS = 7, INTEGERS = 10 };
 static const char *const REAL_NAMES[REALS] = {"rope.length",          "mesh.coarse_length",        "right.y",
                                               "left.swivel.release_time", "right.swivel.release_time", "solver.step_max",
                                               "rope.installed_twist"};
 static const char *const INTEGER_NAMES[INTEGERS] = {
     "mesh.elements",  "mesh.counts[1]", "mesh.counts[2]", "mesh.counts[3]", "mesh.counts[4]",
-    "mesh.counts[5]", "mesh.end_levels", "mesh.kind",     "left.swivel.mode"};
+    "mesh.counts[5]", "mesh.end_levels", "mesh.kind",     "left.swivel.mode",
+    "model.rung"};
 
 static void small(unsigned which, double reals[REALS], int integers[INTEGERS]) {
     reals[0] = 30.0, reals[1] = 1.5, reals[2] = 0.0;
@@ -130,6 +131,7 @@ static void small(unsigned which, double reals[REALS], int integers[INTEGERS]) {
     integers[6] = which & 16 ? 1 : 0;
     integers[7] = which & 1;
     integers[8] = which & 2 ? 2 : 0;
+    integers[9] = (which & 80) == 80 ? 4 : 0; /* rigid */
 }
 
 /* Damage to a serialized state: the fuzzer's bytes, numbers and small integers anywhere, or one of its halves cut
