@@ -76,6 +76,7 @@ _MODEL = {
 _TUNABLE = {"step_max", "step_min", "tolerance", "newton_tolerance", "mu_static", "mu_kinetic", "seal_moment"}
 #: least and largest value that the rope takes; where it must be above the least, 0 is given
 _MINIMUM = {
+    "installed_twist": -1e3,
     **dict.fromkeys(("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "beta_K", "diameter"), 0.0),
     **dict.fromkeys(("spacing", "gravity", "mean_diameter", "mu_static", "mu_kinetic", "seal_moment", "inertia"), 0.0),
     **dict.fromkeys(("step_max", "step_min", "tolerance", "newton_tolerance", "rho_inf", "force_tolerance"), 0.0),
@@ -87,6 +88,7 @@ _MINIMUM = {
 _MAXIMUM = {
     "length": 1e4,
     "diameter": 1.0,
+    "installed_twist": 1e3,
     "elements": 20000,
     "end_levels": 8,
     "loop_error": 1.0,

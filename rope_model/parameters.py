@@ -49,6 +49,8 @@ class Rope:
             _require(getattr(self, name) > 0, name, getattr(self, name), "> 0", "check the rope's data sheet")
         _require(self.diameter < 1.0, "diameter", self.diameter, "below 1 m", "give it in metres")
         _require(self.length <= 1e4, "length", self.length, "at most 1e4 m", "give it in metres")
+        twist = self.installed_twist
+        _require(abs(twist) <= 1e3, "installed_twist", twist, "within +-1000 rad", "give it in radians")
         _require(self.beta_K >= 0, "beta_K", self.beta_K, ">= 0 s", "use 0 for no material damping")
         bound = math.sqrt(self.Qa * self.Qd)
         _require(

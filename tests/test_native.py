@@ -231,6 +231,32 @@ def test_a_start_that_fails_says_the_same(scene: Scene, left: EndMotion, words: 
     assert words in statuses[0].message
 
 
+@pytest.mark.parametrize("t", [1e300, -1e11, math.nan])
+def test_a_start_too_far_from_zero_is_refused_alike(t: float) -> None:
+    statuses = [rope.initialize(t, EndMotion(), EndMotion()) for rope in (RopeSimulator(Scene()), NativeRope(Scene()))]
+    assert statuses[0] == statuses[1]
+    assert f"t = {t} s is out of range: it must be within 1e+10 s of 0" in statuses[0].message
+
+
+def test_an_advance_that_takes_too_many_steps_is_refused_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At once when step_max alone tells; else when as many steps are done."""
+    scene = Scene(rope=Rope(length=60.0), solver=Solver(step_min=1e-12, tolerance=1e-14))
+    ropes = RopeSimulator(scene), NativeRope(scene)
+    for rope in ropes:
+        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    statuses = [rope.advance_to(1e6, EndMotion(), EndMotion()) for rope in ropes]
+    assert statuses[0] == statuses[1]
+    assert "more than 20000 steps of step_max = 0.02 s; communicate every 400 s" in statuses[0].message
+    moved = EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion()
+    long = ropes[1].advance_to(0.2, *moved).message
+    monkeypatch.setattr("rope_model.simulation.simulator.MOST_STEPS", 30)
+    short = ropes[0].advance_to(0.2, *moved).message
+    number = re.compile(r"^t = [^ ]+ s: (30|20000) steps")
+    assert number.sub("", long) == number.sub("", short)
+    assert "steps did not lead from t = 0 s to 0.2 s; communicate more often" in long
+    assert all(rope.state.motion.t == 0.0 for rope in ropes)
+
+
 def test_a_step_that_fails_says_the_same_and_leaves_the_state() -> None:
     scene = Scene(rope=Rope(length=60.0), solver=Solver(step_min=5e-3, tolerance=1e-6))
     for ends, words in (
@@ -293,3 +319,45 @@ def test_a_layout_that_fits_no_mesh_is_refused_alike() -> None:
     with pytest.raises(ValueError, match="leave nothing for I and VII") as native:
         NativeRope(scene)
     assert str(reference.value) == str(native.value)
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        (Scene(mesh=Mesh("tmn", counts=(2, 4, 80000, 4, 2), coarse_length=0.01)), "counts make 82012 elements, more"),
+        (
+            Scene(mesh=Mesh("tmn", counts=(2, 4, 160000, 4, 2), coarse_length=0.01)),
+            "leave nothing for I and VII",
+        ),
+        (Scene(mesh=Mesh("tmn", coarse_length=5e-324)), "makes inf elements"),
+        (Scene(rope=Rope(EI=1e12)), "mesh.kind = auto takes them from EI"),
+        (Scene(layout=Layout(spacing=1e-9)), "mesh.kind = auto takes them from EI"),
+    ],
+)
+def test_a_mesh_of_too_many_elements_is_refused_alike(scene: Scene, words: str) -> None:
+    messages = []
+    for kind in (RopeSimulator, NativeRope):
+        with pytest.raises(ValueError, match=words) as error:
+            kind(scene)
+        messages.append(str(error.value))
+    assert messages[0] == messages[1]
+
+
+def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
+    rope = NativeRope(Scene(rope=Rope(length=60.0)))
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    state = rope.state
+    cells = state.partition
+    for wrong in (
+        state._replace(last_interval=0.0),
+        state._replace(step_next=math.nan),
+        state._replace(pole=np.array([2.0, 0.0, 0.0])),
+        state._replace(motion=replace(state.motion, t=5.0)),
+        state._replace(partition=replace(cells, coarse=1e-300)),
+        state._replace(partition=replace(cells, counts=(1, *cells.counts[1:6], 10**6))),
+        state._replace(counts=state.counts._replace(steps=2**62)),
+    ):
+        with pytest.raises(ValueError, match="not a state of this rope"):
+            rope.restore(wrong)
+    rope.restore(state)
+    assert rope.advance_to(0.01, EndMotion(), EndMotion()).valid

@@ -234,6 +234,8 @@ int component_get(Component *c, size_t scalar, double *value) {
         default:
             if (have_model(c)) {
                 *value = model_output(c->model, scalar);
+                /* of what counts on and on */
+                if (MODEL_VARIABLES[scalar].kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX);
                 return 1;
             }
             /* nothing that looks like a force */
@@ -373,7 +375,8 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
                       (unsigned long)bytes);
     if ((header->mode != INSTANTIATED && header->mode != INITIALIZATION && header->mode != STEPPING &&
          header->mode != TERMINATED && header->mode != FAILED) ||
-        (header->mode == STEPPING && !header->started) || (header->mode == INSTANTIATED && header->started) ||
+        ((header->mode == STEPPING || header->mode == TERMINATED) && !header->started) ||
+        ((header->mode == INSTANTIATED || header->mode == INITIALIZATION) && header->started) ||
         !isfinite(header->start) || header->status[MODEL_MESSAGE - 1])
         return refuse(c, "the state contradicts itself; save it anew");
     for (i = 0; i < MODEL_SCALARS; i++) {

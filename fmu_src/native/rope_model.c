@@ -1,4 +1,5 @@
 /* The balance rope as a model: entries to scene and end motions, signals to outputs. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -152,11 +153,13 @@ void model_save(const ModelInstance *model, void *to) {
 }
 
 int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
-    if (bytes < sizeof(double)) {
-        snprintf(message, MODEL_MESSAGE, "the state has no rope in it; save it anew");
+    double interval = 0.0;
+    if (bytes >= sizeof interval) memcpy(&interval, from, sizeof interval);
+    if (!(interval > 0.0 && isfinite(interval))) {
+        snprintf(message, MODEL_MESSAGE, "the state has no rope that was moved in it; save it anew");
         return 0;
     }
     if (!told(model, rope_restore(model->rope, (const double *)from + 1, bytes - sizeof(double)), message)) return 0;
-    memcpy(&model->interval, from, sizeof(double));
+    model->interval = interval;
     return 1;
 }

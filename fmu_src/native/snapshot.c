@@ -9,7 +9,7 @@ struct Snapshot {
 };
 
 static Snapshot *with_room(Component *c, const Allocator *allocator, size_t bytes) {
-    Snapshot *snapshot = allocator->take(1, sizeof *snapshot + bytes);
+    Snapshot *snapshot = bytes < SIZE_MAX / 2 ? allocator->take(1, sizeof *snapshot + bytes) : NULL;
     if (!snapshot) {
         component_refuse(c, "no memory for a state; free states that are not needed");
         return NULL;

@@ -8,8 +8,8 @@
 #include "core.h"
 #include "text.h"
 
-/* more than MOST_ELEMENTS would be a mistake in the unit of an element's length; no more than COUNTABLE can be held */
-enum { MOST_ELEMENTS = 20000, COUNTABLE = 100000000 };
+/* more would be a mistake in the unit of an element's length */
+enum { MOST_ELEMENTS = 20000 };
 
 static const double LADDER[SEGMENTS] = {1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0};
 static const double DUE = 0.6;
@@ -90,7 +90,7 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
                  ROUNDED(mesh->coarse_length, 6), outer, ROUNDED(length, 6), MOST_ELEMENTS);
         return 0;
     }
-    if (outer < 2) {
+    if (!(outer >= 2)) {
         snprintf(message, MESSAGE,
                  "the mesh's segments II to VI need %s m of a rope of %s m and leave nothing for I and VII; lower "
                  "coarse_length or the counts",
@@ -100,8 +100,9 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
     double elements = outer + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++)
         elements += mesh->counts[k];
-    if (elements > (double)COUNTABLE) {
-        snprintf(message, MESSAGE, "counts make %.0f elements, more than %d; use fewer", elements, COUNTABLE);
+    if (elements > (double)MOST_ELEMENTS) {
+        snprintf(message, MESSAGE, "coarse_length and counts make %.0f elements, more than %d; use fewer", elements,
+                 MOST_ELEMENTS);
         return 0;
     }
     return (int)elements;

@@ -51,6 +51,8 @@ static void rope_checked(const Rope *rope, const Check *check) {
     }
     real(check, rope->diameter < 1.0, "diameter", rope->diameter, "below 1 m", "give it in metres");
     real(check, rope->length <= 1e4, "length", rope->length, "at most 1e4 m", "give it in metres");
+    real(check, fabs(rope->installed_twist) <= 1e3, "installed_twist", rope->installed_twist, "within +-1000 rad",
+         "give it in radians");
     real(check, rope->beta_K >= 0, "beta_K", rope->beta_K, ">= 0 s", "use 0 for no material damping");
     snprintf(below, sizeof below, "below sqrt(Qa Qd) = %s N m in size", ROUNDED(bound, 4));
     real(check, fabs(Qs) < bound, "(Qb + Qc) / 2", Qs, below,

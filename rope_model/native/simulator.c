@@ -10,7 +10,8 @@
 #define SHORTEST_INTERVAL 1e-9
 #define GROW_BELOW 0.1
 #define TWIST_STEP 1.
-enum { MOST_POLES = 20, ALIGNMENT = 64 };
+#define FARTHEST_START 1e10
+enum { MOST_POLES = 20, MOST_STEPS = 20000, ALIGNMENT = 64 };
 
 static int fails(Simulator *rope, const char *message)
 {
@@ -37,8 +38,13 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message)
         return NULL;
     mesh = mesh_suited(&scene->mesh, &scene->rope, &scene->layout);
     elements = mesh_elements(&mesh, scene->rope.length, message);
-    if (elements == 0)
+    if (elements == 0) {
+        const size_t used = strlen(message);
+        if (scene->mesh.kind == AUTO_MESH)
+            snprintf(message + used, MESSAGE - used,
+                     " (mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error)");
         return NULL;
+    }
     nodes = (size_t)elements + 1;
     size = nodes * DOF;
     state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);
@@ -181,6 +187,13 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2])
     double points[2][3], bottom;
     Arrays m;
     int side, k;
+    if (!(fabs(t) <= FARTHEST_START)) {
+        snprintf(rope->message, MESSAGE,
+                 "the start time t = %s s is out of range: it must be within %s s of 0, or steps are lost in rounding; "
+                 "count from another instant",
+                 EXACT(t), ROUNDED(FARTHEST_START, 6));
+        return 0;
+    }
     memset(state, 0, rope->state_bytes);
     state->elements = rope->elements;
     state->t = t;
@@ -361,7 +374,8 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
 int rope_advance(Simulator *rope, double t, const EndMotion ends[2])
 {
     State *state = rope->next;
-    const double start = rope->state->t;
+    const double start = rope->state->t, step_max = rope->scene.solver.step_max;
+    const int64_t before_steps = rope->state->counts.steps + rope->state->counts.rejections;
     double impulse[2] = {0, 0};
     char message[MESSAGE] = "";
     int side;
@@ -371,6 +385,13 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2])
         snprintf(rope->message, MESSAGE,
                  "cannot advance from t = %s s to %s s; time must go forward, by %s s or more", ROUNDED(start, 6),
                  EXACT(t), ROUNDED(SHORTEST_INTERVAL, 6));
+        return 0;
+    }
+    if (t - start > MOST_STEPS * step_max) {
+        snprintf(rope->message, MESSAGE,
+                 "cannot advance from t = %s s to %s s at once: that takes more than %d steps of step_max = %s s; "
+                 "communicate every %s s or more often",
+                 ROUNDED(start, 6), EXACT(t), MOST_STEPS, ROUNDED(step_max, 6), ROUNDED(MOST_STEPS * step_max, 6));
         return 0;
     }
     state_copy(rope, state, rope->state);
@@ -400,6 +421,13 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2])
         const Arrays m = state_arrays(state);
         const double before_t = state->t;
         double before[2];
+        if (state->counts.steps + state->counts.rejections - before_steps >= MOST_STEPS) {
+            snprintf(rope->message, MESSAGE,
+                     "t = %s s: %d steps did not lead from t = %s s to %s s; communicate more often, or allow longer "
+                     "steps by step_max, step_min and tolerance",
+                     ROUNDED(before_t, 6), MOST_STEPS, ROUNDED(start, 6), EXACT(t));
+            return 0;
+        }
         for (side = 0; side < 2; ++side)
             before[side] = end_row(m.reaction, m.nodes, side)[1];
         if (!step_towards(rope, state, t, message)) {
@@ -425,26 +453,6 @@ void rope_save(const Simulator *rope, void *to)
     memcpy(to, rope->state, rope->state_bytes);
 }
 
-static int plausible(const Simulator *rope, const State *state)
-{
-    int side, k, elements = 0;
-    if (state->elements != rope->elements || state->rung < TORSIONAL || state->rung > RIGID)
-        return 0;
-    for (side = 0; side < 2; ++side)
-        if (state->swivels[side].phase < LOCKED || state->swivels[side].phase > SLIP)
-            return 0;
-    for (k = 0; k < SEGMENTS; ++k) {
-        if (state->pattern.counts[k] < 0 || state->pattern.counts[k] > rope->elements)
-            return 0;
-        elements += state->pattern.counts[k];
-    }
-    if (state->pattern.end_levels < 0 || state->pattern.end_levels > 8 || state->switched < 0 ||
-        state->switched > CHATTER_EVENTS || state->happened < 0 || state->happened > LOGGED_EVENTS || memchr(state->rung_reason, '\0', MESSAGE) == NULL)
-        return 0;
-    return (rope->mesh.kind == EEM ? elements == 0 : elements + 2 * state->pattern.end_levels == rope->elements) &&
-           isfinite(state->t) && state->step_next > 0;
-}
-
 int rope_restore(Simulator *rope, const void *from, size_t bytes)
 {
     State *state = rope->next;
@@ -455,8 +463,8 @@ int rope_restore(Simulator *rope, const void *from, size_t bytes)
         return 0;
     }
     memcpy(state, from, bytes);
-    if (!plausible(rope, state))
-        return fails(rope, "these bytes are not a state of this rope");
+    if (!state_plausible(rope, state))
+        return fails(rope, "these bytes are not a state of this rope; save one anew, or restore it into its own rope");
     return accepted(rope);
 }
 
@@ -556,6 +564,9 @@ int rope_derivative(Simulator *rope, int input, double derivative[12])
     loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, derivative);
     for (k = 0; k < 12; ++k)
         derivative[k] = (derivative[k] - before[k]) / sizes[kind];
+    for (k = 0; k < 12; ++k)
+        if (!isfinite(derivative[k]))
+            return fails(rope, "the equations of this state have no finite derivative; take a smaller step_max");
     return 1;
 }
 

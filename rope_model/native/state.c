@@ -1,5 +1,7 @@
 /* The state as one block of bytes. */
 
+#include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "simulator.h"
@@ -42,4 +44,108 @@ void happened(State *state, int what, int which, double kinetic, double potentia
         event->what = what;
         event->which = which;
     }
+}
+
+static int all_finite(const double *x, size_t number)
+{
+    size_t i;
+    for (i = 0; i < number; ++i)
+        if (!isfinite(x[i]))
+            return 0;
+    return 1;
+}
+
+static int within(int64_t x, int64_t least, int64_t most)
+{
+    return least <= x && x <= most;
+}
+
+/* the pattern is the mesh's, wherever its fine middle is, and the elements have its lengths */
+static int partition_plausible(const Simulator *rope, const State *state, const Arrays *m)
+{
+    const double length = rope->scene.rope.length, rounding = 1e-12 * length;
+    const Pattern *pattern = &state->pattern;
+    double *lengths = rope->trial.q, *s = rope->trial.v;
+    Pattern expected;
+    int k;
+    mesh_partition(&rope->mesh, length, 0.5 * length, &expected, lengths);
+    if (pattern->end_levels != expected.end_levels || !(fabs(pattern->coarse - expected.coarse) <= rounding))
+        return 0;
+    for (k = 1; k < SEGMENTS - 1; ++k)
+        if (pattern->counts[k] != expected.counts[k])
+            return 0;
+    if (expected.counts[0] == 0) {
+        if (pattern->counts[0] != 0 || pattern->counts[SEGMENTS - 1] != 0)
+            return 0;
+    } else {
+        const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
+        if (!within(pattern->counts[0], 1, outer - 1) || pattern->counts[SEGMENTS - 1] != outer - pattern->counts[0])
+            return 0;
+        mesh_transformed(&expected, pattern->counts[0] - expected.counts[0], lengths);
+    }
+    mesh_arc_lengths(m->elements, lengths, s);
+    for (k = 0; k < m->elements; ++k)
+        if (!(fabs(m->lengths[k] - lengths[k]) <= rounding && fabs(m->s[k] - s[k]) <= rounding))
+            return 0;
+    return fabs(m->s[k] - s[k]) <= rounding;
+}
+
+/* it ends now, in a motion that an end may have */
+static int path_plausible(const Path *path, double t)
+{
+    const double distant = 1e5;
+    double rates[3];
+    int axis, k;
+    if (!(path->start <= path->stop && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t))))
+        return 0;
+    for (axis = 0; axis < 4; ++axis) {
+        path_rates(path, path->stop, axis, rates);
+        for (k = 0; k < 3; ++k)
+            if (!(fabs(rates[k]) <= distant))
+                return 0;
+    }
+    return 1;
+}
+
+static int happenings_plausible(const State *state)
+{
+    const int64_t *counts = &state->counts.steps;
+    int k;
+    if (!within(state->switched, 0, CHATTER_EVENTS) || !within(state->happened, 0, LOGGED_EVENTS))
+        return 0;
+    for (k = 0; k < state->happened; ++k)
+        if (!within(state->events[k].what, TRANSFORMED, RAISED) || !within(state->events[k].which, 0, RIGID) ||
+            !all_finite(&state->events[k].t, 3))
+            return 0;
+    for (k = 0; k < (int)(sizeof(Counts) / sizeof(int64_t)); ++k)
+        if (!within(counts[k], 0, (int64_t)1 << 50))
+            return 0;
+    return 1;
+}
+
+int state_plausible(const Simulator *rope, State *state)
+{
+    const double *pole = state->pole;
+    Arrays m;
+    int side;
+    if (state->elements != rope->elements || !within(state->rung, TORSIONAL, RIGID) ||
+        memchr(state->rung_reason, '\0', MESSAGE) == NULL)
+        return 0;
+    if (rope->scene.model.rung != AUTO_RUNG && state->rung != rope->scene.model.rung)
+        return 0;
+    m = state_arrays(state);
+    /* the real numbers before the swivels lie in a row, and so do all arrays */
+    if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
+        !all_finite(m.q, (size_t)(m.s + m.nodes - m.q)) || !all_finite(&state->ledger.kinetic, sizeof(Ledger) / sizeof(double)))
+        return 0;
+    if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0) ||
+        !(fabs(pole[0] * pole[0] + pole[1] * pole[1] + pole[2] * pole[2] - 1) < 1e-6))
+        return 0;
+    for (side = 0; side < 2; ++side) {
+        const SwivelState *swivel = &state->swivels[side];
+        if (!within(swivel->phase, LOCKED, SLIP) || !isfinite(swivel->angle) || !(fabs(swivel->sign) <= 1) ||
+            !path_plausible(&state->paths[side], state->t))
+            return 0;
+    }
+    return partition_plausible(rope, state, &m) && happenings_plausible(state);
 }

@@ -85,6 +85,8 @@ int find_equilibrium(Simulator *rope, State *state, char *message)
         }
         if (!finite) {
             tau *= 0.1;
+            if (tau < 1e-7)
+                break;
             continue;
         }
         step = fmin(1, largest_move / fmax(fmax(place, turn), 1e-300));

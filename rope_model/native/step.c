@@ -301,6 +301,10 @@ double locate(double (*f)(void *, double), void *with, double low, double high, 
             x = low + (high - low) * f_low / (f_low - f_high);
             x = fmin(fmax(x, low + 0.4 * width), high - 0.4 * width);
         }
+        if (!(low < x && x < high))
+            x = 0.5 * (low + high);
+        if (!(low < x && x < high)) /* there is no number between them */
+            break;
         value = f(with, x);
         if (value < 0) {
             low = x;

@@ -7,9 +7,10 @@ from collections.abc import Callable
 
 
 def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float) -> float:
-    """The right end of an interval not wider than ``width`` in which ``f`` goes from negative to not negative.
+    """The right end of an interval in which ``f`` goes from negative to not negative, not wider than ``width``.
 
-    ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Regula falsi with the Illinois modification, and a
+    ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Neighbouring numbers may be further apart
+    than ``width``; then they are the interval.  Regula falsi with the Illinois modification, and a
     bisection whenever that does not halve the interval twice in a row, or a value is infinite (f may be kinked).
     """
     side, stalled = 0, 0
@@ -20,6 +21,10 @@ def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f
         else:
             x = low + (high - low) * f_low / (f_low - f_high)
             x = min(max(x, low + 0.4 * width), high - 0.4 * width)
+        if not low < x < high:
+            x = 0.5 * (low + high)
+        if not low < x < high:  # there is no number between them
+            break
         value = f(x)
         if value < 0:
             low, f_low = x, value

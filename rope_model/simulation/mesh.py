@@ -107,10 +107,10 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = float(np.dot(mesh.counts, LADDER[1:6]))
-    outer = round(length / mesh.coarse_length - inner)
+    outer = float(np.rint(length / mesh.coarse_length - inner))
     if outer > MOST_ELEMENTS:
         raise ValueError(
-            f"coarse_length = {mesh.coarse_length:g} m makes {outer} elements of a rope of {length:g} m, more than "
+            f"coarse_length = {mesh.coarse_length:g} m makes {outer:.0f} elements of a rope of {length:g} m, more than "
             f"{MOST_ELEMENTS}; use longer elements"
         )
     if outer < 2:
@@ -118,9 +118,12 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
             f"the mesh's segments II to VI need {inner * mesh.coarse_length:g} m of a rope of {length:g} m and leave "
             "nothing for I and VII; lower coarse_length or the counts"
         )
+    elements = outer + 2 * mesh.end_levels + sum(mesh.counts)
+    if elements > MOST_ELEMENTS:
+        raise ValueError(f"coarse_length and counts make {elements:.0f} elements, more than {MOST_ELEMENTS}; use fewer")
     coarse = length / (outer + inner)
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), 1, outer - 1))
-    return _tmn((first, *mesh.counts, outer - first), coarse, mesh.end_levels)
+    return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels)
 
 
 def misplaced(mesh: Partition, bottom: float) -> str:

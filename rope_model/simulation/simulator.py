@@ -34,6 +34,10 @@ log = logging.getLogger(__name__)
 
 #: shortest communication step, s
 SHORTEST_INTERVAL = 1e-9
+#: steps, rejected ones too, of one communication step: some hundred seconds, and no call goes on for ever
+MOST_STEPS = 20000
+#: s: beyond, the shortest steps are lost in the rounding of the time
+FARTHEST_START = 1e10
 #: local error below this part of the tolerance lets the step grow
 GROW_BELOW = 0.1
 #: rad of installed twist at once, and changes of the pole in search of one equilibrium
@@ -67,8 +71,14 @@ class RopeSimulator:
     """
 
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
-        self._mesh = suited(scene.mesh, scene.rope, scene.layout)
-        elements = partition(self._mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
+        try:
+            self._mesh = suited(scene.mesh, scene.rope, scene.layout)
+            elements = partition(self._mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
+        except ValueError as error:
+            if scene.mesh.kind != "auto":
+                raise
+            source = "mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error"
+            raise ValueError(f"{error} ({source})") from error
         self.model = RopeModel(scene, KernelShelf(elements, scene.solver.kernels, bundle))
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
@@ -134,6 +144,12 @@ class RopeSimulator:
         Accelerations play no part: the ends' paths begin at rest.
         """
         scene, rope = self.scene, self.scene.rope
+        if not abs(t) <= FARTHEST_START:
+            return Status(
+                False,
+                f"the start time t = {t} s is out of range: it must be within {FARTHEST_START:g} s of 0, or steps are "
+                "lost in rounding; count from another instant",
+            )
         paths = (EndPath.resting(t, left), EndPath.resting(t, right))
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := checked(target, path, side):
@@ -212,6 +228,13 @@ class RopeSimulator:
                 f"cannot advance from t = {start:g} s to {t} s; time must go forward,"
                 f" by {SHORTEST_INTERVAL:g} s or more",
             )
+        step_max, steps_before = self.scene.solver.step_max, state.counts.steps + state.counts.rejections
+        if t - start > MOST_STEPS * step_max:
+            return Status(
+                False,
+                f"cannot advance from t = {start:g} s to {t} s at once: that takes more than {MOST_STEPS} steps of "
+                f"step_max = {step_max:g} s; communicate every {MOST_STEPS * step_max:g} s or more often",
+            )
         paths = tuple(path.to(t, target) for path, target in zip(state.paths, (left, right), strict=True))
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := checked(target, path, side):
@@ -224,6 +247,12 @@ class RopeSimulator:
         impulse = [0.0, 0.0]
         while state.motion.t < t:
             before = state.motion
+            if state.counts.steps + state.counts.rejections - steps_before >= MOST_STEPS:
+                return Status(
+                    False,
+                    f"t = {before.t:.6g} s: {MOST_STEPS} steps did not lead from t = {start:g} s to {t} s; communicate "
+                    "more often, or allow longer steps by step_max, step_min and tolerance",
+                )
             advanced = self._step_towards(state, t)
             if isinstance(advanced, str):
                 return Status(False, f"t = {before.t:.6g} s: {advanced}")

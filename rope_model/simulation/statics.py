@@ -46,6 +46,8 @@ def find_equilibrium(
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
         if not np.all(np.isfinite(x)):
             tau *= 0.1
+            if tau < 1e-7:
+                break
             continue
         step = min(1.0, largest_move / max(*move, 1e-300))
         trial = q + step * x

@@ -1,0 +1,134 @@
+"""Fuzzing of the native FMU's C entry points: ``python -m benchmarks.fuzz --minutes 30``.
+
+Builds tests/native/fuzz_fmi2.c and fuzz_fmi3.c with all sources of the FMU by clang, libFuzzer, the address and the
+undefined-behaviour sanitizer, lets each run for half of the time, and prints what was executed and found, and how
+many lines of the sources the kept inputs run (llvm-cov; the elements' generated arithmetic does not count).
+The corpus is kept beside the build and goes on growing.  Debian: apt-get install clang llvm libclang-rt-14-dev.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from fmu_src.native.export import native_table, rope_sources, shell_sources
+from fmu_src.native.table import c_table
+from rope_model.parameters import rope_120
+
+ROOT = Path(__file__).resolve().parent.parent
+TARGETS = ROOT / "tests" / "native"
+#: the sources' own calls of calloc and free go to the target
+FLAGS = (
+    "-std=gnu99", "-g", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Dcalloc=fuzz_take", "-Dfree=fuzz_give_back",
+)  # fmt: skip
+SANITIZED = ("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
+MEASURED = ("-fprofile-instr-generate", "-fcoverage-mapping")
+#: what the fuzzer follows; the elements' arithmetic has no branches of interest and would be slow
+FOLLOWED = "-fsanitize=fuzzer"
+
+
+class Outcome(NamedTuple):
+    """``covered`` of ``lines``, by ``inputs`` that are kept; ``findings`` are files that reproduce a failure."""
+
+    fmi: int
+    minutes: float
+    executions: int
+    inputs: int
+    covered: int
+    lines: int
+    findings: int
+
+
+def build(fmi: int, folder: Path, name: str, flags: Sequence[str]) -> None:
+    """The fuzz target as ``name`` in ``folder``, compiled with more ``flags``."""
+    table = native_table(rope_120())
+    files = rope_sources() | shell_sources(table, fmi) | {"variables.c": c_table(table, "fuzz", fmi)}
+    files |= {path: (TARGETS / path).read_text(encoding="utf-8") for path in ("fuzz.h", f"fuzz_fmi{fmi}.c")}
+    folder.mkdir(parents=True, exist_ok=True)
+    for path, text in files.items():
+        (folder / path).write_text(text, encoding="utf-8")
+    sources = sorted(path for path in files if path.endswith(".c"))
+    for path in sources:
+        followed = () if path.startswith("chain") else (FOLLOWED,)
+        _done([_tool("clang"), *FLAGS, *flags, *followed, "-c", path], folder)
+    objects = [f"{Path(path).stem}.o" for path in sources]
+    _done([_tool("clang"), *FLAGS, *flags, FOLLOWED, *objects, "-o", name, "-lm"], folder)
+
+
+def run(fmi: int, folder: Path, minutes: float) -> Outcome:
+    """libFuzzer for so long in one process; it stops at the first finding."""
+    build(fmi, folder, "fuzz", SANITIZED)
+    (folder / "corpus").mkdir(exist_ok=True)
+    command = [
+        "./fuzz", "corpus", f"-max_total_time={round(60 * minutes)}", "-max_len=1024", "-timeout=120",
+        "-rss_limit_mb=2048", "-len_control=0", "-seed=1",
+    ]  # fmt: skip
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    (folder / "log.txt").write_text(done.stderr, encoding="utf-8")
+    found = [path for kind in ("crash", "timeout", "oom", "leak") for path in folder.glob(f"{kind}-*")]
+    last = re.findall(r"Done (\d+) runs in (\d+) second", done.stderr)
+    executions, seconds = map(int, last[-1]) if last else (0, 0)
+    inputs = len(list((folder / "corpus").iterdir()))
+    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *covered(fmi, folder), len(found))
+
+
+def covered(fmi: int, folder: Path) -> tuple[int, int]:
+    """Lines that the kept inputs run, and all lines."""
+    build(fmi, folder, "measured", MEASURED)
+    environment = {**os.environ, "LLVM_PROFILE_FILE": "raw"}
+    _done(["./measured", "corpus", "-runs=0", "-rss_limit_mb=2048"], folder, env=environment)
+    _done([_tool("llvm-profdata"), "merge", "raw", "-o", "profile"], folder)
+    told = _done([_tool("llvm-cov"), "export", "-summary-only", "-instr-profile=profile", "./measured"], folder)
+    files = json.loads(told)["data"][0]["files"]
+    ours = [f["summary"]["lines"] for f in files if not re.search(r"(chain|fuzz|elements)[^/]*$", f["filename"])]
+    return sum(lines["covered"] for lines in ours), sum(lines["count"] for lines in ours)
+
+
+def _tool(name: str) -> str:
+    found = shutil.which(name) or shutil.which(f"{name}-14")
+    if found is None:
+        raise SystemExit(f"fuzzing needs {name}: apt-get install clang llvm libclang-rt-14-dev")
+    return found
+
+
+def _done(command: Sequence[str], folder: Path, env: Mapping[str, str] | None = None) -> str:
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, env=env)
+    if done.returncode:
+        raise SystemExit(f"{' '.join(command)} failed: {done.stderr[-2000:]}")
+    return done.stdout
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="fuzz the native FMU's C entry points")
+    parser.add_argument("--minutes", type=float, default=30.0, help="in total")
+    parser.add_argument("--fmi", type=int, choices=(2, 3), help="one version only")
+    parser.add_argument("--folder", type=Path, default=ROOT / "build" / "fuzz", help="of build, corpus and findings")
+    parser.add_argument("--csv", type=Path, help="write the table there")
+    options = parser.parse_args()
+    versions = (options.fmi,) if options.fmi else (2, 3)
+    outcomes = [run(fmi, options.folder / f"fmi{fmi}", options.minutes / len(versions)) for fmi in versions]
+    for outcome in outcomes:
+        print(
+            f"FMI {outcome.fmi}: {outcome.minutes:.1f} min, {outcome.executions} executions, "
+            f"{outcome.inputs} inputs kept, which run {outcome.covered} of {outcome.lines} lines; "
+            f"{outcome.findings} findings"
+        )
+    if options.csv:
+        with options.csv.open("w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file, lineterminator="\n")
+            table.writerow(Outcome._fields)
+            table.writerows(outcomes)
+    if any(outcome.findings for outcome in outcomes):
+        raise SystemExit(f"findings are in {options.folder}")
+
+
+if __name__ == "__main__":
+    main()

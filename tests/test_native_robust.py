@@ -1,0 +1,495 @@
+"""The native FMU with the rope in it, mistreated: many at once, in threads, without memory, with hostile calls."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import shutil
+import struct
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
+from native_raw import ERROR, OK, SMALL, Instance, Library, resealed
+
+from fmu_src.native.build import available_platforms, host_platform
+from fmu_src.native.export import export_native, native_table, rope_sources, shell_sources
+from fmu_src.native.table import c_table
+from rope_model.parameters import rope_120
+
+if not available_platforms():
+    pytest.skip("no compiler builds the native FMU here", allow_module_level=True)
+
+ROOT = Path(__file__).resolve().parent.parent
+VERSIONS = (2, 3)
+LINUX = sys.platform == "linux"
+
+
+@pytest.fixture(scope="module")
+def libraries(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Library]:
+    made = {}
+    for fmi in VERSIONS:
+        folder = tmp_path_factory.mktemp(f"fmi{fmi}")
+        path = export_native(folder / "rope.fmu", fmi=fmi, platforms=(host_platform(),))
+        made[fmi] = Library(path, fmpy.extract(str(path), str(folder / "unzipped")))
+    return made
+
+
+@pytest.fixture(params=VERSIONS)
+def library(request: pytest.FixtureRequest, libraries: dict[int, Library]) -> Library:
+    return libraries[request.param]
+
+
+def lived(rope: Instance, steps: int) -> list[tuple[float, ...]]:
+    """The forces of steps of 20 ms, over a transformation when there are some fifty of them."""
+    record = []
+    for k in range(steps):
+        assert rope.move(0.02 * k, 0.02, 3.0) == OK, rope.said[-1]
+        record.append(rope.forces())
+    return record
+
+
+# many of them
+
+
+def test_a_hundred_instances_in_one_process_are_equal(libraries: dict[int, Library]) -> None:
+    start = {"right.y": 0.0, "inputs_at_step_end": 1}
+    for fmi, number in ((2, 100), (3, 10)):
+        ropes = [Instance(libraries[fmi]) for _ in range(number)]
+        assert [rope.hang(start) for rope in ropes] == [OK] * number
+        records: list[list[tuple[float, ...]]] = [[] for _ in ropes]
+        for k in range(3):
+            for rope, record in zip(ropes, records, strict=True):
+                assert rope.move(0.02 * k, 0.02) == OK
+                record.append(rope.forces())
+        for rope in ropes:
+            rope.free()
+        assert all(record == records[0] for record in records)
+        assert len(set(records[0])) == 3
+
+
+def test_eight_threads_step_eight_instances_as_one_alone(library: Library) -> None:
+    start = {"right.y": 0.0, "inputs_at_step_end": 1}
+    ropes = [Instance(library) for _ in range(9)]
+    assert [rope.hang(start) for rope in ropes] == [OK] * 9
+    alone = lived(ropes[8], 50)
+    assert ropes[8].real("energy.transformations") != 0
+    with ThreadPoolExecutor(8) as threads:
+        records = list(threads.map(lambda rope: lived(rope, 50), ropes[:8]))
+    for rope in ropes:
+        rope.free()
+    assert all(record == alone for record in records)
+
+
+# memory and data
+
+
+def test_nothing_is_taken_from_the_host_after_initialisation(libraries: dict[int, Library]) -> None:
+    c = ctypes.CDLL(None)
+    c.calloc.restype, c.free.argtypes = ctypes.c_void_p, (ctypes.c_void_p,)
+    held: list[int] = []
+    taken: list[int] = []
+
+    def take(number: int, size: int) -> int:
+        taken.append(number * size)
+        held.append(c.calloc(ctypes.c_size_t(number), ctypes.c_size_t(size)))
+        return held[-1]
+
+    def give_back(address: int) -> None:
+        held.remove(address)
+        c.free(address)
+
+    rope, state = Instance(libraries[2], (take, give_back)), ctypes.c_void_p()
+    assert rope.hang({"right.y": 0.0, "inputs_at_step_end": 1}) == OK
+    before = len(taken)
+    assert before <= 5  # instance, component, model, simulator, and its arrays in one piece
+    lived(rope, 60)
+    assert rope.real("energy.transformations") != 0
+    assert rope.real("left.added_mass") > 0
+    known, unknown = (ctypes.c_uint(rope.library.variables[n].valueReference) for n in ("left.y", "left.fy"))
+    seed, value, one = ctypes.c_double(1.0), ctypes.c_double(), ctypes.c_size_t(1)
+    arguments = (ctypes.byref(unknown), one, ctypes.byref(known), one, ctypes.byref(seed), ctypes.byref(value))
+    assert rope.call("GetDirectionalDerivative", *arguments) == OK
+    assert rope.step(math.nan, 0.02) == ERROR
+    assert len(taken) == before
+    assert rope.save(state) == OK
+    assert len(taken) == before + 1  # the state, that is the host's
+    assert rope.restore(state) == OK
+    assert rope.save(state) == OK  # over the same
+    assert len(taken) == before + 1
+    assert rope.forget(state) == OK
+    rope.free()
+    assert held == []
+
+
+def test_the_library_asks_for_memory_only_where_the_standard_leaves_it_to_the_fmu(library: Library) -> None:
+    if not LINUX or (nm := shutil.which("nm")) is None:
+        pytest.skip("needs nm, on Linux")
+    command = [nm, "-D", "--undefined-only", str(library.path)]
+    listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    asked = {line.split()[-1].partition("@")[0] for line in listed.splitlines()}
+    memory = {name for name in asked if any(word in name for word in ("alloc", "free", "mmap", "brk"))}
+    assert memory == (set() if library.fmi == 2 else {"calloc", "free"})
+    assert not asked & {"open", "fopen", "write", "printf", "time", "exit", "abort", "setlocale", "rand", "pthread_create"}  # fmt: skip  # noqa: E501
+
+
+def compiled(folder: Path, fmi: int, *flags: str) -> Path:
+    """The FMU's sources in ``folder``, compiled by cc with ``flags``."""
+    table = native_table(rope_120())
+    files = rope_sources() | shell_sources(table, fmi) | {"variables.c": c_table(table, "token", fmi)}
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    sources = sorted(name for name in files if name.endswith(".c"))
+    subprocess.run(["cc", "-std=gnu99", "-DHAS_WIDE_FORM=0", *flags, *sources, "-lm"], cwd=folder, check=True)
+    return folder
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_no_source_has_data_that_can_be_written(fmi: int, tmp_path: Path) -> None:
+    """Neither global nor static; what the compiler's own start-up code brings is not in the objects."""
+    if not LINUX or not all(shutil.which(x) for x in ("cc", "nm")):
+        pytest.skip("needs Linux, a C compiler and nm")
+    compiled(tmp_path, fmi, "-O0", "-fno-pic", "-c")
+    listed = subprocess.run(
+        ["nm", "-A", *sorted(p.name for p in tmp_path.glob("*.o"))], cwd=tmp_path, capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    symbols = [line.split(":", 1)[1].split()[-2:] for line in listed.stdout.splitlines()]
+    assert any(kind in "Rr" for kind, _ in symbols)
+    assert [name for kind, name in symbols if kind in "BbDdCcSsGg"] == []
+
+
+@pytest.mark.parametrize("checker", ["valgrind", pytest.param("sanitizers", marks=pytest.mark.slow)])
+def test_a_whole_life_with_failed_calls_is_clean(checker: str, tmp_path: Path) -> None:
+    """tests/native/life_cycle.c: two instances, states, refused calls, a failed initialisation, reset, all again."""
+    needed = ("cc", "valgrind") if checker == "valgrind" else ("cc",)
+    if not LINUX or (missing := [x for x in needed if not shutil.which(x)]):
+        pytest.skip(f"needs Linux and {', '.join(needed if not LINUX else missing)}")
+    flags = ["-g", "-O1"] + ([] if checker == "valgrind" else ["-fsanitize=address,undefined", "-fno-sanitize-recover"])
+    compiled(tmp_path, 2, *flags, "-fPIC", "-shared", "-fvisibility=hidden", "-o", "rope.so")
+    program = ROOT / "tests" / "native" / "life_cycle.c"
+    command = ["cc", "-std=gnu99", *flags, "-I.", str(program), "-o", "life", "-ldl", "-lm"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    run = ["valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99"] if checker == "valgrind" else []
+    done = subprocess.run(
+        [*run, "./life", "./rope.so", "token"], cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert done.stdout.split() == ["0", "0"]
+
+
+# hostile values
+
+HOSTILE = [math.nan, math.inf, -math.inf, 0.0, -0.0, -1.0, 5e-324, 2.2e-308, 1e-300, 1e-9, 1e-3, 1.0, 1e3, 1e9, 1e300]
+#: of entries that make large ropes, which are slow, only what is refused or small
+TAME: dict[str, list[float]] = {
+    "rope.length": [math.nan, math.inf, 0.0, -1.0, 1e-300, 1e-9, 5.0, 60.0, 1e5, 1e300],
+    "mesh.coarse_length": [math.nan, 0.0, -1.0, 1e-300, 1e-9, 0.5, 3.0, 1e300],
+    "mesh.loop_error": [math.nan, 0.0, -1.0, 1.0, 1e300],
+    "mesh.elements": [-1, 0, 1, 2, 3, 50, 20001, 2**31 - 1, -(2**31)],
+    "mesh.kind": [-1, 0, 1, 3, 2**31 - 1],
+    **{f"mesh.counts[{k}]": [-4, 0, 1, 4, 8, 40, 2**31 - 8] for k in range(1, 6)},
+}
+WHOLE = [-(2**31), -1, 0, 1, 2, 3, 4, 5, 2**31 - 1]
+
+
+def hostile(name: str, kind: str) -> list[float]:
+    return TAME.get(name, HOSTILE if kind in ("Real", "Float64") else list(map(float, WHOLE)))
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_absurd_parameters_are_refused_with_name_value_and_cure(libraries: dict[int, Library], version: int) -> None:
+    library = libraries[version]
+    rope = Instance(library)
+    refused = 0
+    for name, variable in library.variables.items():
+        if variable.causality != "parameter" or variable.type == "Boolean" or variable.dimensions:
+            continue
+        for value in hostile(name, variable.type):
+            whole = variable.type not in ("Real", "Float64")
+            least, most = (None if b is None else float(b) for b in (variable.min, variable.max))
+            out = (
+                not math.isfinite(value) or (least is not None and value < least) or (most is not None and value > most)
+            )
+            status = rope.hang(SMALL | {name: int(value) if whole else value})
+            if status == OK and out:
+                pytest.fail(f"{name} = {value} was accepted")
+            if status == OK:
+                assert all(map(math.isfinite, rope.forces())), (name, value)
+                continue
+            refused += 1
+            message = rope.said[-1]
+            if out:
+                assert name.split(".")[-1] in message or "element count" in message, (name, value, message)
+                assert (str(int(value)) if whole else f"{value:.0e}".split("e")[0]) in message, (name, value, message)
+            assert ";" in message or ": " in message, (name, value, message)
+    assert rope.hang() == OK
+    rope.free()
+    assert refused > 100
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize(
+    ("h", "words"),
+    [
+        (0.0, "not positive"), (-0.01, "-0.01"), (math.nan, "nan"), (math.inf, "inf"), (1e300, "1e+300"),
+        (1e6, "communicate every 400 s"), (1e-12, "time must go forward"),
+    ],
+)  # fmt: skip
+def test_absurd_steps_are_refused_with_the_bound_and_a_reset_helps(
+    libraries: dict[int, Library], version: int, h: float, words: str
+) -> None:
+    rope = Instance(libraries[version])
+    assert rope.hang() == OK
+    before = rope.forces()
+    assert rope.step(0.0, h) == ERROR
+    assert words in rope.said[-1]
+    assert rope.hang() == OK
+    assert rope.forces() == before
+    rope.free()
+
+
+@pytest.mark.parametrize("start", [1e300, -1e11, math.nan])
+def test_start_times_that_leave_no_room_for_steps_are_refused(library: Library, start: float) -> None:
+    rope = Instance(library)
+    assert rope.hang(SMALL, start) == ERROR
+    assert "start time" in rope.said[-1]
+    rope.free()
+
+
+def test_a_run_that_starts_late_goes_on_though_time_is_coarse(library: Library) -> None:
+    """At 2e9 s neighbouring numbers are further apart than the width to which instants are sought."""
+    rope, late = Instance(library), 2e9
+    assert rope.hang({"right.y": 0.0, "inputs_at_step_end": 1}, late) == OK
+    for k in range(40):
+        assert rope.move(0.02 * k, 0.02, 3.0, since=late) == OK
+    assert rope.real("energy.transformations") != 0
+    rope.free()
+
+
+@pytest.mark.slow
+def test_the_largest_rope_that_is_allowed_takes_bounded_time(libraries: dict[int, Library]) -> None:
+    rope = Instance(libraries[2])
+    status = rope.hang({"mesh.kind": 1, "mesh.elements": 20000, "right.y": 0.0, "inputs_at_step_end": 1})
+    assert status == OK or ";" in rope.said[-1]
+    rope.free()
+
+
+# states
+
+
+@pytest.mark.parametrize(("kind", "stride"), [(1, 4), (0, 17), pytest.param(0, 1, marks=pytest.mark.slow)])
+def test_hostile_states_are_refused_or_step_without_harm(library: Library, kind: int, stride: int) -> None:
+    """Each word of a state in turn becomes a hostile number, and the checksum fits."""
+    rope, state = Instance(library), ctypes.c_void_p()
+    assert rope.hang(SMALL | {"mesh.kind": kind, "left.swivel.mode": 2, "rope.installed_twist": 1.0}) == OK
+    lived_before = [rope.move(0.02 * k, 0.02) for k in range(5)]
+    assert lived_before == [OK] * 5
+    assert rope.save(state) == OK
+    data, good = rope.written(state), ctypes.c_void_p(state.value)
+    words = [struct.pack("<d", x) for x in (math.nan, math.inf, -1e300, 1e-300, 1e300)]
+    words += [struct.pack("<ii", 2**31 - 1, -1), struct.pack("<ii", -(2**31), 7), struct.pack("<q", 2**62)]
+    accepted = 0
+    for number, place in enumerate(range(24, len(data) - 8, 8 * stride)):  # behind the checksum
+        word = words[number % len(words)]
+        bad = ctypes.c_void_p()
+        if rope.read(resealed(data[:place] + word + data[place + 8 :]), bad) == ERROR:
+            continue
+        if rope.restore(bad) == OK:
+            accepted += 1
+            if rope.move(0.1, 0.02) == OK:
+                assert all(map(math.isfinite, rope.forces())), place
+        assert rope.forget(bad) == OK
+        assert rope.restore(good) == OK
+    assert accepted > 0  # an acceleration may have any size
+    expected = rope.move(0.1, 0.02), rope.forces()
+    assert rope.restore(good) == OK
+    assert (rope.move(0.1, 0.02), rope.forces()) == expected
+    assert rope.forget(good) == OK
+    rope.free()
+
+
+def test_a_state_on_other_elements_is_refused(library: Library) -> None:
+    """Element lengths and arc lengths, at the state's end, are those of the mesh."""
+    rope, state, bad = Instance(library), ctypes.c_void_p(), ctypes.c_void_p()
+    assert rope.hang() == OK
+    assert rope.save(state) == OK
+    data = rope.written(state)
+    for word in range(1, 9 + 10 + 1):
+        at = len(data) - 8 * word
+        (value,) = struct.unpack_from("<d", data, at)
+        for other in (value + 1e-6, -value - 1.0, math.nan):
+            assert rope.read(resealed(data[:at] + struct.pack("<d", other) + data[at + 8 :]), bad) == OK
+            assert rope.restore(bad) == ERROR
+            assert "not a state of this rope; save one anew" in rope.said[-1]
+            assert rope.forget(bad) == OK
+    assert rope.restore(state) == OK
+    assert rope.forget(state) == OK
+    rope.free()
+
+
+# any calls in any order
+
+
+class Calls(RuleBasedStateMachine):
+    """Two instances and three states; ``library`` and ``expected``, a new rope's forces, are set by the tests."""
+
+    library: Library
+    expected: tuple[float, ...]
+    which = st.integers(0, 1)
+    slot = st.integers(0, 2)
+    number = st.one_of(st.sampled_from(HOSTILE), st.floats(-100.0, 100.0), st.floats())
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.ropes = [Instance(self.library) for _ in range(2)]
+        self.times = [0.0, 0.0]
+        self.states = [ctypes.c_void_p() for _ in range(3)]
+        self.names = sorted(n for n, v in self.library.variables.items() if v.causality in ("parameter", "input"))
+
+    @rule(i=which, kind=st.sampled_from([0, 1]), mode=st.sampled_from([0, 1, 2]), twist=st.sampled_from([0.0, 3.0]))
+    def hang(self, i: int, kind: int, mode: int, twist: float) -> None:
+        more = {"mesh.kind": kind, "left.swivel.mode": mode, "rope.installed_twist": twist}
+        assert self.ropes[i].hang(SMALL | more) == OK, self.ropes[i].said[-1]
+        self.times[i] = 0.0
+
+    @rule(i=which, steps=st.integers(1, 4), h=st.sampled_from([0.01, 0.02, 0.1]))
+    def move(self, i: int, steps: int, h: float) -> None:
+        for _ in range(steps):
+            if self.ropes[i].move(self.times[i], h) == OK:
+                assert all(map(math.isfinite, self.ropes[i].forces()))
+                self.times[i] += h
+
+    @rule(i=which, t=number, h=number, at_now=st.booleans())
+    def step(self, i: int, t: float, h: float, at_now: bool) -> None:
+        if self.ropes[i].step(self.times[i] if at_now else t, h) == OK:
+            self.times[i] = (self.times[i] if at_now else t) + h
+
+    @rule(i=which, start=number, stop=st.one_of(st.none(), number))
+    def enter(self, i: int, start: float, stop: float | None) -> None:
+        if self.ropes[i].enter(start, stop) == OK:
+            self.times[i] = start
+
+    @rule(i=which, name=st.sampled_from(["ExitInitializationMode", "Terminate", "Reset", "EnterInitializationMode"]))
+    def change_mode(self, i: int, name: str) -> None:
+        if name == "EnterInitializationMode" and self.library.fmi == 3:
+            return
+        self.ropes[i].call(name)
+
+    @rule(i=which, data=st.data())
+    def set_entry(self, i: int, data: Any) -> None:
+        name = data.draw(st.sampled_from(self.names))
+        variable = self.library.variables[name]
+        if not variable.dimensions:
+            kind = {"Enumeration": "Int64"}.get(variable.type, variable.type)
+            self.ropes[i].set(name, data.draw(st.sampled_from(hostile(name, kind))))
+
+    @rule(i=which, reference=st.integers(0, 2**32 - 1), value=st.sampled_from([0.0, 1.0]))
+    def set_by_wrong_reference(self, i: int, reference: int, value: float) -> None:
+        kinds = ("Real", "Integer", "Boolean", "String") if self.library.fmi == 2 else ("Float64", "Int64", "Boolean")
+        for kind in kinds:
+            self.ropes[i].set("left.y", value, reference % 500 if reference % 3 else reference, kind)
+
+    @rule(
+        i=which, name=st.sampled_from(["left.fy", "loop.yaw", "stress.bending_max", "left.added_mass", "energy.total"])
+    )
+    def get(self, i: int, name: str) -> None:
+        self.ropes[i].real(name)
+
+    @rule(i=which, unknown=st.integers(0, 400), known=st.integers(40, 80), seed=number)
+    def derivative(self, i: int, unknown: int, known: int, seed: float) -> None:
+        u, k, s, value, one = (
+            ctypes.c_uint(unknown), ctypes.c_uint(known), ctypes.c_double(seed), ctypes.c_double(), ctypes.c_size_t(1),
+        )  # fmt: skip
+        sizes = (one,) if self.library.fmi == 3 else ()
+        arguments = [ctypes.byref(u), one, ctypes.byref(k), one, ctypes.byref(s), *sizes, ctypes.byref(value), *sizes]
+        self.ropes[i].call("GetDirectionalDerivative", *arguments)
+
+    @rule(i=which, slot=slot)
+    def save(self, i: int, slot: int) -> None:
+        self.ropes[i].save(self.states[slot])
+
+    @rule(i=which, slot=slot)
+    def restore(self, i: int, slot: int) -> None:
+        self.ropes[i].restore(self.states[slot])
+
+    @rule(i=which, slot=slot)
+    def forget(self, i: int, slot: int) -> None:
+        assert self.ropes[i].forget(self.states[slot]) == OK
+        assert not self.states[slot].value
+
+    @rule(
+        i=which,
+        slot=slot,
+        end=st.one_of(st.none(), st.integers(0, 20000)),
+        places=st.lists(st.tuples(st.integers(0, 20000), st.binary(min_size=1, max_size=8)), max_size=4),
+        sealed=st.booleans(),
+    )
+    def damage(self, i: int, slot: int, end: int | None, places: list[tuple[int, bytes]], sealed: bool) -> None:
+        if not self.states[slot].value:
+            return
+        data = bytearray(self.ropes[i].written(self.states[slot]))
+        for place, new in places:
+            at = place % len(data)
+            data[at : at + len(new)] = new[: len(data) - at]
+        bad, state = bytes(data[:end]), ctypes.c_void_p()
+        if self.ropes[i].read(resealed(bad) if sealed else bad, state) == OK:
+            self.ropes[i].restore(state)
+            self.ropes[i].forget(state)
+
+    @rule(i=which, name=st.sampled_from(["Get", "Set", "Serialize"]))
+    def null_states(self, i: int, name: str) -> None:
+        rope = self.ropes[i]
+        full = f"{name}FMUstate" if self.library.fmi == 2 else f"{name}FMUState"
+        assert rope.call(full, None, None, ctypes.c_size_t(8)) == ERROR
+
+    @rule(i=which, name=st.sampled_from(["Set", "Get"]))
+    def null_values(self, i: int, name: str) -> None:
+        kind = "Real" if self.library.fmi == 2 else "Float64"
+        vr, one = ctypes.c_uint(0), ctypes.c_size_t(1)
+        assert self.ropes[i].call(f"{name}{kind}", ctypes.byref(vr), one, None, one) == ERROR
+        assert self.ropes[i].call(f"{name}{kind}", None, one, None, one) == ERROR
+
+    def teardown(self) -> None:
+        """Whatever happened: after a reset both are as new."""
+        for state in self.states:
+            assert self.ropes[0].forget(state) == OK
+        for rope in self.ropes:
+            assert as_new(rope) == self.expected
+            rope.free()
+
+
+def as_new(rope: Instance) -> tuple[float, ...]:
+    assert rope.hang(SMALL | {"left.swivel.mode": 2}) == OK, rope.said[-1]
+    assert rope.move(0.0, 0.02) == OK
+    return rope.forces()
+
+
+def fuzzed(library: Library, examples: int, calls: int) -> None:
+    rope = Instance(library)
+    expected = as_new(rope)
+    rope.free()
+    machine = type(f"Calls{library.fmi}", (Calls,), {"library": library, "expected": expected})
+    run_state_machine_as_test(
+        machine,
+        settings=settings(
+            max_examples=examples, stateful_step_count=calls, derandomize=True, deadline=None, database=None,
+            suppress_health_check=list(HealthCheck),
+        ),
+    )  # fmt: skip
+
+
+def test_any_calls_in_any_order_neither_crash_nor_hang_and_a_reset_helps(library: Library) -> None:
+    fuzzed(library, 40, 40)
+
+
+@pytest.mark.slow
+def test_many_more_calls_in_any_order_neither_crash_nor_hang(library: Library) -> None:
+    fuzzed(library, 1000, 60)
