@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling studies throughput fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling studies throughput fuzz fmu clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -50,6 +50,9 @@ hoist: $(READY)
 
 coupling: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.coupling
+
+fuzz: $(READY)
+	$(BIN)/python -m benchmarks.fuzz --minutes 30 --csv docs/data/fuzz.csv
 
 STUDY_FMUS = $(BIN)/balance-rope export --native --platform host --level draft --out build/draft.fmu && \
 	$(BIN)/balance-rope export --native --platform host --out build/standard.fmu
