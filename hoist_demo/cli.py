@@ -221,7 +221,7 @@ def _write(
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
     stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s,"
-    title = f"Winding {winding.travel:g} m{stop} with the balance rope {options.scene}, rope {kind}"
+    title = f"Winding {winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}"
     reports = [
         write_report(directory / "report.md", title, rows, pictures),
         run_report(result, hoist, winding, coupling, rows, title, directory / "report.html"),

@@ -61,7 +61,7 @@ def _verdict(tables: Tables) -> str:
         "Every preset at H = 10 ms, the rope on its own steps as shipped, against the reference on steps of 5 ms: the "
         "rope's own error of longer steps is within these numbers. The trips of rope-120 and rope-240 are whole; those "
         "of the installed sizes are shortened, from the landing at which the empty conveyance carries the longest leg, "
-        "with the full acceleration and the stop. The balance ropes weigh up to 1.3 times the empty conveyance; over "
+        "with the full acceleration and the stop. The balance ropes weigh up to 1.4 times the empty conveyance; over "
         "one step, in which an axial wave runs 39 m, only a fraction of that is felt, and the growth of a disturbance "
         "per step that the host foretells stays below one.\n",
         "| preset | ropes over empty conveyance | travel | growth foretold | RMS error of the end forces | largest "
