@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from tqdm import tqdm
 
@@ -16,9 +16,10 @@ from hoist_demo.checkpoint import Checkpoint
 from hoist_demo.coupling.catalogue import SCHEMES
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.host import Host, Result
-from hoist_demo.parameters import ASSUMED_DATA, SETUPS, Coupling, Hoist, Winding
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw, Hoist, Winding
 from hoist_demo.recording import shape_rows, write_csv, write_shapes
 from hoist_demo.rope_plant import RopePlant
+from hoist_demo.scenes import SCENES
 from hoist_demo.summary import SummaryRow, render, summarize
 
 KERNELS = ("auto", "compiled", "portable")
@@ -39,7 +40,9 @@ The summary table is printed at the end."""
 _DEMO_EPILOG = """\
 examples:
   balance-rope demo --speed 4 --travel 60
-  balance-rope demo --scene rope-240 --in-process  240 m rope, swivels released at 20 s (or --fmu with its export)
+  balance-rope demo --scene rope-240             240 m rope, swivels released at 20 s
+  balance-rope demo --scene monopol-1000         a hoist of installed size: 1000 m, 16 m/s
+  balance-rope demo --scene monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
   balance-rope demo --travel -90                 lower the left conveyance instead
   balance-rope demo --estop-at 12                emergency stop at 5 m/s^2 near full speed
   balance-rope demo --step 0.005 --out out/fine  a finer coupling, to see whether the results change
@@ -62,7 +65,11 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
     )
     demo.set_defaults(run=_demo)
     demo.add_argument(
-        "--scene", choices=tuple(SETUPS), default="rope-120", help="hoist, winding and rope (default: %(default)s)"
+        "--scene",
+        choices=tuple(SCENES),
+        default="rope-120",
+        metavar="NAME",
+        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(SCENES)} (%(default)s)",
     )
     rope = demo.add_mutually_exclusive_group()
     rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope (default: %(default)s)")
@@ -77,9 +84,14 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
         help=f"how drive and rope exchange, see docs/coupling.md: {', '.join(SCHEMES)} (%(default)s)",
     )
     demo.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
-    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (8; rope-240: 10)")
-    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (90; rope-240: 200)")
-    demo.add_argument("--estop-at", type=float, metavar="T", help="emergency stop of 5 m/s^2 from time T [s]")
+    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the scene)")
+    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the scene)")
+    demo.add_argument("--estop-at", type=float, metavar="T", help="emergency stop from time T [s], 5 or 2 m/s^2")
+    demo.add_argument(
+        "--estop-law",
+        choices=get_args(EmergencyLaw),
+        help="who stops: the drive (the default), or the brake of an installed hoist, regulated or by its torque",
+    )
     demo.add_argument(
         "--kernels",
         choices=KERNELS,
@@ -95,7 +107,8 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
 
 
 def _demo(options: argparse.Namespace) -> int:
-    hoist, coupling = SETUPS[options.scene].hoist, Coupling(step=options.step, scheme=options.scheme)
+    scene, coupling = SCENES[options.scene], Coupling(step=options.step, scheme=options.scheme)
+    hoist = scene.hoist
     winding = _winding(options)
     resume = Checkpoint.read(options.resume) if options.resume else None
     try:
@@ -104,7 +117,7 @@ def _demo(options: argparse.Namespace) -> int:
         raise ValueError(f"--out {options.out} cannot be made a folder ({error.strerror}): choose another") from error
     rope = _rope(options)
     try:
-        result = _run(Host(rope, hoist, winding, coupling), options.out / LAST_GOOD, resume)
+        result = _run(Host(rope, hoist, winding, coupling, scene.gains), options.out / LAST_GOOD, resume)
     finally:
         rope.close()
     rows = summarize(result, hoist, winding, coupling)
@@ -127,9 +140,16 @@ def _demo(options: argparse.Namespace) -> int:
 
 def _winding(options: argparse.Namespace) -> Winding:
     """The scene's trip; values given by hand count more than --quick."""
-    chosen = {"travel": options.travel, "speed": options.speed, "emergency_at": options.estop_at}
+    if options.estop_law and options.estop_at is None:
+        raise ValueError(f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T")
+    chosen = {
+        "travel": options.travel,
+        "speed": options.speed,
+        "emergency_at": options.estop_at,
+        "emergency_law": options.estop_law,
+    }
     given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
-    return replace(SETUPS[options.scene].winding, **((_QUICK if options.quick else {}) | given))
+    return replace(SCENES[options.scene].winding, **((_QUICK if options.quick else {}) | given))
 
 
 def _rope(options: argparse.Namespace) -> RopePlant:
@@ -148,16 +168,8 @@ def _rope(options: argparse.Namespace) -> RopePlant:
             f"FMU '{options.fmu}' is missing: export it with `balance-rope export`, "
             "give another file with --fmu, or run with --in-process"
         )
-    chosen = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
-    rope = FmuRope(options.fmu, chosen)
-    length, expected = rope.start_value("rope.length"), SETUPS[options.scene].hoist.tail_rope_length
-    if length is not None and length != expected:
-        rope.close()
-        raise ValueError(
-            f"the rope in '{options.fmu}' is {length:g} m long, the scene {options.scene} needs {expected:g} m: "
-            f"export it with `balance-rope export --scene {options.scene}`"
-        )
-    return rope
+    kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
+    return FmuRope(options.fmu, {**SCENES[options.scene].rope, **kernels})
 
 
 def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
@@ -209,7 +221,7 @@ def _write(
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
     stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s,"
-    title = f"Winding {winding.travel:g} m{stop} with the balance rope {options.scene}, rope {kind}"
+    title = f"Winding {winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}"
     reports = [
         write_report(directory / "report.md", title, rows, pictures),
         run_report(result, hoist, winding, coupling, rows, title, directory / "report.html"),

@@ -82,10 +82,6 @@ class FmuRope:
             self.close()
             raise
 
-    def start_value(self, name: str) -> float | None:
-        """Start value of a numeric variable, as the model description states it; None where there is none."""
-        return float(self._variables[name].start) if name in self._variables else None
-
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Set-up, initialization mode with the ends' start motion, and the first status."""
         try:

@@ -5,16 +5,23 @@ The only module of the host that knows rope_model; it serves as the FMU's twin a
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import asdict, replace
-from typing import Literal
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, fields, replace
+from typing import Any, Literal, get_args, get_type_hints
 
 from hoist_demo.rope_plant import EndMotion, RopeStatus
+from hoist_demo.scenes import scene_named
 from rope_model.native.engine import rope_simulator
-from rope_model.parameters import PRESETS, Level, Scene
+from rope_model.parameters import Level, Scene, at_level
 from rope_model.simulation import ends
 from rope_model.simulation.signals import SIGNALS, group_of, signals
 from rope_model.simulation.state import RopeState
+
+_PARTS = {
+    **{name: name for name in ("rope", "layout", "mesh", "solver", "model")},
+    **{f"{side}.swivel": side for side in ("left", "right")},
+}
+"""Part of the rope's data for each group of FMI names."""
 
 
 class InProcessRope:
@@ -77,12 +84,28 @@ def rope_in_process(
     scene: str, kernels: Literal["auto", "compiled", "portable"] = "auto", level: Level = "standard"
 ) -> InProcessRope:
     """The rope of a named scene at a level of accuracy."""
-    if scene not in PRESETS:
-        raise ValueError(f"scene = '{scene}' must be one of {', '.join(PRESETS)}: choose one")
-    data = PRESETS[scene](level).scene
+    data = rope_data(scene_named(scene).rope, level)
     return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
+
+
+def rope_data(parameters: Mapping[str, float], level: Level = "standard") -> Scene:
+    """The rope's data at a level, with parameters by FMI name as an FMU takes them: choices by their code."""
+    data = at_level(Scene(), level)
+    for name, value in parameters.items():
+        group, _, item = name.rpartition(".")
+        part = getattr(data, _PARTS.get(group, ""), None)
+        if part is None or item not in {f.name for f in fields(part)}:
+            raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/interface.md")
+        data = data.with_(**{_PARTS[group]: replace(part, **{item: _decoded(part, item, value)})})
+    return data
 
 
 def _motion(end: EndMotion) -> ends.EndMotion:
     """The same numbers in rope_model's own type."""
     return ends.EndMotion(**asdict(end))
+
+
+def _decoded(part: Any, item: str, value: float) -> Any:
+    """A value as the field takes it: the word for the code of one that chooses."""
+    words = get_args(get_type_hints(type(part))[item])
+    return words[int(value)] if words else value

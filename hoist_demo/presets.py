@@ -7,7 +7,8 @@ exactly. Deflection sheaves and what they change in wrap and length are left out
 and not that hoist, and no number computed with it may be used to judge the installation.
 
 The stiffnesses of a balance rope follow from the known one of 44 mm and 8 kg/m by geometric similarity, with its
-diameter d = 44 mm sqrt(m / 8): Qa ~ d^2, Qb and Qc ~ d^3, Qd, EI and rhoJ ~ d^4.
+diameter d = 44 mm sqrt(m / 8): Qa ~ d^2, Qb and Qc ~ d^3, Qd, EI and rhoJ ~ d^4. Presets have the share COUPLING of
+Qb and Qc.
 """
 
 from __future__ import annotations
@@ -36,6 +37,13 @@ _ROBERT = (
 
 TAIL_SPARE = 40.0
 """Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing."""
+
+COUPLING = 0.1
+"""Qb and Qc of a preset's balance rope over those of a rope similar to the known one [-, assumed].
+
+Balance ropes of deep shafts are made to turn little. With the known rope's coupling, the weight of 1000 m held at both
+ends would turn the loop through more than a full turn before it moves: the legs would pass through each other.
+"""
 
 
 @dataclass(frozen=True)
@@ -118,13 +126,14 @@ def _preset(
         guides=Guides(coulomb=0.005 * conveyance * GRAVITY, viscous=0.01 * payload),
         play=Play(),
     )
+    rope = round_rope(travel + TAIL_SPARE, tail_mass, spacing)
     return Preset(
         hoist=hoist,
         winding=Winding(
             travel=travel, speed=speed, acceleration=acceleration, jerk=0.5, settle=15.0, emergency_deceleration=2.0
         ),
         gains=Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5),
-        rope=round_rope(travel + TAIL_SPARE, tail_mass, spacing),
+        rope=rope | {name: COUPLING * rope[name] for name in ("rope.Qb", "rope.Qc")},
         published=published,
         source=source,
     )

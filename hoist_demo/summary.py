@@ -41,8 +41,8 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
         rows += (
             _trip(recording, hoist, winding)
             + _swing(recording, result.reference.duration)
-            + _rope(recording)
-            + _energy(recording)
+            + _rope(recording, hoist)
+            + _energy(recording, hoist)
             + _counts(recording)
         )
     return tuple(rows + _clock(result, coupling))
@@ -115,9 +115,11 @@ def _swing(recording: Recording, arrival: float) -> list[SummaryRow]:
     ]
 
 
-def _rope(recording: Recording) -> list[SummaryRow]:
+def _rope(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
     group = "Balance rope"
     rows: list[SummaryRow] = []
+    if hoist.tail_rope_number > 1:
+        rows.append(SummaryRow(group, "equal balance ropes; forces and energies are of one", hoist.tail_rope_number))
     for end in ("left", "right"):
         rows.append(SummaryRow(group, f"largest pull on the {end} conveyance", _pull(recording[f"{end}.fy"]), "kN"))
     extremes = (
@@ -140,14 +142,14 @@ def _rope(recording: Recording) -> list[SummaryRow]:
     return rows
 
 
-def _energy(recording: Recording) -> list[SummaryRow]:
+def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
     group = "Energy balance"
     drive = "drive.work_from_balance_rope"
     rows = [
         SummaryRow(group, "motor work", 1e-3 * float(recording["drive.work_motor"][-1]), "kJ"),
         SummaryRow(group, "losses", 1e-3 * float(recording["drive.work_losses"][-1]), "kJ"),
         SummaryRow(group, "damping of the head ropes", 1e-3 * float(recording["drive.work_rope_damping"][-1]), "kJ"),
-        SummaryRow(group, "balance rope's work on the conveyances", 1e-3 * float(recording[drive][-1]), "kJ"),
+        SummaryRow(group, "balance ropes' work on the conveyances", 1e-3 * float(recording[drive][-1]), "kJ"),
         SummaryRow(group, "residual of the drive, largest", _largest(recording["drive.energy_residual"]), "J"),
     ]
     for name, quantity in (
@@ -160,9 +162,16 @@ def _energy(recording: Recording) -> list[SummaryRow]:
     if "energy.residual" in recording:
         rows.append(SummaryRow(group, "residual of the rope, largest", _largest(recording["energy.residual"]), "J"))
     if "energy.work_ends" in recording:
-        defect = recording[drive] + recording["energy.work_ends"] - recording["energy.work_ends"][0]
+        defect = made_up(recording, hoist)
         rows.append(SummaryRow(group, "energy that the coupling's delay makes up, largest", _largest(defect), "J"))
     return rows
+
+
+def made_up(recording: Recording, hoist: Hoist) -> Array:
+    """Energy that the exchange has made up since the start [J]: work on the hoist and on all its balance ropes."""
+    ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
+    total: Array = recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends
+    return total
 
 
 def _counts(recording: Recording) -> list[SummaryRow]:

@@ -33,10 +33,11 @@ from hoist_demo.coupling.iterative import Iterative
 from hoist_demo.coupling.semi_implicit import SemiImplicit
 from hoist_demo.coupling.stability import MARGIN, growth
 from hoist_demo.host import Host, Result
-from hoist_demo.inprocess_rope import InProcessRope
-from hoist_demo.parameters import SETUPS, Coupling, Hoist, Winding
+from hoist_demo.inprocess_rope import InProcessRope, rope_in_process
+from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.plant import HoistPlant, PlantInput, PlantInputPath
 from hoist_demo.rope_plant import EndMotion, RopeStatus
+from hoist_demo.scenes import SCENES
 from rope_model.parameters import PRESETS
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -202,11 +203,11 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
     assert result.warning in caplog.text
 
 
-@pytest.mark.parametrize("preset", SETUPS)
+@pytest.mark.parametrize("preset", SCENES)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
 def test_the_default_is_expected_to_be_stable_on_every_preset(preset: str, H: float) -> None:
-    plant = InProcessRope(PRESETS[preset]("draft").scene)
-    host = Host(plant, SETUPS[preset].hoist, SETUPS[preset].winding, Coupling(step=H))
+    scene, plant = SCENES[preset], rope_in_process(preset, level="draft")
+    host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
     result = host.run(lambda fraction, t: False)
     assert result.warning == ""
     assert host.outlook is not None
@@ -348,10 +349,11 @@ def test_the_page_is_what_the_committed_data_make() -> None:
 
 def test_the_default_errs_by_less_than_promised_on_every_preset() -> None:
     t = TABLES["presets"]
-    assert set(t["preset"]) == set(SETUPS)
+    assert set(t["preset"]) == set(SCENES)
     assert set(t["scheme"]) == {Coupling().scheme}
     assert_array_equal(t["H [s]"], 0.01)
     assert np.all(t["force error"] < PROMISED)
+    assert np.all(t["growth foretold"] < MARGIN)
     assert not any(t["cause"])
 
 

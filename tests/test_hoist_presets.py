@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from benchmarks.hoist import Run, stop, wind
+from hoist_demo.inprocess_rope import rope_in_process
 from hoist_demo.parameters import require_trip_fits
 from hoist_demo.presets import PRESETS, TAIL_SPARE, Preset, round_rope
+from hoist_demo.rope_plant import EndMotion
 from rope_model.parameters import Layout, Rope
 
 
@@ -98,3 +100,12 @@ def test_a_regulated_stop_from_full_speed_does_not_slip_and_the_full_torque_woul
     # 16 m/s and 2 m/s^2: v^2 / (2 a), and the dead time, lag and sampling before
     distance = regulated["position"][-1] - regulated["position"][after][0]
     np.testing.assert_allclose(distance, 16.0**2 / 4.0, rtol=0.05)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_the_loop_does_not_turn_over_at_rest(name: str) -> None:
+    rope = rope_in_process(name)
+    assert rope.initialize(0.0, EndMotion(), EndMotion(y=PRESETS[name].hoist.shaft_travel)).valid
+    found = rope.read(["loop.yaw"])["loop.yaw"]
+    # the torque turns it one way, and by an angle at which the legs stay well apart
+    assert 0.0 < found < math.radians(15.0)

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from hoist_demo.coupling.interface import Scheme
 from hoist_demo.coupling.iterative import Iterative
 from hoist_demo.host import Host, Result
-from hoist_demo.inprocess_rope import InProcessRope
-from hoist_demo.parameters import SETUPS, Coupling, Winding
-from rope_model.parameters import PRESETS, Level
+from hoist_demo.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.parameters import Coupling, Winding
+from hoist_demo.scenes import SCENES
+from rope_model.parameters import Level
 
 Array = NDArray[np.float64]
 
@@ -46,17 +47,19 @@ class Run:
     exchanges: float
     taken_back: float
     power: float  # W, largest mean over a sample that the exchange made up
+    growth: float  # foretold before the start, of a disturbance per step
     cause: str
 
 
 def wound(case: Case, scheme: str | Scheme, H: float) -> Run:
     """One run; a scheme may be given that has no name."""
-    data = PRESETS[case.preset](case.level).scene
+    scene = SCENES[case.preset]
+    data = rope_data(scene.rope, case.level)
     if case.rope_step is not None:
         data = data.with_(solver=replace(data.solver, step_max=case.rope_step))
     named = scheme if isinstance(scheme, str) else "gauss-seidel-1"
     coupling = Coupling(step=H, scheme=named, sample=case.sample)
-    host = Host(InProcessRope(data), SETUPS[case.preset].hoist, case.winding, coupling)
+    host = Host(InProcessRope(data), scene.hoist, case.winding, coupling, scene.gains)
     if not isinstance(scheme, str):
         host.scheme = scheme
     start = time.process_time()
@@ -71,6 +74,7 @@ def wound(case: Case, scheme: str | Scheme, H: float) -> Run:
         float(r["coupling.exchanges"][-1]),
         float(r["coupling.exchanges"][-1]) - result.steps,
         float(np.max(power, initial=0.0)),
+        host.outlook.growth if host.outlook is not None else float("nan"),
         result.cause,
     )
 

@@ -58,17 +58,28 @@ def _verdict(tables: Tables) -> str:
     t = tables["presets"]
     lines = [
         f"## The default, `{Coupling().scheme}`\n",
-        "Every preset's whole trip at H = 10 ms, the rope on its own steps as shipped, against the reference on steps "
-        "of 5 ms: the rope's own error of longer steps is within these numbers.\n",
-        "| preset | simulated | RMS error of the end forces | largest | below 0.5 % |",
-        "|---|---|---|---|---|",
+        "Every preset at H = 10 ms, the rope on its own steps as shipped, against the reference on steps of 5 ms: the "
+        "rope's own error of longer steps is within these numbers. The trips of rope-120 and rope-240 are whole; those "
+        "of the installed sizes are shortened, from the landing at which the empty conveyance carries the longest leg, "
+        "with the full acceleration and the stop. The balance ropes weigh up to 1.4 times the empty conveyance; over "
+        "one step, in which an axial wave runs 39 m, only a fraction of that is felt, and the growth of a disturbance "
+        "per step that the host foretells stays below one.\n",
+        "| preset | ropes over empty conveyance | travel | growth foretold | RMS error of the end forces | largest "
+        "| below 0.5 % |",
+        "|---|---|---|---|---|---|---|",
     ]
     for k, name in enumerate(t["preset"].tolist()):
         rms, largest = t["force error"][k], t["largest error"][k]
         ok = "yes" if rms < PROMISED else "**no**"
-        lines.append(f"| {name} | {t['simulated [s]'][k]:.4g} s | {100 * rms:.2g} % | {100 * largest:.2g} % | {ok} |")
-    reached = all(t["force error"] < PROMISED)
-    lines.append(f"\nVerdict: below 0.5 % on every preset: {'reached' if reached else 'not reached'}.\n")
+        lines.append(
+            f"| {name} | {t['ropes over conveyance'][k]:.2f} | {t['travel [m]'][k]:g} m "
+            f"| {t['growth foretold'][k]:.3f} | {100 * rms:.2g} % | {100 * largest:.2g} % | {ok} |"
+        )
+    reached, stable = all(t["force error"] < PROMISED), all(t["growth foretold"] < MARGIN)
+    lines.append(
+        f"\nVerdict: below 0.5 % on every preset: {'reached' if reached else 'not reached'}; "
+        f"stable on every preset: {'reached' if stable else 'not reached'}.\n"
+    )
     return "\n".join(lines)
 
 

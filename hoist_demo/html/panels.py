@@ -9,6 +9,7 @@ import numpy as np
 
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording import Array, Recording
+from hoist_demo.summary import made_up
 
 LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"
 """Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css."""
@@ -40,24 +41,21 @@ class Panel:
     steps: bool = False
 
 
-def derived(recording: Recording) -> dict[str, tuple[Array, str]]:
+def derived(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
     """Signals that follow from recorded ones, with their units, by names that begin with `derived.`."""
     found: dict[str, tuple[Array, str]] = {}
     if recording.has("reference.position", "conveyance.left.y"):
         travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
         found["derived.tracking_error"] = recording["reference.position"] - travel, "m"
         found["derived.reference_height"] = recording["conveyance.left.y"][0] + recording["reference.position"], "m"
-    if recording.has("drive.torque", "drive.rate"):
-        found["derived.motor_power"] = recording["drive.torque"] * recording["drive.rate"], "W"
     if recording.has("drive.work_from_balance_rope", "energy.work_ends"):
-        ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
-        found["derived.coupling_defect"] = recording["drive.work_from_balance_rope"] + ends, "J"
+        found["derived.coupling_defect"] = made_up(recording, hoist), "J"
     return found
 
 
 def panels(recording: Recording, hoist: Hoist) -> list[Panel]:
     """All panels of which at least one line can be drawn, with those lines only."""
-    known = set(recording.signals) | set(derived(recording))
+    known = set(recording.signals) | set(derived(recording, hoist))
     shown: list[Panel] = []
     for panel in _all(hoist):
         lines = tuple(line for line in panel.lines if line.signal in known)
@@ -113,7 +111,8 @@ def _all(hoist: Hoist) -> tuple[Panel, ...]:
             "kN m",
             (Line("drive.torque_command", "command", ASKED, 1e-3), Line("drive.torque", "motor", "a", 1e-3)),
         ),
-        Panel("Drive", "Motor power at the sheave", "kW", (Line("derived.motor_power", "power", "a", 1e-3),)),
+        Panel("Drive", "Motor power", "kW", (Line("drive.motor_power", "power", "a", 1e-3),)),
+        Panel("Drive", "Brake torque on the sheave", "kN m", (Line("drive.brake_torque", "brake", "c", 1e-3),)),
         Panel("Drive", "Head rope tension at the sheave", "kN", _ends("drive.tension_{}", 1e-3)),
         Panel(
             "Drive",

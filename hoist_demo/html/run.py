@@ -64,7 +64,7 @@ def _data(result: Result, hoist: Hoist, winding: Winding) -> dict[str, object]:
     recording = result.recording
     if not recording.signals:
         return {"time": None}
-    start, extra = float(recording.time[0]), panels.derived(recording)
+    start, extra = float(recording.time[0]), panels.derived(recording, hoist)
     names = [name for name in recording.signals if name != TIME and not name.startswith("shape.")]
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
     signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}

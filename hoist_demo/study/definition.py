@@ -25,7 +25,7 @@ from typing import Any
 
 from hoist_demo.fmu_parameters import read_outputs
 from hoist_demo.host import DRIVE_UNITS
-from hoist_demo.parameters import SETUPS
+from hoist_demo.scenes import SCENES, scene_named
 from hoist_demo.study.catalogue import Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
@@ -134,15 +134,15 @@ class _Reader:
         with self._collect("[study] fmu" if self.fmu is None else "--fmu"):
             self.catalogue = Catalogue(fmu)
         scene, signals = head.get("scene", "rope-120"), tuple[str, ...]()
-        if scene not in SETUPS:
-            self.problems.append(f"[study] scene = {scene!r} must be one of {', '.join(SETUPS)}: choose one")
+        with self._collect("[study]"):
+            scene_named(str(scene))
         with self._collect("[study]"):
             signals = self._signals(head.get("signals", []), fmu)
         cases = self._cases(self._values("fixed", self._table("fixed")))
         vary = self._vary()
         tuning = self._tuning() if "tune" in self.raw else None
         drawn = self._draw(vary, tuning)
-        if scene not in SETUPS or self.catalogue is None:
+        if scene not in SCENES or self.catalogue is None:
             raise StudyError(self.path, self.problems)
         samples = self._checked(scene, signals, fmu, cases, progress(drawn))
         if self.problems:

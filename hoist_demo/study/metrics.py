@@ -16,6 +16,7 @@ from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.host import Result
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording import Array, Recording
+from hoist_demo.summary import made_up
 
 ENDS = ("left", "right")
 
@@ -91,7 +92,7 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
         return found
     found["simulated_time"] = float(recording.time[-1] - recording.time[0])
     found |= _drive(recording, hoist)
-    found |= _rope(recording)
+    found |= _rope(recording, hoist)
     for end in ENDS:
         found |= _swivel(recording, end)
     if result.completed:
@@ -131,7 +132,7 @@ def _drive(recording: Recording, hoist: Hoist) -> dict[str, float]:
     }
 
 
-def _rope(recording: Recording) -> dict[str, float]:
+def _rope(recording: Recording, hoist: Hoist) -> dict[str, float]:
     forces = [recording[f"{end}.fy"] for end in ENDS]
     found = {
         "rope_force_peak": max(float(np.max(-force)) for force in forces),
@@ -142,8 +143,7 @@ def _rope(recording: Recording) -> dict[str, float]:
     if "loop.clearance" in recording:
         found["clearance"] = float(np.min(recording["loop.clearance"]))
     if "energy.work_ends" in recording:
-        ends = recording["energy.work_ends"]
-        found["energy_made_up"] = _largest(recording["drive.work_from_balance_rope"] + ends - ends[0])
+        found["energy_made_up"] = _largest(made_up(recording, hoist))
     return found
 
 

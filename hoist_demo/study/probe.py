@@ -8,6 +8,7 @@ from pathlib import Path
 
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.rope_plant import EndMotion
+from hoist_demo.scenes import SCENES
 from hoist_demo.study.catalogue import Value
 from hoist_demo.study.run import RunData
 
@@ -25,9 +26,11 @@ class Probe:
         together = self._asked(run.fmu, high, rises)
         if not together:
             return []
-        alone = {key: self._asked({key: value}, high, rises) for key, value in run.fmu.items()}
+        own = SCENES[run.scene].rope
+        set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
+        alone = {key: self._asked({**own, key: value}, high, rises) for key, value in set_here.items()}
         blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]
-        chosen = ", ".join(f"{key} = {value!r}" for key, value in run.fmu.items()) or "the FMU's own parameters"
+        chosen = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
         return blamed or [f"{chosen}: {together}"]
 
     def _asked(self, parameters: Mapping[str, Value], high: float, rises: bool) -> str:

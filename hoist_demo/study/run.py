@@ -23,9 +23,10 @@ from hoist_demo.design.trajectory import Trajectory
 from hoist_demo.fmu_parameters import read_outputs
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.host import Host, Result
-from hoist_demo.parameters import SETUPS, Coupling, Hoist, Winding, require_trip_fits
+from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import RopePlant
+from hoist_demo.scenes import scene_named
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
 from hoist_demo.study.nested import changed
@@ -53,7 +54,7 @@ class RunData:
     shaper: Shaper
     trajectory: Trajectory
     arrival: Arrival
-    fmu: Mapping[str, Value]  # parameters that differ from the FMU's own
+    fmu: Mapping[str, Value]  # parameters of the scene's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
 
     def key(self, fmu_hash: str) -> str:
@@ -79,8 +80,8 @@ class Outcome:
 
 def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
     """The scene's data with the given values; a `ValueError` names what does not fit together."""
-    setup = SETUPS[scene]
-    data: dict[str, Any] = {"hoist": setup.hoist, "winding": setup.winding}
+    given = scene_named(scene)
+    data: dict[str, Any] = {"hoist": given.hoist, "winding": given.winding, "gains": given.gains}
     data |= {name: kind() for name, kind in SECTIONS.items() if name not in data}
     chosen: dict[str, dict[str, Value]] = {name: {} for name in SECTIONS}
     for key, value in values.items():
@@ -88,9 +89,8 @@ def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()
         if section in SECTIONS:
             chosen[section][field] = value
     data = {name: changed(data[name], chosen[name]) for name in SECTIONS}
-    run = RunData(
-        scene, str(values.get("controller", "pi-feed-forward")), fmu=fmu_part(values), signals=signals, **data
-    )
+    fmu, controller = {**given.rope, **fmu_part(values)}, str(values.get("controller", "pi-feed-forward"))
+    run = RunData(scene, controller, fmu=fmu, signals=signals, **data)
     require_trip_fits(run.hoist, run.winding)
     require_possible(run.controller, run.winding)
     s_curve(run.winding)

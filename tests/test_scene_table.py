@@ -1,0 +1,137 @@
+"""The table of scenes: every one starts and winds, its rope is the one that it names, and users are told the names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import balance_rope
+from fmu_src.interface import scene_of, variables
+from hoist_demo.host import Host, Result
+from hoist_demo.inprocess_rope import rope_data, rope_in_process
+from hoist_demo.parameters import GRAVITY, SETUPS, Coupling
+from hoist_demo.presets import PRESETS
+from hoist_demo.scenes import SCENES, scene_named
+from hoist_demo.study.run import build
+from hoist_demo.summary import made_up
+from rope_model import parameters
+from rope_model.parameters import rope_120
+
+every_scene = pytest.mark.parametrize("name", SCENES)
+
+
+def test_the_table_holds_the_published_case_and_all_installed_sizes() -> None:
+    assert set(SCENES) == set(SETUPS) | set(PRESETS)
+    assert set(parameters.PRESETS) <= set(SCENES)
+
+
+@every_scene
+def test_the_fmu_reads_the_scene_s_parameters_as_the_rope_in_process_does(name: str) -> None:
+    values = {v.name: v.start for v in variables(rope_120()) if v.causality == "parameter" and v.start is not None}
+    assert SCENES[name].rope.keys() <= values.keys()
+    assert scene_of({**values, **SCENES[name].rope}) == rope_data(SCENES[name].rope)
+
+
+@pytest.mark.parametrize("name", parameters.PRESETS)
+@pytest.mark.parametrize("level", ["draft", "standard"])
+def test_ropes_of_the_published_case_are_those_of_the_export(name: str, level: parameters.Level) -> None:
+    assert rope_data(SCENES[name].rope, level) == parameters.PRESETS[name](level).scene
+
+
+@pytest.mark.parametrize("name", ["rope.colour", "swivel.mode", "length"])
+def test_a_parameter_that_the_rope_has_not_is_refused_by_name(name: str) -> None:
+    with pytest.raises(ValueError, match=f"{name} = 1.0 must be a parameter of the rope"):
+        rope_data({name: 1.0})
+
+
+@cache
+def started(name: str) -> tuple[Host, Result]:
+    """A host and its run over 50 steps of the scene's trip, which begins at once."""
+    scene, rope = SCENES[name], rope_in_process(name, level="draft")
+    host = Host(rope, scene.hoist, replace(scene.winding, start_delay=0.0), Coupling(), scene.gains)
+    return host, host.run(lambda fraction, t: t < 0.495)
+
+
+@every_scene
+def test_the_ends_carry_the_weight_of_the_scene_s_rope(name: str) -> None:
+    host, result = started(name)
+    left, right = (result.recording[f"{end}.fy"][0] for end in ("left", "right"))
+    weight = GRAVITY * host.hoist.tail_rope_mass
+    assert_allclose(left + right, -weight * host.hoist.tail_rope_length, rtol=1e-6)
+    # the legs differ by the height, but for the strain (1e-4) and the slant of legs that meet in a loop
+    assert_allclose(left - right, weight * host.hoist.shaft_travel, rtol=2e-3)
+
+
+@every_scene
+def test_every_scene_starts_and_makes_fifty_steps(name: str) -> None:
+    host, result = started(name)
+    assert result.steps == 50
+    assert result.cause.endswith("stopped by the user")
+    assert result.warning == ""
+    r, hoist = result.recording, host.hoist
+    # the rim follows the reference, jerk t^3 / 6, within what the swinging ropes turn it back and forth
+    asked = host.winding.jerk * r.time[-1] ** 3 / 6.0
+    assert_allclose(hoist.sheave_radius * (r["drive.angle"][-1] - r["drive.angle"][0]), asked, atol=5e-3)
+
+
+def test_slip_safety_and_motor_power_are_recorded() -> None:
+    host, result = started("rope-120")
+    r, limit = result.recording, host.hoist.tension_ratio_limit
+    assert_allclose(r["drive.slip_safety"], (limit - 1.0) / (r["drive.tension_ratio"] - 1.0), rtol=1e-12)
+    # of a rigid shaft
+    assert_allclose(r["drive.motor_power"], r["drive.torque"] * r["drive.rate"], rtol=1e-12)
+    assert not np.any(r["drive.brake_torque"])
+
+
+def test_what_the_hoist_gives_is_what_all_its_balance_ropes_get() -> None:
+    host, result = started("kiruna-355")
+    assert host.hoist.tail_rope_number == 3
+    work = result.recording["drive.work_from_balance_rope"]
+    assert np.max(np.abs(work)) > 1e3
+    # the exchange makes up 4e-5 of it; with the work on one rope only, two thirds would be missing
+    assert_allclose(made_up(result.recording, host.hoist), 0.0, atol=1e-3 * np.max(np.abs(work)))
+
+
+# what the user is told
+
+
+@every_scene
+def test_the_demo_lists_every_scene(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        balance_rope.main(["demo", "--help"])
+    assert name in capsys.readouterr().out
+
+
+def test_a_scene_that_is_not_there_is_answered_with_all_that_are(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        balance_rope.main(["demo", "--scene", "monopol"])
+    assert left.value.code == 2
+    told = capsys.readouterr().err
+    assert all(name in told for name in SCENES)
+    with pytest.raises(ValueError, match=r"scene = 'monopol' must be one of rope-120, .*palabora-1282"):
+        scene_named("monopol")
+
+
+def test_a_stop_s_law_without_its_time_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    command = ["demo", "--in-process", "--scene", "monopol-1000", "--estop-law", "torque", "--out", str(tmp_path)]
+    assert balance_rope.main(command) == 2
+    assert "--estop-at" in capsys.readouterr().err
+
+
+def test_a_brake_that_the_scene_has_not_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    command = ["demo", "--in-process", "--estop-law", "torque", "--estop-at", "5", "--out", str(tmp_path)]
+    assert balance_rope.main(command) == 2
+    assert "without a brake" in capsys.readouterr().err
+
+
+def test_a_study_winds_the_scene_with_its_gains_and_its_rope_unless_told_otherwise() -> None:
+    scene = SCENES["monopol-1000"]
+    plain, other = build("monopol-1000", {}), build("monopol-1000", {"rope.EI": 900.0, "gains.position": 0.7})
+    assert (plain.gains, plain.fmu) == (scene.gains, scene.rope)
+    assert other.gains == replace(scene.gains, position=0.7)
+    assert other.fmu == {**scene.rope, "rope.EI": 900.0}
