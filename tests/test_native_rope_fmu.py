@@ -5,6 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import math
+import os
+import subprocess
+import sys
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -115,6 +118,40 @@ def test_state_goes_on_to_the_bit_over_transformations_after_half_steps(host: Ho
     host.restore(taken)
     host.free(taken)
     assert run(host, 120, 180) == first
+
+
+SWIVELS = {
+    f"{side}.swivel.{key}": value for side in ("left", "right") for key, value in (("mode", 2), ("release_time", 0.3))
+}
+
+
+def elsewhere(path: str, folder: str, state: str, first: int, last: int) -> str:
+    """What another process gets that goes on from the serialized state in a file, as exact text."""
+    other = Host(Path(path), folder)
+    taken = other.deserialized(Path(state).read_bytes())
+    other.restore(taken)
+    other.free(taken)
+    return repr(run(other, first, last))
+
+
+def test_serialized_state_goes_on_in_another_process_over_swivel_events_to_the_bit(
+    host: Host, fmus: dict[int, Path], folders: dict[int, str], tmp_path: Path
+) -> None:
+    host.start(**{"inputs_at_step_end": True, "rope.installed_twist": 2.0, **SWIVELS})
+    run(host, 0, 40)
+    state = host.state()
+    saved = tmp_path / "state"
+    saved.write_bytes(host.serialized(state))
+    host.free(state)
+    before = host.get("count.swivel_events")[0]
+    here = repr(run(host, 40, 160))
+    assert host.get("count.swivel_events")[0] > before
+    assert host.get("count.transformations")[0] > 0
+    call = f"import test_native_rope_fmu as t; print(t.elsewhere({str(fmus[host.fmi])!r}, {str(folders[host.fmi])!r}, "
+    call += f"{str(saved)!r}, 40, 160))"
+    where = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    done = subprocess.run([sys.executable, "-c", call], capture_output=True, text=True, check=True, env=where)
+    assert done.stdout.strip().splitlines()[-1] == here
 
 
 def test_directional_derivatives_are_those_of_a_step(host: Host) -> None:
