@@ -40,6 +40,13 @@ class HangingWeight(Fmi2Slave):
                 self._real(f"{end}.{name}", Fmi2Causality.input)
             for name in ("fy", "fy_mean", "added_mass"):
                 self._real(f"{end}.{name}", Fmi2Causality.output)
+        # what a scene gives its rope
+        for name in ("rope.length", "left.swivel.release_time", "right.swivel.release_time"):
+            self._real(name, Fmi2Causality.parameter)
+        for name in ("left.swivel.mode", "right.swivel.mode"):
+            self.values[name] = 0
+            get, put = (lambda n=name: self.values[n]), (lambda value, n=name: self.values.__setitem__(n, value))
+            self.register_variable(Integer(name, start=0, getter=get, setter=put, **fixed))
         out = dict(causality=Fmi2Causality.output, variability=Fmi2Variability.discrete)
         self.register_variable(Integer("count.steps", getter=lambda: self.steps, **out))
         self.register_variable(Boolean("status.valid", getter=lambda: self.valid, **out))
@@ -47,8 +54,9 @@ class HangingWeight(Fmi2Slave):
 
     def _real(self, name, causality):
         self.values[name] = 0.0
-        start = {"start": 0.0} if causality == Fmi2Causality.input else {}
-        variability = Fmi2Variability.continuous
+        start = {} if causality == Fmi2Causality.output else {"start": 0.0}
+        fixed = causality == Fmi2Causality.parameter
+        variability = Fmi2Variability.fixed if fixed else Fmi2Variability.continuous
         self.register_variable(
             Real(
                 name,
