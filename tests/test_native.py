@@ -17,7 +17,7 @@ from hoist_demo.parameters import Winding
 from hoist_demo.reference import s_curve
 from rope_model.native.build import library
 from rope_model.native.engine import NativeRope
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
+from rope_model.parameters import Layout, Mesh, Model, Rope, RungChoice, Scene, Solver, Swivel, rope_120, rope_240
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.signals import SIGNALS, added_mass_signals, signals
 from rope_model.simulation.simulator import RopeSimulator
@@ -361,3 +361,68 @@ def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
             rope.restore(wrong)
     rope.restore(state)
     assert rope.advance_to(0.01, EndMotion(), EndMotion()).valid
+
+
+def test_rigid_rung_has_the_derivatives_and_added_mass_of_its_own_forces() -> None:
+    scene = Scene(rope=Rope(length=60.0), model=Model("rigid"))
+    at_start = EndMotion(), EndMotion(y=20.0)
+    ropes = RopeSimulator(scene), NativeRope(scene)
+    for rope in ropes:
+        assert rope.initialize(0.0, *at_start).valid
+        assert rope.advance_to(0.01, *at_start).valid
+    reference, native = ropes
+    assert_allclose(native.added_mass(), reference.added_mass(), rtol=1e-9)
+    before = native.native_state()
+    for name, size in (("ay", 1.0), ("vy", 0.1), ("y", 1e-3)):
+        derivative, forces = native.derivative(0, name), []
+        for sign in (1, -1):
+            native.restore_native(before)
+            moved = replace(at_start[0], **{name: getattr(at_start[0], name) + sign * size})
+            assert native.advance_to(0.02, moved, at_start[1]).valid
+            forces.append([native.signal("left.fy"), native.signal("right.fy")])
+        native.restore_native(before)
+        differences = (np.array(forces[0]) - np.array(forces[1])) / (2 * size)
+        assert_allclose([derivative[1], derivative[7]], differences, rtol=1e-4, atol=1e-4)
+    # the leg and half of the bend with the height, of the rope below the end with its acceleration
+    assert native.derivative(0, "ay")[1] < -100.0
+
+
+@pytest.mark.parametrize("rung", ["planar", "spatial"])
+def test_what_a_rung_leaves_out_stays_as_it_was(rung: RungChoice) -> None:
+    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), model=Model(rung))
+    for rope in (RopeSimulator(scene), NativeRope(scene)):
+        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+        assert rope.advance_to(0.01, EndMotion(), EndMotion()).valid
+        assert rope.state.motion.q[-1, 6] == 1.0
+
+
+def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() -> None:
+    scene = Scene(rope=Rope(length=60.0))
+    rope, other = NativeRope(scene), NativeRope(scene.with_(model=Model("planar")))
+    for call in (
+        lambda: rope.state,
+        rope.save,
+        rope.native_state,
+        lambda: rope.advance_to(1.0, EndMotion(), EndMotion()),
+    ):
+        with pytest.raises(RuntimeError, match="no state yet"):
+            call()
+    for r in (rope, other):
+        assert r.initialize(0.0, EndMotion(), EndMotion(y=10.0)).valid
+    before = other.native_state()
+    damaged = rope.state._replace(step_next=math.nan)
+    with pytest.raises(ValueError, match="not a state"):
+        other.restore(damaged)
+    assert other.native_state() == before
+    assert other.state.rung == "planar"
+
+
+def test_a_rigid_rope_that_cannot_hang_is_a_status_in_both() -> None:
+    scene = Scene(rope=Rope(length=60.0), model=Model("rigid"))
+    messages = []
+    for rope in (RopeSimulator(scene), NativeRope(scene)):
+        assert rope.initialize(0.0, EndMotion(), EndMotion(y=20.0)).valid
+        status = rope.advance_to(2.0, EndMotion(), EndMotion(y=57.5))
+        assert not status.valid
+        messages.append(status.message)
+    assert messages[0] == messages[1]

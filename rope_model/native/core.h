@@ -126,6 +126,9 @@ int rung_carries_torque(const Scene *scene);
 double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]);
 void rigid_rope(const Scene *scene, const Path paths[2], double t, int nodes, const double *s, double *q, double *v,
                 double *a, double *reaction, double *kinetic, double *gravity, char *message);
+/* tensions at both ends at t, where the ends are moved by dx (m), dv and da upwards */
+void rigid_tensions(const Scene *scene, const Path paths[2], double t, const double dx[2][3], const double dv[2],
+                    const double da[2], double tensions[2]);
 /* rigid.flexible_start without `settled`: velocities and accelerations of the flow along the equilibrium q; on input
    v and a are the rigid rope's */
 void rigid_flowing(int nodes, const double *s, const double *q, double *v, double *a);

@@ -98,6 +98,7 @@ def _declared(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_advance": (c_int, (rope, c_double, c_char_p)),
         "rope_retune": (c_int, (rope, c_void_p)),
         "rope_message": (c_char_p, (rope,)),
+        "rope_is_initialized": (c_int, (rope,)),
         "rope_signal": (c_double, (rope, c_int)),
         "rope_derivative": (c_int, (rope, c_int, POINTER(c_double))),
         "rope_state_bytes": (c_size_t, (rope,)),
@@ -138,15 +139,18 @@ class NativeRope(RopeSimulator):
         return self._done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion) -> Status:
+        self._require_state()
         return self._done(self._lib.rope_advance(self._rope, t, _ends(left, right)))
 
     def retune(self, scene: Scene) -> None:
+        if not (status := self._done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
+            raise ValueError(status.message)
         super().retune(scene)
-        self._done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))
 
     def restore(self, data: bytes | RopeState) -> None:
-        super().restore(data)
-        if not (status := self.restore_native(_packed(self.state))).valid:
+        state = RopeState.from_bytes(data) if isinstance(data, bytes) else data
+        self._require_fitting(state)
+        if not (status := self.restore_native(_packed(state))).valid:
             raise ValueError(status.message)
 
     def added_mass(self) -> tuple[float, float]:
@@ -167,6 +171,7 @@ class NativeRope(RopeSimulator):
     @property
     def state(self) -> RopeState:
         if self._state is None:
+            self._require_state()
             data = ctypes.create_string_buffer(self._lib.rope_state_bytes(self._rope))
             self._lib.rope_save(self._rope, data)
             self._state = _unpacked(data.raw)
@@ -174,6 +179,7 @@ class NativeRope(RopeSimulator):
 
     def native_state(self) -> bytes:
         """The state as the native rope keeps it."""
+        self._require_state()
         data = ctypes.create_string_buffer(self._lib.rope_state_bytes(self._rope))
         self._lib.rope_save(self._rope, data)
         return data.raw
@@ -181,6 +187,10 @@ class NativeRope(RopeSimulator):
     def restore_native(self, data: bytes) -> Status:
         """Go on from what ``native_state`` gave."""
         return self._done(self._lib.rope_restore(self._rope, data, len(data)))
+
+    def _require_state(self) -> None:
+        if not self._lib.rope_is_initialized(self._rope):
+            raise RuntimeError("the rope has no state yet; call initialize first")
 
     def _done(self, well: int) -> Status:
         if well:

@@ -62,6 +62,23 @@ double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]) {
     return lowest(&pull);
 }
 
+void rigid_tensions(const Scene *scene, const Path paths[2], double t, const double dx[2][3], const double dv[2],
+                    const double da[2], double tensions[2]) {
+    double points[2][3], v[2], a[2];
+    for (int side = LEFT; side <= RIGHT; side++) {
+        double x[3];
+        for (int k = 0; k < 3; k++) {
+            double rates[3];
+            path_rates(&paths[side], t, k, rates);
+            x[k] = rates[0] + dx[side][k];
+            if (k == 1) v[side] = rates[1] + dv[side], a[side] = rates[2] + da[side];
+        }
+        suspended(scene, side, x, points[side]);
+    }
+    Pull pull = pull_of(scene, points, v, a);
+    tensions[LEFT] = pull.tensions[LEFT], tensions[RIGHT] = pull.tensions[RIGHT];
+}
+
 /* velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF) */
 static void flowing(int nodes, const double *q, Flow flow, double *v) {
     for (int i = 0; i < nodes * DOF; i += DOF) {

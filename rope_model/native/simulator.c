@@ -512,6 +512,18 @@ static void added_masses(Simulator *rope, double masses[2])
     const double d[3] = {0.5 * h * h * size, h * size, size};
     double c[3];
     int side;
+    if (rope->state->rung == RIGID) {
+        for (side = 0; side < 2; ++side) {
+            double dx[2][3] = {{0}}, dv[2] = {0}, da[2] = {0}, before[2], after[2];
+            rigid_tensions(&rope->scene, rope->state->paths, rope->state->t, dx, dv, da, before);
+            dx[side][1] = d[0];
+            dv[side] = d[1];
+            da[side] = d[2];
+            rigid_tensions(&rope->scene, rope->state->paths, rope->state->t, dx, dv, da, after);
+            masses[side] = (after[side] - before[side]) / size;
+        }
+        return;
+    }
     unperturbed(rope, c);
     for (side = 0; side < 2; ++side) {
         answered(rope, side, 1, d, c);
@@ -554,6 +566,20 @@ int rope_derivative(Simulator *rope, int input, double derivative[12])
     memset(derivative, 0, sizeof(double) * 12);
     if (dof == ANGLE && state->swivels[side].phase == SLIP)
         return 1; /* the friction does not know the yaw */
+    if (state->rung == RIGID) { /* no side forces, no moments, and only heights have speeds */
+        double dx[2][3] = {{0}}, dv[2] = {0}, da[2] = {0}, rest[2], moved[2];
+        rigid_tensions(&rope->scene, state->paths, state->t, dx, dv, da, rest);
+        if (kind == 0 && dof < SLOPE)
+            dx[side][dof] = sizes[0];
+        else if (kind == 1 && dof == 1)
+            dv[side] = sizes[1];
+        else if (kind == 2 && dof == 1)
+            da[side] = sizes[2];
+        rigid_tensions(&rope->scene, state->paths, state->t, dx, dv, da, moved);
+        derivative[1] = -(moved[LEFT] - rest[LEFT]) / sizes[kind];
+        derivative[7] = -(moved[RIGHT] - rest[RIGHT]) / sizes[kind];
+        return 1;
+    }
     m = state_arrays(state);
     d[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
     if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */

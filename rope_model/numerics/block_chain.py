@@ -126,14 +126,17 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
     limits = {"scale": scale, "tolerance": tolerance}
     after = dict(zip(("q", "v", "a", "R"), (*solved[:3], residual(*solved)), strict=True))
 
-    def function(name: str, inputs: dict[str, ca.MX], outputs: dict[str, ca.MX]) -> ca.Function:
-        return _widened(name, inputs, outputs, dof, kept)
+    def function(
+        name: str, inputs: dict[str, ca.MX], outputs: dict[str, ca.MX], carried: tuple[str, ...] = ()
+    ) -> ca.Function:
+        return _widened(name, inputs, outputs, dof, kept, carried)
 
     return ChainFunctions(
         solve=function(
             "solve",
             motion | system | method | limits,
             after | {"balance": sums(solved[0], solved[1]), "progress": progress},
+            carried=("q", "v", "a"),
         ),
         direction=function("direction", motion | system | method, {"q": correction, "R": R_a}),
         assess=function("assess", motion | system | {"P": P}, {"R": R_a, "balance": sums(q, v)}),
@@ -147,9 +150,17 @@ _NODAL = ("q", "v", "a", "R", "load", "grip", "node_mass", "free", "scale")
 
 
 def _widened(
-    name: str, inputs: dict[str, ca.MX], outputs: dict[str, ca.MX], dof: int, kept: tuple[int, ...]
+    name: str,
+    inputs: dict[str, ca.MX],
+    outputs: dict[str, ca.MX],
+    dof: int,
+    kept: tuple[int, ...],
+    carried: tuple[str, ...],
 ) -> ca.Function:
-    """The function with ``dof`` rows wherever it has those ``kept``; what is left out is ignored, and zero."""
+    """The function with ``dof`` rows wherever it has those ``kept``.
+
+    What is left out is ignored; in a result it is zero, or what came in where the result is one of ``carried``.
+    """
     narrow = ca.Function(name, [*inputs.values()], [*outputs.values()])
     if kept == tuple(range(dof)):
         return narrow
@@ -158,7 +169,7 @@ def _widened(
     results = narrow.call([x[rows, :] if key in _NODAL else x for key, x in wide.items()])
     for i, key in enumerate(outputs):
         if key in _NODAL:
-            y = ca.MX.zeros(dof, results[i].shape[1])
+            y = ca.MX(wide[key]) if key in carried else ca.MX.zeros(dof, results[i].shape[1])
             y[rows, :] = results[i]
             results[i] = y
     return ca.Function(name, [*wide.values()], results)

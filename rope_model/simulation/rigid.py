@@ -108,6 +108,25 @@ def rigid_rope(scene: Scene, paths: tuple[EndPath, EndPath], t: float, nodes_s: 
     return RigidRope(pull.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
 
 
+def rigid_added_mass(scene: Scene, paths: tuple[EndPath, EndPath], t: float, h: float) -> tuple[float, float]:
+    """kg: how much each end's pull grows with an upward acceleration held over ``h``, by differences."""
+    size = 1e-3
+
+    def tensions(moved: int | None) -> tuple[float, float]:
+        x, v, a = (np.array([path(t)[k] for path in paths]) for k in range(3))
+        if moved is not None:
+            x[moved, 1], v[moved, 1], a[moved, 1] = (
+                x[moved, 1] + 0.5 * h * h * size,
+                v[moved, 1] + h * size,
+                a[moved, 1] + size,
+            )
+        ends = nominal_points(scene.layout.spacing) + x[:, :3]
+        return _pull(scene, ends, (float(v[0, 1]), float(v[1, 1])), (float(a[0, 1]), float(a[1, 1]))).tensions
+
+    before = tensions(None)
+    return (tensions(0)[0] - before[0]) / size, (tensions(1)[1] - before[1]) / size
+
+
 def flexible_start(system: RopeSystem, rigid: Motion) -> Motion:
     """A flexible rope in place of the rigid one: in equilibrium between the present ends, along which it flows."""
     rest = find_equilibrium(system, rigid.q, rigid.t)

@@ -23,7 +23,7 @@ from .diagnostics import LoopBottom, loop_bottom
 from .ends import SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
 from .mesh import distance_to_due, misplaced, partition, suited
 from .model import RopeModel, ends_of, energies, powers
-from .rigid import rigid_rope
+from .rigid import rigid_added_mass, rigid_rope
 from .rope_system import Assessment, KernelShelf, RopeSystem
 from .rungs import chosen, outgrown
 from .state import Counts, RopeState
@@ -127,12 +127,15 @@ class RopeSimulator:
     def restore(self, data: bytes | RopeState) -> None:
         """Go on from a saved state; ValueError when it does not fit this scene."""
         state = RopeState.from_bytes(data) if isinstance(data, bytes) else data
+        self._require_fitting(state)
+        self._accept(state)
+
+    def _require_fitting(self, state: RopeState) -> None:
         if state.partition.lengths.size != self.model.kernels.elements:
             raise ValueError(
                 f"the saved state has {state.partition.lengths.size} elements, "
                 f"this rope {self.model.kernels.elements}; restore it into a rope with the same parameters"
             )
-        self._accept(state)
 
     def retune(self, scene: Scene) -> None:
         """Go on with other solver tolerances or swivel friction; nothing else of the scene may differ."""
@@ -243,7 +246,10 @@ class RopeSimulator:
         if why := outgrown(self.scene, state.rung, (left, right)):
             if self.scene.model.rung != "auto":
                 return Status(False, f"the {state.rung} rung cannot follow {why}; set model.rung = auto (or torsional)")
-            state = raised(self.model, state, why)
+            try:
+                state = raised(self.model, state, why)
+            except StaticsError as error:
+                return Status(False, str(error))
         impulse = [0.0, 0.0]
         while state.motion.t < t:
             before = state.motion
@@ -271,6 +277,8 @@ class RopeSimulator:
         perturbation y = a h^2 / 2, v = a h.
         """
         m, h, system = self.state.motion, self.state.last_interval, self.system
+        if self.state.rung == "rigid":
+            return rigid_added_mass(self.scene, self.state.paths, m.t, h)
         c = self.model.method.newton(h)
         unperturbed, rest = system.direction(m.q, m.v, m.a, m.reaction, c)
         size, masses = 1e-3, []
@@ -320,7 +328,7 @@ class RopeSimulator:
         """The rigid rope follows its ends in one go."""
         try:
             after = self._rigid(state, t_end)
-        except ValueError as error:
+        except (StaticsError, ValueError) as error:
             return str(error)
         now, h = powers(self.model.system(after), after.motion), t_end - state.motion.t
         work = after.ledger.work_ends + 0.5 * h * (state.powers.ends + now.ends)
