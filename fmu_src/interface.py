@@ -59,6 +59,7 @@ _MESH = {
     "elements": ("", "number of elements, EEM only"),
     "coarse_length": ("m", "element length of segments I and VII, TMN-ETM only; the loop's are an eighth of it"),
     "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, TMN-ETM only"),
+    "leg_levels": ("", "how often two elements of segments I and VII become one far from loop and ends, TMN-ETM only"),
     "loop_error": ("m", "error of the loop's place that the mesh may bring, kind 2 only"),
 }
 _SOLVER = {
@@ -83,6 +84,7 @@ _MINIMUM = {
     "elements": 2,
     "coarse_length": 0.0,
     "end_levels": 0,
+    "leg_levels": 0,
     "loop_error": 1e-5,
 }
 _MAXIMUM = {
@@ -91,6 +93,7 @@ _MAXIMUM = {
     "installed_twist": 1e3,
     "elements": 20000,
     "end_levels": 8,
+    "leg_levels": 6,
     "loop_error": 1.0,
     "step_max": 1.0,
     "step_min": 1.0,

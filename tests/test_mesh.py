@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from rope_model.parameters import Mesh
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh import (
     DUE,
+    GRADING,
     LADDER,
     Partition,
     distance_to_due,
@@ -95,14 +97,18 @@ def test_a_rope_too_short_for_its_ladder_is_refused_with_the_cure() -> None:
 LENGTHS = st.floats(40.0, 400.0)
 PLACES = st.floats(0.0, 1.0)
 MESHES = st.builds(
-    lambda coarse, two, three, four, ends: Mesh(
-        coarse_length=coarse, counts=(2 * two, 4 * three, 8 * four, 4 * three, 2 * two), end_levels=ends
+    lambda coarse, two, three, four, ends, legs: Mesh(
+        coarse_length=coarse,
+        counts=(2 * two, 4 * three, 8 * four, 4 * three, 2 * two),
+        end_levels=ends,
+        leg_levels=legs,
     ),
     st.floats(0.5, 4.0),
     st.integers(1, 3),
     st.integers(1, 3),
     st.integers(1, 6),
     st.integers(0, 3),
+    st.integers(0, 5),
 )
 
 
@@ -115,7 +121,8 @@ def test_the_ladder_adds_up_to_the_rope_and_is_centred_as_well_as_it_can_be(
     assume(length > inner + 3 * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     np.testing.assert_allclose(p.lengths.sum(), length, rtol=1e-12)  # a sum of some hundred lengths
-    assert sum(p.counts) + 2 * mesh.end_levels == p.lengths.size
+    if mesh.leg_levels == 0:
+        assert sum(p.counts) + 2 * mesh.end_levels == p.lengths.size
     assert min(p.counts) >= 1
     assert p.counts[1:6] == mesh.counts
     # half a coarse element off, where the ends leave room for it
@@ -141,11 +148,18 @@ def test_a_transformation_moves_one_coarse_element_across_and_back_again(
     back = transformed(there, -direction)
     assert back.counts == p.counts
     np.testing.assert_array_equal(back.lengths, p.lengths)
-    # every new node lies on an old one or in the middle of an old element
+    # whole elements become one, or one becomes several: one mesh divides the other everywhere
     old, new = nodes(p), nodes(there)
-    places = np.sort(np.concatenate((old, 0.5 * (old[1:] + old[:-1]))))
-    i = np.clip(np.searchsorted(places, new), 1, places.size - 1)
-    assert np.max(np.minimum(np.abs(places[i] - new), np.abs(places[i - 1] - new))) < 1e-9 * length
+    cells = np.unique(np.round(np.concatenate((old, new)) / p.coarse, 6))
+    for left, right in pairwise(cells):
+        inside = [np.sum((np.round(s / p.coarse, 6) > left) & (np.round(s / p.coarse, 6) < right)) for s in (old, new)]
+        assert inside == [0, 0]
+    coarser, finer = ({(round(a / p.coarse, 6), round(b / p.coarse, 6)) for a, b in pairwise(s)} for s in (old, new))
+    for a, b in coarser ^ finer:
+        other = finer if (a, b) in coarser else coarser
+        within = [x for x in other if a <= x[0] and x[1] <= b]
+        around = [x for x in other if x[0] <= a and b <= x[1]]
+        assert around or (within and min(x[0] for x in within) == a and max(x[1] for x in within) == b)
 
 
 def test_a_transformation_is_due_when_the_loop_has_travelled_and_not_due_back_at_once() -> None:
@@ -173,6 +187,30 @@ def test_a_loop_that_travels_to_the_end_and_back_ends_on_the_mesh_it_began_with(
         assert p.lengths.size == start.lengths.size
     assert counts >= 80  # 90 m there and back in steps of 2 m
     assert abs(p.counts[0] - start.counts[0]) <= 1
+
+
+def test_legs_of_joined_elements_grow_with_the_logarithm_of_the_rope() -> None:
+    counts = [partition(Mesh(leg_levels=6), length, 0.4 * length).lengths.size for length in (500.0, 1000.0, 2000.0)]
+    plain = [partition(Mesh(), length, 0.4 * length).lengths.size for length in (500.0, 1000.0, 2000.0)]
+    assert np.diff(plain).min() >= 240  # l = 2 m
+    assert np.diff(counts).max() <= 16
+
+
+@settings(max_examples=60, deadline=None)
+@given(length=st.floats(120.0, 2000.0), place=PLACES, levels=st.integers(1, 6))
+def test_elements_of_the_legs_are_as_long_as_their_distances_from_end_and_loop_allow(
+    length: float, place: float, levels: int
+) -> None:
+    p = partition(Mesh(end_levels=0, leg_levels=levels), length, place * length)
+    units, first, last = p.lengths / p.coarse, p.counts[0], p.counts[6]
+    s = nodes(p) / p.coarse
+    for size, a, b in zip(units, s, s[1:], strict=False):
+        if size > 1.0 + 1e-9:
+            assert size <= 2**levels + 1e-9
+            from_end = min(a, length / p.coarse - b)
+            to_loop = first - b if b <= first + 1e-9 else a - (length / p.coarse - last)
+            assert size <= from_end + 1e-6
+            assert GRADING * (size - 1) <= to_loop + 1e-6
 
 
 # the transfer

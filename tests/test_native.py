@@ -162,7 +162,13 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
     scale["count.newton"] = 0.02 * a.counts.newton / 1e-8
     # where swivels slip, the instants of the events carry the rounding on
     relative = 1e-6 if a.counts.swivel_events else 1e-8
-    wrong = {n: (expected[n], got[n]) for n in SIGNALS if not abs(expected[n] - got[n]) <= relative * scale[n]}
+    allowed = {n: relative * scale[n] for n in SIGNALS}
+    # so does the rope in another height
+    elsewhere = signals(higher)
+    slipping = [n for n in SIGNALS if ".swivel." in n]
+    allowed |= {n: max(allowed[n], 3 * abs(expected[n] - elsewhere[n])) for n in slipping}
+    assert max(allowed[n] for n in slipping) < 2e-5
+    wrong = {n: (expected[n], got[n]) for n in SIGNALS if not abs(expected[n] - got[n]) <= allowed[n]}
     assert not wrong
 
 

@@ -67,7 +67,12 @@ MESSAGE, ROUNDING = 512, 1e-12
 
 
 class CPattern(ct.Structure):
-    _fields_ = (("coarse", ct.c_double), ("counts", ct.c_int32 * 7), ("end_levels", ct.c_int32))
+    _fields_ = (
+        ("coarse", ct.c_double),
+        ("counts", ct.c_int32 * 7),
+        ("end_levels", ct.c_int32),
+        ("leg_levels", ct.c_int32),
+    )
 
 
 class CLoopBottom(ct.Structure):
@@ -192,7 +197,7 @@ def c_partition(parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float
 
 def as_in_c(mesh: Partition) -> tuple[Any, Array]:
     """Pattern and lengths."""
-    return CPattern(mesh.coarse, (ct.c_int32 * 7)(*mesh.counts), mesh.end_levels), mesh.lengths
+    return CPattern(mesh.coarse, (ct.c_int32 * 7)(*mesh.counts), mesh.end_levels, mesh.leg_levels), mesh.lengths
 
 
 def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:
@@ -205,8 +210,8 @@ def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:
 
 
 meshes = st.builds(
-    lambda kind, elements, l, twos, fours, fine, levels, error: Mesh(
-        kind, elements, l, (2 * twos[0], 4 * fours[0], 8 * fine, 4 * fours[1], 2 * twos[1]), levels, error
+    lambda kind, elements, l, twos, fours, fine, levels, legs, error: Mesh(
+        kind, elements, l, (2 * twos[0], 4 * fours[0], 8 * fine, 4 * fours[1], 2 * twos[1]), levels, legs, error
     ),
     st.sampled_from(KINDS),
     st.integers(2, 400),
@@ -215,6 +220,7 @@ meshes = st.builds(
     st.tuples(st.integers(1, 3), st.integers(1, 3)),
     st.integers(1, 8),
     st.integers(0, 8),
+    st.integers(0, 6),
     st.floats(1e-4, 0.2),
 )
 ropes = st.builds(
@@ -230,11 +236,12 @@ layouts = st.builds(Layout, st.floats(0.3, 5.0))
 @settings(max_examples=200, deadline=None)
 def test_suited_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
     ours, expected = parts.mesh_suited(c_of(mesh), c_of(rope), c_of(layout)), suited(mesh, rope, layout)
-    assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
+    assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels, ours.leg_levels) == (
         expected.kind,
         expected.elements,
         expected.counts,
         expected.end_levels,
+        expected.leg_levels,
     )
     assert_allclose(ours.coarse_length, expected.coarse_length, rtol=1e-15)
     assert ours.loop_error == expected.loop_error

@@ -9,7 +9,7 @@
 
 #define POLE_MARGIN 0.35
 #define POLE_FOLLOWS 0.5
-#define RELAXATION_TIME 0.01
+#define RELAXATION_TIME 0.1
 /* rigid */
 #define SETTLING_TIME 0.1
 #define SETTLING_TOLERANCE 1e-7

@@ -36,7 +36,7 @@ typedef struct {
 /* the pattern of TMN-ETM; counts[0] = 0 for EEM */
 typedef struct {
     double coarse;
-    int32_t counts[SEGMENTS], end_levels;
+    int32_t counts[SEGMENTS], end_levels, leg_levels;
 } Pattern;
 
 /* which: side of the swivel, or the new rung */

@@ -37,7 +37,7 @@ class _Swivel(Structure):
 
 
 class _Pattern(Structure):
-    _fields_ = (("coarse", c_double), ("counts", c_int32 * _SEGMENTS), ("end_levels", c_int32))
+    _fields_ = (("coarse", c_double), ("counts", c_int32 * _SEGMENTS), ("end_levels", c_int32), ("leg_levels", c_int32))
 
 
 class _Event(Structure):
@@ -234,7 +234,13 @@ def _unpacked(data: bytes) -> RopeState:
     counts = tuple(s.pattern.counts) if s.pattern.counts[0] else ()
     return RopeState(
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
-        partition=Partition(values[6 * size : 6 * size + n].copy(), counts, s.pattern.coarse, s.pattern.end_levels),
+        partition=Partition(
+            values[6 * size : 6 * size + n].copy(),
+            counts,
+            s.pattern.coarse,
+            s.pattern.end_levels,
+            s.pattern.leg_levels,
+        ),
         pole=np.array(s.pole),
         offsets=(s.offsets[0], s.offsets[1]),
         swivels=tuple(SwivelState(Phase(w.phase), w.angle, w.sign) for w in s.swivels),  # type: ignore[arg-type]
@@ -267,7 +273,7 @@ def _packed(state: RopeState) -> bytes:
         power_swivel=state.powers.swivel,
         swivels=tuple(_Swivel(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
         paths=tuple(PathStructure(q.start, q.stop, q.coefficients) for q in state.paths),
-        pattern=_Pattern(p.coarse, p.counts or (0,) * _SEGMENTS, p.end_levels),
+        pattern=_Pattern(p.coarse, p.counts or (0,) * _SEGMENTS, p.end_levels, p.leg_levels),
         ledger=_Ledger(*state.ledger),
         counts=_Counts(*state.counts),
         elements=p.lengths.size,

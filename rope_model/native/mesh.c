@@ -13,8 +13,11 @@ enum { MOST_ELEMENTS = 20000 };
 
 static const double LADDER[SEGMENTS] = {1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0};
 static const double DUE = 0.6;
+enum { GRADING = 2 };
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
+static const double LEG_LENGTH = 80.0;
+static const double FADE = 1.0, FADE_ERROR = 0.05, FADE_DECADE = 0.4;
 static const double NEAREST = 0.12;
 static const double END_LENGTH = 2.0;
 
@@ -28,9 +31,9 @@ static double inner_of(const Mesh *mesh) {
     return inner_length(n[0], n[1], n[2], n[3], n[4]);
 }
 
-/* elements of segment IV in the mesh suited to a loop of radius R and natural length w */
-static double suited_fine_count(double R, double w, double coarse) {
-    double covered = PI * R + 2 * w + 2 * DUE * coarse;
+/* elements of segment IV in the mesh suited to a loop of radius R that fades out over a length of `fade` */
+static double suited_fine_count(double R, double fade, double coarse) {
+    double covered = PI * R + 2 * fade + 2 * DUE * coarse;
     return 8 * ceil(covered / coarse);
 }
 
@@ -47,13 +50,14 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     double R = fmin(0.5 * layout->spacing, NATURAL_RADIUS * w);
     double fine = fmin(LOOP_LENGTH * pow(mesh->loop_error / (LOOP_ERROR * R), 0.2), LONGEST) * R;
     double coarse = fine / LADDER[3];
+    double fade = w * fmax(FADE + FADE_DECADE * log10(FADE_ERROR / mesh->loop_error), 0);
     double layer = sqrt(rope->EI / (0.5 * weight * rope->length));
 
     /* the loop comes near an end: segment IV must be able to follow */
-    double inner = inner_length(2, 4, suited_fine_count(R, w, coarse), 4, 2);
+    double inner = inner_length(2, 4, suited_fine_count(R, fade, coarse), 4, 2);
     coarse = fmin(coarse, 2 * NEAREST * rope->length / inner);
     fine = coarse * LADDER[3];
-    double count = suited_fine_count(R, w, coarse);
+    double count = suited_fine_count(R, fade, coarse);
     if (coarse * (inner_length(2, 4, count, 4, 2) + 2) > rope->length) {
         suited.kind = EEM;
         suited.elements = as_int(fmax(ceil(rope->length / fine), 8));
@@ -66,7 +70,64 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     suited.counts[1] = suited.counts[3] = 4;
     suited.counts[2] = as_int(count);
     suited.end_levels = (int)fmin(levels, 8);
+    double longest = LEG_LENGTH * cbrt(mesh->loop_error * R * R);
+    suited.leg_levels = (int)fmin(fmax(floor(log2(longest / coarse)), 0), 6);
     return suited;
+}
+
+/* elements of a leg of `units` l from the clamped end on, each as long as its distances from end and loop allow, in
+   units of l; where they go to every `stride`, NULL: nowhere */
+static int fill_leg(int units, int levels, double *lengths, int stride) {
+    int count = 0;
+    for (int at = 0, size; at < units; at += size, count++) {
+        size = 1;
+        for (int k = 0; k < levels; k++) {
+            int twice = 2 * size;
+            if (twice > at || at % twice || units - (at + twice) < GRADING * (twice - 1))
+                break;
+            size = twice;
+        }
+        if (lengths != NULL)
+            lengths[(ptrdiff_t)stride * count] = size;
+    }
+    return count;
+}
+
+/* elements of both legs together, which have `units` l: as many as the worst place of the loop asks for; beyond `far`
+   2^levels more on one leg are one element more */
+static int leg_elements(int units, int levels) {
+    int most = levels == 0 ? units : 0, far = (2 + GRADING) << levels;
+    for (int first = 1; levels > 0 && first < 2 * far && first < units; first++) {
+        int count = fill_leg(first, levels, NULL, 0) + fill_leg(units - first, levels, NULL, 0);
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+/* the index of the longest element, of several the one nearest the loop */
+static int longest_of(const double *lengths, int stride, int count) {
+    int found = 0;
+    for (int k = 1; k < count; k++)
+        if (lengths[(ptrdiff_t)stride * k] >= lengths[(ptrdiff_t)stride * found])
+            found = k;
+    return found;
+}
+
+/* both legs from their ends on; what another place of the loop would ask for halves the longest elements; gives the
+   number of the left leg's */
+static int fill_legs(int first, int last, int levels, int elements, double *left, double *right) {
+    int counts[2] = {fill_leg(first, levels, left, 1), fill_leg(last, levels, right, -1)};
+    for (int spare = elements - counts[0] - counts[1]; spare > 0; spare--) {
+        int i = longest_of(left, 1, counts[0]), j = longest_of(right, -1, counts[1]), side = right[-j] > left[i];
+        double *lengths = side ? right - j : left + i;
+        int stride = side ? -1 : 1;
+        for (int k = counts[side] - (side ? j : i); k > 0; k--)
+            lengths[(ptrdiff_t)stride * k] = lengths[(ptrdiff_t)stride * (k - 1)];
+        lengths[0] *= 0.5;
+        lengths[stride] = lengths[0];
+        counts[side]++;
+    }
+    return counts[0];
 }
 
 /* elements of the segments I and VII together, for l near coarse_length */
@@ -97,7 +158,7 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
                  ROUNDED(inner_of(mesh) * mesh->coarse_length, 6), ROUNDED(length, 6));
         return 0;
     }
-    double elements = outer + 2 * mesh->end_levels;
+    double elements = leg_elements((int)outer, mesh->leg_levels) + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++)
         elements += mesh->counts[k];
     if (elements > (double)MOST_ELEMENTS) {
@@ -110,19 +171,22 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
 
 static void fill_lengths(const Pattern *pattern, double *lengths) {
     double coarse = pattern->coarse;
-    int levels = pattern->end_levels, n = 0;
-    /* l/2, l/4 ... and the last length once more, towards either end */
-    lengths[n++] = coarse * ldexp(1.0, -levels);
-    for (int k = levels; k >= 1; k--)
-        lengths[n++] = coarse * ldexp(1.0, -k);
-    for (int segment = 0; segment < SEGMENTS; segment++) {
-        int outermost = segment == 0 || segment == SEGMENTS - 1;
-        for (int k = outermost ? 1 : 0; k < pattern->counts[segment]; k++)
-            lengths[n++] = coarse * LADDER[segment];
-    }
-    for (int k = 1; k <= levels; k++)
-        lengths[n++] = coarse * ldexp(1.0, -k);
-    lengths[n] = coarse * ldexp(1.0, -levels);
+    const int32_t *counts = pattern->counts;
+    int first = counts[0], last = counts[SEGMENTS - 1], levels = pattern->end_levels;
+    int legs = leg_elements(first + last, pattern->leg_levels), elements = legs + 2 * levels, n = levels;
+    for (int k = 1; k < SEGMENTS - 1; k++)
+        elements += counts[k];
+
+    double *left = lengths + n, *right = lengths + elements - 1 - n;
+    n += fill_legs(first, last, pattern->leg_levels, legs, left, right);
+    for (int segment = 1; segment < SEGMENTS - 1; segment++)
+        for (int k = 0; k < counts[segment]; k++)
+            lengths[n++] = LADDER[segment];
+    /* the outermost: l/2, l/4 ... and the last length once more */
+    for (int k = 0; k <= levels; k++)
+        lengths[k] = lengths[elements - 1 - k] = ldexp(1.0, k == 0 ? -levels : k - 1 - levels);
+    for (int k = 0; k < elements; k++)
+        lengths[k] *= coarse;
 }
 
 void mesh_partition(const Mesh *mesh, double length, double bottom, Pattern *pattern, double *lengths) {
@@ -138,6 +202,7 @@ void mesh_partition(const Mesh *mesh, double length, double bottom, Pattern *pat
     first = first > 1 ? fmin(first, outer - 1) : 1;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;
+    pattern->leg_levels = mesh->leg_levels;
     pattern->counts[0] = (int)first;
     for (int k = 0; k < SEGMENTS - 2; k++)
         pattern->counts[k + 1] = mesh->counts[k];

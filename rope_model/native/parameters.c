@@ -95,6 +95,8 @@ static void mesh_checked(const Mesh *mesh, const Check *check) {
          "> 0 m", "2 m suits a 120 m rope");
     whole(check, 0 <= mesh->end_levels && mesh->end_levels <= 8, "end_levels", mesh->end_levels, "0 to 8",
           "2 resolves the clamped ends");
+    whole(check, 0 <= mesh->leg_levels && mesh->leg_levels <= 6, "leg_levels", mesh->leg_levels, "0 to 6",
+          "2 suits a 120 m rope");
     for (int i = 0; i < 5; i++) {
         int count = mesh->counts[i], multiple = multiples[i];
         char what[40], bound[40];

@@ -34,7 +34,7 @@ typedef struct {
 
 typedef struct {
     double coarse_length, loop_error;
-    int kind, elements, counts[5], end_levels;
+    int kind, elements, counts[5], end_levels, leg_levels;
 } Mesh;
 
 typedef struct {

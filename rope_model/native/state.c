@@ -69,7 +69,8 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     Pattern expected;
     int k;
     mesh_partition(&rope->mesh, length, 0.5 * length, &expected, lengths);
-    if (pattern->end_levels != expected.end_levels || !(fabs(pattern->coarse - expected.coarse) <= rounding))
+    if (pattern->end_levels != expected.end_levels || pattern->leg_levels != expected.leg_levels ||
+        !(fabs(pattern->coarse - expected.coarse) <= rounding))
         return 0;
     for (k = 1; k < SEGMENTS - 1; ++k)
         if (pattern->counts[k] != expected.counts[k])

@@ -25,7 +25,7 @@ POLE_MARGIN = 0.35
 #: cosine of the yaw between pole and the loop's lowest tangent below which the pole follows the loop
 POLE_FOLLOWS = 0.5
 #: s: what is slower keeps its shape in a transformation
-RELAXATION_TIME = 0.01
+RELAXATION_TIME = 0.1
 
 
 def transformed_if_due(model: RopeModel, state: RopeState) -> RopeState:

@@ -10,9 +10,11 @@ IV around the loop's lowest point.  When the loop has travelled l along the rope
 by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets
 coarser two elements become one (their middle node is dropped), where it gets finer one becomes two.
 
-Ours is one addition: the outermost element at each end is halved towards the end ``end_levels`` times and stays so.
-The rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
-long, is shorter than l; unresolved, it leans the whole leg.
+Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
+the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
+long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 4 l, ...
+2^``leg_levels`` l, as far as the distances from end and loop allow: a straight leg needs no more, and the number of
+elements then grows with the logarithm of the rope's length.  It is the same for every place of the loop.
 """
 
 from __future__ import annotations
@@ -31,10 +33,18 @@ LADDER = np.array([1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0])
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, and a margin that
 #: keeps a loop which trembles about the limit from transforming to and fro
 DUE = 0.6
+#: an element of I or VII is no longer than its distance from its end of the rope, and than this share of its distance
+#: from the loop's segments II to VI (both less l)
+GRADING = 2
 #: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
 LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
+#: 'auto': a leg's longest element is LEG_LENGTH (loop_error R^2)^(1/3)
+LEG_LENGTH = 80.0
+#: 'auto': what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this
+#: much more for a tenth of it
+FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.4
 #: 'auto': how near an end the loop may hang, in rope lengths
 NEAREST = 0.12
 #: 'auto': end elements in units of the bending layer there
@@ -48,13 +58,14 @@ class Partition:
     """Element lengths from left to right; for TMN-ETM also the pattern they come from.
 
     ``counts`` are the elements of the seven segments (empty for EEM) before the end elements are halved
-    ``end_levels`` times, ``coarse`` is l.
+    ``end_levels`` times and those of I and VII joined ``leg_levels`` times; ``coarse`` is l.
     """
 
     lengths: Array
     counts: tuple[int, ...] = ()
     coarse: float = 0.0
     end_levels: int = 0
+    leg_levels: int = 0
 
     @property
     def nodes_s(self) -> Array:
@@ -74,7 +85,9 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     The loop bends with a radius R, half the spacing or what its stiffness w = (EI / rho g)^(1/3) gives it; the error
     of its place grows with the fifth power of the elements' length there (measured, see docs/chart.md).  Segment IV
     covers the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped
-    ends resolve the bending layer sqrt(EI / T).  A rope too short for seven segments gets equal elements.
+    ends resolve the bending layer sqrt(EI / T).  Where two of a leg become one, or one two, linear theta is wrong by the
+    square of their length; each transformation lets the loop feel that.  A rope too short for seven segments gets equal
+    elements.
     """
     if mesh.kind != "auto":
         return mesh
@@ -85,9 +98,10 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     coarse = fine / LADDER[3]
     layer = math.sqrt(rope.EI / (0.5 * weight * rope.length))
     multiple = round(1 / LADDER[3])
+    fade = w * max(FADE + FADE_DECADE * math.log10(FADE_ERROR / mesh.loop_error), 0.0)
 
     def pattern(coarse: float) -> tuple[int, int, int, int, int]:
-        covered = math.pi * R + 2 * w + 2 * DUE * coarse
+        covered = math.pi * R + 2 * fade + 2 * DUE * coarse
         return (2, 4, multiple * math.ceil(covered / coarse), 4, 2)
 
     # the loop comes near an end: segment IV must be able to follow
@@ -97,7 +111,9 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     if coarse * (float(np.dot(counts, LADDER[1:6])) + 2) > rope.length:
         return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
     levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer))), 0)
-    return replace(mesh, kind="tmn", coarse_length=coarse, counts=counts, end_levels=min(levels, 8))
+    longest = LEG_LENGTH * (mesh.loop_error * R**2) ** (1 / 3)
+    legs = min(max(math.floor(math.log2(longest / coarse)), 0), 6)
+    return replace(mesh, kind="tmn", coarse_length=coarse, counts=counts, end_levels=min(levels, 8), leg_levels=legs)
 
 
 def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
@@ -118,12 +134,12 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
             f"the mesh's segments II to VI need {inner * mesh.coarse_length:g} m of a rope of {length:g} m and leave "
             "nothing for I and VII; lower coarse_length or the counts"
         )
-    elements = outer + 2 * mesh.end_levels + sum(mesh.counts)
+    elements = _leg_elements(int(outer), mesh.leg_levels) + 2 * mesh.end_levels + sum(mesh.counts)
     if elements > MOST_ELEMENTS:
         raise ValueError(f"coarse_length and counts make {elements:.0f} elements, more than {MOST_ELEMENTS}; use fewer")
     coarse = length / (outer + inner)
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), 1, outer - 1))
-    return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels)
+    return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.leg_levels)
 
 
 def misplaced(mesh: Partition, bottom: float) -> str:
@@ -140,7 +156,7 @@ def misplaced(mesh: Partition, bottom: float) -> str:
 def transformed(old: Partition, direction: int) -> Partition:
     """The partition after one transformation, ``direction`` +1 when the loop travels to the right, else -1."""
     first, last = old.counts[0] + direction, old.counts[6] - direction
-    return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels)
+    return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels, old.leg_levels)
 
 
 def transformation_due(mesh: Partition, bottom: float, slack: float = 0.0) -> int:
@@ -161,8 +177,45 @@ def distance_to_due(mesh: Partition, bottom: float) -> float:
     return float(abs(offset) - DUE * mesh.coarse)
 
 
-def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int) -> Partition:
-    ladder = np.repeat(coarse * LADDER, counts)
+def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, leg_levels: int) -> Partition:
+    inner = np.repeat(LADDER[1:6], counts[1:6])
     # l/2, l/4 ... and the last length once more
-    end = coarse * np.array([*(0.5**k for k in range(1, end_levels + 1)), 0.5**end_levels])
-    return Partition(np.concatenate((end[::-1], ladder[1:-1], end)), counts, coarse, end_levels)
+    end = np.array([*(0.5**k for k in range(1, end_levels + 1)), 0.5**end_levels])
+    left, right = _legs(counts[0], counts[6], leg_levels)
+    lengths = np.concatenate((end[::-1], left[1:], inner, right[:0:-1], end))
+    return Partition(coarse * lengths, counts, coarse, end_levels, leg_levels)
+
+
+def _leg(units: int, levels: int) -> list[int]:
+    """Elements of a leg of ``units`` l, in units of l, from the end of the rope on."""
+    lengths: list[int] = []
+    at = 0
+    while at < units:
+        size = 1
+        for _ in range(levels):
+            twice = 2 * size
+            if twice > at or at % twice or units - (at + twice) < GRADING * (twice - 1):
+                break
+            size = twice
+        lengths.append(size)
+        at += size
+    return lengths
+
+
+def _leg_elements(units: int, levels: int) -> int:
+    """Elements of both legs together, which have ``units`` l: as many as the worst place of the loop asks for."""
+    if levels == 0:
+        return units
+    # beyond, 2^levels more on one leg are one element more
+    far = (2 + GRADING) * 2**levels
+    return max(len(_leg(k, levels)) + len(_leg(units - k, levels)) for k in range(1, min(units, 2 * far)))
+
+
+def _legs(first: int, last: int, levels: int) -> tuple[list[int], list[int]]:
+    """Both legs from their ends on; what another place of the loop would ask for halves the longest elements."""
+    both = _leg(first, levels), _leg(last, levels)
+    for _ in range(_leg_elements(first + last, levels) - len(both[0]) - len(both[1])):
+        leg = max(both, key=max)
+        k = len(leg) - 1 - leg[::-1].index(max(leg))  # the one nearest the loop
+        leg[k : k + 1] = [leg[k] // 2] * 2
+    return both
