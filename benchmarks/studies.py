@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import textwrap
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -106,13 +107,13 @@ def main() -> None:
     draft, complete, tuning = (found[name].table for name in ("controllers", "controllers_complete", "tuning"))
     verified = words.verified(tuning, DOCS / "studies" / "tuning.toml", COMPLETE)
     verified.to_csv(DATA / "tuning_complete.csv", index=False, float_format="%.9g", lineterminator="\n")
-    insert(page, "winner", words.winner(complete))
+    insert(page, "winner", wrapped(words.winner(complete)))
     insert(page, "controllers_complete", markdown(complete, CONTROLLER_COLUMNS))
-    insert(page, "draft_error", words.draft_error(draft, complete))
+    insert(page, "draft_error", wrapped(words.draft_error(draft, complete)))
     insert(page, "controllers", markdown(draft, CONTROLLER_COLUMNS))
-    insert(page, "creep_pays", words.creep_pays(creep))
+    insert(page, "creep_pays", wrapped(words.creep_pays(creep)))
     insert(page, "creep", markdown(creep, CREEP_COLUMNS))
-    insert(page, "tuning_pays", words.tuning_pays(tuning, verified))
+    insert(page, "tuning_pays", wrapped(words.tuning_pays(tuning, verified)))
     insert(page, "tuning", markdown(verified, TUNING_COLUMNS))
     insert(
         DOCS / "study.md",
@@ -132,6 +133,11 @@ def markdown(table: pd.DataFrame, columns: Mapping[str, tuple[str, float, str]])
         ]
         lines.append("| " + " | ".join("-" if cell == "nan" else cell for cell in cells) + " |")
     return "\n".join(lines)
+
+
+def wrapped(text: str) -> str:
+    """Paragraphs with lines as long as the page's own."""
+    return "\n\n".join(textwrap.fill(paragraph, 118, break_on_hyphens=False) for paragraph in text.split("\n\n"))
 
 
 def insert(page: Path, name: str, text: str) -> None:

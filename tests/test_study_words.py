@@ -31,15 +31,17 @@ def test_what_creep_costs_is_told_over_the_creeping_windings_only() -> None:
     told = creep_pays(with_differences(CREEP))
     assert "adds 1.50 to 2.00 s" in told
     assert "smaller in 1 of 2 windings" in told
-    assert "input shaping, ZVD, jerk 1 m/s^3, 1 m/s, 2 m) takes 23.50 s with 2.00 mm" in told
-    assert "jerk 1 m/s^3) 22.00 s with 1.00 mm" in told
+    assert "without creep: input shaping, ZVD, jerk 1 m/s^3, 22.00 s with 1.00 mm" in told
+    assert "with it: 1 m/s, 2 m: input shaping, ZVD, jerk 1, 23.50 s with 2.00 mm." in told
 
 
-def test_the_winner_is_the_fastest_and_the_gentlest_ripples_least() -> None:
-    told = winner(CREEP.assign(slip_safety=[1.1, 1.2, 1.3, 1.4], case=list("abcd")))
+def test_the_winner_is_the_fastest_and_the_gentlest_of_its_jerk_ripples_least() -> None:
+    table = CREEP.assign(slip_safety=[1.1, 1.2, 1.3, 1.4], case=list("abcd"), rope_force_ripple=[9.0, 30.0, 20.0, 8.0])
+    table["winding.jerk"] = [3.0, 3.0, 3.0, 1.0]
+    told = winner(table)
     assert "First is: **b**, 22.00 s with 1.0 mm" in told
     assert "1.50 s (d), 4.00 s (a), 6.00 s (c)" in told
-    assert "Gentlest is: **b**" in told
+    assert "is: **a**. The rope's force ripples by 9 N with it, by 30 N with the first" in told
 
 
 def test_a_draft_winding_is_compared_with_the_complete_one_of_its_case_and_jerk() -> None:
