@@ -25,6 +25,7 @@ from hoist_demo.reference import s_curve
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 SHOWN = "monopol-1000"
+CREEPS = ((1.0, 0.0), (0.5, 3.0), (1.0, 5.0))  # m/s, m
 STEP = 0.02  # s
 
 COLUMNS = {
@@ -154,6 +155,28 @@ def _stops(runs: dict[str, Run], at: float) -> Figure:
     return figure
 
 
+def _creep() -> Figure:
+    """Reference of the trip without creep and with two of them, over time and over the way to the landing."""
+    figure = Figure(figsize=(8.0, 3.2), layout="constrained")
+    over_time, over_way = figure.subplots(1, 2, sharey=True)
+    trip = PRESETS[SHOWN].winding
+    for k, (c, length) in enumerate(CREEPS):
+        reference = s_curve(replace(trip, creep_speed=c, creep_distance=length))
+        t = np.linspace(trip.start_delay, reference.duration, 4001)
+        position, speed, *_ = reference.sample(t).T
+        label = f"{c:g} m/s over {length:g} m" if length > 0.0 else "no creep"
+        over_time.plot(t - trip.start_delay, speed, color=f"C{k}", label=label)
+        over_way.plot(trip.travel - position, speed, color=f"C{k}", label=label)
+    _label(over_time, "speed asked for [m/s]", None)
+    _label(over_way, "", None)
+    over_time.set_xlabel("time since the start [s]")
+    over_way.set_xlabel("way to the landing [m]")
+    over_time.set_xlim(left=76.0)
+    over_time.set_ylim(0.0, 4.0)
+    over_way.set_xlim(12.0, 0.0)
+    return figure
+
+
 def _safety(axes: Axes, run: Run, color: str, label: str) -> None:
     axes.plot(run["time"], run["slip_safety"], color=color, label=label)
     axes.set_ylim(0.0, 2.0 * float(np.max(run["static_slip_safety"])))
@@ -210,7 +233,7 @@ def main() -> None:
             writer.writerow([f"{column} [{unit}]" for column, unit in COLUMNS.items()])
             writer.writerows([f"{value:.6g}" for value in row] for row in run.table[::5])
     with matplotlib.rc_context({"font.size": 9.0}):
-        for name, figure in {"cycle": _cycle(runs[SHOWN]), "stops": _stops(stops, at)}.items():
+        for name, figure in {"cycle": _cycle(runs[SHOWN]), "stops": _stops(stops, at), "creep": _creep()}.items():
             figure.savefig(images / f"{name}.png", dpi=110, metadata={"Software": None})
     for line in lines:
         print("  ".join(f"{cell:>20}" for cell in line))

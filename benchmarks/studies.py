@@ -1,20 +1,24 @@
 """Tables, figures and data of the worked studies: ``python -m benchmarks.studies``.
 
-Reads what `balance-rope study` has left in out/study and writes docs/images/study, docs/data/study and the tables
-between the markers of docs/study_controllers.md and docs/study_swivel.md.
+Reads what `balance-rope study` has left in out/study, winds with the gains of the search on the complete rope, and
+writes docs/images/study, docs/data/study and what stands between the markers of docs/study_controllers.md and
+docs/study_swivel.md.
 """
 
 from __future__ import annotations
 
 import re
 import shutil
+import textwrap
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 
+from benchmarks import study_words as words
 from hoist_demo.parameters import Hoist
 from hoist_demo.study.metrics import METRICS
 from hoist_demo.study.store import Results, Store, read_results
@@ -22,7 +26,8 @@ from hoist_demo.study.store import Results, Store, read_results
 STUDIES, DOCS = Path("out") / "study", Path("docs")
 IMAGES, DATA = DOCS / "images" / "study", DOCS / "data" / "study"
 COLOURS = ("#b03a2e", "#d9731a", "#8e44ad", "#1f5fa8", "#2f8f5b")
-NAMES = ("controllers", "controllers_complete", "swivel")
+NAMES = ("controllers", "controllers_complete", "swivel", "creep", "tuning")
+COMPLETE = Path("build") / "standard.fmu"
 
 CONTROLLER_COLUMNS = {
     "case": ("controller", 1.0, "{}"),
@@ -36,6 +41,29 @@ CONTROLLER_COLUMNS = {
     "tracking_error": ("tracking, mm", 1e3, "{:.0f}"),
     "rope_force_ripple": ("rope force ripple, N", 1.0, "{:.1f}"),
     "slip_safety": ("slip safety", 1.0, "{:.3f}"),
+}
+CREEP_COLUMNS = {
+    "case": ("creep", 1.0, "{}"),
+    "name": ("controller", 1.0, "{}"),
+    "winding.jerk": ("jerk, m/s^3", 1.0, "{:g}"),
+    "cycle_time": ("winding time, s", 1.0, "{:.2f}"),
+    "added": ("of it by creep, s", 1.0, "{:.2f}"),
+    **{
+        name: CONTROLLER_COLUMNS[name]
+        for name in ("reference_time", "swing_left", "swing_right", "torque_rms", "rope_force_ripple", "slip_safety")
+    },
+}
+TUNING_COLUMNS = {
+    "gains": ("gains", 1.0, "{}"),
+    "rope": ("rope", 1.0, "{}"),
+    "gains.speed": ("speed, kN s/m", 1e-3, "{:.1f}"),
+    "gains.integral_time": ("integral time, s", 1.0, "{:.2f}"),
+    "gains.position": ("position, 1/s", 1.0, "{:.2f}"),
+    "cost": ("minimised, s", 1.0, "{:.3f}"),
+    **{
+        name: CONTROLLER_COLUMNS[name]
+        for name in ("cycle_time", "swing_left", "swing_right", "torque_rms", "torque_peak", "tracking_error")
+    },
 }
 SWIVEL_COLUMNS = {
     "case": ("swivels", 1.0, "{}"),
@@ -56,6 +84,8 @@ SWIVEL_COLUMNS = {
 
 def main() -> None:
     """Write everything; a study that has not been run stops with the command that runs it."""
+    if not COMPLETE.is_file():
+        raise SystemExit(f"{COMPLETE} is missing: run `balance-rope export --native --platform host --out {COMPLETE}`")
     for folder in (IMAGES, DATA):
         folder.mkdir(parents=True, exist_ok=True)
     stores, found = {}, {}
@@ -67,25 +97,36 @@ def main() -> None:
         shutil.copyfile(table.with_suffix(".csv"), DATA / f"{name}.csv")
     with plt.rc_context({"font.size": 9, "axes.grid": True, "grid.color": "#e3e3e3", "savefig.dpi": 150}):
         controllers(found["controllers"])
+        creep = words.with_differences(found["creep"].table)
+        save(words.creep_figure(creep), "creep")
         arrivals(stores["controllers_complete"], found["controllers_complete"])
         swivels(stores["swivel"], found["swivel"])
     swivel = found["swivel"].table
     swivel["yaw_at_end"] = [float(stores["swivel"].signals(key)["loop.yaw"].iloc[-1]) for key in swivel["key"]]
     page = DOCS / "study_controllers.md"
-    for name in NAMES[:2]:
-        insert(page, name, markdown(found[name], CONTROLLER_COLUMNS))
+    draft, complete, tuning = (found[name].table for name in ("controllers", "controllers_complete", "tuning"))
+    verified = words.verified(tuning, DOCS / "studies" / "tuning.toml", COMPLETE)
+    verified.to_csv(DATA / "tuning_complete.csv", index=False, float_format="%.9g", lineterminator="\n")
+    insert(page, "winner", wrapped(words.winner(complete)))
+    insert(page, "controllers_complete", markdown(complete, CONTROLLER_COLUMNS))
+    insert(page, "draft_error", wrapped(words.draft_error(draft, complete)))
+    insert(page, "controllers", markdown(draft, CONTROLLER_COLUMNS))
+    insert(page, "creep_pays", wrapped(words.creep_pays(creep)))
+    insert(page, "creep", markdown(creep, CREEP_COLUMNS))
+    insert(page, "tuning_pays", wrapped(words.tuning_pays(tuning, verified)))
+    insert(page, "tuning", markdown(verified, TUNING_COLUMNS))
     insert(
         DOCS / "study.md",
         "metrics",
         "\n".join(f"| `{name}` | {unit} | {text} |" for name, (unit, text) in METRICS.items()),
     )
-    insert(DOCS / "study_swivel.md", "swivel", markdown(found["swivel"], SWIVEL_COLUMNS))
+    insert(DOCS / "study_swivel.md", "swivel", markdown(swivel, SWIVEL_COLUMNS))
 
 
-def markdown(results: Results, columns: Mapping[str, tuple[str, float, str]]) -> str:
+def markdown(table: pd.DataFrame, columns: Mapping[str, tuple[str, float, str]]) -> str:
     """The table in the units of its heads."""
     lines = ["| " + " | ".join(head for head, _, _ in columns.values()) + " |", "|---" * len(columns) + "|"]
-    for row in results.table.to_dict("records"):
+    for row in table.to_dict("records"):
         cells = [
             form.format(row[name] * factor if isinstance(row[name], float) else row[name])
             for name, (_, factor, form) in columns.items()
@@ -94,10 +135,19 @@ def markdown(results: Results, columns: Mapping[str, tuple[str, float, str]]) ->
     return "\n".join(lines)
 
 
-def insert(page: Path, name: str, table: str) -> None:
-    """Put the table between `<!-- name -->` and `<!-- /name -->`."""
-    text = page.read_text(encoding="utf-8")
-    new = re.sub(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", lambda m: f"{m[1]}{table}\n{m[2]}", text, flags=re.S)
+def wrapped(text: str) -> str:
+    """Paragraphs with lines as long as the page's own."""
+    return "\n\n".join(textwrap.fill(paragraph, 118, break_on_hyphens=False) for paragraph in text.split("\n\n"))
+
+
+def insert(page: Path, name: str, text: str) -> None:
+    """Put the text between `<!-- name -->` and `<!-- /name -->`."""
+    before = page.read_text(encoding="utf-8")
+    new, found = re.subn(
+        rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", lambda m: f"{m[1]}{text}\n{m[2]}", before, flags=re.S
+    )
+    if found != 1:
+        raise ValueError(f"{page} has {found} places for {name}, it must have one: mark it with <!-- {name} -->")
     page.write_text(new, encoding="utf-8")
 
 

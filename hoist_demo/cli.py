@@ -44,6 +44,7 @@ examples:
   balance-rope demo --scene monopol-1000         a hoist of installed size: 1000 m, 16 m/s
   balance-rope demo --scene monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
   balance-rope demo --travel -90                 lower the left conveyance instead
+  balance-rope demo --creep-distance 3           the last 3 m at creep speed, 0.5 m/s
   balance-rope demo --estop-at 12                emergency stop at 5 m/s^2 near full speed
   balance-rope demo --step 0.005 --out out/fine  a finer coupling, to see whether the results change
   balance-rope demo --scheme iterative-secant    each exchange iterated to convergence
@@ -86,6 +87,13 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
     demo.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
     demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the scene)")
     demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the scene)")
+    demo.add_argument(
+        "--creep-distance",
+        type=float,
+        metavar="S",
+        help="creep over the last S [m], stop included (that of the scene)",
+    )
+    demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the scene)")
     demo.add_argument("--estop-at", type=float, metavar="T", help="emergency stop from time T [s], 5 or 2 m/s^2")
     demo.add_argument(
         "--estop-law",
@@ -145,11 +153,16 @@ def _winding(options: argparse.Namespace) -> Winding:
     chosen = {
         "travel": options.travel,
         "speed": options.speed,
+        "creep_distance": options.creep_distance,
+        "creep_speed": options.creep_speed,
         "emergency_at": options.estop_at,
         "emergency_law": options.estop_law,
     }
     given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
-    return replace(SCENES[options.scene].winding, **((_QUICK if options.quick else {}) | given))
+    winding = replace(SCENES[options.scene].winding, **((_QUICK if options.quick else {}) | given))
+    if options.creep_speed is not None and not winding.creeps:
+        raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
+    return winding
 
 
 def _rope(options: argparse.Namespace) -> RopePlant:

@@ -20,13 +20,15 @@ class Mark:
 
 
 def marks(result: Result, winding: Winding) -> list[Mark]:
-    """Emergency stop, arrival of the reference and, for a run that was stopped, its end; inside the record only."""
+    """Creep, emergency stop, arrival of the reference, and where a run was stopped; inside the record only."""
     times = result.recording.time
     # Host's reference counts from the start of the record
     start = float(times[0])
     found = [Mark(start + result.reference.duration, "reference at rest")]
     if winding.emergency_at is not None:
         found.insert(0, Mark(start + winding.emergency_at, "emergency stop"))
+    if winding.creeps:
+        found[:0] = [Mark(start + t, "creep") for t in result.reference.holds(winding.creep_speed)]
     found = [mark for mark in found if start <= mark.t <= float(times[-1])]
     return found if result.completed else [*found, Mark(float(times[-1]), "run stopped")]
 

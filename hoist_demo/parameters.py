@@ -157,6 +157,9 @@ class Winding:
     speed: float = 8.0  # m/s, limit
     acceleration: float = 0.75  # m/s^2, limit
     jerk: float = 0.5  # m/s^3, limit
+    creep_speed: float = 0.5  # m/s, of a creep, where there is one
+    creep_distance: float = 0.0  # m, to the landing from where creep speed is reached, final stop included; 0: no creep
+    departure_creep_distance: float = 0.0  # m, from the start to where creep speed is left; 0: no creep
     start_delay: float = 1.0  # s
     settle: float = 10.0  # s, recorded after the reference has arrived
     emergency_at: float | None = None  # s, emergency stop begins; None: no emergency stop
@@ -172,6 +175,16 @@ class Winding:
         for name in ("start_delay", "settle"):
             value = getattr(self, name)
             require(value, value >= 0.0, name, "finite and at least 0", "give a waiting time in s")
+        for name in ("creep_distance", "departure_creep_distance"):
+            value = getattr(self, name)
+            require(value, value >= 0.0, name, "finite and at least 0", "give a length in m, 0 for no creep")
+        require(
+            self.creep_speed,
+            self.creep_speed > 0.0 and (not self.creeps or self.creep_speed <= self.speed),
+            "creep_speed",
+            f"above 0 and at most the speed limit {self.speed:g} m/s",
+            "creep more slowly",
+        )
         if self.emergency_law not in get_args(EmergencyLaw):
             known = ", ".join(get_args(EmergencyLaw))
             raise ValueError(f"emergency_law = {self.emergency_law!r} must be one of {known}: choose one")
@@ -191,6 +204,11 @@ class Winding:
             f"at least the jerk limit {self.jerk:g} m/s^3",
             "shorten the brake's ramp",
         )
+
+    @property
+    def creeps(self) -> bool:
+        """Whether some of the trip is run at creep speed."""
+        return self.creep_distance > 0.0 or self.departure_creep_distance > 0.0
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,14 @@
-"""Reference motion of the hoist: an S-curve with limited jerk, acceleration and speed, and the emergency stop.
+"""Reference motion of the hoist: an S-curve with limited jerk, acceleration and speed, creep, and the emergency stop.
 
-Both are chains of segments of constant jerk, in closed form,
+All are chains of segments of constant jerk, in closed form,
 
     a = a0 + j t,   v = v0 + a0 t + j t^2 / 2,   s = s0 + v0 t + a0 t^2 / 2 + j t^3 / 6.
 
-The S-curve has seven segments (jerk +, 0, -, 0, -, 0, +); those that a short trip does not reach have no duration.
+The S-curve has seven segments (jerk +, 0, -, 0, -, 0, +); those that a short trip does not reach have no duration. With
+creep the speed changes between rest, creep speed and the trip's own in ramps (jerk +, 0, - or -, 0, +) of
+
+    (u + v) / 2 (|v - u| / a + a / j) metres, or (u + v) sqrt(|v - u| / j) where the limit a is not reached.
+
 Source: L. Biagiotti and C. Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008, section 3.4.
 """
 
@@ -16,6 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from hoist_demo.parameters import EmergencyLaw, Winding
 
@@ -77,6 +82,12 @@ class Reference:
                     peak = max(peak, abs(point.after(dt).speed))
         return peak
 
+    def holds(self, speed: float) -> tuple[float, ...]:
+        """Times [s] from which the given magnitude of speed [m/s] is held."""
+        pairs = zip(self.starts, self.points, strict=True)
+        # rounding of the segments before
+        return tuple(t for t, p in pairs if p.jerk == 0.0 and abs(abs(p.speed) - speed) + abs(p.acceleration) < 1e-9)
+
     def at(self, t: float) -> ReferencePoint:
         """Reference at time t [s]."""
         k = bisect_right(self.starts, t) - 1
@@ -96,10 +107,14 @@ class Reference:
 def s_curve(winding: Winding) -> Reference:
     """The trip of `winding` from rest to rest, its emergency stop included when one is asked for."""
     sign = math.copysign(1.0, winding.travel)
-    t_jerk, t_constant, t_cruise = _phases(abs(winding.travel), winding.speed, winding.acceleration, winding.jerk)
     j = sign * winding.jerk
-    jerks = (j, 0.0, -j, 0.0, -j, 0.0, j)
-    times = (t_jerk, t_constant, t_jerk, t_cruise, t_jerk, t_constant, t_jerk)
+    if winding.creeps:
+        signs, times = _creeping(winding)
+        jerks = tuple(s * j for s in signs)
+    else:
+        t_jerk, t_constant, t_cruise = _phases(abs(winding.travel), winding.speed, winding.acceleration, winding.jerk)
+        jerks = (j, 0.0, -j, 0.0, -j, 0.0, j)
+        times = (t_jerk, t_constant, t_jerk, t_cruise, t_jerk, t_constant, t_jerk)
     trip = _chain(winding.start_delay, _rest(0.0), jerks, times, end=winding.travel)
     if winding.emergency_at is None:
         return trip
@@ -138,12 +153,7 @@ def emergency_stop(trip: Reference, at: float, deceleration: float, jerk: float)
 
 def _phases(distance: float, speed: float, acceleration: float, jerk: float) -> tuple[float, float, float]:
     """Durations [s] of one jerk ramp, of the constant acceleration and of the cruise, for a trip of `distance` [m]."""
-    if speed * jerk >= acceleration**2:
-        t_jerk = acceleration / jerk
-        t_constant = speed / acceleration - t_jerk
-    else:
-        t_jerk = math.sqrt(speed / jerk)
-        t_constant = 0.0
+    t_jerk, t_constant = _ramp(speed, acceleration, jerk)
     distance_to_speed = speed * (2.0 * t_jerk + t_constant)
     if distance >= distance_to_speed:
         return t_jerk, t_constant, (distance - distance_to_speed) / speed
@@ -154,6 +164,63 @@ def _phases(distance: float, speed: float, acceleration: float, jerk: float) -> 
         return t_jerk, max(0.0, v / acceleration - t_jerk), 0.0
     # neither limit reached: distance = 2 j t_jerk^3
     return math.cbrt(distance / (2.0 * jerk)), 0.0, 0.0
+
+
+def _ramp(change: float, acceleration: float, jerk: float) -> tuple[float, float]:
+    """Durations [s] of either jerk ramp and of the constant acceleration of a `change` of speed [m/s]."""
+    if change * jerk >= acceleration**2:
+        t_jerk = acceleration / jerk
+        return t_jerk, change / acceleration - t_jerk
+    return math.sqrt(change / jerk), 0.0
+
+
+def _creeping(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Signs of the jerk and durations [s] of a trip with creep: of the ramps, and of the speeds held between them."""
+    travel, c, a, j = abs(winding.travel), winding.creep_speed, winding.acceleration, winding.jerk
+    first, last = winding.departure_creep_distance, winding.creep_distance
+
+    def length(u: float, v: float) -> float:
+        t_jerk, t_constant = _ramp(abs(v - u), a, j)
+        return (u + v) / 2.0 * (2.0 * t_jerk + t_constant)
+
+    stop = length(c, 0.0)
+    for name, distance in (("departure_creep_distance", first), ("creep_distance", last)):
+        if 0.0 < distance < stop:
+            raise ValueError(
+                f"{name} = {distance:g} m must be at least {stop:.6g} m, the ramp between rest and "
+                f"creep_speed = {c:g} m/s: creep farther or more slowly"
+            )
+
+    # highest speed for which both ramps fit between the creeps; their length grows with it
+    between = travel - first - last
+    before, after = (c if first > 0.0 else 0.0), (c if last > 0.0 else 0.0)
+
+    def ramps(v: float) -> float:
+        return length(before, v) + length(v, after)
+
+    if between < ramps(c):
+        raise ValueError(
+            f"departure_creep_distance + creep_distance = {first + last:g} m must be at most {travel - ramps(c):.6g} m "
+            f"of the travel of {travel:g} m: shorten the creep or creep more slowly"
+        )
+    if ramps(winding.speed) <= between:
+        v = winding.speed
+    else:
+        # on the side on which the ramps fit, as their length is steep near c; the rounding that is left is run at v
+        v = float(brentq(lambda v: ramps(v) - between, c, winding.speed, xtol=1e-15, rtol=1e-15))
+        v = max(c, v - 3e-15 * (1.0 + v))
+
+    held = [(c, first - stop)] * (first > 0.0) + [(v, between - ramps(v))] + [(c, last - stop)] * (last > 0.0)
+    signs: list[float] = []
+    times: list[float] = []
+    speed = 0.0
+    for following, distance in [*held, (0.0, 0.0)]:
+        t_jerk, t_constant = _ramp(abs(following - speed), a, j)
+        up = math.copysign(1.0, following - speed)
+        signs += [up, 0.0, -up, 0.0]
+        times += [t_jerk, t_constant, t_jerk, distance / following if following > 0.0 else 0.0]
+        speed = following
+    return tuple(signs), tuple(times)
 
 
 def _rest(position: float) -> ReferencePoint:

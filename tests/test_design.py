@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -106,6 +107,19 @@ def test_optimised_trip_keeps_the_limits_and_arrives() -> None:
     assert np.all(np.max(np.abs(rows[:, 1:]), axis=0) <= bounds * (1 + 1e-6) + np.array([2e-3, 0.0, 0.0]))
     # the solver's tolerance, on the scaled states
     assert rows[-1, :3] == pytest.approx([SHORT.travel, 0.0, 0.0], abs=1e-4)
+
+
+def test_shaped_trip_with_creep_creeps_and_arrives() -> None:
+    trip = replace(TRIP, creep_distance=3.0, creep_speed=0.6)
+    shaped = shape(s_curve(trip), Shaper("ZVD", 0.9, 0.1))
+    (begin,) = shaped.holds(0.6)
+    assert trip.travel - 3.0 < shaped.at(begin).position < trip.travel - 2.0
+    assert shaped.at(shaped.duration).position == trip.travel
+
+
+def test_optimised_trip_with_creep_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"creep_distance = 3 m must be 0 .*: leave the creep out"):
+        optimise(Hoist(), replace(SHORT, creep_distance=3.0), Gains(), Trajectory())
 
 
 def test_price_of_swing_buys_rest_with_time() -> None:

@@ -202,9 +202,15 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Drive) -> 
     assert drive.get("left.y") == before
 
 
-def test_another_trip_has_its_own_reference() -> None:
-    setup = replace(SETUP, winding=replace(SETUP.winding, travel=-20.0))
+@pytest.mark.parametrize("creep", [0.0, 3.0])
+def test_another_trip_has_its_own_reference(creep: float) -> None:
+    setup = replace(SETUP, winding=replace(SETUP.winding, travel=-20.0, creep_distance=creep))
     text = drive_model(setup).sources["drive_table.h"]
     last = text.partition("DRIVE_TRIP[][5] = {")[2].partition("};")[0].rpartition("{")[2]
     duration = s_curve(setup.winding).duration - setup.winding.start_delay
     assert_allclose([float(x) for x in last.rstrip("}").split(",")], [duration, -20.0, 0.0, 0.0, 0.0], rtol=1e-15)
+
+
+def test_description_tells_of_creep_where_there_is_one() -> None:
+    creeping = replace(SETUP, winding=replace(SETUP.winding, creep_distance=3.0, creep_speed=0.6))
+    assert drive_model(creeping).description == drive_model(SETUP).description + ", the last 3 m at 0.6 m/s"

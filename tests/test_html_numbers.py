@@ -17,6 +17,7 @@ from hoist_demo.html import bending, given, packing, page, panels
 from hoist_demo.html.study import study_report
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording import Recording
+from hoist_demo.reference import s_curve
 
 
 def unpack(packed: dict) -> np.ndarray:
@@ -113,6 +114,19 @@ def test_the_emergency_stop_and_the_end_of_a_stopped_run_are_marked() -> None:
     )
     found = events.marks(run, Winding(emergency_at=4.0))
     assert [(mark.t, mark.label) for mark in found] == [(4.0, "emergency stop"), (9.0, "run stopped")]
+
+
+def test_both_creeps_are_marked_where_they_begin() -> None:
+    winding = Winding(travel=20.0, creep_distance=3.0, departure_creep_distance=2.0, creep_speed=0.5, start_delay=1.0)
+    reference = s_curve(winding)
+    run = SimpleNamespace(
+        recording=recording(time=[10.0, 10.0 + reference.duration]), completed=True, cause="", reference=reference
+    )
+    times = [mark.t - 10.0 for mark in events.marks(run, winding) if mark.label == "creep"]
+    # the first after two ramps of jerk sqrt(0.5 / 0.5) s, in 0.5 m
+    assert times[0] == pytest.approx(1.0 + 2.0)
+    assert reference.at(times[1]).position == pytest.approx(17.0)
+    assert len(times) == 2
 
 
 def test_panels_hold_recorded_signals_only() -> None:

@@ -45,7 +45,12 @@ HOMES = {
         "hoist_demo.plant",
         "hoist_demo.drive_fmu.kernels",
     },
-    "scipy": {"rope_model.simulation.modal", "hoist_demo.design", "hoist_demo.study.sampling"},
+    "scipy": {
+        "rope_model.simulation.modal",
+        "hoist_demo.design",
+        "hoist_demo.reference",
+        "hoist_demo.study.sampling",
+    },
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
     "fmpy": {"hoist_demo.fmu_rope", "hoist_demo.fmu_parameters"},
     "matplotlib": {"hoist_demo.figures"},

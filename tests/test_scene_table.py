@@ -123,6 +123,11 @@ def test_a_stop_s_law_without_its_time_is_refused(capsys: pytest.CaptureFixture[
     assert "--estop-at" in capsys.readouterr().err
 
 
+def test_a_creep_s_speed_without_its_length_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert balance_rope.main(["demo", "--in-process", "--creep-speed", "0.5", "--out", str(tmp_path)]) == 2
+    assert "--creep-distance" in capsys.readouterr().err
+
+
 def test_a_brake_that_the_scene_has_not_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     command = ["demo", "--in-process", "--estop-law", "torque", "--estop-at", "5", "--out", str(tmp_path)]
     assert balance_rope.main(command) == 2

@@ -121,6 +121,17 @@ BAD = {
         "emergency_at = 5",
         "pi-feed-forward",
     ),
+    "optimised trip with creep": (
+        "[fixed]\ncontroller = 'optimised-trajectory'\nwinding.creep_distance = 3",
+        "creep_distance = 3 m",
+        "another controller",
+    ),
+    "creep that does not fit": ("[fixed]\nwinding.creep_distance = 200", "200 m", "shorten the creep"),
+    "creep speed in another unit": (
+        "[fixed]\nwinding.creep_speed = { value = 0.5, unit = 'mm/s' }",
+        "mm/s",
+        "m/s",
+    ),
     "unknown signal": ("study.signals = ['loop.jaw']", "loop.jaw", "loop.yaw"),
     "not TOML": ("[fixed", "not TOML", "correct"),
 }
@@ -242,6 +253,13 @@ def test_key_keeps_clear_of_what_the_controller_does_not_use() -> None:
     assert plain.key("bytes") == other.key("bytes")
     shaped = [build("rope-120", {"controller": "input-shaping", "shaper.frequency": f}) for f in (1.0, 2.0)]
     assert shaped[0].key("bytes") != shaped[1].key("bytes")
+
+
+def test_key_keeps_clear_of_a_creep_that_is_not_there() -> None:
+    plain, other = build("rope-120", {}), build("rope-120", {"winding.creep_speed": 0.8})
+    assert plain.key("bytes") == other.key("bytes")
+    creeps = [build("rope-120", {"winding.creep_distance": 3.0, "winding.creep_speed": v}) for v in (0.5, 0.8)]
+    assert len({run.key("bytes") for run in (plain, *creeps)}) == 3
 
 
 # metrics

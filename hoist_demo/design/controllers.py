@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from hoist_demo.controller import Gains
 from hoist_demo.design.shaping import Shaper, shape
-from hoist_demo.design.trajectory import Trajectory, optimise
+from hoist_demo.design.trajectory import Trajectory, optimise, require_no_creep
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.reference import Reference, s_curve
 
@@ -41,7 +41,7 @@ def drive(name: str, hoist: Hoist, winding: Winding, gains: Gains, shaper: Shape
 
 
 def require_possible(name: str, winding: Winding) -> None:
-    """Reject an unknown controller, and a designed trip that is to end in an emergency stop."""
+    """Reject an unknown controller, a designed trip with an emergency stop, and an optimised one with creep."""
     if name not in CONTROLLERS:
         raise ValueError(f"controller = {name!r} must be one of {', '.join(CONTROLLERS)}: choose one")
     if name in DESIGNED and winding.emergency_at is not None:
@@ -49,3 +49,5 @@ def require_possible(name: str, winding: Winding) -> None:
             f"emergency_at = {winding.emergency_at:g} s must not be given with controller = {name!r}: "
             "stop a trip of pi or pi-feed-forward"
         )
+    if name == "optimised-trajectory":
+        require_no_creep(winding)

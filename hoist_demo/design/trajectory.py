@@ -67,6 +67,7 @@ class Optimum:
 
 def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: Trajectory) -> Optimum:
     """Solve the problem; a solver that does not converge is an error with its status."""
+    require_no_creep(winding)
     low, high = 0.0, hoist.shaft_travel
     y_left, y_right = (low, high) if winding.travel > 0.0 else (high, low)
     model = low_rung(hoist, gains, y_left, y_right)
@@ -118,6 +119,16 @@ def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: Trajectory) -
         ) from error
     duration, found = float(solution.value(T)), winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel()
     return Optimum(_chain(winding, duration, found), duration, int(solution.stats()["iter_count"]))
+
+
+def require_no_creep(winding: Winding) -> None:
+    """Reject creep: the optimiser chooses the speed along the whole trip."""
+    for name in ("departure_creep_distance", "creep_distance"):
+        if getattr(winding, name) > 0.0:
+            raise ValueError(
+                f"{name} = {getattr(winding, name):g} m must be 0 with controller = 'optimised-trajectory', which "
+                "chooses the speed itself: leave the creep out, or take another controller"
+            )
 
 
 def _mean_jerks(trip: Reference, N: int) -> Vector:

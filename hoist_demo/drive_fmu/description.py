@@ -9,7 +9,7 @@ from importlib.resources import files
 from hoist_demo.drive_fmu.documentation import attachments
 from hoist_demo.drive_fmu.interface import INPUTS, Variable, plant_outputs, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
-from hoist_demo.parameters import Setup, require_trip_fits
+from hoist_demo.parameters import Setup, Winding, require_trip_fits
 from hoist_demo.reference import s_curve
 
 NAME = "HoistDrive"
@@ -37,7 +37,7 @@ def drive_model(setup: Setup) -> DriveModel:
     trip = f"{abs(setup.winding.travel):g} m {'up' if setup.winding.travel > 0.0 else 'down'} at up to"
     text = (
         "Drive of a friction hoist with motor, sheave, head ropes and two conveyances, S-curve reference and speed "
-        f"controller; left conveyance {trip} {setup.winding.speed:g} m/s"
+        f"controller; left conveyance {trip} {setup.winding.speed:g} m/s{_creep(setup.winding)}"
     )
     sources = {
         "drive_model.c": files(__package__).joinpath("drive_model.c").read_text(encoding="utf-8"),
@@ -46,6 +46,13 @@ def drive_model(setup: Setup) -> DriveModel:
     }
     duration = s_curve(setup.winding).duration + setup.winding.settle
     return DriveModel(NAME, text, table, sources, attachments(text, table), duration)
+
+
+def _creep(winding: Winding) -> str:
+    """What the description says of the creep, nothing where there is none."""
+    ends = (("first", winding.departure_creep_distance), ("last", winding.creep_distance))
+    where = " and ".join(f"the {end} {distance:g} m" for end, distance in ends if distance > 0.0)
+    return f", {where} at {winding.creep_speed:g} m/s" if where else ""
 
 
 def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:

@@ -41,6 +41,10 @@ _TUNING_OF = {"input-shaping": "shaper", "optimised-trajectory": "trajectory"}
 """Data that only one controller uses, and that is not part of the key of the others' runs."""
 
 
+_CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
+"""Data of the winding that is not part of the key of runs without creep."""
+
+
 @dataclass(frozen=True)
 class RunData:
     """Everything that decides a run's result but the FMU's bytes."""
@@ -63,6 +67,9 @@ class RunData:
         for controller, tuning in _TUNING_OF.items():
             if self.controller != controller:
                 del data[tuning]
+        if not self.winding.creeps:
+            for name in _CREEP:
+                del data["winding"][name]
         text = json.dumps([data, fmu_hash], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:24]
 

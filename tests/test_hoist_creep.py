@@ -1,0 +1,226 @@
+"""A trip with creep keeps its limits, creeps where and as fast as asked, and lands exactly."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+
+from hoist_demo.parameters import Winding
+from hoist_demo.reference import Reference, s_curve
+
+LANDING = Winding(creep_distance=3.0, creep_speed=0.5)
+BOTH = Winding(travel=-60.0, speed=4.0, creep_distance=2.0, departure_creep_distance=1.5, creep_speed=0.6)
+SHORT = Winding(travel=5.0, creep_distance=3.0, creep_speed=0.5)
+# hardly faster than its creep, where the ramp's length is steep in the speed
+NEAR = Winding(0.01104854446708835, 0.5, 1.0, 1.0, creep_speed=0.03125, creep_distance=0.005524271733544175)
+
+
+def _ramp_length(u: float, v: float, a: float, j: float) -> float:
+    """Length of a jerk-limited change of speed: mean speed times duration [m]."""
+    change = abs(v - u)
+    return (u + v) / 2 * (change / a + a / j if change >= a * a / j else 2 * math.sqrt(change / j))
+
+
+@st.composite
+def windings(draw: st.DrawFn) -> Winding:
+    """Trips with creep at the landing, at the departure or at both that fit in."""
+    number = {name: draw(st.floats(low, high)) for name, (low, high) in _RANGES.items()}
+    c = number["creep_speed"] * number["speed"]
+    # the shortest creep there is, clear of rounding
+    stop = _ramp_length(0.0, c, number["acceleration"], number["jerk"]) * (1 + 1e-9)
+    ends = draw(st.sampled_from([(True, False), (False, True), (True, True)]))
+    creeps = [stop + draw(st.floats(0.0, 5.0)) if end else 0.0 for end in ends]
+    least = sum(creeps) + stop * (2 - sum(ends))
+    assume(least > 1e-3)
+    return Winding(
+        travel=draw(st.sampled_from([1.0, -1.0])) * (least + draw(st.floats(0.0, 200.0)) + 1e-9),
+        speed=number["speed"],
+        acceleration=number["acceleration"],
+        jerk=number["jerk"],
+        creep_speed=c,
+        creep_distance=creeps[0],
+        departure_creep_distance=creeps[1],
+        emergency_deceleration=5.0,
+    )
+
+
+_RANGES = {"speed": (0.5, 18.0), "acceleration": (0.1, 2.0), "jerk": (0.1, 5.0), "creep_speed": (0.05, 1.0)}
+
+some = given(windings())
+few = settings(max_examples=150, deadline=None)
+
+
+def _ends(reference: Reference) -> list[tuple[float, float]]:
+    return list(zip(reference.starts[:-1], reference.starts[1:], strict=True))
+
+
+@few
+@some
+@example(LANDING)
+@example(BOTH)
+@example(SHORT)
+def test_limits_are_kept_and_the_trip_never_reverses(winding: Winding) -> None:
+    reference = s_curve(winding)
+    times = np.unique(np.concatenate([np.linspace(0.0, reference.duration + 1.0, 1001), reference.starts]))
+    _, v, a, j = reference.sample(times).T
+    # relative: rounding of some 20 segments; absolute: of the sums that cancel at the end
+    assert np.max(np.abs(v)) <= winding.speed * (1 + 1e-11)
+    assert np.max(np.abs(a)) <= winding.acceleration * (1 + 1e-11)
+    assert np.max(np.abs(j)) <= winding.jerk * (1 + 1e-11)
+    assert np.min(math.copysign(1.0, winding.travel) * v) >= -1e-11 * winding.speed
+
+
+@few
+@some
+@example(LANDING)
+@example(BOTH)
+@example(SHORT)
+@example(NEAR)
+def test_segments_join_without_a_jump_and_land_exactly(winding: Winding) -> None:
+    reference = s_curve(winding)
+    # rounding of the speed grows with the time over which it is held
+    scale = 1e-13 * (1.0 + abs(winding.travel)) * (1.0 + reference.duration)
+    for k, (start, end) in enumerate(_ends(reference)):
+        before, after = reference.points[k].after(end - start), reference.points[k + 1]
+        np.testing.assert_allclose(before.position, after.position, rtol=0, atol=scale)
+        np.testing.assert_allclose(before.speed, after.speed, rtol=0, atol=scale)
+        np.testing.assert_allclose(before.acceleration, after.acceleration, rtol=0, atol=scale)
+    end = reference.at(reference.duration)
+    assert (end.position, end.speed, end.acceleration, end.jerk) == (winding.travel, 0.0, 0.0, 0.0)
+
+
+@few
+@some
+@example(LANDING)
+@example(BOTH)
+@example(SHORT)
+def test_creep_speed_is_held_over_the_creeps_less_their_ramps(winding: Winding) -> None:
+    reference, travel, c = s_curve(winding), abs(winding.travel), winding.creep_speed
+    ramp = _ramp_length(0.0, c, winding.acceleration, winding.jerk)
+    for at_start, at_end in (
+        (ramp, winding.departure_creep_distance),
+        (travel - winding.creep_distance, travel - ramp),
+    ):
+        if at_end - at_start < 1e-6:  # no creep here, or no more than its ramps
+            continue
+        for place in np.linspace(at_start, at_end, 5):
+            # the time at which the place is passed, between two segments' ends
+            k = max(i for i, p in enumerate(reference.points[:-1]) if abs(p.position) <= place + 1e-9)
+            t = reference.starts[k] + max(0.0, place - abs(reference.points[k].position)) / c
+            assert abs(reference.at(t).speed) == pytest.approx(c, rel=1e-6, abs=1e-6)
+
+
+@few
+@some
+@example(LANDING)
+@example(BOTH)
+@example(SHORT)
+def test_peak_is_the_speed_limit_or_the_highest_for_which_the_ramps_fit(winding: Winding) -> None:
+    peak, c = s_curve(winding).peak_speed, winding.creep_speed
+    between = abs(winding.travel) - winding.creep_distance - winding.departure_creep_distance
+    ends = [c if distance > 0.0 else 0.0 for distance in (winding.departure_creep_distance, winding.creep_distance)]
+
+    def needed(v: float) -> float:
+        return sum(_ramp_length(u, v, winding.acceleration, winding.jerk) for u in ends)
+
+    assert c * (1 - 1e-12) <= peak <= winding.speed * (1 + 1e-12)
+    assert needed(max(c, peak * (1 - 1e-9))) <= between * (1 + 1e-9)
+    assert peak >= winding.speed * (1 - 1e-12) or needed(peak * (1 + 1e-6)) > between
+
+
+@pytest.mark.parametrize("winding", [LANDING, BOTH], ids=["landing", "both"])
+def test_each_derivative_is_the_difference_quotient_of_the_one_before(winding: Winding) -> None:
+    reference = s_curve(winding)
+    t = np.random.default_rng(1).uniform(0.0, reference.duration, 200)
+    d = 1e-5 * reference.duration
+    inside = np.array([all(abs(x - s) > 2 * d for s in reference.starts) for x in t])
+    low, mid, high = (reference.sample(t[inside] + shift) for shift in (-d, 0.0, d))
+    # d^2/6 times the third derivative, and rounding
+    atol = d * d * winding.jerk / 6 + 1e-14 * (1.0 + abs(winding.travel)) / d
+    np.testing.assert_allclose((high[:, :3] - low[:, :3]) / (2 * d), mid[:, 1:], rtol=0, atol=atol)
+
+
+def test_creep_from_full_speed_takes_the_textbook_time() -> None:
+    winding = Winding(travel=90.0, speed=4.0, start_delay=0.0, creep_distance=3.0, creep_speed=0.5)
+    # up to 4 m/s and down to 0.5 m/s with a / j = 1.5 s, stop from 0.5 m/s in two ramps of 1 s
+    up, down = 4.0 / 0.75 + 1.5, 3.5 / 0.75 + 1.5
+    cruise = (90.0 - 3.0 - 4.0 / 2 * up - 4.5 / 2 * down) / 4.0
+    expected = up + cruise + down + (3.0 - 0.5) / 0.5 + 2.0
+    np.testing.assert_allclose(s_curve(winding).duration, expected, rtol=1e-13)
+
+
+def test_trip_of_the_creep_alone_is_run_at_creep_speed() -> None:
+    winding = Winding(travel=3.5, creep_distance=3.0, creep_speed=0.5, start_delay=0.0)
+    reference = s_curve(winding)
+    np.testing.assert_allclose(reference.peak_speed, 0.5, rtol=1e-13)
+    # ramps of 2 s and 0.5 m at both ends
+    np.testing.assert_allclose(reference.duration, 2.0 + 2.5 / 0.5 + 2.0, rtol=1e-13)
+
+
+def test_raising_and_lowering_are_mirrored() -> None:
+    t = np.linspace(0.0, 40.0, 401)
+    np.testing.assert_array_equal(s_curve(LANDING).sample(t), -s_curve(replace(LANDING, travel=-90.0)).sample(t))
+
+
+@pytest.mark.parametrize("field", ["creep_distance", "departure_creep_distance"])
+def test_departure_is_the_landing_run_backwards(field: str) -> None:
+    other = {"creep_distance": "departure_creep_distance", "departure_creep_distance": "creep_distance"}[field]
+    one, two = (s_curve(Winding(start_delay=0.0, **{name: 4.0})) for name in (field, other))
+    t = np.linspace(0.0, one.duration, 301)
+    forth, back = one.sample(t), two.sample(one.duration - t)
+    # rounding of some 20 segments
+    np.testing.assert_allclose(forth[:, 0], 90.0 - back[:, 0], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(forth[:, 1], back[:, 1], rtol=0, atol=1e-11)
+
+
+def test_without_creep_its_speed_changes_nothing() -> None:
+    assert s_curve(Winding(creep_speed=0.9)) == s_curve(Winding())
+    assert s_curve(Winding(speed=0.3)).peak_speed == pytest.approx(0.3)  # below the default creep speed
+
+
+@few
+@given(windings(), st.floats(0.0, 0.999))
+@example(LANDING, 0.95)
+@example(BOTH, 0.05)
+def test_emergency_stop_out_of_every_phase_comes_to_rest_within_its_limits(winding: Winding, share: float) -> None:
+    trip = s_curve(winding)
+    at = share * trip.duration
+    stopped = replace(winding, emergency_at=at)
+    reference = s_curve(stopped)
+    t = np.linspace(at, reference.duration, 301)
+    s, v, a, j = reference.sample(t).T
+    sign = math.copysign(1.0, winding.travel)
+    # rounding of the segment sums, over sqrt where little speed is left
+    assert np.min(sign * v) >= -1e-7
+    assert np.max(np.abs(a)) <= stopped.emergency_deceleration * (1 + 1e-9)
+    assert np.max(np.abs(j)) <= stopped.emergency_jerk * (1 + 1e-9)
+    assert (v[-1], a[-1]) == (0.0, 0.0)
+    assert abs(s[-1]) <= abs(winding.travel) * (1 + 1e-9)
+    if at > 0.0:
+        assert reference.at(0.999 * at) == trip.at(0.999 * at)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"creep_distance": -1.0}, r"creep_distance = -1.* must be .*at least 0"),
+        ({"creep_distance": math.nan}, r"creep_distance = nan must be "),
+        ({"creep_speed": 0.0}, r"creep_speed = 0.* must be above 0"),
+        ({"creep_speed": 9.0, "creep_distance": 3.0}, r"creep_speed = 9.* must be .* at most the speed limit 8 m/s"),
+        ({"creep_distance": 0.4}, r"creep_distance = 0\.4 m must be at least 0\.5 m"),
+        ({"departure_creep_distance": 0.4}, r"departure_creep_distance = 0\.4 m must be at least 0\.5 m"),
+        (
+            {"travel": 3.4, "creep_distance": 3.0},
+            r"= 3 m must be at most 2\.9 m of the travel of 3\.4 m",
+        ),
+        ({"travel": -4.0, "creep_distance": 3.0, "departure_creep_distance": 2.0}, r"= 5 m must be at most 4 m"),
+    ],
+)
+def test_a_creep_that_cannot_be_is_refused_with_value_bound_and_cure(values: dict[str, float], said: str) -> None:
+    with pytest.raises(ValueError, match=said + r".*: "):
+        s_curve(Winding(**values))
