@@ -9,9 +9,12 @@ from typing import NamedTuple
 from .interface import Value, Variable
 
 #: descriptions of the arrays as a whole
-_DESCRIPTIONS = {
+DESCRIPTIONS = {
     "mesh.counts": "numbers of elements of the segments II to VI, TMN-ETM only",
     **{f"shape.{axis}": f"{axis.upper()} of points along the rope, denser around the loop" for axis in "xyz"},
+    "shape.tension": "tension at these points",
+    "shape.bending": "nominal bending stress at these points, 32 EI kappa / (pi d^3), never above stress.bending_max",
+    "shape.torsion": "nominal torsional stress at these points, 16 M / (pi d^3), never above stress.torsion_max",
 }
 
 
@@ -37,6 +40,6 @@ def arrays(table: Sequence[Variable]) -> list[Array]:
             found[-1] = found[-1]._replace(starts=(*found[-1].starts, variable.start))
         else:
             name = match[1] if match else variable.name
-            whole = variable._replace(description=_DESCRIPTIONS.get(name, variable.description))
+            whole = variable._replace(description=DESCRIPTIONS.get(name, variable.description))
             found.append(Array(reference, name, whole, (variable.start,)))
     return found

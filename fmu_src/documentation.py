@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from rope_model.parameters import rope_120
 
+from .arrays import DESCRIPTIONS
 from .interface import Variable, variables
 
 _INTRODUCTION = """\
@@ -34,12 +35,19 @@ After an error in a step, in initialisation or of a value to be set, restore a s
 that before the step. Directional derivatives are those of end forces and moments at the end of a step to the inputs of
 that step, for a step as long as the last; with `inputs_at_step_end` = false the extrapolation is part of them.
 """
+_ALONG = """\
+`shape.tension` follows from the balance of momentum between the left end and the point, so it meets the end forces and
+holds the waves and the damping too; in a loop wider than its suspension it can be negative. `shape.bending` and
+`shape.torsion` are those of the elements (bending as root mean square along each), linear between their middles; the
+bend at a clamped end is sharper than that. A rung without torsion has no torsional stress; the rigid rung has the
+tension of its closed form, and the bending of its half circle.
+"""
 _ADDED_MASS = """\
 `added_mass` is for hosts that want to step heavy coupling implicitly: how much the end's pull grows with an upward
 acceleration held over one communication step.
 """
 _SHAPES = """\
-FMI 3.0 has the arrays `shape.x`, `shape.y`, `shape.z` (81) and `mesh.counts` (5) as such and the choices as
+FMI 3.0 has the arrays `shape.x` ... `shape.torsion` (81) and `mesh.counts` (5) as such and the choices as
 enumerations with the same codes; the other names, and all value references, are the same.
 """
 #: docs/model.md in short
@@ -71,10 +79,10 @@ _TITLES = (("parameter", "Parameters"), ("input", "Inputs"), ("output", "Outputs
 
 
 def interface_page() -> str:
-    """The page; the numbered shape points are folded into one row per axis."""
+    """The page; the numbered shape points are folded into one row per quantity."""
     table = variables(rope_120())
     lines = ["# The FMU's variables", "", _INTRODUCTION, "Python flavour: " + _PYTHON, "Native flavour: " + _NATIVE]
-    lines += [_SHAPES, _ADDED_MASS]
+    lines += [_SHAPES, _ALONG, _ADDED_MASS]
     for causality, title in _TITLES:
         lines += [f"## {title}", "", "| name | unit or type | start | |", "|---|---|---|---|"]
         lines += [f"| {' | '.join(row)} |" for row in _rows([v for v in table if v.causality == causality])]
@@ -85,7 +93,7 @@ def interface_page() -> str:
 def index_html(table: Sequence[Variable], native: bool) -> str:
     """documentation/index.html: how to use the FMU, the model, the variables."""
     parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _NATIVE if native else _PYTHON]
-    parts += [_SHAPES if native else "", _ADDED_MASS]
+    parts += [_SHAPES if native else "", _ALONG, _ADDED_MASS]
     paragraphs = "\n".join(f"<p>{_marked_up(text)}</p>" for part in parts for text in part.split("\n\n") if text)
     body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}", _MODEL]
     for causality, title in _TITLES:
@@ -105,9 +113,9 @@ def _marked_up(text: str) -> str:
 
 def _rows(table: list[Variable]) -> Iterator[tuple[str, str, str, str]]:
     for v in table:
-        if match := re.fullmatch(r"(shape\.[xyz])\[(\d+)\]", v.name):
+        if match := re.fullmatch(r"(shape\.\w+)\[(\d+)\]", v.name):
             if match[2] == "1":
-                yield f"`{match[1]}[1]` ... `[81]`", v.unit, "", "points along the rope, denser around the loop"
+                yield f"`{match[1]}[1]` ... `[81]`", v.unit, "", DESCRIPTIONS[match[1]]
             continue
         start = "" if v.start is None else str(v.start).lower() if isinstance(v.start, bool) else f"{v.start:g}"
         tunable = "*tunable*; " if v.variability == "tunable" else ""

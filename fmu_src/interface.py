@@ -106,7 +106,7 @@ _COUNTS = (2, 4, 8, 4, 2)
 #: inputs beyond are refused: metres or radians, their rates, accelerations (simulation.ends.checked)
 _REACH = {"m": 1e4, "rad": 1e4, "m/s": 60.0, "rad/s": 60.0, "m/s2": 100.0}
 #: outputs that are never negative
-_NOT_NEGATIVE = ("count.", "stress.", "energy.kinetic")
+_NOT_NEGATIVE = ("count.", "stress.", "shape.bending", "shape.torsion", "energy.kinetic")
 _INPUT_UNIT = {"": "m", "v": "m/s", "a": "m/s2"}
 #: names of the inputs of each side in the order of EndMotion
 _MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}

@@ -1,7 +1,7 @@
 """Time series of all signals, and their CSV files.
 
 The CSV files carry no clock and no date: the same run writes the same bytes. The rope's shape samples go into a file
-of their own, at a few instants, because 243 columns would bury the rest.
+of their own, at a few instants, because 486 columns would bury the rest.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TIME = "time"
-_SHAPE = re.compile(r"^shape\.([xyz])\[(\d+)\]$")
+_SHAPE = re.compile(r"^shape\.\w+\[\d+\]$")
+_ALONG = ("tension", "bending", "torsion")
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,11 @@ class Recording:
             return None
         columns = [[self.signals[f"shape.{axis}[{i + 1}]"][row] for i in range(count)] for axis in "xyz"]
         return np.array(columns, dtype=np.float64).T
+
+    def along(self, name: str) -> Array | None:
+        """`tension` and its like at the rope's points, shape (rows, n); None when not recorded."""
+        columns = [values for key, values in self.signals.items() if key.startswith(f"shape.{name}[")]
+        return np.array(columns, dtype=np.float64).T if columns else None
 
 
 class Recorder:
@@ -99,15 +105,18 @@ def read_csv(path: Path) -> Recording:
 
 
 def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
-    """Rope points at the given rows, in long form: time, point number from the left end, x, y, z."""
+    """Rope points at the given rows, in long form: time, point number from the left end, x, y, z, and what else is
+    known there."""
+    along = {name: values for name in _ALONG if (values := recording.along(name)) is not None}
+    more = [_header(name, recording.units.get(f"shape.{name}[1]", "")) for name in along]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["time [s]", "point", "x [m]", "y [m]", "z [m]"])
+        writer.writerow(["time [s]", "point", "x [m]", "y [m]", "z [m]", *more])
         for row in rows:
             shape = recording.shape_at(row)
             if shape is not None:
-                t = _number(recording.time[row])
-                writer.writerows([t, k + 1, *(_number(value) for value in xyz)] for k, xyz in enumerate(shape))
+                t, points = _number(recording.time[row]), np.column_stack([shape, *(v[row] for v in along.values())])
+                writer.writerows([t, k + 1, *(_number(value) for value in point)] for k, point in enumerate(points))
 
 
 def shape_rows(recording: Recording, count: int = 7) -> list[int]:

@@ -25,6 +25,8 @@ from rope_model.simulation.simulator import RopeSimulator
 H = 0.01
 COMPARED = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
 COMPARED += ["loop.x", "loop.y", "loop.z", "loop.yaw", "loop.clearance", "stress.bending_max", "energy.total"]
+#: arrays, one number of each
+ALONG = [f"shape.{name}[{i}]" for name in ("x", "tension", "bending", "torsion") for i in (30, 41)]
 
 
 def motion(t: float, travel: float = 20.0, duration: float = 5.0) -> tuple[dict[str, float], dict[str, float]]:
@@ -91,7 +93,7 @@ class Fmu:
             message = self.step(k * H)
             if message:
                 raise RuntimeError(message)
-            record.append(self.get(*COMPARED))
+            record.append(self.get(*COMPARED, *ALONG))
         return record
 
     def close(self) -> None:
@@ -120,9 +122,9 @@ def same_as_in_process(path: str) -> Any:
     for k in range(250):
         rope.advance_to(k * H + H, *(EndMotion(**m) for m in motion((k + 1) * H)))
         values = signals(rope)
-        expected.append([values[name] for name in COMPARED])
+        expected.append([values[name] for name in (*COMPARED, *ALONG)])
     worst = 0.0
-    for i in range(len(COMPARED)):
+    for i in range(len(expected[0])):
         scale = max(abs(row[i]) for row in expected) or 1.0
         worst = max(worst, max(abs(a[i] - b[i]) for a, b in zip(record, expected, strict=True)) / scale)
     return {"worst": worst, "transformations": rope.state.counts.transformations}

@@ -14,7 +14,7 @@ import pytest
 from hoist_demo.figures import write_figures
 from hoist_demo.host import Host, Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.recording import TIME, Recorder, read_csv, shape_rows, write_csv, write_shapes
+from hoist_demo.recording import TIME, Recorder, Recording, read_csv, shape_rows, write_csv, write_shapes
 from hoist_demo.report import write_report
 from hoist_demo.rope_plant import EndMotion, RopePlant, RopeStatus
 from hoist_demo.summary import render, summarize
@@ -241,6 +241,17 @@ def test_shapes_run_from_the_left_to_the_right_end(short: Result, tmp_path: Path
     assert rows[-1] == len(short.recording.time) - 1
     write_shapes(short.recording, rows, tmp_path / "shapes.csv")
     assert len((tmp_path / "shapes.csv").read_text().splitlines()) == 1 + 3 * 3
+
+
+def test_what_is_known_along_the_rope_stands_beside_its_points(short: Result, tmp_path: Path) -> None:
+    known = {f"shape.tension[{k + 1}]": np.full(len(short.recording.time), 100.0 * k) for k in range(3)}
+    more = Recording(short.recording.signals | known, {**short.recording.units, "shape.tension[1]": "N"})
+    write_shapes(more, [0], tmp_path / "shapes.csv")
+    header, *lines = (tmp_path / "shapes.csv").read_text().splitlines()
+    assert header == "time [s],point,x [m],y [m],z [m],tension [N]"
+    assert [line.split(",")[-1] for line in lines] == ["0", "100", "200"]
+    write_csv(more, tmp_path / "signals.csv")
+    assert "shape" not in (tmp_path / "signals.csv").read_text()
 
 
 def test_a_signal_that_goes_missing_is_not_a_number_from_then_on() -> None:

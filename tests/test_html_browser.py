@@ -21,6 +21,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from hoist_demo.html.along import ROPE_ROWS
 from hoist_demo.html.run import run_report
 from hoist_demo.html.study import study_report
 from hoist_demo.parameters import Coupling, Hoist, Winding
@@ -71,6 +72,20 @@ const front = document.querySelector('[data-view="front"]');
 front.click();
 seen.front = rope();
 seen.titles = [...document.querySelectorAll(".plot strong")].map((title) => title.textContent);
+// place of a picture's darkest point at the start: share of the height, from the top
+const darkest = async (title) => {
+  const titled = (plot) => plot.querySelector("strong")?.textContent === title;
+  const figure = [...document.querySelectorAll(".plot")].find(titled);
+  const image = new Image(), canvas = document.createElement("canvas");
+  image.src = figure.querySelector("image").getAttribute("href");
+  await image.decode();
+  [canvas.width, canvas.height] = [image.width, image.height];
+  const context = canvas.getContext("2d");
+  context.drawImage(image, 0, 0);
+  const light = [...context.getImageData(0, 0, 1, image.height).data].filter((_, k) => k % 4 === 0);
+  return {at: light.indexOf(Math.min(...light)) / image.height, scale: figure.querySelector(".scale").textContent};
+};
+seen.bending = await darkest("Bending stress along the rope");
 seen.quiet = document.querySelector("#plots .wide").textContent;
 seen.curves = document.querySelectorAll(".plot path.line").length;
 seen.marks = [...plot.querySelectorAll(".mark-label")].map((label) => label.textContent);
@@ -149,7 +164,8 @@ def curve(t: float) -> np.ndarray:
     return np.vstack([[-1.0, 7.0 * t, 0.0], loop, [1.0, 90.0 - 7.0 * t, 0.0]])
 
 
-def run(tmp_path: Path, **more: np.ndarray) -> Path:
+def run(tmp_path: Path, known: bool = True, **more: np.ndarray) -> Path:
+    """A trip of an invented rope; ``known``: with what there is along it."""
     t = np.linspace(0.0, END, STEPS)
     shapes = np.array([curve(float(s)) for s in t])
     signals = {
@@ -168,6 +184,11 @@ def run(tmp_path: Path, **more: np.ndarray) -> Path:
         "loop.broken": np.full(STEPS, math.nan),
     }
     signals |= {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+    if known:
+        peak = np.where(np.arange(POINTS) == POINTS // 2, 4e7, 1e5)
+        signals |= {f"shape.bending[{i + 1}]": np.full(STEPS, peak[i]) for i in range(POINTS)}
+        signals |= {f"shape.torsion[{i + 1}]": np.zeros(STEPS) for i in range(POINTS)}
+        signals |= {f"shape.tension[{i + 1}]": 80.0 * shapes[:, i, 1] for i in range(POINTS)}
     result = SimpleNamespace(
         recording=Recording(signals | more, {"left.fy": "N", "conveyance.left.y": "m"}),
         completed=True,
@@ -257,7 +278,7 @@ def test_playing_at_speed_1_takes_a_second_for_a_second(seen_run: Seen) -> None:
 
 def test_every_recorded_quantity_has_its_plot(seen_run: Seen) -> None:
     expected = {"Height in the shaft", "Tension ratio on the sheave", "Pull on the conveyances"}
-    expected |= {"Largest nominal stress of the rope", "Bending stress along the rope"}
+    expected |= {"Largest nominal stress of the rope", "Bending stress along the rope", "Tension along the rope"}
     assert expected <= set(seen_run.said["titles"])
     assert seen_run.said["curves"] >= 8
 
@@ -265,6 +286,27 @@ def test_every_recorded_quantity_has_its_plot(seen_run: Seen) -> None:
 def test_what_never_moves_is_a_number_and_no_plot(seen_run: Seen) -> None:
     assert "Clearance between the legs (clearance 2.000 m)" in seen_run.said["quiet"]
     assert "Clearance between the legs" not in seen_run.said["titles"]
+
+
+def test_bending_along_the_rope_is_dark_where_it_was_recorded(seen_run: Seen) -> None:
+    # at the start the left leg is 14 m long, the right one 104 m, and the half circle between them 3.1 m
+    at = (14.0 + math.pi / 2.0) / (14.0 + 104.0 + math.pi)
+    assert seen_run.said["bending"]["at"] == pytest.approx(at, abs=1.0 / ROPE_ROWS)
+    assert seen_run.said["bending"]["scale"] == "040.00 MPa"
+
+
+def test_torsion_that_is_zero_all_along_is_a_number_and_no_picture(seen_run: Seen) -> None:
+    assert "Torsional stress along the rope (0 MPa)" in seen_run.said["quiet"]
+    assert "Torsional stress along the rope" not in seen_run.said["titles"]
+
+
+def test_old_recording_says_why_nothing_is_shown_along_the_rope(tmp_path: Path) -> None:
+    probe = """seen.note = document.getElementById("along-note").textContent;
+        seen.titles = [...document.querySelectorAll(".plot strong")].map((title) => title.textContent);"""
+    seen = look(run(tmp_path, known=False), probe, 800)
+    assert seen.console == []
+    assert "no outputs shape.bending and shape.torsion and shape.tension" in seen.said["note"]
+    assert not [title for title in seen.said["titles"] if "along the rope" in title]
 
 
 def test_slip_transformations_and_the_emergency_stop_are_marked(seen_run: Seen) -> None:

@@ -1,4 +1,4 @@
-"""What the HTML reports are made of: packed numbers, events, bending, parameters with their units, the best run."""
+"""What the HTML reports are made of: packed numbers, pictures, events, parameters with their units, the best run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from hoist_demo import events
-from hoist_demo.html import bending, given, packing, page, panels
+from hoist_demo.html import along, given, packing, page, panels
 from hoist_demo.html.study import study_report
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording import Recording
@@ -69,27 +69,43 @@ def test_frames_hold_the_first_and_the_last_row(count: int, most: int) -> None:
     assert len(rows) <= most
 
 
-def test_the_curvature_of_a_circle_is_one_over_its_radius_whatever_the_distance_of_its_points() -> None:
-    angle = np.sort(np.random.default_rng(2).uniform(0.0, 3.0, 40))
-    circle = 2.5 * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(40)])
-    # 1e-6: three points that happen to lie 1e-4 m apart lose half of the digits
-    np.testing.assert_allclose(bending.curvature(circle)[1:-1], 1.0 / 2.5, rtol=1e-6)
+def test_each_part_of_the_length_shows_the_largest_value_in_it() -> None:
+    # a peak of one point, 0.1 m wide, in parts of 1 m; the rope moves on by 40 m between the frames
+    place = np.linspace(0.0, along.ROPE_ROWS, 10 * along.ROPE_ROWS + 1)
+    values = np.zeros((2, place.size))
+    values[0, 404] = values[1, 804] = 7.0
+    picture = along.over_length(values, [place, place], float(along.ROPE_ROWS))
+    assert picture[40, 0] == picture[80, 1] == 7.0
+    assert np.count_nonzero(picture) == 2
 
 
-def test_curvature_becomes_stress_only_when_it_explains_the_largest_stress() -> None:
-    curvature = np.array([0.7, 0.8, 0.9])
-    assert bending.stress_per_curvature(3.6e7 * curvature, curvature) == pytest.approx(3.6e7)
-    assert bending.stress_per_curvature(np.array([9e7, 3e7, 3e7]), curvature) is None
+def test_a_value_between_two_far_points_is_on_the_line_between_them() -> None:
+    picture = along.over_length(np.array([[2.0, 10.0]]), [np.array([0.0, 50.0])], 50.0)
+    upper_ends = 2.0 + 8.0 * np.arange(1, along.ROPE_ROWS + 1) / along.ROPE_ROWS
+    np.testing.assert_allclose(picture[:, 0], upper_ends, rtol=1e-12)
 
 
-def test_bending_lies_where_the_curve_is_bent() -> None:
-    straight = np.column_stack([np.linspace(0.0, 4.0, 30), np.zeros(30), np.zeros(30)])
-    angle = np.linspace(0.0, math.pi, 30)[1:]
-    bent = np.column_stack([4.0 + np.sin(angle), 1.0 - np.cos(angle), np.zeros(29)])
-    values, length = bending.curvature_map(np.array([np.vstack([straight, bent])]), 50)
-    places = (np.arange(50) + 0.5) * length / 50
-    assert np.max(values[places < 3.8]) < 1e-9
-    np.testing.assert_allclose(values[(places > 4.3) & (places < length - 0.3)], 1.0, rtol=1e-6)
+def curved(**along_it: list[float]) -> Recording:
+    """Two instants of a rope of three points on a line, 4 m long, with what is known at them."""
+    points = {"x": [0.0, 1.0, 4.0], "y": [0.0] * 3, "z": [0.0] * 3} | along_it
+    signals = {f"shape.{name}[{i + 1}]": np.full(2, row[i]) for name, row in points.items() for i in range(3)}
+    return Recording({"time": np.array([0.0, 1.0])} | signals, {})
+
+
+def test_quantities_along_the_rope_are_shown_in_their_units_over_its_length() -> None:
+    shown = along.along(curved(bending=[0.0, 3e7, 0.0], torsion=[2e6, 2e6, 2e6], tension=[-1e3, 0.0, 9e3]))
+    assert (shown["length"], shown["note"]) == (4.0, "")
+    kept = {m["id"]: (m["unit"], m["values"]["hi"], m["quiet"]) for m in shown["maps"]}
+    expected = {"bending": ("MPa", 30.0, False), "torsion": ("MPa", 2.0, True), "tension": ("kN", 9.0, False)}
+    assert {name: (unit, pytest.approx(hi), quiet) for name, (unit, hi, quiet) in kept.items()} == expected
+    rows = unpack(shown["maps"][0]["values"]).reshape(along.ROPE_ROWS, 2)
+    assert np.argmax(rows[:, 0]) in (along.ROPE_ROWS // 4 - 1, along.ROPE_ROWS // 4)
+
+
+def test_a_rope_without_these_outputs_is_named_as_the_cause() -> None:
+    shown = along.along(curved(bending=[0.0, 3e7, 0.0]))
+    assert [m["id"] for m in shown["maps"]] == ["bending"]
+    assert "shape.torsion and shape.tension" in shown["note"]
 
 
 def recording(**signals: list[float]) -> Recording:

@@ -27,7 +27,7 @@ from fmu_src.native.export import export_native
 from fmu_src.native.table import FORCES
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
-from rope_model.simulation.signals import signals
+from rope_model.simulation.signals import SHAPE_POINTS, signals
 from rope_model.simulation.simulator import RopeSimulator
 
 pytest.importorskip("rope_model.native.build")
@@ -84,6 +84,11 @@ def test_fmu_equals_the_python_rope(host: Host) -> None:
     # a position of 100 m known to two units in its last place, times the stiffness of an element of 0.25 m
     noise = 2 * math.ulp(100.0) * rope_120().scene.rope.Qa / 0.25
     for name, ours, theirs in zip(COMPARED, record.T, np.array(expected).T, strict=True):
+        assert_allclose(ours, theirs, rtol=0, atol=1e-9 * np.abs(theirs).max() + noise, err_msg=name)
+    for name in ("x", "y", "z", "tension", "bending", "torsion"):
+        points = [f"shape.{name}[{i + 1}]" for i in range(SHAPE_POINTS)]
+        ours = host.get(f"shape.{name}")[0] if host.fmi == 3 else host.get(*points)
+        theirs = np.array([values[point] for point in points])
         assert_allclose(ours, theirs, rtol=0, atol=1e-9 * np.abs(theirs).max() + noise, err_msg=name)
 
 

@@ -56,7 +56,7 @@ class Stresses:
         self.bottom.append(rope.loop.s)
         self.nodes.append(arc_lengths(state.partition.lengths))
         strains = rope.system.strains(state.motion.q)
-        self.values.append((*nominal_stresses(rope.scene.rope, strains), np.abs(strains[:, 1])))
+        self.values.append((*nominal_stresses(rope.scene.rope, strains, state.rung), np.abs(strains[:, 1])))
 
 
 def followed(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding:

@@ -9,7 +9,8 @@ import numpy as np
 
 from hoist_demo import events
 from hoist_demo.host import Result
-from hoist_demo.html import bending, given, packing, page, panels
+from hoist_demo.html import given, packing, page, panels
+from hoist_demo.html.along import along
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
 from hoist_demo.recording import TIME, Array, Recording
 from hoist_demo.summary import SummaryRow
@@ -19,9 +20,6 @@ MOST_TIMES = 2000
 
 MOST_FRAMES = 600
 """Positions of the rope; the browser interpolates between them."""
-
-MOST_COLUMNS, ROPE_ROWS = 300, 200
-"""Size of the picture of bending along the rope."""
 
 SHAPE_RESOLUTION = 1e-4
 """Error that packing may bring into a point of the rope [m]."""
@@ -112,35 +110,15 @@ def _panel(panel: panels.Panel, recording: Recording) -> dict[str, object]:
 
 
 def _curve(recording: Recording) -> Mapping[str, object]:
-    """The rope's curve at its frames, and the bending along it; both null when no curve was recorded."""
+    """The rope's curve at its frames, and what is known along it; both null when no curve was recorded."""
     rows = packing.frames(len(recording.time), MOST_FRAMES)
     shapes = [recording.shape_at(row) for row in rows]
     curves = np.array([shape for shape in shapes if shape is not None])
     if curves.size == 0 or not bool(np.all(np.isfinite(curves))):
-        return {"rope": None, "bending": None}
+        return {"rope": None, "along": None}
     rope = {
         "points": curves.shape[1],
         "t": packing.pack_to(recording.time[rows], 1e-4),
         **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},
     }
-    return {"rope": rope, "bending": _bending(recording)}
-
-
-def _bending(recording: Recording) -> dict[str, object]:
-    """Bending over arc length and time: as stress when the recorded largest stress fits, else as curvature."""
-    rows = packing.frames(len(recording.time), MOST_COLUMNS)
-    curves = np.array([recording.shape_at(row) for row in rows])
-    values, length = bending.curvature_map(curves, ROPE_ROWS)
-    factor = None
-    if "stress.bending_max" in recording:
-        largest = np.array([float(np.max(bending.curvature(curve))) for curve in curves])
-        factor = bending.stress_per_curvature(recording["stress.bending_max"][rows], largest)
-    scale = 1.0 if factor is None else 1e-6 * factor
-    return {
-        "length": length,
-        "rows": ROPE_ROWS,
-        "columns": len(rows),
-        "stress": factor is not None,
-        "unit": "1/m" if factor is None else "MPa",
-        "values": packing.pack(scale * values, "u8"),
-    }
+    return {"rope": rope, "along": along(recording)}

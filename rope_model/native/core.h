@@ -100,8 +100,16 @@ LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s);
 /* scratch: 3 * 161 doubles and more are on the stack */
 double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double diameter,
                            double above);
-/* xyz (points x 3): the centre line, denser around the loop's lowest point */
-void shape_points(int nodes, const double *q, const double *s, double bottom_s, int points, double *xyz);
+/* at (points): arc lengths from end to end, denser around the loop's lowest point; total: length of the rope */
+void shape_places(double total, double bottom_s, int points, double *at);
+/* xyz (points x 3): the centre line at the places */
+void shape_points(int nodes, const double *q, const double *s, int points, const double *at, double *xyz);
+/* tension (points) at the places, which ascend, by the balance of momentum to the left of them */
+void shape_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, double *tension);
+/* the last element whose middle is not right of `at`, or the first one; what has `value` in the middle of this element
+   k and `next` in that of the following one, linear in between and constant beyond the outermost: numpy.interp */
+int shape_middle_before(int nodes, const double *s, double at);
+double shape_between_middles(int nodes, const double *s, int k, double at, double value, double next);
 /* q (nodes x DOF); message "" when all is well */
 void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
                          char *message);
@@ -129,6 +137,9 @@ void rigid_rope(const Scene *scene, const Path paths[2], double t, int nodes, co
 /* tensions at both ends at t, where the ends are moved by dx (m), dv and da upwards */
 void rigid_tensions(const Scene *scene, const Path paths[2], double t, const double dx[2][3], const double dv[2],
                     const double da[2], double tensions[2]);
+/* tension (points) at the places `at` with the heights y */
+void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, const double *y,
+                   double *tension);
 /* rigid.flexible_start without `settled`: velocities and accelerations of the flow along the equilibrium q; on input
    v and a are the rigid rope's */
 void rigid_flowing(int nodes, const double *s, const double *q, double *v, double *a);

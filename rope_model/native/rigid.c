@@ -128,6 +128,13 @@ void rigid_rope(const Scene *scene, const Path paths[2], double t, int nodes, co
     }
 }
 
+void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, const double *y,
+                   double *tension) {
+    Flow rate = flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
+    for (int k = 0; k < points; k++)
+        tension[k] = arrays->reaction[1] + rho * ((gravity + rate.w) * (y[k] - arrays->q[1]) - rate.u * at[k]);
+}
+
 /* derivative y to the arc length s of the vectors x (3), both with a stride of DOF: of second order inside, unevenly
    spaced, of first order at the ends; numpy.gradient */
 static void gradient(int nodes, const double *s, const double *x, double *y) {

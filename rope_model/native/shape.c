@@ -47,16 +47,66 @@ LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
     return bottom;
 }
 
-void shape_points(int nodes, const double *q, const double *s, double bottom_s, int points, double *xyz) {
-    double total = s[nodes - 1], step = 2.0 / (points - 1), row[DOF];
+void shape_places(double total, double bottom_s, int points, double *at) {
+    double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
         double u = k < points - 1 ? k * step - 1.0 : 1.0, size = fabs(u);
         double reach = u < 0 ? bottom_s : total - bottom_s;
         double sign = (u > 0) - (u < 0);
-        double at = bottom_s + sign * reach * (0.1 * size + 0.9 * pow(size, 3));
-        point_at(nodes, q, s, clipped(at, 0.0, total), row);
+        at[k] = clipped(bottom_s + sign * reach * (0.1 * size + 0.9 * pow(size, 3)), 0.0, total);
+    }
+}
+
+void shape_points(int nodes, const double *q, const double *s, int points, const double *at, double *xyz) {
+    double row[DOF];
+    for (int k = 0; k < points; k++) {
+        point_at(nodes, q, s, at[k], row);
         memcpy(xyz + (ptrdiff_t)3 * k, row, 3 * sizeof *xyz);
     }
+}
+
+void shape_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, double *tension) {
+    const double *s = arrays->s;
+    double before[3] = {0, 0, 0}, row[DOF];
+    int i = 0;
+    for (int k = 0; k < points; k++) {
+        /* int a dx over the elements to the left, of the cubic through the nodes */
+        for (; i < arrays->elements - 1 && s[i + 1] <= at[k]; i++) {
+            const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
+            double l = arrays->lengths[i];
+            for (int axis = 0; axis < 3; axis++)
+                before[axis] += l * (0.5 * (a[axis] + b[axis]) + l * (a[SLOPE + axis] - b[SLOPE + axis]) / 12);
+        }
+        /* and over a part of the element in which the point lies */
+        const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
+        double l = arrays->lengths[i], x = (at[k] - s[i]) / l, along = 0, square = 0;
+        point_at(arrays->nodes, arrays->q, s, at[k], row);
+        for (int axis = 0; axis < 3; axis++) {
+            double within = l * (x * (1 - x * x * (1 - 0.5 * x)) * a[axis] + x * x * x * (1 - 0.5 * x) * b[axis] +
+                                 l * x * x * ((0.5 - x * (2.0 / 3 - 0.25 * x)) * a[SLOPE + axis] -
+                                              x * (1.0 / 3 - 0.25 * x) * b[SLOPE + axis]));
+            double force = rho * (before[axis] + within) - arrays->reaction[axis];
+            if (axis == 1)
+                force += rho * gravity * at[k];
+            along += force * row[SLOPE + axis];
+            square += row[SLOPE + axis] * row[SLOPE + axis];
+        }
+        tension[k] = along / sqrt(square);
+    }
+}
+
+int shape_middle_before(int nodes, const double *s, double at) {
+    int k = 0;
+    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at)
+        k++;
+    return k;
+}
+
+double shape_between_middles(int nodes, const double *s, int k, double at, double value, double next) {
+    double middle = 0.5 * (s[k] + s[k + 1]);
+    if (k == nodes - 2 || at <= middle)
+        return value;
+    return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (at - middle) + value;
 }
 
 /* The points of a leg, from the bottom upwards, from where it first reaches `height`: their number.  `first` is the
@@ -103,8 +153,9 @@ static double smallest_distance(int points, double point[LEG][3], int corners, d
 
 double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double diameter,
                            double above) {
-    double outline[OUTLINE][3], left[LEG][3], right[LEG][3];
-    shape_points(nodes, q, s, bottom->s, OUTLINE, outline[0]);
+    double at[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
+    shape_places(s[nodes - 1], bottom->s, OUTLINE, at);
+    shape_points(nodes, q, s, OUTLINE, at, outline[0]);
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
     if (lefts < 2 || rights < 2)
@@ -113,16 +164,10 @@ double shape_leg_clearance(int nodes, const double *q, const double *s, const Lo
            diameter;
 }
 
-/* length of the elements at arc length `at`, interpolated between their middles as numpy.interp does it */
+/* length of the elements at arc length `at`, interpolated between their middles */
 static double cell_at(int nodes, const double *s, double at) {
-    int k = 0;
-    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at)
-        k++;
-    double middle = 0.5 * (s[k] + s[k + 1]), cell = s[k + 1] - s[k];
-    if (k == nodes - 2 || at <= middle)
-        return cell;
-    double slope = (s[k + 2] - s[k + 1] - cell) / (0.5 * (s[k + 1] + s[k + 2]) - middle);
-    return slope * (at - middle) + cell;
+    int k = shape_middle_before(nodes, s, at);
+    return shape_between_middles(nodes, s, k, at, s[k + 1] - s[k], k < nodes - 2 ? s[k + 2] - s[k + 1] : 0.0);
 }
 
 void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,

@@ -57,15 +57,24 @@ static void loop_signals(const Scene *scene, const State *state, const Arrays *a
                                                         scene->rope.diameter, scene->layout.spacing);
 }
 
-/* nominal stresses as in a solid round bar; bending is root mean square along the element */
-static void stress_signals(const Rope *rope, const Arrays *arrays, const double (*strains)[4], const LoopBottom *bottom,
-                           double *values) {
+/* nominal stresses of an element as in a solid round bar; bending is root mean square along it, and a rung without
+   torsion has no torque */
+static double bending_stress(const Rope *rope, const double strains[4]) {
+    return 32 * rope->EI * strains[2] / (PI * pow(rope->diameter, 3));
+}
+
+static double torsional_stress(const Rope *rope, int rung, const double strains[4]) {
     double Qs = 0.5 * (rope->Qb + rope->Qc), Qk = 0.5 * (rope->Qb - rope->Qc);
-    double section = PI * pow(rope->diameter, 3), bending = -HUGE_VAL, torsion = -HUGE_VAL;
+    double torque = rung == TORSIONAL ? (Qs - Qk) * strains[0] + rope->Qd * strains[1] : 0.0;
+    return 16 * fabs(torque) / (PI * pow(rope->diameter, 3));
+}
+
+static void stress_signals(const Rope *rope, int rung, const Arrays *arrays, const double (*strains)[4],
+                           const LoopBottom *bottom, double *values) {
+    double bending = -HUGE_VAL, torsion = -HUGE_VAL;
     for (int k = 0; k < arrays->elements; k++) {
-        double e = strains[k][0], tau = strains[k][1], k_rms = strains[k][2];
-        bending = fmax(bending, 32 * rope->EI * k_rms / section);
-        torsion = fmax(torsion, 16 * fabs((Qs - Qk) * e + rope->Qd * tau) / section);
+        bending = fmax(bending, bending_stress(rope, strains[k]));
+        torsion = fmax(torsion, torsional_stress(rope, rung, strains[k]));
     }
     int last = arrays->elements - 1, lowest = 0;
     while (lowest < last && arrays->s[lowest + 1] < bottom->s)
@@ -99,12 +108,36 @@ static void book_signals(const Ledger *energy, const Counts *count, double *valu
 }
 
 static void shape_signals(const Arrays *arrays, const LoopBottom *bottom, double *values) {
-    double xyz[SHAPE_POINTS][3];
-    shape_points(arrays->nodes, arrays->q, arrays->s, bottom->s, SHAPE_POINTS, xyz[0]);
+    double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3];
+    shape_places(arrays->s[arrays->nodes - 1], bottom->s, SHAPE_POINTS, at);
+    shape_points(arrays->nodes, arrays->q, arrays->s, SHAPE_POINTS, at, xyz[0]);
     for (int i = 0; i < SHAPE_POINTS; i++) {
         values[SIGNAL_SHAPE_X_1 + i] = xyz[i][0];
         values[SIGNAL_SHAPE_Y_1 + i] = xyz[i][1];
         values[SIGNAL_SHAPE_Z_1 + i] = xyz[i][2];
+    }
+}
+
+static void along_signals(const Scene *scene, int rung, const Arrays *arrays, const double (*strains)[4],
+                          const LoopBottom *bottom, double *values) {
+    const Rope *rope = &scene->rope;
+    const double *s = arrays->s;
+    int nodes = arrays->nodes;
+    double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3], y[SHAPE_POINTS], *tension = values + SIGNAL_SHAPE_TENSION_1;
+    shape_places(s[nodes - 1], bottom->s, SHAPE_POINTS, at);
+    if (rung == RIGID) {
+        shape_points(nodes, arrays->q, s, SHAPE_POINTS, at, xyz[0]);
+        for (int i = 0; i < SHAPE_POINTS; i++)
+            y[i] = xyz[i][1];
+        rigid_tension(arrays, rope->mass_per_length, scene->layout.gravity, SHAPE_POINTS, at, y, tension);
+    } else
+        shape_tension(arrays, rope->mass_per_length, scene->layout.gravity, SHAPE_POINTS, at, tension);
+    for (int i = 0; i < SHAPE_POINTS; i++) {
+        int k = shape_middle_before(nodes, s, at[i]), next = k < nodes - 2 ? k + 1 : k;
+        values[SIGNAL_SHAPE_BENDING_1 + i] = shape_between_middles(
+            nodes, s, k, at[i], bending_stress(rope, strains[k]), bending_stress(rope, strains[next]));
+        values[SIGNAL_SHAPE_TORSION_1 + i] = shape_between_middles(
+            nodes, s, k, at[i], torsional_stress(rope, rung, strains[k]), torsional_stress(rope, rung, strains[next]));
     }
 }
 
@@ -119,13 +152,16 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         loop_signals(scene, state, arrays, bottom, values);
         break;
     case STRESS_SIGNALS:
-        stress_signals(&scene->rope, arrays, strains, bottom, values);
+        stress_signals(&scene->rope, state->rung, arrays, strains, bottom, values);
         break;
     case BOOK_SIGNALS:
         book_signals(&state->ledger, &state->counts, values);
         break;
     case SHAPE_SIGNALS:
         shape_signals(arrays, bottom, values);
+        break;
+    case ALONG_SIGNALS:
+        along_signals(scene, state->rung, arrays, strains, bottom, values);
         break;
     default: /* the simulator computes added masses itself */
         break;

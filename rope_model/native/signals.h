@@ -6,14 +6,14 @@
 #include "signal_numbers.h"
 
 /* what is computed together: the functions of rope_model.simulation.signals */
-enum { END_SIGNALS, LOOP_SIGNALS, STRESS_SIGNALS, BOOK_SIGNALS, SHAPE_SIGNALS, ADDED_MASS_SIGNALS };
+enum { END_SIGNALS, LOOP_SIGNALS, STRESS_SIGNALS, BOOK_SIGNALS, SHAPE_SIGNALS, ALONG_SIGNALS, ADDED_MASS_SIGNALS };
 
 /* -1 for a number that is no signal's */
 int signal_group(int signal);
 
 /* The values of a group at their numbers in values (SIGNALS); the others stay.  Added masses are not computed here.
-   strains (elements x 4), columns as in physics.element.STRAINS, is read for STRESS_SIGNALS only; bottom, as
-   shape_loop_bottom gives it, for LOOP_SIGNALS, STRESS_SIGNALS and SHAPE_SIGNALS. */
+   strains (elements x 4), columns as in physics.element.STRAINS, is read for STRESS_SIGNALS and ALONG_SIGNALS only;
+   bottom, as shape_loop_bottom gives it, for these, LOOP_SIGNALS and SHAPE_SIGNALS. */
 void signals_of(int group, const Scene *scene, const State *state, const Arrays *arrays, const double (*strains)[4],
                 const LoopBottom *bottom, double *values);
 

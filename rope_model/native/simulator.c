@@ -619,7 +619,7 @@ double rope_signal(Simulator *rope, int signal)
             rope->values[SIGNAL_LEFT_ADDED_MASS] = masses[LEFT];
             rope->values[SIGNAL_RIGHT_ADDED_MASS] = masses[RIGHT];
         } else {
-            if (group == STRESS_SIGNALS) {
+            if (group == STRESS_SIGNALS || group == ALONG_SIGNALS) {
                 const System s = system_of(rope, rope->state);
                 chain_of_state(rope->state)->strains(&s, m.q, rope->strains);
             }

@@ -7,7 +7,12 @@ while that sinks or rises at w = (v1 + v2) / 2.  The momentum of the three parts
     at the ends of the half circle:  (rho pi R (g + w_t) + 2 rho u^2 +- rho pi R u_t) / 2  left and right
     at the conveyances:              plus rho l (g + a)
 
-so an end carries weight, inertia and the thrust rho u^2 of the turning rope.  No side forces, no torque, no waves:
+so an end carries weight, inertia and the thrust rho u^2 of the turning rope.  In between, with the height y and the
+arc length s from the left end,
+
+    T(s) = T(0) + rho (g + w_t) (y - y1) - rho u_t s .
+
+No side forces, no torque, no waves:
 for the design of controllers.  The rope must stay taut.
 
 The flexible rope that takes over starts from the equilibrium between the ends of that instant and flows along it.
@@ -106,6 +111,13 @@ def rigid_rope(scene: Scene, paths: tuple[EndPath, EndPath], t: float, nodes_s: 
         v[node, POSITION], a[node, POSITION] = x_t[:3], x_tt[:3]
         reaction[node, 1] = tension
     return RigidRope(pull.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
+
+
+def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float) -> Array:
+    """Tension (N) at arc lengths ``s`` and heights ``y`` of the rigid rope in ``motion``."""
+    u_t, w_t = flow(float(motion.a[0, 1]), float(motion.a[-1, 1]))
+    along: Array = float(motion.reaction[0, 1]) + rho * ((gravity + w_t) * (y - motion.q[0, 1]) - u_t * s)
+    return along
 
 
 def rigid_added_mass(scene: Scene, paths: tuple[EndPath, EndPath], t: float, h: float) -> tuple[float, float]:

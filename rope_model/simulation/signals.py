@@ -14,9 +14,11 @@ import numpy as np
 from ..parameters import Rope
 from ..physics.costello import torque
 from .adaptation import counted_on
-from .diagnostics import leg_clearance, shape
+from .diagnostics import between_middles, leg_clearance, shape, shape_places, tension
 from .ends import SIDES, Phase
+from .rigid import rigid_tension
 from .rope_system import ANGLE, POSITION, SLOPE, Array
+from .rungs import RungName
 from .simulator import RopeSimulator
 
 SHAPE_POINTS = 81
@@ -82,6 +84,13 @@ def _table() -> Iterator[tuple[str, Signal]]:
     for axis in "xyz":
         for i in range(1, SHAPE_POINTS + 1):
             yield f"shape.{axis}[{i}]", Signal("m", f"{axis.upper()} of point {i} of {SHAPE_POINTS} along the rope")
+    for name, unit, what in (
+        ("tension", "N", "tension"),
+        ("bending", "Pa", "nominal bending stress"),
+        ("torsion", "Pa", "nominal torsional stress"),
+    ):
+        for i in range(1, SHAPE_POINTS + 1):
+            yield f"shape.{name}[{i}]", Signal(unit, f"{what} at point {i} of {SHAPE_POINTS} along the rope")
 
 
 #: name -> Signal, in the order of the FMI interface
@@ -90,7 +99,7 @@ SIGNALS: dict[str, Signal] = dict(_table())
 
 def signals(rope: RopeSimulator) -> dict[str, float]:
     """Values of all SIGNALS but the added masses, which cost as much as a step."""
-    groups = (end_signals, loop_signals, stress_signals, book_signals, shape_signals)
+    groups = (end_signals, loop_signals, stress_signals, book_signals, shape_signals, along_signals)
     return {name: value for group in groups for name, value in group(rope).items()}
 
 
@@ -100,6 +109,8 @@ def group_of(name: str) -> Callable[[RopeSimulator], dict[str, float]]:
         return added_mass_signals
     if name.endswith(".twist"):
         return stress_signals
+    if name.startswith(("shape.tension", "shape.bending", "shape.torsion")):
+        return along_signals
     groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
     groups |= {"energy": book_signals, "count": book_signals}
     return groups.get(name.partition(".")[0], end_signals)
@@ -140,7 +151,7 @@ def loop_signals(rope: RopeSimulator) -> dict[str, float]:
 def stress_signals(rope: RopeSimulator) -> dict[str, float]:
     """Largest stress norms, and twist."""
     strains = rope.system.strains(rope.state.motion.q)
-    bending, torsion = nominal_stresses(rope.scene.rope, strains)
+    bending, torsion = nominal_stresses(rope.scene.rope, strains, rope.state.rung)
     tau = strains[:, 1]
     at_bottom = int(np.searchsorted(np.cumsum(rope.state.partition.lengths), rope.loop.s))
     return {
@@ -169,16 +180,34 @@ def shape_signals(rope: RopeSimulator) -> dict[str, float]:
     return {f"shape.{axis}[{i}]": float(x) for k, axis in enumerate("xyz") for i, x in enumerate(points[:, k], start=1)}
 
 
-def nominal_stresses(data: Rope, strains: Array) -> tuple[Array, Array]:
+def along_signals(rope: RopeSimulator) -> dict[str, float]:
+    """Tension and stresses at the points of the shape."""
+    state, data, gravity = rope.state, rope.scene.rope, rope.scene.layout.gravity
+    m, lengths = state.motion, state.partition.lengths
+    s = shape_places(lengths, rope.loop.s, SHAPE_POINTS)
+    if state.rung == "rigid":
+        y = shape(m.q, lengths, rope.loop.s, SHAPE_POINTS)[:, 1]
+        pull = rigid_tension(m, s, y, data.mass_per_length, gravity)
+    else:
+        pull = tension(m, lengths, s, data.mass_per_length, gravity)
+    stresses = nominal_stresses(data, rope.system.strains(m.q), state.rung)
+    rows = {"tension": pull}
+    for name, stress in zip(("bending", "torsion"), stresses, strict=True):
+        rows[name] = between_middles(stress, lengths, s)
+    return {f"shape.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
+
+
+def nominal_stresses(data: Rope, strains: Array, rung: RungName) -> tuple[Array, Array]:
     """Bending and torsional stress norm (Pa) of each element as in a solid round bar.
 
-    Bending is root mean square along the element; ``strains`` (elements, 4) are those of RopeSystem.strains.
+    Bending is root mean square along the element; ``strains`` (elements, 4) are those of RopeSystem.strains.  A rung
+    without torsion has no torque.
     """
     e, tau, k_rms, _ = strains.T
     section = math.pi * data.diameter**3
     bending = 32 * data.EI * k_rms / section
-    torsion = 16 * np.abs(torque(data.Qs, data.Qk, data.Qd, e, tau)) / section
-    return bending, torsion
+    moment = torque(data.Qs, data.Qk, data.Qd, e, tau) if rung == "torsional" else np.zeros_like(e)
+    return bending, 16 * np.abs(moment) / section
 
 
 def end_moment(q: Array, reaction: Array, pole: Array, torque_on_rope: float) -> Array:

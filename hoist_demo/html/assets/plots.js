@@ -168,41 +168,34 @@ class TimePlot {
 
 TimePlot.paper = 0; // width while printing, in pixels, which the screen's layout cannot tell; 0 on a screen
 
-// bending over the rope's length and time, as a picture with a scale
-class BendingPlot extends TimePlot {
+// a quantity over the rope's length and time, as a picture with a scale
+class AlongPlot extends TimePlot {
   constructor(parent, map, times, player) {
-    const name = map.stress ? "Bending stress along the rope" : "Curvature along the rope";
-    const panel = { id: "bending", title: name, unit: map.unit, group: "Stress", least: 0, height: 260, named: false };
+    const panel = { id: map.id, title: map.title, unit: map.unit, group: "Stress", least: 0, height: 260, named: false };
     super(parent, panel, times, [], player);
-    this.map = map;
     this.span = [times[0], times[times.length - 1]];
-    const values = unpack(map.values), top = Math.max(...values.filter(Number.isFinite));
+    const { rows, columns } = DATA.along, { lo, hi } = map.values, from = Math.min(0, lo);
     const canvas = document.createElement("canvas");
-    canvas.width = map.columns;
-    canvas.height = map.rows;
-    const context = canvas.getContext("2d"), picture = context.createImageData(map.columns, map.rows);
-    values.forEach((value, k) => picture.data.set([...shade(value / top), 255], 4 * k));
+    canvas.width = columns;
+    canvas.height = rows;
+    const context = canvas.getContext("2d"), picture = context.createImageData(columns, rows);
+    unpack(map.values).forEach((value, k) => picture.data.set([...shade((value - from) / (hi - from)), 255], 4 * k));
     context.putImageData(picture, 0, 0);
     this.source = canvas.toDataURL("image/png");
-    this.top = top;
     const scale = add(this.figure, "div", { class: "scale" });
-    add(scale, "span", {}, "0");
+    add(scale, "span", {}, short(from));
     for (let k = 0; k < 24; k++) add(scale, "i").style.background = `rgb(${shade(k / 23)})`;
-    add(scale, "span", {}, `${short(top)} ${map.unit}`);
-    const how = map.stress
-      ? "From the curvature of the recorded points, scaled to agree with the rope's output of its largest bending stress; "
-      : "From the recorded points; it cannot be scaled to stress, because the largest bend is not where they are; ";
-    add(this.figure, "p", { class: "hint" }, `${how}the bend at the clamped ends, some 0.2 m long, is not resolved.`);
+    add(scale, "span", {}, `${short(hi)} ${map.unit}`);
   }
 
   range() {
-    return [this.map.length, 0]; // the left end on top
+    return [DATA.along.length, 0]; // the left end on top
   }
 
   drawContent(group) {
     const box = { x: this.x(this.span[0]), y: this.y(0), preserveAspectRatio: "none", href: this.source };
     const width = this.x(this.span[1]) - box.x;
-    add(group, "image", { ...box, width, height: this.y(this.map.length) - box.y });
+    add(group, "image", { ...box, width, height: this.y(DATA.along.length) - box.y });
     const place = { x: -this.height / 2 + 10, y: 11, transform: "rotate(-90)", "text-anchor": "middle", class: "tick" };
     add(this.svg, "text", place, "length from the left end [m]");
   }

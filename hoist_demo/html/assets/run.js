@@ -49,6 +49,15 @@ function makePlots(player, times, values) {
   const home = byId("plots"), plots = [];
   let group = "";
   const quiet = [];
+  // behind the largest stress, or behind all when that is not drawn
+  let left = DATA.along ? DATA.along.maps : [];
+  const maps = () => {
+    for (const map of left) {
+      if (map.quiet) quiet.push(`${map.title} (${short(unpack(map.values)[0])} ${map.unit})`);
+      else plots.push(new AlongPlot(home, map, times, player));
+    }
+    left = [];
+  };
   DATA.panels.forEach((panel, k) => {
     if (panel.quiet) {
       quiet.push(`${panel.title} (${panel.lines.map((line) => `${line.label} ${short(values(line.signal)[0] * line.factor)}`).join(", ")}${panel.unit === "1" ? "" : ` ${panel.unit}`})`);
@@ -60,13 +69,12 @@ function makePlots(player, times, values) {
       return { label: line.label, style: line.style, values: raw.map((value) => line.factor * (value - from)) };
     });
     plots.push(new TimePlot(home, { ...panel, id: `p${k}` }, times, lines, player));
-    if (panel.group === "Stress" && DATA.bending) plots.push(new BendingPlot(home, DATA.bending, times, player));
+    if (panel.group === "Stress") maps();
   });
-  if (DATA.bending && !plots.some((plot) => plot instanceof BendingPlot)) {
-    plots.push(new BendingPlot(home, DATA.bending, times, player));
-  }
+  maps();
   add(home, "h3", {}, "Any signal");
   plots.push(freePlot(home, player, times, values));
+  if (DATA.along && DATA.along.note) add(home, "p", { class: "hint wide", id: "along-note" }, DATA.along.note);
   if (quiet.length) add(home, "p", { class: "hint wide" }, `Nothing moved in: ${quiet.join("; ")}.`);
   return plots;
 }
