@@ -62,6 +62,8 @@ studies: $(READY)
 	$(BIN)/balance-rope study docs/studies/controllers.toml
 	$(BIN)/balance-rope study docs/studies/controllers_complete.toml
 	$(BIN)/balance-rope study docs/studies/swivel.toml
+	$(BIN)/balance-rope study docs/studies/creep.toml
+	$(BIN)/balance-rope study docs/studies/tuning.toml
 	$(BIN)/python -m benchmarks.studies
 
 throughput: $(READY)

@@ -52,12 +52,12 @@ _SWIVEL = {
     "release_time": ("s", "the {side} swivel is locked before"),
 }
 _MESH = {
-    "kind": (
-        "",
-        "0 TMN-ETM (seven segments that follow the loop), 1 EEM (equal lengths), 2 TMN-ETM fitted to the rope",
-    ),
+    "kind": ("", "0 TMN-ETM (segments that follow the loop), 1 EEM (equal lengths), 2 TMN-ETM fitted to the rope"),
     "elements": ("", "number of elements, EEM only"),
-    "coarse_length": ("m", "element length of segments I and VII, TMN-ETM only; the loop's are an eighth of it"),
+    "coarse_length": (
+        "m",
+        "element length of segments I and VII, TMN-ETM only; the loop's are 1/8 of it, without III and V 1/4",
+    ),
     "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, TMN-ETM only"),
     "leg_levels": ("", "how often two elements of segments I and VII become one far from loop and ends, TMN-ETM only"),
     "loop_error": ("m", "error of the loop's place that the mesh may bring, kind 2 only"),
@@ -102,7 +102,7 @@ _MAXIMUM = {
     "force_tolerance": 1.0,
 }
 #: least element counts of the segments II to VI
-_COUNTS = (2, 4, 8, 4, 2)
+_COUNTS = (0, 0, 2, 0, 0)
 #: inputs beyond are refused: metres or radians, their rates, accelerations (simulation.ends.checked)
 _REACH = {"m": 1e4, "rad": 1e4, "m/s": 60.0, "rad/s": 60.0, "m/s2": 100.0}
 #: outputs that are never negative

@@ -124,6 +124,8 @@ class Swivel:
 class Mesh:
     """EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.
 
+    Without elements in III and V the loop's, in IV, are l/4, without II and VI too l/2.
+
     auto: the TMN-ETM that the rope's own lengths and ``loop_error`` ask for; see simulation.mesh.suited.
     """
 
@@ -132,9 +134,7 @@ class Mesh:
     coarse_length: float = 2.0  # m, l of segments I and VII; the loop's elements are an eighth of it
     counts: tuple[int, int, int, int, int] = (2, 4, 40, 4, 2)  # elements of segments II to VI
     end_levels: int = 2  # how often the outermost element is halved towards the clamped end; 0 is the source's mesh
-    leg_levels: int = (
-        0  # how often two elements of I and VII become one, far from loop and ends; 0 is the source's mesh
-    )
+    leg_levels: int = 0  # how often two elements of I and VII become one, far from loop and ends; 0: source's mesh
     loop_error: float = 5e-3  # m, auto only: error of the loop's place that the mesh may bring
 
     def __post_init__(self) -> None:
@@ -153,13 +153,22 @@ class Mesh:
         _require(0 <= self.end_levels <= 8, "end_levels", self.end_levels, "0 to 8", "2 resolves the clamped ends")
         _require(0 <= self.leg_levels <= 6, "leg_levels", self.leg_levels, "0 to 6", "2 suits a 120 m rope")
         _require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
-        multiples = (2, 4, 8, 4, 2)
+        ii, iii, _, v, vi = self.counts
+        _require(
+            (ii > 0) == (vi > 0) and (iii > 0) == (v > 0) and (ii > 0 or iii == 0),
+            "counts",
+            self.counts,
+            "all five segments, or none in III and V, or none in II and VI too",
+            "the ladder is the same on both sides and leaves out no step",
+        )
+        fine = 2 ** (1 + (ii > 0) + (iii > 0))
+        multiples = (2, 4, fine, 4, 2)
         for name, count, multiple in zip(("II", "III", "IV", "V", "VI"), self.counts, multiples, strict=True):
             _require(
-                count >= multiple and count % multiple == 0,
+                count >= (multiple if name == "IV" else 0) and count % multiple == 0,
                 f"element count of segment {name}",
                 count,
-                f"a positive multiple of {multiple}",
+                f"a {'positive ' if name == 'IV' else ''}multiple of {multiple}",
                 "a transformation moves whole coarse elements through the segment",
             )
 

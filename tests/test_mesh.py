@@ -16,9 +16,10 @@ from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh import (
     DUE,
     GRADING,
-    LADDER,
     Partition,
     distance_to_due,
+    inner_length,
+    ladder,
     partition,
     transformation_due,
     transformed,
@@ -67,10 +68,28 @@ def momentum_and_energy(x: Array, lengths: Array) -> tuple[Array, float]:
 def test_the_segments_are_a_two_to_one_ladder_about_the_lowest_point() -> None:
     p = partition(Mesh(end_levels=0), 120.0, 60.0)
     assert len(p.counts) == 7
-    np.testing.assert_array_equal(LADDER, [1, 1 / 2, 1 / 4, 1 / 8, 1 / 4, 1 / 2, 1])
-    np.testing.assert_array_equal(p.lengths, np.repeat(p.coarse * LADDER, p.counts))
+    shares = np.array([1, 1 / 2, 1 / 4, 1 / 8, 1 / 4, 1 / 2, 1])
+    np.testing.assert_array_equal(p.lengths, np.repeat(p.coarse * shares, p.counts))
     np.testing.assert_allclose(p.centre, 60.0, atol=p.coarse / 2)
     np.testing.assert_allclose(p.coarse, 2.0, rtol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("counts", "fine"), [((2, 4, 40, 4, 2), 1 / 8), ((2, 0, 20, 0, 2), 1 / 4), ((0, 0, 10, 0, 0), 1 / 2)]
+)
+def test_the_loop_has_elements_of_half_their_neighbours(counts: tuple[int, int, int, int, int], fine: float) -> None:
+    assert ladder(counts)[2] == fine
+    p = partition(Mesh(counts=counts, end_levels=0), 120.0, 60.0)
+    np.testing.assert_allclose(
+        np.unique(np.maximum(p.lengths[1:], p.lengths[:-1]) / p.lengths[:-1]), [1, 2], rtol=1e-12
+    )
+    np.testing.assert_allclose(p.lengths.min(), fine * p.coarse, rtol=1e-12)
+
+
+@pytest.mark.parametrize("counts", [(2, 4, 40, 0, 2), (0, 4, 40, 4, 0), (2, 0, 20, 0, 0), (0, 0, 10, 0, 2)])
+def test_a_ladder_with_a_missing_step_is_refused(counts: tuple[int, int, int, int, int]) -> None:
+    with pytest.raises(ValueError, match="none in III and V"):
+        Mesh(counts=counts)
 
 
 def test_the_outermost_elements_are_halved_towards_the_clamped_ends() -> None:
@@ -99,13 +118,13 @@ PLACES = st.floats(0.0, 1.0)
 MESHES = st.builds(
     lambda coarse, two, three, four, ends, legs: Mesh(
         coarse_length=coarse,
-        counts=(2 * two, 4 * three, 8 * four, 4 * three, 2 * two),
+        counts=(2 * two, 4 * three * (two > 0), 8 * four, 4 * three * (two > 0), 2 * two),
         end_levels=ends,
         leg_levels=legs,
     ),
     st.floats(0.5, 4.0),
-    st.integers(1, 3),
-    st.integers(1, 3),
+    st.integers(0, 3),
+    st.integers(0, 3),
     st.integers(1, 6),
     st.integers(0, 3),
     st.integers(0, 5),
@@ -117,13 +136,13 @@ MESHES = st.builds(
 def test_the_ladder_adds_up_to_the_rope_and_is_centred_as_well_as_it_can_be(
     mesh: Mesh, length: float, place: float
 ) -> None:
-    inner = float(np.dot(mesh.counts, LADDER[1:6])) * mesh.coarse_length
+    inner = inner_length(mesh.counts) * mesh.coarse_length
     assume(length > inner + 3 * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     np.testing.assert_allclose(p.lengths.sum(), length, rtol=1e-12)  # a sum of some hundred lengths
     if mesh.leg_levels == 0:
         assert sum(p.counts) + 2 * mesh.end_levels == p.lengths.size
-    assert min(p.counts) >= 1
+    assert min(p.counts[0], p.counts[3], p.counts[6]) >= 1
     assert p.counts[1:6] == mesh.counts
     # half a coarse element off, where the ends leave room for it
     if p.counts[0] > 1 and p.counts[6] > 1:
@@ -135,7 +154,7 @@ def test_the_ladder_adds_up_to_the_rope_and_is_centred_as_well_as_it_can_be(
 def test_a_transformation_moves_one_coarse_element_across_and_back_again(
     mesh: Mesh, length: float, place: float, direction: int
 ) -> None:
-    inner = float(np.dot(mesh.counts, LADDER[1:6])) * mesh.coarse_length
+    inner = inner_length(mesh.counts) * mesh.coarse_length
     assume(length > inner + 3 * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     assume(p.counts[6 if direction > 0 else 0] > 1)

@@ -11,19 +11,24 @@
 /* more would be a mistake in the unit of an element's length */
 enum { MOST_ELEMENTS = 20000 };
 
-static const double LADDER[SEGMENTS] = {1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0};
+static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
-enum { GRADING = 2 };
+enum { GRADING = 2, RATIO = 4 };
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
-static const double LEG_LENGTH = 80.0;
-static const double FADE = 1.0, FADE_ERROR = 0.05, FADE_DECADE = 0.4;
+static const double LEG_LENGTH = 37.0;
+static const double FADE = 1.0, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
 static const double NEAREST = 0.12;
 static const double END_LENGTH = 2.0;
 
+/* elements of IV in units of l: half of their neighbours */
+static double fine_share(int with_ii, int with_iii) {
+    return ldexp(1.0, -1 - with_ii - with_iii);
+}
+
 /* length of the segments II to VI in units of l, for their numbers of elements */
 static double inner_length(double ii, double iii, double iv, double v, double vi) {
-    return LADDER[1] * ii + LADDER[2] * iii + LADDER[3] * iv + LADDER[4] * v + LADDER[5] * vi;
+    return HALF * ii + QUARTER * iii + fine_share(ii > 0, iii > 0) * iv + QUARTER * v + HALF * vi;
 }
 
 static double inner_of(const Mesh *mesh) {
@@ -34,7 +39,7 @@ static double inner_of(const Mesh *mesh) {
 /* elements of segment IV in the mesh suited to a loop of radius R that fades out over a length of `fade` */
 static double suited_fine_count(double R, double fade, double coarse) {
     double covered = PI * R + 2 * fade + 2 * DUE * coarse;
-    return 8 * ceil(covered / coarse);
+    return RATIO * ceil(covered / coarse);
 }
 
 static int as_int(double x) {
@@ -49,16 +54,16 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     double w = pow(rope->EI / weight, 1.0 / 3.0);
     double R = fmin(0.5 * layout->spacing, NATURAL_RADIUS * w);
     double fine = fmin(LOOP_LENGTH * pow(mesh->loop_error / (LOOP_ERROR * R), 0.2), LONGEST) * R;
-    double coarse = fine / LADDER[3];
+    double coarse = RATIO * fine;
     double fade = w * fmax(FADE + FADE_DECADE * log10(FADE_ERROR / mesh->loop_error), 0);
     double layer = sqrt(rope->EI / (0.5 * weight * rope->length));
 
     /* the loop comes near an end: segment IV must be able to follow */
-    double inner = inner_length(2, 4, suited_fine_count(R, fade, coarse), 4, 2);
+    double inner = inner_length(2, 0, suited_fine_count(R, fade, coarse), 0, 2);
     coarse = fmin(coarse, 2 * NEAREST * rope->length / inner);
-    fine = coarse * LADDER[3];
+    fine = coarse / RATIO;
     double count = suited_fine_count(R, fade, coarse);
-    if (coarse * (inner_length(2, 4, count, 4, 2) + 2) > rope->length) {
+    if (coarse * (inner_length(2, 0, count, 0, 2) + 2) > rope->length) {
         suited.kind = EEM;
         suited.elements = as_int(fmax(ceil(rope->length / fine), 8));
         return suited;
@@ -67,10 +72,10 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     suited.kind = TMN;
     suited.coarse_length = coarse;
     suited.counts[0] = suited.counts[4] = 2;
-    suited.counts[1] = suited.counts[3] = 4;
+    suited.counts[1] = suited.counts[3] = 0;
     suited.counts[2] = as_int(count);
     suited.end_levels = (int)fmin(levels, 8);
-    double longest = LEG_LENGTH * cbrt(mesh->loop_error * R * R);
+    double longest = LEG_LENGTH * pow(mesh->loop_error * R * R * R, 0.25);
     suited.leg_levels = (int)fmin(fmax(floor(log2(longest / coarse)), 0), 6);
     return suited;
 }
@@ -179,9 +184,10 @@ static void fill_lengths(const Pattern *pattern, double *lengths) {
 
     double *left = lengths + n, *right = lengths + elements - 1 - n;
     n += fill_legs(first, last, pattern->leg_levels, legs, left, right);
+    const double ladder[SEGMENTS] = {1, HALF, QUARTER, fine_share(counts[1] > 0, counts[2] > 0), QUARTER, HALF, 1};
     for (int segment = 1; segment < SEGMENTS - 1; segment++)
         for (int k = 0; k < counts[segment]; k++)
-            lengths[n++] = LADDER[segment];
+            lengths[n++] = ladder[segment];
     /* the outermost: l/2, l/4 ... and the last length once more */
     for (int k = 0; k <= levels; k++)
         lengths[k] = lengths[elements - 1 - k] = ldexp(1.0, k == 0 ? -levels : k - 1 - levels);

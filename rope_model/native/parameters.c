@@ -85,7 +85,6 @@ static void swivel_checked(const Swivel *swivel, const Check *check) {
 
 static void mesh_checked(const Mesh *mesh, const Check *check) {
     static const char *const segments[] = {"II", "III", "IV", "V", "VI"};
-    static const int multiples[] = {2, 4, 8, 4, 2};
     choice(check, "kind", mesh->kind, 3, "0 tmn, 1 eem, 2 auto");
     real(check, 1e-5 <= mesh->loop_error && mesh->loop_error <= 1.0, "loop_error", mesh->loop_error, "1e-5 to 1 m",
          "5e-3 m suits most studies");
@@ -97,12 +96,19 @@ static void mesh_checked(const Mesh *mesh, const Check *check) {
           "2 resolves the clamped ends");
     whole(check, 0 <= mesh->leg_levels && mesh->leg_levels <= 6, "leg_levels", mesh->leg_levels, "0 to 6",
           "2 suits a 120 m rope");
+    const int *n = mesh->counts;
+    char given[80];
+    snprintf(given, sizeof given, "(%d, %d, %d, %d, %d)", n[0], n[1], n[2], n[3], n[4]);
+    require(check, (n[0] > 0) == (n[4] > 0) && (n[1] > 0) == (n[3] > 0) && (n[0] > 0 || n[1] == 0), "counts", given,
+         "all five segments, or none in III and V, or none in II and VI too",
+         "the ladder is the same on both sides and leaves out no step");
+    int multiples[] = {2, 4, 2 << ((n[0] > 0) + (n[1] > 0)), 4, 2};
     for (int i = 0; i < 5; i++) {
-        int count = mesh->counts[i], multiple = multiples[i];
+        int count = n[i], multiple = multiples[i], fine = i == 2;
         char what[40], bound[40];
         snprintf(what, sizeof what, "element count of segment %s", segments[i]);
-        snprintf(bound, sizeof bound, "a positive multiple of %d", multiple);
-        whole(check, count >= multiple && count % multiple == 0, what, count, bound,
+        snprintf(bound, sizeof bound, "a %smultiple of %d", fine ? "positive " : "", multiple);
+        whole(check, count >= (fine ? multiple : 0) && count % multiple == 0, what, count, bound,
               "a transformation moves whole coarse elements through the segment");
     }
 }

@@ -8,7 +8,8 @@ TMN-ETM, time-varying multi-segment non-equal-length elements, has seven segment
 
 IV around the loop's lowest point.  When the loop has travelled l along the rope a transformation moves the pattern
 by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets
-coarser two elements become one (their middle node is dropped), where it gets finer one becomes two.
+coarser two elements become one (their middle node is dropped), where it gets finer one becomes two.  Without III and V
+IV has l/4, without II and VI too l/2: shorter ways from one transformation to the next, which IV need not cover.
 
 Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
@@ -28,8 +29,6 @@ import numpy as np
 from ..parameters import Layout, Mesh, Rope
 from .rope_system import Array, arc_lengths
 
-LADDER = np.array([1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0])
-
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, and a margin that
 #: keeps a loop which trembles about the limit from transforming to and fro
 DUE = 0.6
@@ -40,11 +39,11 @@ GRADING = 2
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
 LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
-#: 'auto': a leg's longest element is LEG_LENGTH (loop_error R^2)^(1/3)
-LEG_LENGTH = 80.0
+#: 'auto': a leg's elements are no longer than LEG_LENGTH (loop_error R^3)^(1/4)
+LEG_LENGTH = 37.0
 #: 'auto': what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this
 #: much more for a tenth of it
-FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.4
+FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.25
 #: 'auto': how near an end the loop may hang, in rope lengths
 NEAREST = 0.12
 #: 'auto': end elements in units of the bending layer there
@@ -75,8 +74,18 @@ class Partition:
     @cached_property
     def centre(self) -> float:
         """Arc length of the middle of segment IV, m."""
-        inner = float(np.dot(self.counts[1:6], LADDER[1:6]))
-        return self.coarse * (self.counts[0] + 0.5 * inner)
+        return self.coarse * (self.counts[0] + 0.5 * inner_length(self.counts[1:6]))
+
+
+def ladder(counts: tuple[int, ...]) -> Array:
+    """Element lengths of the segments II to VI in units of l, for their numbers of elements."""
+    fine = 0.5 ** (1 + sum(n > 0 for n in counts[:2]))
+    return np.array([0.5, 0.25, fine, 0.25, 0.5])
+
+
+def inner_length(counts: tuple[int, ...]) -> float:
+    """Length of the segments II to VI in units of l, for their numbers of elements."""
+    return float(np.dot(counts, ladder(counts)))
 
 
 def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
@@ -85,8 +94,8 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     The loop bends with a radius R, half the spacing or what its stiffness w = (EI / rho g)^(1/3) gives it; the error
     of its place grows with the fifth power of the elements' length there (measured, see docs/chart.md).  Segment IV
     covers the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped
-    ends resolve the bending layer sqrt(EI / T).  Where two of a leg become one, or one two, linear theta is wrong by the
-    square of their length; each transformation lets the loop feel that.  A rope too short for seven segments gets equal
+    ends resolve the bending layer sqrt(EI / T).  Where two of a leg become one, or one two, linear theta is wrong by
+    the square of their length, which each transformation lets the loop feel.  A rope too short for all that gets equal
     elements.
     """
     if mesh.kind != "auto":
@@ -95,23 +104,22 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     w = (rope.EI / weight) ** (1 / 3)
     R = min(0.5 * layout.spacing, NATURAL_RADIUS * w)
     fine = min(LOOP_LENGTH * (mesh.loop_error / (LOOP_ERROR * R)) ** 0.2, LONGEST) * R
-    coarse = fine / LADDER[3]
+    ratio = 4  # of l to the elements of IV: five segments
+    coarse = ratio * fine
     layer = math.sqrt(rope.EI / (0.5 * weight * rope.length))
-    multiple = round(1 / LADDER[3])
     fade = w * max(FADE + FADE_DECADE * math.log10(FADE_ERROR / mesh.loop_error), 0.0)
 
     def pattern(coarse: float) -> tuple[int, int, int, int, int]:
         covered = math.pi * R + 2 * fade + 2 * DUE * coarse
-        return (2, 4, multiple * math.ceil(covered / coarse), 4, 2)
+        return (2, 0, ratio * math.ceil(covered / coarse), 0, 2)
 
     # the loop comes near an end: segment IV must be able to follow
-    inner = float(np.dot(pattern(coarse), LADDER[1:6]))
-    coarse = min(coarse, 2 * NEAREST * rope.length / inner)
-    fine, counts = coarse * LADDER[3], pattern(coarse)
-    if coarse * (float(np.dot(counts, LADDER[1:6])) + 2) > rope.length:
+    coarse = min(coarse, 2 * NEAREST * rope.length / inner_length(pattern(coarse)))
+    fine, counts = coarse / ratio, pattern(coarse)
+    if coarse * (inner_length(counts) + 2) > rope.length:
         return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
     levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer))), 0)
-    longest = LEG_LENGTH * (mesh.loop_error * R**2) ** (1 / 3)
+    longest = LEG_LENGTH * (mesh.loop_error * R**3) ** 0.25
     legs = min(max(math.floor(math.log2(longest / coarse)), 0), 6)
     return replace(mesh, kind="tmn", coarse_length=coarse, counts=counts, end_levels=min(levels, 8), leg_levels=legs)
 
@@ -122,7 +130,7 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
         raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.suited")
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
-    inner = float(np.dot(mesh.counts, LADDER[1:6]))
+    inner = inner_length(mesh.counts)
     outer = float(np.rint(length / mesh.coarse_length - inner))
     if outer > MOST_ELEMENTS:
         raise ValueError(
@@ -178,7 +186,7 @@ def distance_to_due(mesh: Partition, bottom: float) -> float:
 
 
 def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, leg_levels: int) -> Partition:
-    inner = np.repeat(LADDER[1:6], counts[1:6])
+    inner = np.repeat(ladder(counts[1:6]), counts[1:6])
     # l/2, l/4 ... and the last length once more
     end = np.array([*(0.5**k for k in range(1, end_levels + 1)), 0.5**end_levels])
     left, right = _legs(counts[0], counts[6], leg_levels)
