@@ -70,7 +70,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     chart.add_argument("--out", type=Path, metavar="DIR", help=f"where to ({DOCS}; with --quick {QUICK})")
     chart.add_argument("--quick", action="store_true", help="a few points on 1 m of travel: a check, not a result")
-    chart.add_argument("--only", metavar="FAMILY", help="measure one family anew and keep the rest; draw: none")
+    chart.add_argument(
+        "--only", metavar="FAMILY", help="measure one family, or depth, anew and keep the rest; draw: none"
+    )
     chart.set_defaults(run=_chart)
     options = parser.parse_args(arguments)
     level = logging.INFO if options.verbose else logging.WARNING

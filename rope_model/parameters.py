@@ -154,13 +154,6 @@ class Mesh:
         _require(0 <= self.leg_levels <= 6, "leg_levels", self.leg_levels, "0 to 6", "2 suits a 120 m rope")
         _require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
         ii, iii, _, v, vi = self.counts
-        _require(
-            (ii > 0) == (vi > 0) and (iii > 0) == (v > 0) and (ii > 0 or iii == 0),
-            "counts",
-            self.counts,
-            "all five segments, or none in III and V, or none in II and VI too",
-            "the ladder is the same on both sides and leaves out no step",
-        )
         fine = 2 ** (1 + (ii > 0) + (iii > 0))
         multiples = (2, 4, fine, 4, 2)
         for name, count, multiple in zip(("II", "III", "IV", "V", "VI"), self.counts, multiples, strict=True):
@@ -171,6 +164,13 @@ class Mesh:
                 f"a {'positive ' if name == 'IV' else ''}multiple of {multiple}",
                 "a transformation moves whole coarse elements through the segment",
             )
+        _require(
+            (ii > 0) == (vi > 0) and (iii > 0) == (v > 0) and (ii > 0 or iii == 0),
+            "counts",
+            self.counts,
+            "all five segments, or none in III and V, or none in II and VI too",
+            "the ladder is the same on both sides and leaves out no step",
+        )
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ def test_the_quick_command_writes_every_file(tmp_path: Path) -> None:
     (tmp_path / "README.md").write_text(f"before\n{BEGIN}\n{END}\nafter\n", encoding="utf-8")
     out = tmp_path / "docs"
     assert main(["chart", "--quick", "--out", str(out)]) == 0
-    assert {p.name for p in (out / DATA).iterdir()} == {"points.csv", "machine.csv"}
+    assert {p.name for p in (out / DATA).iterdir()} == {"points.csv", "machine.csv", "depth.csv"}
     assert {p.stem for p in (out / IMAGES).iterdir()} == set(FIGURES)
     assert (out / "chart.md").read_text(encoding="utf-8") == page(tables := read(out / DATA))
     assert set(tables["points"]["family"]) == set(FAMILIES)

@@ -56,14 +56,14 @@ def wound(tool: str, fmu: Path, reading: str, steps: int) -> NDArray[np.float64]
 
 
 @functools.cache
-def in_process(native: bool, tool: str, reading: str, steps: int) -> NDArray[np.float64]:
-    """The same by the rope in process, with the tool's clock."""
+def in_process(native: bool, tool: str, reading: str, steps: int, lift: float = 0.0) -> NDArray[np.float64]:
+    """The same by the rope in process, with the tool's clock, all of it ``lift`` (m) higher."""
     rope, rows = (NativeRope if native else RopeSimulator)(rope_120().scene), []
-    rope.initialize(0.0, *motions(0.0))
+    rope.initialize(0.0, *motions(0.0, lift))
     for k, (t, h) in enumerate(tool_driver.clock(tool, steps)):
-        ends = motions((k + 1) * tool_driver.H)
+        ends = motions((k + 1) * tool_driver.H, lift)
         if reading == "start":
-            ends = [end.extrapolated(h) for end in motions(k * tool_driver.H)]
+            ends = [end.extrapolated(h) for end in motions(k * tool_driver.H, lift)]
         status = rope.advance_to(t + h, *ends)
         assert status.valid, status.message
         values = signals(rope)
@@ -72,9 +72,15 @@ def in_process(native: bool, tool: str, reading: str, steps: int) -> NDArray[np.
     return np.array(rows)
 
 
-def motions(t: float) -> list[EndMotion]:
+def motions(t: float, lift: float = 0.0) -> list[EndMotion]:
     values = tool_driver.inputs(t)
-    return [EndMotion(y=y, vy=v, ay=a) for y, v, a in (values[:3], values[3:])]
+    return [EndMotion(y=y + lift, vy=v, ay=a) for y, v, a in (values[:3], values[3:])]
+
+
+def rounding(tool: str, reading: str, steps: int) -> NDArray[np.float64]:
+    """(12,) what the last bits of the heights do to each force, as another compiler's may: the same higher up."""
+    here, there = (in_process(True, tool, reading, steps, lift) for lift in (0.0, 7.3))
+    return np.abs(here - there).max(axis=0)
 
 
 @pytest.fixture(scope="module", params=sorted(FLAVOURS))
@@ -102,8 +108,11 @@ def test_forces_in_the_tool_are_those_of_the_rope_in_process(
         pytest.skip(f"{tool} does not import FMI {flavour.fmi}")
     expected, found = in_process(flavour.native, tool, reading, steps), wound(tool, fmu, reading, steps)
     assert found.shape == expected.shape
-    scale = np.maximum(np.abs(expected).max(axis=0), 1.0)
-    assert np.abs((found - expected) / scale).max() < flavour.tolerance
+    allowed = flavour.tolerance * np.maximum(np.abs(expected).max(axis=0), 1.0)
+    if flavour.native:
+        allowed = np.maximum(allowed, 3 * rounding(tool, reading, steps))
+        assert (allowed < 1e-7 * np.maximum(np.abs(expected).max(axis=0), 1.0)).all()
+    assert (np.abs(found - expected).max(axis=0) < allowed).all()
 
 
 def simulated_without_python(flavour: Flavour, fmu: Path, folder: Path, *preloaded: Path) -> int:

@@ -7,6 +7,7 @@ from pathlib import Path
 from benchmarks.reproduction.drawing import draw_to
 from benchmarks.reproduction.tables import Table, Tables, read, write
 
+from . import depth
 from .figures import FIGURES
 from .levels import with_block
 from .measure import measure, merged
@@ -19,13 +20,15 @@ DATA, IMAGES, PEER = Path("data") / "chart", Path("images") / "chart", Path("dat
 def run(out: Path, only: str | None = None, few: bool = False) -> list[Path]:
     """Measure what is asked for and write data, figures and page into ``out``; the files written.
 
-    ``only`` measures one of FAMILIES anew and keeps the others' data, or ``draw``: nothing is measured.
+    ``only`` measures one of FAMILIES, or ``depth``, anew and keeps the others' data, or ``draw``: nothing is measured.
     """
-    if only not in (None, "draw", *FAMILIES):
-        raise ValueError(f"--only {only!r} must be one of {', '.join(FAMILIES)}, or draw")
+    if only not in (None, "draw", "depth", *FAMILIES):
+        raise ValueError(f"--only {only!r} must be one of {', '.join(FAMILIES)}, depth, or draw")
     if only is not None and not (out / DATA / "points.csv").is_file():
         raise ValueError(f"--only {only} needs the other families' data in {out / DATA}: run without --only first")
-    if only != "draw":
+    if only in (None, "depth"):
+        write({"depth": depth.measure(depth.quick() if few else depth.Depth())}, out / DATA)
+    if only not in ("draw", "depth"):
         families = FAMILIES if only is None else (only,)
         tables = dict(measure(quick() if few else complete(), families))
         if only is not None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from benchmarks.reproduction.drawing import ACCENTS, COLOURS, REFERENCE, figure
 from benchmarks.reproduction.tables import Table, Tables
 
+from . import depth
 from .front import pareto
 from .measure import COST
 from .reading import FORCE, LOOP, TWIST, limit, rows
@@ -205,5 +206,6 @@ FIGURES: dict[str, Callable[[Tables], Figure]] = {
     "coupled-twist": partial(work_precision, coupling="coupled", error=TWIST),
     "uncoupled-force": partial(work_precision, coupling="uncoupled", error=FORCE),
     "uncoupled-loop": partial(work_precision, coupling="uncoupled", error=LOOP),
+    "depth": depth.draw,
     "solver": solver_numbers,
 }

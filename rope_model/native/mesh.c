@@ -16,7 +16,7 @@ static const double DUE = 0.6;
 enum { GRADING = 2, RATIO = 4 };
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
-static const double LEG_LENGTH = 37.0;
+static const double LEG_LENGTH = 450.0, LEG_SHARE = 0.1, LEG_TWIST = 8e-3;
 static const double FADE = 1.0, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
 static const double NEAREST = 0.12;
 static const double END_LENGTH = 2.0;
@@ -75,7 +75,10 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     suited.counts[1] = suited.counts[3] = 0;
     suited.counts[2] = as_int(count);
     suited.end_levels = (int)fmin(levels, 8);
-    double longest = LEG_LENGTH * pow(mesh->loop_error * R * R * R, 0.25);
+    double Qs = 0.5 * (rope->Qb + rope->Qc), bend = fabs(Qs) * weight / (rope->Qa * rope->Qd - Qs * Qs);
+    double longest = fmin(LEG_SHARE * rope->length, LEG_LENGTH * sqrt(mesh->loop_error * R));
+    if (bend > 0)
+        longest = fmin(longest, sqrt(8 * LEG_TWIST * sqrt(mesh->loop_error / R) / bend));
     suited.leg_levels = (int)fmin(fmax(floor(log2(longest / coarse)), 0), 6);
     return suited;
 }

@@ -97,11 +97,6 @@ static void mesh_checked(const Mesh *mesh, const Check *check) {
     whole(check, 0 <= mesh->leg_levels && mesh->leg_levels <= 6, "leg_levels", mesh->leg_levels, "0 to 6",
           "2 suits a 120 m rope");
     const int *n = mesh->counts;
-    char given[80];
-    snprintf(given, sizeof given, "(%d, %d, %d, %d, %d)", n[0], n[1], n[2], n[3], n[4]);
-    require(check, (n[0] > 0) == (n[4] > 0) && (n[1] > 0) == (n[3] > 0) && (n[0] > 0 || n[1] == 0), "counts", given,
-         "all five segments, or none in III and V, or none in II and VI too",
-         "the ladder is the same on both sides and leaves out no step");
     int multiples[] = {2, 4, 2 << ((n[0] > 0) + (n[1] > 0)), 4, 2};
     for (int i = 0; i < 5; i++) {
         int count = n[i], multiple = multiples[i], fine = i == 2;
@@ -111,6 +106,11 @@ static void mesh_checked(const Mesh *mesh, const Check *check) {
         whole(check, count >= (fine ? multiple : 0) && count % multiple == 0, what, count, bound,
               "a transformation moves whole coarse elements through the segment");
     }
+    char given[80];
+    snprintf(given, sizeof given, "(%d, %d, %d, %d, %d)", n[0], n[1], n[2], n[3], n[4]);
+    require(check, (n[0] > 0) == (n[4] > 0) && (n[1] > 0) == (n[3] > 0) && (n[0] > 0 || n[1] == 0), "counts", given,
+         "all five segments, or none in III and V, or none in II and VI too",
+         "the ladder is the same on both sides and leaves out no step");
 }
 
 static void solver_checked(const Solver *solver, const Check *check) {

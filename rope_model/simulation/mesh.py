@@ -39,8 +39,9 @@ GRADING = 2
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
 LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
-#: 'auto': a leg's elements are no longer than LEG_LENGTH (loop_error R^3)^(1/4)
-LEG_LENGTH = 37.0
+#: 'auto': a leg's elements are no longer than LEG_LENGTH (loop_error R)^(1/2) and LEG_SHARE of the rope, and joining
+#: two turns their middle by no more than LEG_TWIST (loop_error / R)^(1/2) rad
+LEG_LENGTH, LEG_SHARE, LEG_TWIST = 450.0, 0.1, 8e-3
 #: 'auto': what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this
 #: much more for a tenth of it
 FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.25
@@ -95,7 +96,7 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     of its place grows with the fifth power of the elements' length there (measured, see docs/chart.md).  Segment IV
     covers the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped
     ends resolve the bending layer sqrt(EI / T).  Where two of a leg become one, or one two, linear theta is wrong by
-    the square of their length, which each transformation lets the loop feel.  A rope too short for all that gets equal
+    theta'' l^2 / 8, which each transformation lets the loop feel.  A rope too short for all that gets equal
     elements.
     """
     if mesh.kind != "auto":
@@ -119,7 +120,12 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     if coarse * (inner_length(counts) + 2) > rope.length:
         return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
     levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer))), 0)
-    longest = LEG_LENGTH * (mesh.loop_error * R**3) ** 0.25
+    # theta'' of a hanging rope that carries torque but no external moment
+    Qs = 0.5 * (rope.Qb + rope.Qc)
+    bend = abs(Qs) * weight / (rope.Qa * rope.Qd - Qs**2)
+    longest = min(LEG_SHARE * rope.length, LEG_LENGTH * math.sqrt(mesh.loop_error * R))
+    if bend > 0:
+        longest = min(longest, math.sqrt(8 * LEG_TWIST * math.sqrt(mesh.loop_error / R) / bend))
     legs = min(max(math.floor(math.log2(longest / coarse)), 0), 6)
     return replace(mesh, kind="tmn", coarse_length=coarse, counts=counts, end_levels=min(levels, 8), leg_levels=legs)
 

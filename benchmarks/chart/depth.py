@@ -1,0 +1,198 @@
+"""What TMN-ETM saves over equal elements at the same error, over the depth of the shaft.
+
+Every rope winds the same 60 m through its middle, with the same time step for all meshes: what differs is the mesh.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from benchmarks.kinematic import wind
+from benchmarks.reproduction.costs import SOURCE_SAVED
+from benchmarks.reproduction.drawing import ACCENTS, COLOURS, figure
+from benchmarks.reproduction.tables import Table, Tables, table
+from hoist_demo.inprocess_rope import rope_data
+from hoist_demo.parameters import Winding as Trip
+from hoist_demo.reference import s_curve
+from hoist_demo.scenes import scene_named
+from rope_model.parameters import Mesh, Model, Scene, Solver
+
+from .front import cost_at
+
+TRIP = Trip(travel=60.0, speed=8.0)
+SETTLE, STEP, SAMPLE = 3.0, 0.01, 4  # s, s, steps
+ROUNDS = 3
+COUPLINGS = ("uncoupled", "coupled")
+#: of the hoists that they come from; the swivels are locked
+ROPES = ("rope-120", "rope-240", "monopol-1000")
+LOOP_ERRORS = (5e-3, 1e-3, 2e-4)  # m, of TMN-ETM's meshes
+EEM_LENGTHS = (0.8, 0.6, 0.45, 0.35, 0.25, 0.18)  # m
+FINEST = 0.1  # m, of the reference's equal elements
+COLUMNS = ("rope", "length [m]", "coupling", "mesh", "loop_error [m]", "elements", "processor time [s/s]")
+ERRORS = ("force error", "loop error [m]")
+
+
+@dataclass(frozen=True)
+class Depth:
+    """What is wound."""
+
+    ropes: Sequence[str] = ROPES
+    trip: Trip = TRIP
+    loop_errors: Sequence[float] = LOOP_ERRORS
+    eem_lengths: Sequence[float] = EEM_LENGTHS
+    finest: float = FINEST
+    rounds: int = ROUNDS
+
+
+def quick() -> Depth:
+    """A check that all is in place."""
+    return Depth(("rope-120",), replace(TRIP, travel=0.5, start_delay=0.0), (5e-3,), (0.9, 0.7), 0.5, 1)
+
+
+def scene_of(rope: str, coupling: str) -> Scene:
+    """The rope between locked ends; uncoupled without Qb and Qc, where the planar rung leaves nothing out."""
+    scene = rope_data(scene_named(rope).rope)
+    held = {"left": replace(scene.left, mode="locked"), "right": replace(scene.right, mode="locked")}
+    scene = scene.with_(solver=Solver(step_max=STEP), model=Model("torsional"), **held)
+    if coupling == "coupled":
+        return scene
+    return scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0), model=Model("planar"))
+
+
+def measure(what: Depth) -> Table:
+    """Errors and times of all meshes; times are medians of rounds, of equal elements of one run."""
+    rows: list[tuple[object, ...]] = []
+    for rope, coupling in product(what.ropes, COUPLINGS):
+        scene = scene_of(rope, coupling)
+        length = scene.rope.length
+        equal = [Mesh("eem", elements=math.ceil(length / l)) for l in (what.finest, *what.eem_lengths)]
+        fitted = [Mesh("auto", loop_error=e) for e in what.loop_errors]
+        exact: tuple[np.ndarray, np.ndarray] | None = None
+        for mesh in tqdm([*equal, *fitted], desc=f"depth, {rope}, {coupling}", unit="run", leave=False):
+            costs = []
+            for _ in range(what.rounds if mesh.kind == "auto" else 1):
+                run = wind(scene.with_(mesh=mesh), s_curve(what.trip), what.trip.travel, SETTLE, SAMPLE, interval=STEP)
+                if not run.status.valid:
+                    raise RuntimeError(f"{rope}, {coupling}, {mesh}: {run.status.message}")
+                costs.append(run.cpu / run.simulated)
+            force, bottom = np.array(run.force), np.array(run.bottom)
+            if exact is None:
+                exact = force, bottom
+            errors = (
+                float(np.sqrt(np.mean((force - exact[0]) ** 2)) / np.max(np.abs(exact[0]))),
+                float(np.max(np.linalg.norm(bottom - exact[1], axis=1))),
+            )
+            elements = run.rope.state.partition.lengths.size
+            kind, wanted = ("TMN-ETM", mesh.loop_error) if mesh.kind == "auto" else ("EEM", 0.0)
+            rows.append((rope, length, coupling, kind, wanted, elements, float(np.median(costs)), *errors))
+    return table((*COLUMNS, *ERRORS), rows)
+
+
+@dataclass(frozen=True)
+class Saved:
+    """TMN-ETM against equal elements with the same error of the loop's place."""
+
+    rope: str
+    length: float  # m
+    coupling: str
+    elements: int
+    loop_error: float  # m
+    force_error: float
+    equal_elements: float  # with the same loop error
+    saved: float  # % of the equal elements' time
+
+
+def savings(t: Table) -> list[Saved]:
+    """Every mesh of TMN-ETM that equal elements are known to reach; time interpolated in the logarithms."""
+    found = []
+    for i in np.flatnonzero(t["mesh"] == "TMN-ETM"):
+        same = (t["rope"] == t["rope"][i]) & (t["coupling"] == t["coupling"][i]) & (t["mesh"] == "EEM")
+        same &= t["loop error [m]"] > 0  # not the reference itself
+        error, bound = t["loop error [m]"][same], float(t["loop error [m]"][i])
+        time, elements = (cost_at(t[name][same], error, bound) for name in ("processor time [s/s]", "elements"))
+        part = 100 * (1 - float(t["processor time [s/s]"][i]) / time)
+        found.append(
+            Saved(
+                str(t["rope"][i]),
+                float(t["length [m]"][i]),
+                str(t["coupling"][i]),
+                int(t["elements"][i]),
+                bound,
+                float(t["force error"][i]),
+                elements,
+                part,
+            )
+        )
+    return found
+
+
+def draw(tables: Tables) -> Figure:
+    """% of the time saved over the length of the rope."""
+    made, axes = figure(1, 2, 3.6, sharey=True)
+    t = tables["depth"]
+    all_saved = savings(t)
+    wanted = sorted(set(t["loop_error [m]"][t["mesh"] == "TMN-ETM"].tolist()), reverse=True)
+    colours = (COLOURS["left"], COLOURS["right"], ACCENTS[0])
+    for ax, coupling in zip(axes[0], COUPLINGS, strict=True):
+        for k, colour in zip(range(len(wanted)), colours, strict=False):
+            mine = [s for s in all_saved if s.coupling == coupling][k :: len(wanted)]
+            ax.plot(
+                [s.length for s in mine],
+                [s.saved for s in mine],
+                "o-",
+                color=colour,
+                ms=5,
+                label=f"mesh for {1e3 * wanted[k]:g} mm",
+            )
+        ax.axhline(SOURCE_SAVED[coupling], color="black", lw=0.8, ls=":")
+        ax.set_xscale("log")
+        ticks = sorted({s.length for s in all_saved})
+        ax.set_xticks(ticks, [f"{x:g}" for x in ticks], minor=False)
+        ax.minorticks_off()
+        ax.set_xlabel("length of the rope [m]")
+        ax.set_title(f"{coupling}; dotted: stated by the source", loc="left", fontsize=10)
+    axes[0, 0].set_ylabel("time saved at equal loop error [%]")
+    axes[0, 0].legend(loc="lower right")
+    return made
+
+
+def reading(t: Table) -> str:
+    """The page's section."""
+    rows = [
+        "| rope | coupling | TMN-ETM elements | loop's lowest point | end forces | EEM elements, same loop error | "
+        "time saved | by the elements alone |",
+        "|---" * 8 + "|",
+    ]
+    found = savings(t)
+    for s in found:
+        if np.isfinite(s.saved):
+            by_count = 100 * (1 - s.elements / s.equal_elements)
+            equal, part = f"{s.equal_elements:.0f}", f"{s.saved:.1f} % | {by_count:.1f} %"
+        else:
+            equal, part = "more than tried", " | "
+        rows.append(
+            f"| {s.rope}, {s.length:g} m | {s.coupling} | {s.elements} | {1e3 * s.loop_error:.2g} mm | "
+            f"{100 * s.force_error:.2g} % | {equal} | {part} |"
+        )
+    return "\n".join(rows) + "\n\n" + " ".join(_reached(found, c) for c in COUPLINGS)
+
+
+def _reached(found: Sequence[Saved], coupling: str) -> str:
+    asked = SOURCE_SAVED[coupling]
+    mine = [s for s in found if s.coupling == coupling and np.isfinite(s.saved)]
+    reached = [s for s in mine if s.saved >= asked]
+    best = {s.length: max(x.saved for x in mine if x.length == s.length) for s in mine}
+    most = ", ".join(f"{part:.1f} % at {length:g} m" for length, part in best.items())
+    words = (
+        f"reached on {', '.join(dict.fromkeys(f'{s.rope} at {1e3 * s.loop_error:.2g} mm' for s in reached))}"
+        if reached
+        else "not reached"
+    )
+    return f"The source's {asked} % ({coupling}): {words}; the most is {most}."
