@@ -34,7 +34,7 @@ COUPLINGS = ("uncoupled", "coupled")
 ROPES = ("rope-120", "rope-240", "monopol-1000")
 LOOP_ERRORS = (5e-3, 1e-3, 2e-4)  # m, of TMN-ETM's meshes
 EEM_LENGTHS = (0.8, 0.6, 0.45, 0.35, 0.25, 0.18)  # m
-FINEST = 0.1  # m, of the reference's equal elements
+FINEST = 0.12  # m, of the reference's equal elements
 COLUMNS = ("rope", "length [m]", "coupling", "mesh", "loop_error [m]", "elements", "processor time [s/s]")
 ERRORS = ("force error", "loop error [m]")
 

@@ -205,7 +205,7 @@ def _depth(t: Table) -> str:
     return (
         "Equal elements spread over the whole rope what the loop needs; TMN-ETM's count grows with the logarithm of "
         "the rope's length. Every rope winds the same 60 m through its middle at up to 8 m/s with the same 10 ms "
-        "steps, uncoupled on the planar rung, so that only the mesh differs; errors are those against equal elements of "
+        "steps, uncoupled on the planar rung, so that only the mesh differs; errors are against equal elements of "
         f"{depth.FINEST:g} m, the loop's the largest of the run. Ropes are those of the scenes, swivels locked.\n\n"
         f"{depth.reading(t)}\n\n![Time saved over the length of the rope]({IMAGES}/depth.png)"
     )
