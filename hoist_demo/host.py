@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -37,6 +38,9 @@ from hoist_demo.reference import Reference, ReferencePoint, s_curve
 from hoist_demo.rope_plant import EndMotion, RopePlant
 
 _log = logging.getLogger(__name__)
+
+_FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")
+"""A single value in the text of a dataclass."""
 
 Progress = Callable[[float, float], bool]
 """Called after every step with the fraction done and the time [s]; False stops the run."""
@@ -308,8 +312,8 @@ class Host:
     def _require_resumable(self, resume: Checkpoint) -> None:
         if resume.data != self.data:
             raise ValueError(
-                f"the checkpoint at t = {resume.t:g} s must be of the same hoist, winding, gains and sample time: "
-                f"it is of {resume.data}"
+                f"the checkpoint at t = {resume.t:g} s must be of the same hoist, winding, gains and sample time, but "
+                f"{_differences(resume.data, self.data)}: give the scene and the options of that run"
             )
         if not resume.rope:
             raise ValueError(
@@ -378,3 +382,13 @@ class Host:
             signals = self.rope.signals()
         drive = dict(zip(DRIVE_UNITS, values, strict=True))
         return drive | {name: value for name, value in signals.items() if name not in drive}
+
+
+def _differences(there: str, here: str, most: int = 6) -> str:
+    """Which numbers and words differ between the `Host.data` of a checkpoint and of this run."""
+    old, new = (_FIELD.findall(data) for data in (there, here))
+    changed = [f"{name} is {value} there" for name, value in old if (name, value) not in new]
+    changed += [f"{name} is {value} here" for name, value in new if (name, value) not in old]
+    changed.sort()
+    more = f" and {len(changed) - most} more" if len(changed) > most else ""
+    return (", ".join(changed[:most]) or "they differ") + more

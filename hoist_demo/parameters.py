@@ -192,6 +192,11 @@ class Winding:
             "shorten the brake's ramp",
         )
 
+    @property
+    def followed_until(self) -> float:
+        """Time [s] until which the drive follows the reference: an emergency stop with the brake ends that."""
+        return math.inf if self.emergency_at is None or self.emergency_law == "drive" else self.emergency_at
+
 
 @dataclass(frozen=True)
 class Coupling:

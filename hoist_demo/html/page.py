@@ -54,13 +54,14 @@ def table(title: str, rows: Sequence[Row]) -> str:
 
 
 def number(value: float) -> str:
-    """Five significant digits for people."""
-    return f"{value:.5g}"
+    """Five significant digits for people, without an exponent where ten places do."""
+    text = f"{value:.5g}"
+    return f"{float(text):.10g}" if "e+" in text else text
 
 
 def unit_text(unit: str) -> str:
-    """FMI's unit for people: `N.m2` as N m², and nothing for a pure number."""
-    text = unit.replace(".", " ") if unit != "1" else ""
+    """A unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
+    text = unit.replace(".", " ").replace("^", "") if unit != "1" else ""
     return re.sub(r"(?<=[A-Za-z])[23]", lambda match: {"2": "²", "3": "³"}[match[0]], text)
 
 

@@ -105,6 +105,8 @@ def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float
     """Times and torques that only a completed trip has."""
     recording = result.recording
     t = recording.time - recording.time[0]
+    if math.isfinite(winding.followed_until):
+        return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     place = recording["reference.position"][-1]
     outside = np.abs(travel - place) > arrival.position_band
