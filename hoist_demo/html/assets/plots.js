@@ -63,6 +63,7 @@ class TimePlot {
     const inside = add(svg, "g", { "clip-path": `url(#${clip})` });
     this.drawEvents(inside, bottom);
     this.drawContent(inside, first, last);
+    this.drawNames(inside, bottom);
     this.cursor = add(inside, "line", { class: "cursor", y1: MARGIN.top, y2: bottom });
     this.move(this.player.t);
   }
@@ -114,13 +115,20 @@ class TimePlot {
     for (const t of DATA.transformations) {
       add(group, "line", { class: "transformation", x1: this.x(t), x2: this.x(t), y1: bottom - 6, y2: bottom });
     }
+    for (const { t } of DATA.marks) {
+      add(group, "line", { class: "mark", x1: this.x(t), x2: this.x(t), y1: MARGIN.top, y2: bottom });
+    }
+  }
+
+  // names of the marks, over curves and ticks
+  drawNames(group, bottom) {
+    if (!(this.panel.named ?? true)) return;
     DATA.marks.forEach((mark, k) => {
       const x = this.x(mark.t), next = k + 1 < DATA.marks.length ? this.x(DATA.marks[k + 1].t) : this.width;
-      add(group, "line", { class: "mark", x1: x, x2: x, y1: MARGIN.top, y2: bottom });
       // the name goes where no other mark is
       const before = next - x < 100 && x > MARGIN.left + 90;
-      const place = { x: x + (before ? -4 : 4), y: bottom - 9, "text-anchor": before ? "end" : "start" };
-      if (this.panel.named ?? true) add(group, "text", { class: "mark-label", ...place }, mark.label);
+      const place = { x: x + (before ? -4 : 4), y: bottom - 11, "text-anchor": before ? "end" : "start" };
+      add(group, "text", { class: "mark-label", ...place }, mark.label);
     });
   }
 
