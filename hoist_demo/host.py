@@ -14,11 +14,12 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.controller import Command, ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.controller import Command, Controller, ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.coupling.catalogue import scheme_named
 from hoist_demo.coupling.interface import Advance, Load, Memory, Pair
 from hoist_demo.coupling.stability import Outlook, measured_answer, outlook
@@ -137,7 +138,9 @@ class Host:
         winding: Winding | None = None,
         coupling: Coupling | None = None,
         gains: Gains | None = None,
+        controller: Callable[[Hoist, float], Controller] | None = None,
     ) -> None:
+        """`controller` makes one's own from the hoist and the motor's torque at rest [N m]; else a speed controller."""
         self.rope = rope
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
@@ -145,6 +148,7 @@ class Host:
         self.scheme = scheme_named(self.coupling.scheme)
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
+        self._controller = partial(SpeedController, gains=gains) if controller is None else controller
         self.plant = HoistPlant(self.hoist)
         self.reference = s_curve(self.winding)
         self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
@@ -175,7 +179,7 @@ class Host:
         run = self._started(resume)
         if isinstance(run, str):
             return self._result(Recorder({}), 0, samples, run)
-        controller = SpeedController(self.hoist, run.at_rest.torque, self._gains)
+        controller = self._controller(self.hoist, run.at_rest.torque)
         steps, per_sample = run.first * self.coupling.per_sample, self.coupling.per_sample
         kept: _Kept | None = None
         cause = ""
