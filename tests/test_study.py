@@ -489,6 +489,7 @@ def test_table_holds_what_the_rope_did(read, tmp_path: Path, client: Client) -> 
     np.testing.assert_allclose(np.diff(series["time"]), 0.01, rtol=1e-9)
     # a draft leaves torsion out, and its yaw is not zero but unknown
     assert math.isnan(table["loop_yaw"][0])
+    assert table["rung"][0] == "planar"
     record = json.loads((tmp_path / "out" / "runs" / f"{table['key'][0]}.json").read_text())
     assert record["data"]["winding"]["travel"] == 0.2
 

@@ -110,7 +110,7 @@ def _written(
             causes[f"run {number} ({key})"] = outcome["cause"]
         chosen = {name: sample.values.get(name) for name in study.units if name != "controller"}
         head = {"run": number, "key": key, "case": sample.case, "controller": sample.data.controller}
-        result = {"status": outcome["status"], "cause": outcome["cause"]}
+        result = {"status": outcome["status"], "cause": outcome["cause"], "rung": outcome.get("rung", "")}
         if costs:
             result[COST] = costs[number - 1] if math.isfinite(costs[number - 1]) else math.nan
         rows.append(head | chosen | result | {name: outcome["metrics"].get(name, math.nan) for name in UNITS})

@@ -27,7 +27,7 @@ from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.recording import TIME
 from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import RopePlant
-from hoist_demo.rungs import computed
+from hoist_demo.rungs import computed, rungs_of
 from hoist_demo.scenes import scene_named
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
@@ -79,6 +79,7 @@ class Outcome:
     signals: Mapping[str, list[float]]  # by name, those that were asked for, and their time
     clock: Mapping[str, float]  # s: wall time of the design, the rope, the drive and all; not a result
     units: Mapping[str, str] = field(default_factory=dict)  # of the signals
+    rung: str = ""  # of the rope's model, that ran: why a metric may be missing
 
 
 def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
@@ -126,9 +127,9 @@ def execute(run: RunData, fmu: Path) -> Outcome:
     # a series means nothing without its instants
     names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
     kept = {name: result.recording[name].tolist() for name in names if name in result.recording}
-    units = {name: result.recording.units[name] for name in kept}
+    units, rung = {name: result.recording.units[name] for name in kept}, ", ".join(rungs_of(result.recording))
     status = "completed" if result.completed else "stopped"
-    return Outcome(status, result.cause, metrics, kept, clock | {"all": time.perf_counter() - begin}, units)
+    return Outcome(status, result.cause, metrics, kept, clock | {"all": time.perf_counter() - begin}, units, rung)
 
 
 def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:
