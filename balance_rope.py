@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from fmu_src.export import export_fmu
-from fmu_src.interface import Variable
+from fmu_src.interface import Variable, variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
@@ -20,7 +20,7 @@ from hoist_demo.cli import add_demo
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import SETUPS
 from hoist_demo.study.command import add_study
-from rope_model.parameters import LEVELS, PRESETS
+from rope_model.parameters import LEVELS, PRESETS, rope_120
 
 BUILD = Path("build")
 #: flavour and FMI version -> file name
@@ -59,7 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("-v", "--verbose", action="store_true", help="log what the solver does")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_export(commands)
-    add_demo(commands, DEFAULT_FMU)
+    add_demo(commands, DEFAULT_FMU, _levels)
     add_study(commands)
     chart = commands.add_parser(
         "chart",
@@ -80,6 +80,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         code: int = options.run(options)
         return code
+    except KeyboardInterrupt:
+        print("balance-rope: interrupted", file=sys.stderr)
+        return 130
     except (ValueError, RuntimeError, OSError) as error:
         print(f"balance-rope: {error}", file=sys.stderr)
         return 2
@@ -115,6 +118,15 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     )
     export.add_argument("--out", type=Path, help=f"the .fmu to write, or the folder if there are several ({BUILD}/...)")
     export.set_defaults(run=_export)
+
+
+def _levels() -> dict[str, dict[str, float]]:
+    """By what a report tells the level of a rope: the numbers of mesh, solver and model, by FMI name."""
+    numbers = {}
+    for level in LEVELS:
+        table = [v for v in variables(rope_120(level)) if v.causality == "parameter" and isinstance(v.start, float)]
+        numbers[level] = {v.name: v.start for v in table if v.name.startswith(("mesh.", "solver.", "model."))}
+    return numbers
 
 
 def _export(options: argparse.Namespace) -> int:

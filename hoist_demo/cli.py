@@ -5,22 +5,29 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from tqdm import tqdm
 
 from hoist_demo.checkpoint import Checkpoint
+from hoist_demo.controller import Gains
 from hoist_demo.coupling.catalogue import SCHEMES
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.host import Host, Result
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw, Hoist, Winding
 from hoist_demo.recording import shape_rows, write_csv, write_shapes
-from hoist_demo.rope_plant import RopePlant
+from hoist_demo.rope_data import Levels, RopeData
+from hoist_demo.rungs import computed, rungs_of
 from hoist_demo.scenes import SCENES
 from hoist_demo.summary import SummaryRow, render, summarize
+
+if TYPE_CHECKING:
+    from hoist_demo.inprocess_rope import InProcessRope
 
 KERNELS = ("auto", "compiled", "portable")
 """Choices of the FMU's integer parameter `solver.kernels`, in the order of its codes."""
@@ -29,6 +36,8 @@ LAST_GOOD = "last_good.npz"
 """File in the output folder with the last good state of a run that stopped."""
 
 LEVELS = ("draft", "standard", "reference")
+
+_SCENE = "rope-120"
 
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
@@ -51,12 +60,14 @@ examples:
   balance-rope demo --resume out/demo/last_good.npz  go on with a run that was interrupted or stopped
 
 exit code: 0 wound to the end, 1 the rope or the drive stopped the run (the cause is printed and what was recorded
-is written all the same), 2 wrong arguments.
+is written all the same), 2 wrong arguments, 130 interrupted while the results were written.
 """
 
 
-def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu: Path) -> None:
-    """Add the subcommand `demo`; its options hold the function to run as `run`."""
+def add_demo(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu: Path, levels: Callable[[], Levels] = dict
+) -> None:
+    """Add the subcommand `demo`; its options hold the function to run as `run`. `levels` name a rope's accuracy."""
     demo = commands.add_parser(
         "demo",
         help="wind once and write figures, CSV and a report",
@@ -64,16 +75,15 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
         epilog=_DEMO_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    demo.set_defaults(run=_demo)
+    demo.set_defaults(run=partial(_demo, levels=levels))
     demo.add_argument(
         "--scene",
         choices=tuple(SCENES),
-        default="rope-120",
         metavar="NAME",
-        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(SCENES)} (%(default)s)",
+        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(SCENES)} ({_SCENE}, or that of --resume)",
     )
     rope = demo.add_mutually_exclusive_group()
-    rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope (default: %(default)s)")
+    rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 (default: %(default)s)")
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without the FMU")
     demo.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
     demo.add_argument("--step", type=float, default=Coupling().step, metavar="H", help="communication step [s] (0.01)")
@@ -94,7 +104,12 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
         help="creep over the last S [m], stop included (that of the scene)",
     )
     demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the scene)")
-    demo.add_argument("--estop-at", type=float, metavar="T", help="emergency stop from time T [s], 5 or 2 m/s^2")
+    demo.add_argument(
+        "--estop-at",
+        type=float,
+        metavar="T",
+        help="emergency stop from time T [s], at 5 m/s^2 with rope-120 and rope-240, else 2 m/s^2",
+    )
     demo.add_argument(
         "--estop-law",
         choices=get_args(EmergencyLaw),
@@ -114,11 +129,12 @@ def add_demo(commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu:
     demo.add_argument("--quick", action="store_true", help="10 m of travel and 2 s of settling: a check, not a result")
 
 
-def _demo(options: argparse.Namespace) -> int:
+def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
+    resume = Checkpoint.read(options.resume) if options.resume else None
+    options.scene = _scene_of(resume, options.scene) if resume else options.scene or _SCENE
     scene, coupling = SCENES[options.scene], Coupling(step=options.step, scheme=options.scheme)
     hoist = scene.hoist
     winding = _winding(options)
-    resume = Checkpoint.read(options.resume) if options.resume else None
     try:
         options.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -126,11 +142,14 @@ def _demo(options: argparse.Namespace) -> int:
     rope = _rope(options)
     try:
         result = _run(Host(rope, hoist, winding, coupling, scene.gains), options.out / LAST_GOOD, resume)
+        data = rope.data()
     finally:
         rope.close()
+    result = replace(result, recording=computed(result.recording, data.torque_free))
     rows = summarize(result, hoist, winding, coupling)
     before = set(options.out.iterdir())
-    written = _write(options, result, rows, hoist, winding, coupling)
+    with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
+        written = _write(options, result, rows, (hoist, winding, coupling), scene.gains, (data, data.level(levels())))
     print(render(rows))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
@@ -143,7 +162,34 @@ def _demo(options: argparse.Namespace) -> int:
         if result.saved is not None:
             print(f"balance-rope: the last good state is in {result.saved}; see --resume", file=sys.stderr)
         return 1
-    return 0
+    return 130 if interrupted() else 0
+
+
+def _scene_of(resume: Checkpoint, asked: str | None) -> str:
+    """The scene of an interrupted run, which its hoist tells."""
+    found = next((name for name, scene in SCENES.items() if resume.data.startswith(f"({scene.hoist!r},")), None)
+    if found is None:
+        raise ValueError("the run to go on with is of no scene's hoist: go on with it where it was begun")
+    if asked not in (None, found):
+        raise ValueError(f"--scene {asked} must be {found}, that of the run to go on with: leave it out")
+    return found
+
+
+@contextmanager
+def _patient(doing: str) -> Iterator[Callable[[], bool]]:
+    """An interrupt is only noted: what is begun is finished."""
+    noted = False
+
+    def note(*_: object) -> None:
+        nonlocal noted
+        noted = True
+        print(f"\nbalance-rope: {doing}; a moment", file=sys.stderr)
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: noted
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _winding(options: argparse.Namespace) -> Winding:
@@ -165,7 +211,7 @@ def _winding(options: argparse.Namespace) -> Winding:
     return winding
 
 
-def _rope(options: argparse.Namespace) -> RopePlant:
+def _rope(options: argparse.Namespace) -> FmuRope | InProcessRope:
     if options.in_process:
         # only this plant needs rope_model; the FMU brings its own
         from hoist_demo.inprocess_rope import rope_in_process
@@ -212,17 +258,20 @@ def _write(
     options: argparse.Namespace,
     result: Result,
     rows: Sequence[SummaryRow],
-    hoist: Hoist,
-    winding: Winding,
-    coupling: Coupling,
+    given: tuple[Hoist, Winding, Coupling],
+    gains: Gains,
+    rope: tuple[RopeData, str],
 ) -> list[Path]:
     """All files of a run, report.html last; a run that stopped before its first row leaves the reports only."""
     # matplotlib loads slowly and is needed here only
     from hoist_demo.events import marks
     from hoist_demo.figures import write_figures
+    from hoist_demo.html.given import rope_tables, tables
     from hoist_demo.html.run import run_report
     from hoist_demo.report import write_report
 
+    hoist, winding, coupling = given
+    more = [*tables({"Controller": gains}), *rope_tables(*rope, rungs_of(result.recording))]
     directory: Path = options.out
     directory.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
@@ -236,7 +285,13 @@ def _write(
     stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s,"
     title = f"Winding {winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}"
     reports = [
-        write_report(directory / "report.md", title, rows, pictures),
-        run_report(result, hoist, winding, coupling, rows, title, directory / "report.html"),
+        write_report(
+            directory / "report.md",
+            title,
+            rows,
+            pictures,
+            [*tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more],
+        ),
+        run_report(result, hoist, winding, coupling, rows, title, directory / "report.html", more),
     ]
     return written + pictures + reports

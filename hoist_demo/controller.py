@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 from hoist_demo.emergency import BrakeState, EmergencyBrake
 from hoist_demo.parameters import Hoist
@@ -63,6 +64,14 @@ class Command:
     limited: bool
     state: ControllerState
     brake: float = 0.0  # -, fraction of the brake's full torque
+
+
+class Controller(Protocol):
+    """A control law that the host can sample; whatever it remembers is in the state."""
+
+    def command(self, reference: ReferencePoint, measured: Measurement, state: ControllerState, h: float) -> Command:
+        """Command for the step of length h [s] that begins now."""
+        ...
 
 
 class SpeedController:

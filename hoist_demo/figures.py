@@ -127,21 +127,26 @@ def forces(recording: Recording, hoist: Hoist) -> Figure | None:
 
 def loop(recording: Recording, hoist: Hoist) -> Figure | None:
     """Lowest point of the loop, its yaw and the clearance of the legs."""
-    if not recording.has("loop.x", "loop.y", "loop.z", "loop.yaw"):
+    if not _shows(recording, "loop.x", "loop.y"):
         return None
-    titles = ["Lowest point of the loop: height", "Lowest point of the loop: sideways", "Yaw of the loop"]
-    titles += ["Clearance between the legs"] * ("loop.clearance" in recording)
-    figure, axes = _stack(recording, titles)
-    t = recording.time
-    axes[0].plot(t, recording["loop.y"], color=ACCENTS[0])
-    axes[1].plot(t, recording["loop.x"], color=ACCENTS[0], label="in plane, x")
-    axes[1].plot(t, recording["loop.z"], color=ACCENTS[1], label="out of plane, z")
-    axes[2].plot(t, np.degrees(recording["loop.yaw"]), color=ACCENTS[1])
-    if "loop.clearance" in recording:
-        axes[3].plot(t, recording["loop.clearance"], color=ACCENTS[3])
-    for ax, label in zip(axes, ("y [m]", "x, z [m]", "yaw [deg]", "clearance [m]"), strict=False):
+    panels = [
+        ("Lowest point of the loop: height", "y [m]", 1.0, {"loop.y": ("", ACCENTS[0])}),
+        (
+            "Lowest point of the loop: sideways",
+            "x, z [m]",
+            1.0,
+            {"loop.x": ("in plane, x", ACCENTS[0]), "loop.z": ("out of plane, z", ACCENTS[1])},
+        ),
+        ("Yaw of the loop", "yaw [deg]", 180.0 / math.pi, {"loop.yaw": ("", ACCENTS[1])}),
+        ("Clearance between the legs", "clearance [m]", 1.0, {"loop.clearance": ("", ACCENTS[3])}),
+    ]
+    shown = [panel for panel in panels if any(_shows(recording, name) for name in panel[3])]
+    figure, axes = _stack(recording, [panel[0] for panel in shown])
+    for ax, (_, label, factor, lines) in zip(axes, shown, strict=True):
+        for name, (text, colour) in lines.items():
+            if _shows(recording, name):
+                ax.plot(recording.time, factor * recording[name], color=colour, label=text)
         ax.set_ylabel(label)
-    for ax in axes:
         _widen(ax, 0.01)
     _legend(axes[1])
     return figure
@@ -192,7 +197,7 @@ def shapes(recording: Recording, hoist: Hoist) -> Figure | None:
 def swivels(recording: Recording, hoist: Hoist) -> Figure | None:
     """Angle, rate and torque of both swivels, slip shaded."""
     quantities = ("angle", "rate", "torque")
-    if not recording.has(*(f"{end}.swivel.{name}" for end in ("left", "right") for name in quantities)):
+    if not _shows(recording, *(f"{end}.swivel.{name}" for end in ("left", "right") for name in quantities)):
         return None
     figure, axes = _stack(recording, ("Swivel angle", "Swivel rate", "Moment of the swivel on the rope"))
     for ax, name in zip(axes, quantities, strict=True):
@@ -227,6 +232,11 @@ def energies(recording: Recording, hoist: Hoist) -> Figure | None:
         ax.set_ylabel(label)
         _legend(ax)
     return figure
+
+
+def _shows(recording: Recording, *names: str) -> bool:
+    """Whether all these signals were recorded; what a rung of the rope's model leaves out is NaN."""
+    return all(name in recording and bool(np.isfinite(recording[name]).any()) for name in names)
 
 
 def _stack(recording: Recording, titles: Sequence[str]) -> tuple[Figure, list[Axes]]:

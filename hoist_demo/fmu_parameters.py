@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import fmpy
 from fmpy.model_description import ValidationError
@@ -25,6 +25,11 @@ class FmuParameter:
 
 def read_parameters(path: Path) -> dict[str, FmuParameter]:
     """All parameters of the FMU by name."""
+    return parameters_of(read_description(path))
+
+
+def parameters_of(description: Any) -> dict[str, FmuParameter]:
+    """All parameters of a model description by name."""
     return {
         variable.name: FmuParameter(
             name=variable.name,
@@ -34,23 +39,36 @@ def read_parameters(path: Path) -> dict[str, FmuParameter]:
             minimum=None if variable.min is None else float(variable.min),
             maximum=None if variable.max is None else float(variable.max),
         )
-        for variable in _description(path).modelVariables
+        for variable in description.modelVariables
         if variable.causality == "parameter"
     }
 
 
 def read_outputs(path: Path) -> tuple[str, ...]:
     """Names of all outputs of the FMU."""
-    return tuple(v.name for v in _description(path).modelVariables if v.causality == "output")
+    return tuple(v.name for v in read_description(path).modelVariables if v.causality == "output")
 
 
-def _description(path: Path) -> Any:
+def read_description(path: Path) -> Any:
+    """FMPy's model description of an FMU that this host can drive: FMI 2.0, co-simulation."""
     if not path.is_file():
         raise ValueError(f"FMU '{path}' is missing: export it with `balance-rope export --out {path}`")
     try:
-        return fmpy.read_model_description(str(path))
+        with ZipFile(path) as archive:
+            if "modelDescription.xml" not in archive.namelist():
+                system = "SystemStructure.ssd" in archive.namelist()
+                what = "a system of FMUs (SSP)" if system else "an archive without modelDescription.xml"
+                raise ValueError(f"'{path}' must be an FMU, it is {what}: give the rope's .fmu")
+        description = fmpy.read_model_description(str(path))
     except (ValidationError, BadZipFile) as error:
         raise ValueError(f"FMU '{path}' must be a valid FMU, but: {error}: export it anew") from error
+    if description.coSimulation is None or description.fmiVersion != "2.0":
+        kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
+        raise ValueError(
+            f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; this host drives FMI 2.0 co-simulation: "
+            "give the FMU of `balance-rope export` or `balance-rope export --native`, or run with --in-process"
+        )
+    return description
 
 
 def _start(kind: str, text: str) -> float | int | bool | str:

@@ -6,6 +6,7 @@ t = start + k H; doStep(t, H) is given the end motions of t + H (parameter `inpu
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import shutil
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -14,7 +15,6 @@ from ctypes import byref
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import fmpy
 from fmpy.fmi1 import FMICallException
@@ -27,13 +27,15 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
     free,
 )
-from fmpy.model_description import ValidationError
 
+from hoist_demo.fmu_parameters import parameters_of, read_description
+from hoist_demo.rope_data import RopeData, Value
 from hoist_demo.rope_plant import REQUIRED_SIGNALS, EndMotion, RopeStatus
+from hoist_demo.rungs import RUNG, code_of
 
 _log = logging.getLogger(__name__)
 
-ParameterValue = float | int | bool | str
+ParameterValue = Value
 
 INPUTS = tuple(field.name for field in fields(EndMotion))
 """Names of an end's inputs."""
@@ -57,26 +59,22 @@ class FmuRope:
 
         Outputs named in `not_read` are not among the signals.
         """
-        if not Path(path).is_file():
-            raise ValueError(f"FMU path = '{path}' must be an existing file: export it first, e.g. with `make fmu`")
         self._slave: Any = None
         self._started = False
-        try:
-            self._description: Any = fmpy.read_model_description(str(path))
-        except (ValidationError, BadZipFile) as error:
-            raise ValueError(f"FMU '{path}' must be a valid FMU, but: {error}: export it anew") from error
-        if self._description.coSimulation is None or self._description.fmiVersion != "2.0":
-            raise ValueError(f"FMU '{path}' must be an FMI 2.0 co-simulation FMU: export it with pythonfmu")
+        self._path = Path(path)
+        self._description: Any = read_description(self._path)
         self._variables: dict[str, Any] = {v.name: v for v in self._description.modelVariables}
         self._inputs = [self._reference(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
         self._outputs = _numeric_outputs(self._description, not_read)
+        self._tells_rung = RUNG in self._variables and RUNG not in not_read
+        self._chosen: dict[str, ParameterValue] = {"inputs_at_step_end": True, **(parameters or {})}
         missing = [name for name in REQUIRED_SIGNALS if name not in self._units_of_outputs()]
         if missing:
             raise ValueError(f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew")
         self._directory = Path(fmpy.extract(str(path)))
         try:
             self._slave = self._instantiate()
-            for name, value in {"inputs_at_step_end": True, **(parameters or {})}.items():
+            for name, value in self._chosen.items():
                 self._set(name, value)
         except BaseException:
             self.close()
@@ -104,13 +102,30 @@ class FmuRope:
         return self._status()
 
     def signals(self) -> dict[str, float]:
-        """Real, Integer and Boolean outputs by name, but those that are not read."""
+        """Real, Integer and Boolean outputs by name, but those that are not read, and the rung by its code."""
         values: dict[str, float] = {}
         for kind, variables in self._outputs.items():
             if variables:
                 read = getattr(self._slave, f"get{kind}")([v.valueReference for v in variables])
                 values.update((v.name, float(value)) for v, value in zip(variables, read, strict=True))
+        if self._tells_rung:
+            values[RUNG] = code_of(self._text(RUNG))
         return values
+
+    def data(self) -> RopeData:
+        """What this rope is: its file, and all parameters with the values they were given."""
+        description, parameters = self._description, parameters_of(self._description)
+        with self._path.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        model = {
+            "FMU": self._path.name,
+            "SHA-256": digest,
+            "model and version": f"{description.modelName} {description.version or ''}".strip(),
+            "exported by": str(description.generationTool or "not said"),
+            "FMI version": str(description.fmiVersion),
+        }
+        values = {name: self._chosen.get(name, p.start) for name, p in parameters.items()}
+        return RopeData(model, values, {name: p.unit for name, p in parameters.items()}, self._reason())
 
     def read(self, names: Iterable[str]) -> dict[str, float]:
         """Some Real outputs by name, in the order asked for."""
@@ -139,10 +154,16 @@ class FmuRope:
     def to_bytes(self, snapshot: Any) -> bytes:
         """The FMU's serialized state."""
         with _told():
-            return bytes(self._slave.serializeFMUState(snapshot))
+            return self._tag + bytes(self._slave.serializeFMUState(snapshot))
 
     def from_bytes(self, data: bytes) -> Any:
         """A handle from a serialized state."""
+        if not data.startswith(self._tag):
+            raise ValueError(
+                f"the state must be one of '{self._path.name}', {self._tag.decode().strip()}; it is of another rope: "
+                "go on with the one that wrote it (--fmu FILE or --in-process)"
+            )
+        data = data.removeprefix(self._tag)
         try:
             return self._slave.deSerializeFMUstate(data)
         except FMICallException as error:
@@ -152,7 +173,7 @@ class FmuRope:
 
     def units(self) -> dict[str, str]:
         """Unit of each signal as the model description states it."""
-        return self._units_of_outputs()
+        return self._units_of_outputs() | ({RUNG: "1"} if self._tells_rung else {})
 
     def close(self) -> None:
         """Terminate, free the instance and remove the extracted files."""
@@ -221,10 +242,25 @@ class FmuRope:
         return RopeStatus(valid, "" if valid else self._message())
 
     def _message(self) -> str:
-        if "status.message" not in self._variables:
+        return self._text("status.message")
+
+    def _text(self, name: str) -> str:
+        """A String output; "" where there is none."""
+        if name not in self._variables:
             return ""
-        text = self._slave.getString([self._reference("status.message")])[0]
+        text = self._slave.getString([self._reference(name)])[0]
         return str(text.decode("utf-8", errors="replace")) if text else ""
+
+    def _reason(self) -> str:
+        """Why the rung runs that runs, where the FMU still speaks."""
+        with suppress(FMICallException):
+            return self._text("status.rung_reason")
+        return ""
+
+    @property
+    def _tag(self) -> bytes:
+        """What stands before a serialized state: states of two flavours do not fit one another."""
+        return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
     def _failed(self, error: FMICallException) -> RopeStatus:
         """A failed call as a status, with the FMU's own words where it still speaks."""

@@ -11,13 +11,15 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.controller import Command, ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.controller import Command, Controller, ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.coupling.catalogue import scheme_named
 from hoist_demo.coupling.interface import Advance, Load, Memory, Pair
 from hoist_demo.coupling.stability import Outlook, measured_answer, outlook
@@ -37,6 +39,9 @@ from hoist_demo.reference import Reference, ReferencePoint, s_curve
 from hoist_demo.rope_plant import EndMotion, RopePlant
 
 _log = logging.getLogger(__name__)
+
+_FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")
+"""A single value in the text of a dataclass."""
 
 Progress = Callable[[float, float], bool]
 """Called after every step with the fraction done and the time [s]; False stops the run."""
@@ -133,7 +138,9 @@ class Host:
         winding: Winding | None = None,
         coupling: Coupling | None = None,
         gains: Gains | None = None,
+        controller: Callable[[Hoist, float], Controller] | None = None,
     ) -> None:
+        """`controller` makes one's own from the hoist and the motor's torque at rest [N m]; else a speed controller."""
         self.rope = rope
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
@@ -141,6 +148,7 @@ class Host:
         self.scheme = scheme_named(self.coupling.scheme)
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
+        self._controller = partial(SpeedController, gains=gains) if controller is None else controller
         self.plant = HoistPlant(self.hoist)
         self.reference = s_curve(self.winding)
         self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
@@ -171,7 +179,7 @@ class Host:
         run = self._started(resume)
         if isinstance(run, str):
             return self._result(Recorder({}), 0, samples, run)
-        controller = SpeedController(self.hoist, run.at_rest.torque, self._gains)
+        controller = self._controller(self.hoist, run.at_rest.torque)
         steps, per_sample = run.first * self.coupling.per_sample, self.coupling.per_sample
         kept: _Kept | None = None
         cause = ""
@@ -308,8 +316,8 @@ class Host:
     def _require_resumable(self, resume: Checkpoint) -> None:
         if resume.data != self.data:
             raise ValueError(
-                f"the checkpoint at t = {resume.t:g} s must be of the same hoist, winding, gains and sample time: "
-                f"it is of {resume.data}"
+                f"the checkpoint at t = {resume.t:g} s must be of the same hoist, winding, gains and sample time, but "
+                f"{_differences(resume.data, self.data)}: give the scene and the options of that run"
             )
         if not resume.rope:
             raise ValueError(
@@ -378,3 +386,13 @@ class Host:
             signals = self.rope.signals()
         drive = dict(zip(DRIVE_UNITS, values, strict=True))
         return drive | {name: value for name, value in signals.items() if name not in drive}
+
+
+def _differences(there: str, here: str, most: int = 6) -> str:
+    """Which numbers and words differ between the `Host.data` of a checkpoint and of this run."""
+    old, new = (_FIELD.findall(data) for data in (there, here))
+    changed = [f"{name} is {value} there" for name, value in old if (name, value) not in new]
+    changed += [f"{name} is {value} here" for name, value in new if (name, value) not in old]
+    changed.sort()
+    more = f" and {len(changed) - most} more" if len(changed) > most else ""
+    return (", ".join(changed[:most]) or "they differ") + more

@@ -6,11 +6,16 @@ The only module of the host that knows rope_model; it serves as the FMU's twin a
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, fields, replace
+from importlib.metadata import version
 from typing import Any, Literal, get_args, get_type_hints
 
+from hoist_demo.rope_data import RopeData, Value
 from hoist_demo.rope_plant import EndMotion, RopeStatus
+from hoist_demo.rungs import RUNG, code_of
 from hoist_demo.scenes import scene_named
+from hoist_demo.study.units import field_units
 from rope_model.native.engine import rope_simulator
 from rope_model.parameters import Level, Scene, at_level
 from rope_model.simulation import ends
@@ -22,6 +27,9 @@ _PARTS = {
     **{f"{side}.swivel": side for side in ("left", "right")},
 }
 """Part of the rope's data for each group of FMI names."""
+
+_TAG = b"rope in process\n"
+_UNITS = {"m", "m/s2", "s", "rad", "kg/m", "kg.m", "kg.m2", "N", "N.m", "N.m2"}
 
 
 class InProcessRope:
@@ -41,8 +49,25 @@ class InProcessRope:
         return RopeStatus(bool(status.valid), str(status.message))
 
     def signals(self) -> dict[str, float]:
-        """All outputs by FMI name."""
-        return {name: float(value) for name, value in signals(self._simulator).items()}
+        """All outputs by FMI name, and the rung by its code."""
+        values = {name: float(value) for name, value in signals(self._simulator).items()}
+        return values | {RUNG: code_of(self._simulator.state.rung)}
+
+    def data(self) -> RopeData:
+        """What this rope is: its engine, and all parameters by FMI name."""
+        model = {"rope": f"in process, {type(self._simulator).__module__}", "version": version("balance-rope")}
+        values, units = dict[str, Value](), dict[str, str]()
+        for group, part in _PARTS.items():
+            data = getattr(self._simulator.scene, part)
+            known = field_units(type(data))
+            for field in fields(data):
+                value, unit = getattr(data, field.name), known.get(field.name, "1")
+                values[f"{group}.{field.name}"] = str(value) if isinstance(value, tuple) else value
+                units[f"{group}.{field.name}"] = unit if isinstance(value, float) and unit in _UNITS else "1"
+        reason = ""
+        with suppress(RuntimeError):  # a rope that could not be hung up has no state
+            reason = self._simulator.state.rung_reason
+        return RopeData(model, values, units, reason)
 
     def read(self, names: Iterable[str]) -> dict[str, float]:
         """Some outputs; kin are computed together."""
@@ -66,15 +91,17 @@ class InProcessRope:
 
     def to_bytes(self, snapshot: RopeState) -> bytes:
         """The state as bytes."""
-        return snapshot.to_bytes()
+        return _TAG + snapshot.to_bytes()
 
     def from_bytes(self, data: bytes) -> RopeState:
         """The state that these bytes hold."""
-        return RopeState.from_bytes(data)
+        if not data.startswith(_TAG):
+            raise ValueError("the state must be that of a rope in process, it is of an FMU: give that with --fmu FILE")
+        return RopeState.from_bytes(data.removeprefix(_TAG))
 
     def units(self) -> dict[str, str]:
         """Unit of each output."""
-        return {name: str(signal.unit) for name, signal in SIGNALS.items()}
+        return {name: str(signal.unit) for name, signal in SIGNALS.items()} | {RUNG: "1"}
 
     def close(self) -> None:
         """Nothing is held."""

@@ -210,6 +210,11 @@ class Winding:
         """Whether some of the trip is run at creep speed."""
         return self.creep_distance > 0.0 or self.departure_creep_distance > 0.0
 
+    @property
+    def followed_until(self) -> float:
+        """Time [s] until which the drive follows the reference: an emergency stop with the brake ends that."""
+        return math.inf if self.emergency_at is None or self.emergency_law == "drive" else self.emergency_at
+
 
 @dataclass(frozen=True)
 class Coupling:

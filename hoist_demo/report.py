@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from hoist_demo.html.given import Table
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.summary import SummaryRow
 
@@ -18,14 +19,18 @@ CAPTIONS = {
 }
 
 
-def write_report(path: Path, title: str, rows: Sequence[SummaryRow], figures: Sequence[Path]) -> Path:
-    """Write the report; the figures lie next to it."""
-    path.write_text(render_markdown(title, rows, figures), encoding="utf-8")
+def write_report(
+    path: Path, title: str, rows: Sequence[SummaryRow], figures: Sequence[Path], tables: Sequence[Table] = ()
+) -> Path:
+    """Write the report; the figures lie next to it, `tables` are the data the run was given."""
+    path.write_text(render_markdown(title, rows, figures, tables), encoding="utf-8")
     return path
 
 
-def render_markdown(title: str, rows: Sequence[SummaryRow], figures: Sequence[Path]) -> str:
-    """The report as Markdown, figures by file name; a stopped run says why under Outcome."""
+def render_markdown(
+    title: str, rows: Sequence[SummaryRow], figures: Sequence[Path], tables: Sequence[Table] = ()
+) -> str:
+    """The report as Markdown, figures by file name; Outcome says why a run stopped and what to be warned of."""
     parts = [f"# {title}", ASSUMED_DATA]
     for group, members in _groups(rows):
         table = [f"## {group}", "", "| quantity | value | unit |", "|---|---:|---|"]
@@ -33,6 +38,10 @@ def render_markdown(title: str, rows: Sequence[SummaryRow], figures: Sequence[Pa
         parts.append("\n".join(table))
     parts.append("## Figures")
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
+    for name, lines in tables:
+        table = [f"## Data: {name}", "", "| parameter | value | unit |", "|---|---:|---|"]
+        table += [f"| {_cell(what)} | {_cell(value)} | {unit} |" for what, value, unit in lines]
+        parts.append("\n".join(table))
     return "\n\n".join(parts) + "\n"
 
 

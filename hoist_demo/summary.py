@@ -6,16 +6,30 @@ Each row stands for itself; rows whose signals were not recorded are left out.
 from __future__ import annotations
 
 import math
+import textwrap
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hoist_demo.host import Result
+from hoist_demo.html.page import number
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording import Array, Recording
+from hoist_demo.rungs import remark, rungs_of
 
 SWING_WINDOW = 5.0
 """Length of the record's tail over which the residual swing is judged [s]."""
+
+
+WARNING = "warning"
+"""Quantity of the rows that every report shows first."""
+
+LONG = 40
+"""Characters from which a text has lines of its own in the table."""
+
+AT_REST = 0.01
+"""Speed of the sheave's rim that counts as standstill [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +43,8 @@ class SummaryRow:
 
     @property
     def text(self) -> str:
-        """Value for people: five significant digits."""
-        return self.value if isinstance(self.value, str) else f"{self.value:.5g}"
+        """Value for people."""
+        return self.value if isinstance(self.value, str) else number(self.value)
 
 
 def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling) -> tuple[SummaryRow, ...]:
@@ -55,7 +69,10 @@ def render(rows: tuple[SummaryRow, ...]) -> str:
     for k, row in enumerate(rows):
         if k == 0 or row.group != rows[k - 1].group:
             lines += ["", row.group]
-        lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {row.unit}".rstrip())
+        if len(row.text) > LONG:
+            lines += textwrap.wrap(f"{row.quantity}: {row.text}", 110, initial_indent="  ", subsequent_indent="    ")
+        else:
+            lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {row.unit}".rstrip())
     return "\n".join(lines[1:])
 
 
@@ -69,7 +86,12 @@ def _outcome(result: Result, coupling: Coupling) -> list[SummaryRow]:
     ]
     if result.cause:
         rows.insert(1, SummaryRow(group, "cause", result.cause))
-    return rows
+    return rows + [SummaryRow(group, WARNING, text) for text in warnings(result)]
+
+
+def warnings(result: Result) -> list[str]:
+    """What a reader of the numbers must know: an unstable coupling, and what the rope's rung leaves out."""
+    return [text for text in (result.warning, remark(result.recording)) if text]
 
 
 def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryRow]:
@@ -80,8 +102,8 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
     rows = [
         SummaryRow(group, "travel asked for", winding.travel, "m"),
         SummaryRow(group, "travel reached, left conveyance", float(travel[-1]), "m"),
-        SummaryRow(group, "final position error", float(1e3 * error[-1]), "mm"),
-        SummaryRow(group, "largest tracking error", _largest(1e3 * error), "mm"),
+        *_tracking(group, 1e3 * error, recording.time - recording.time[0] <= winding.followed_until),
+        *_stopping(group, recording, hoist, winding),
         SummaryRow(group, "peak speed", _largest(recording["conveyance.left.vy"]), "m/s"),
         SummaryRow(group, "peak motor torque", _largest(1e-3 * recording["drive.torque"]), "kN m"),
         SummaryRow(group, "time at the torque limit", _duration(recording, "drive.torque_limited"), "s"),
@@ -95,6 +117,33 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
         quantity = "first time the ropes would slip (the model lets them hold)"
         rows.append(SummaryRow(group, quantity, float(above[0]), "s"))
     return rows
+
+
+def _tracking(group: str, error: Array, follows: NDArray[np.bool_]) -> list[SummaryRow]:
+    """Errors [mm] while the drive follows the reference; once the brake has tripped there is nothing to follow."""
+    last, until = ("final position error", "") if bool(follows.all()) else ("position error at the trip", " until then")
+    return [
+        SummaryRow(group, last, float(error[follows][-1]), "mm"),
+        SummaryRow(group, f"largest tracking error{until}", _largest(error[follows]), "mm"),
+    ]
+
+
+def _stopping(group: str, recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryRow]:
+    """Way and time of an emergency stop, at the sheave's rim."""
+    if winding.emergency_at is None:
+        return []
+    begun = recording.time - recording.time[0] >= winding.emergency_at
+    at_rest = begun & (np.abs(hoist.sheave_radius * recording["drive.rate"]) < AT_REST)
+    if not bool(at_rest.any()):
+        return [SummaryRow(group, "emergency stop", "not at rest within the record")]
+    first, last = int(np.argmax(begun)), int(np.argmax(at_rest))
+    way = hoist.sheave_radius * abs(float(recording["drive.angle"][last] - recording["drive.angle"][first]))
+    return [
+        SummaryRow(group, "emergency stop, way to standstill at the rim", way, "m"),
+        SummaryRow(
+            group, "emergency stop, time to standstill", float(recording.time[last] - recording.time[first]), "s"
+        ),
+    ]
 
 
 def _swing(recording: Recording, arrival: float) -> list[SummaryRow]:
@@ -120,25 +169,29 @@ def _rope(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
     rows: list[SummaryRow] = []
     if hoist.tail_rope_number > 1:
         rows.append(SummaryRow(group, "equal balance ropes; forces and energies are of one", hoist.tail_rope_number))
+    if rungs := rungs_of(recording):
+        rows.append(SummaryRow(group, "rung of the model that ran", ", then ".join(rungs)))
     for end in ("left", "right"):
         rows.append(SummaryRow(group, f"largest pull on the {end} conveyance", _pull(recording[f"{end}.fy"]), "kN"))
     extremes = (
-        ("loop.y", "lowest point of the loop", 1.0, "m", np.min),
-        ("loop.clearance", "smallest clearance between the legs", 1.0, "m", np.min),
+        ("loop.y", "lowest point of the loop", 1.0, "m", np.nanmin),
+        ("loop.clearance", "smallest clearance between the legs", 1.0, "m", np.nanmin),
         ("loop.yaw", "largest yaw of the loop", 180.0 / math.pi, "deg", _largest),
         ("loop.z", "largest out-of-plane position of the loop", 1.0, "m", _largest),
         ("left.swivel.torque", "largest torque at the left swivel", 1.0, "N m", _largest),
         ("right.swivel.torque", "largest torque at the right swivel", 1.0, "N m", _largest),
-        ("stress.bending_max", "largest bending stress", 1e-6, "MPa", np.max),
-        ("stress.torsion_max", "largest torsional stress", 1e-6, "MPa", np.max),
+        ("stress.bending_max", "largest bending stress", 1e-6, "MPa", np.nanmax),
+        ("stress.torsion_max", "largest torsional stress", 1e-6, "MPa", np.nanmax),
     )
     for name, quantity, factor, unit, extreme in extremes:
-        if name in recording:
+        # what the rung leaves out is NaN throughout
+        if name in recording and bool(np.isfinite(recording[name]).any()):
             rows.append(SummaryRow(group, quantity, float(extreme(factor * recording[name])), unit))
     if recording.has("left.swivel.slipping", "right.swivel.slipping"):
         for end in ("left", "right"):
             slipped = _duration(recording, f"{end}.swivel.slipping")
-            rows.append(SummaryRow(group, f"time the {end} swivel slipped", slipped, "s"))
+            if math.isfinite(slipped):
+                rows.append(SummaryRow(group, f"time the {end} swivel slipped", slipped, "s"))
     return rows
 
 
@@ -159,8 +212,13 @@ def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
     ):
         if name in recording:
             rows.append(SummaryRow(group, quantity, float(recording[name][-1]), "J"))
-    if "energy.residual" in recording:
-        rows.append(SummaryRow(group, "residual of the rope, largest", _largest(recording["energy.residual"]), "J"))
+    if recording.has("energy.residual", "energy.kinetic"):
+        residual, kinetic = _furthest(recording["energy.residual"]), float(np.max(recording["energy.kinetic"]))
+        quantity = "residual of the rope, furthest from 0 (dissipated by the time steps: negative)"
+        rows.append(SummaryRow(group, quantity, residual, "J"))
+        if kinetic > 0.0:
+            share = 100.0 * residual / kinetic
+            rows.append(SummaryRow(group, "the same over the rope's largest kinetic energy", share, "%"))
     if "energy.work_ends" in recording:
         defect = made_up(recording, hoist)
         rows.append(SummaryRow(group, "energy that the coupling's delay makes up, largest", _largest(defect), "J"))
@@ -202,7 +260,12 @@ def _clock(result: Result, coupling: Coupling) -> list[SummaryRow]:
 
 def _largest(values: Array) -> float:
     """Value of largest magnitude, without its sign."""
-    return float(np.max(np.abs(values)))
+    return float(np.nanmax(np.abs(values)))
+
+
+def _furthest(values: Array) -> float:
+    """Value of largest magnitude, with its sign."""
+    return float(values[np.argmax(np.abs(values))])
 
 
 def _pull(force: Array) -> float:

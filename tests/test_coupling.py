@@ -38,7 +38,7 @@ from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.plant import HoistPlant, PlantInput, PlantInputPath
 from hoist_demo.rope_plant import EndMotion, RopeStatus
 from hoist_demo.scenes import SCENES
-from rope_model.parameters import PRESETS
+from rope_model.parameters import PRESETS, Level
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 TABLES = read(DOCS / DATA)
@@ -382,3 +382,11 @@ def test_load_through_has_its_mean_and_ends() -> None:
     s = (np.arange(1000) + 0.5) / 1000
     assert_allclose([load.at(0.0)[0], load.at(1.0)[0]], [1.0, 2.0], rtol=1e-12)
     assert_allclose(np.mean([load.at(x)[0] for x in s]), 3.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("level", "warned"), [("reference", True), ("standard", False)])
+def test_at_40_ms_the_host_warns_where_the_rope_s_own_steps_do_not_damp_the_waves(level: Level, warned: bool) -> None:
+    scene = SCENES["rope-120"]
+    host = Host(rope_in_process("rope-120", level=level), scene.hoist, TRIP, Coupling(step=0.04, scheme="jacobi-2"))
+    result = host.run(lambda fraction, t: False)
+    assert bool(result.warning) == warned

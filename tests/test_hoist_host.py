@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hoist_demo.components import Brake
 from hoist_demo.figures import write_figures
 from hoist_demo.host import Host, Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
@@ -269,3 +270,29 @@ def test_the_markdown_report_names_its_figures_and_says_what_is_assumed(short: R
     text = write_report(tmp_path / "report.md", "A trip", rows, figures).read_text(encoding="utf-8")
     for part in ("assumed", "real-time factor", "Energy balance", "final position error", *(p.name for p in figures)):
         assert part in text
+
+
+def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does_not_follow() -> None:
+    hoist, winding = Hoist(brake=Brake()), Winding(emergency_at=9.0, emergency_law="two-stage", settle=5.0)
+    result = Host(FakeRope(), hoist, winding).run()
+    rows = {row.quantity: row.value for row in summarize(result, hoist, winding, Coupling())}
+    recording = result.recording
+    trip = int(np.argmin(np.abs(recording.time - 9.0)))
+    way = recording["conveyance.left.y"][-1] - recording["conveyance.left.y"][trip]
+    # the conveyance swings on its ropes about the rim's place: some centimetres
+    np.testing.assert_allclose(float(rows["emergency stop, way to standstill at the rim"]), way, atol=0.1)
+    assert 0.5 < float(rows["emergency stop, time to standstill"]) < 20.0
+    # of the drive, until the trip: the controller's own bound
+    assert float(rows["largest tracking error until then"]) < 25.0
+    assert "final position error" not in rows
+
+
+def test_a_stop_by_the_drive_still_follows_its_reference() -> None:
+    winding = Winding(emergency_at=9.0)
+    result = _run(FakeRope(), winding)
+    rows = {row.quantity: row.value for row in summarize(result, Hoist(), winding, Coupling())}
+    assert abs(float(rows["final position error"])) < 10.0
+    # v^2 / (2 a) from the speed at 9 s, and the short ramps of 0.1 s
+    speed = float(np.interp(9.0, result.recording.time, result.recording["reference.speed"]))
+    way = float(rows["emergency stop, way to standstill at the rim"])
+    assert speed**2 / 10.0 - 0.1 < way < speed**2 / 10.0 + 0.2 * speed

@@ -110,6 +110,11 @@ _STUDY = """
 const cells = (k) => [...document.querySelectorAll(`#runs tbody tr td:nth-child(${k})`)];
 const column = (k) => cells(k).map((cell) => cell.textContent);
 const heading = (text) => [...document.querySelectorAll("#runs th button")].find((b) => b.textContent.startsWith(text));
+// codes of 16 bits for -1, 0 and 2: none of them is exactly 0
+seen.unpacked = [...unpack({kind: "u16", lo: -1, hi: 2, data: btoa("\\x00\\x00\\x55\\x55\\xfe\\xff")})];
+seen.ticks = [0, 1, 2, 3].map((k) => tickText(0.01232 + k * 2e-6, 2e-6));
+seen.axes = document.querySelectorAll("#parallel .axis").length;
+seen.chosen = ["across", "up"].map((id) => document.getElementById(id).selectedOptions[0].textContent);
 seen.lines = document.querySelectorAll(".run-line").length;
 seen.best = document.querySelector(".run-line.best").dataset.run;
 seen.failed = document.getElementById("failed").textContent;
@@ -364,6 +369,21 @@ def test_a_complaint_of_the_page_would_be_noticed(tmp_path: Path) -> None:
 def test_every_run_of_a_study_is_a_line_and_the_best_is_marked(seen_study: Seen) -> None:
     assert seen_study.said["lines"] == 4
     assert seen_study.said["best"] == "3"
+
+
+def test_a_study_opens_with_what_was_varied_against_what_was_asked_for(seen_study: Seen) -> None:
+    assert seen_study.said["chosen"] == ["jerk", "swing"]
+    assert seen_study.said["axes"] == 3
+
+
+def test_what_the_packing_rounds_to_zero_reads_as_zero(seen_study: Seen) -> None:
+    low, zero, high = seen_study.said["unpacked"]
+    assert (low, zero) == (-1.0, 0.0)
+    assert high == pytest.approx(2.0)
+
+
+def test_ticks_that_lie_close_are_told_apart(seen_study: Seen) -> None:
+    assert seen_study.said["ticks"] == ["0.012320", "0.012322", "0.012324", "0.012326"]
 
 
 def test_failed_runs_are_listed_with_their_causes(seen_study: Seen) -> None:

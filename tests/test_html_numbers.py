@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import base64
+import json
 import math
+import re
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import SimpleNamespace
@@ -192,7 +194,10 @@ def test_parameters_of_parameters_are_shown_too() -> None:
     ]
 
 
-@pytest.mark.parametrize(("fmi", "shown"), [("N.m2", "N m²"), ("m/s3", "m/s³"), ("1/m", "1/m"), ("1", ""), ("", "")])
+@pytest.mark.parametrize(
+    ("fmi", "shown"),
+    [("N.m2", "N m²"), ("m/s3", "m/s³"), ("m/s^2", "m/s²"), ("N m", "N m"), ("1/m", "1/m"), ("1", ""), ("", "")],
+)
 def test_units_read_as_people_write_them(fmi: str, shown: str) -> None:
     assert page.unit_text(fmi) == shown
 
@@ -206,6 +211,39 @@ def study() -> pd.DataFrame:
             "cause": ["", "overwind", None],
         }
     )
+
+
+def columns(table: pd.DataFrame, meta: dict, path: Path) -> dict[str, dict]:
+    text = study_report(table, {"jerk": "m/s3", "mass": "kg"}, meta, path).read_text(encoding="utf-8")
+    found = re.search(r'id="data">(.*?)</script>', text, re.DOTALL)
+    assert found is not None
+    return {column["name"]: column for column in json.loads(found[1])["columns"]}
+
+
+def test_only_what_differs_between_runs_has_an_axis_and_constants_are_data(tmp_path: Path) -> None:
+    table = study().assign(run=[1, 2, 3], key=["a1", "b2", "c3"], case="", mass=7.5, limit=[1.0, 1.0, 1.0])
+    path = tmp_path / "study.html"
+    found = columns(table, {"parameters": ["jerk", "case", "mass"]}, path)
+    assert {name for name, column in found.items() if column["axis"]} == {"jerk", "swing"}
+    assert list(found) == [
+        "jerk",
+        "swing",
+        "limit",
+        "key",
+    ]  # run is the page's own, a constant metric stays in the table
+    text = path.read_text(encoding="utf-8")
+    assert '<td>mass</td><td class="value">7.5</td><td class="unit">kg</td>' in text
+    assert "Assumed data." in text
+
+
+def test_a_study_of_one_run_still_shows_its_metrics(tmp_path: Path) -> None:
+    found = columns(study().iloc[:1].assign(key="a1"), {"parameters": ["jerk"]}, tmp_path / "study.html")
+    assert {name for name, column in found.items() if column["axis"]} == {"swing"}
+
+
+def test_without_a_metric_to_judge_by_the_page_tells_how_to_name_one(tmp_path: Path) -> None:
+    path = study_report(study(), {}, {}, tmp_path / "study.html")
+    assert "minimise or maximise in [study]" in path.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(("sense", "best"), [("min", "Best run: 3"), ("max", "Best run: 1")])

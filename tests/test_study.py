@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from dask.distributed import Client
+from exports import FLAVOURS
 
 from fmu_src.export import export_fmu
 from hoist_demo.controller import Gains
@@ -32,6 +33,7 @@ from hoist_demo.study.definition import Sample, Study, StudyError, read_study
 from hoist_demo.study.metrics import UNITS, Arrival, measure
 from hoist_demo.study.nested import Leaf, changed, leaves
 from hoist_demo.study.perform import perform
+from hoist_demo.study.probe import Probe
 from hoist_demo.study.run import Outcome, build
 from hoist_demo.study.sampling import Range, latin_hypercube
 from hoist_demo.study.store import Store, read_results
@@ -132,6 +134,8 @@ BAD = {
         "mm/s",
         "m/s",
     ),
+    "unknown metric of the best run": ("study.minimise = 'speed'", "speed", "cycle_time"),
+    "two best runs": ("study.minimise = 'cycle_time'\nstudy.maximise = 'slip_safety'", "cycle_time", "keep one"),
     "unknown signal": ("study.signals = ['loop.jaw']", "loop.jaw", "loop.yaw"),
     "not TOML": ("[fixed", "not TOML", "correct"),
 }
@@ -158,6 +162,35 @@ def test_missing_fmu_is_refused_with_the_other_errors(read) -> None:  # type: ig
     with pytest.raises(StudyError, match=r"missing: export it with[\s\S]*") as refused:
         read("study.sene = 3", Path("nowhere.fmu"))
     assert len(refused.value.problems) == 2
+
+
+def test_a_missing_fmu_hides_no_other_error_of_the_host_s_data(read) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(StudyError) as refused:
+        read(
+            "[fixed]\nwinding.sped = 8\nwinding.travel = 900\nrope.EJ = 3\ngains.speed = { value = 1, unit = 'N' }",
+            Path("nowhere.fmu"),
+        )
+    told = "\n".join(refused.value.problems)
+    assert [word in told for word in ("nowhere.fmu", "winding.sped", "shaft_travel", "'N.s/m'")] == [True] * 4
+    assert "rope.EJ" not in told
+    assert "nothing of this file that is the FMU's can be checked" in told
+
+
+@pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
+def test_what_the_fmu_refuses_is_told_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    fmu = FLAVOURS["native-2"].export(tmp_path / "native.fmu")
+    told = Probe(fmu).rejected(build("rope-120", {"left.swivel.mu_static": 1e-4}))
+    assert len(told) == 1
+    assert "mu_kinetic" in told[0]
+    # as a log line it would stand on the screen a second time
+    assert "mu_kinetic" not in caplog.text
+
+
+@pytest.mark.parametrize(("key", "sense"), [("minimise", "min"), ("maximise", "max")])
+def test_a_grid_may_name_the_metric_that_chooses_the_best_run(read, key: str, sense: str) -> None:  # type: ignore[no-untyped-def]
+    study = read(f"study.{key} = 'slip_safety'\n[vary]\nwinding.jerk = [0.5]")
+    assert study.best == {"metric": "slip_safety", "sense": sense}
+    assert read("[vary]\nwinding.jerk = [0.5]").best is None
 
 
 def test_values_that_fit_only_together_are_accepted(read) -> None:  # type: ignore[no-untyped-def]
@@ -401,6 +434,10 @@ def test_search_is_resumed_without_a_run(read, tmp_path: Path) -> None:  # type:
     assert first.best is not None
     assert first.best["gains.speed"] == pytest.approx(2e5, rel=0.02)
     assert len(ran) == 8 * 8
+    # the page names the same run as the search
+    table = pd.read_parquet(first.table)
+    assert first.judged == {"metric": "cost", "sense": "min"}
+    assert table["gains.speed"][table["cost"].idxmin()] == first.best["gains.speed"]
     ran.clear()
     assert perform(study, store, counting(study, store, ran)) == first
     assert ran == []
@@ -464,6 +501,13 @@ def test_table_holds_what_the_rope_did(read, tmp_path: Path, client: Client) -> 
     # 120 m of 8 kg/m, hung from ends 90 m apart: 105 m below the upper end, 15 m below the lower one
     assert series["right.fy"][0] == pytest.approx(-105 * 8 * 9.81, rel=0.01)
     assert series["left.fy"][0] == pytest.approx(-15 * 8 * 9.81, rel=0.02)
+    # with their instants and units, or they would mean nothing
+    kept = read_results(tmp_path / "out" / "signals" / f"{table['key'][0]}.parquet")
+    assert kept.units == {"time": "s", "left.fy": "N", "right.fy": "N"}
+    np.testing.assert_allclose(np.diff(series["time"]), 0.01, rtol=1e-9)
+    # a draft leaves torsion out, and its yaw is not zero but unknown
+    assert math.isnan(table["loop_yaw"][0])
+    assert table["rung"][0] == "planar"
     record = json.loads((tmp_path / "out" / "runs" / f"{table['key'][0]}.json").read_text())
     assert record["data"]["winding"]["travel"] == 0.2
 

@@ -7,12 +7,42 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 
-from hoist_demo.html.page import Row, number
+from hoist_demo.html.page import Row, number, unit_text
+from hoist_demo.rope_data import RopeData
 
 _FIELD = re.compile(r"^[ \t]+(\w+)[ \t]*:[^#\n]*#[ \t]*([^,;:\n]+)[,;:]?[ \t]*(.*)$", re.MULTILINE)
 _NO_UNIT = "-"
+
+Table = tuple[str, list[Row]]
+"""Title and rows."""
+
+
+def tables(data: Mapping[str, object]) -> list[Table]:
+    """A table for each dataclass, by its title."""
+    return [(title, rows(part)) for title, part in data.items()]
+
+
+def rope_tables(rope: RopeData, level: str, rungs: Sequence[str]) -> list[Table]:
+    """Where the balance rope comes from, how much of it was computed, and all its parameters."""
+    ran = ", then ".join(rungs) or "not known"
+    head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
+    head += [
+        ("level of accuracy", level or "of none by name; see solver, mesh and model", ""),
+        ("rung that ran", ran, ""),
+    ]
+    if rope.rung_reason:
+        head.append(("because", rope.rung_reason, ""))
+    parameters = [(name, _word(rope.shown(name)), unit_text(rope.units.get(name, ""))) for name in rope.parameters]
+    return [("Balance rope", head), ("Parameters of the balance rope", parameters)]
+
+
+def _word(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return number(value) if isinstance(value, int | float) else str(value)
 
 
 def rows(data: object) -> list[Row]:
@@ -32,7 +62,7 @@ def rows(data: object) -> list[Row]:
         elif isinstance(value, str) or value is None:
             found.append((name, value or "none", ""))
         elif isinstance(value, int | float):
-            found.append((name, number(value), "" if unit == _NO_UNIT else unit))
+            found.append((name, number(value), "" if unit == _NO_UNIT else unit_text(unit)))
     return found
 
 

@@ -15,6 +15,9 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
+LONG = 24
+"""Characters from which a value may break anywhere, such as a hash."""
+
 Row = tuple[str, str, str]
 """Quantity, value and unit as texts."""
 
@@ -46,21 +49,26 @@ def escape(text: str) -> str:
 def table(title: str, rows: Sequence[Row]) -> str:
     """A titled table of quantity, value and unit; nothing without rows."""
     lines = [
-        f'<tr><td>{escape(quantity)}</td><td class="value">{escape(value)}</td>'
+        f'<tr><td>{escape(quantity)}</td><td class="{_value(value)}">{escape(value)}</td>'
         f'<td class="unit">{escape(unit)}</td></tr>'
         for quantity, value, unit in rows
     ]
     return f"<section><h3>{escape(title)}</h3><table>{''.join(lines)}</table></section>" if lines else ""
 
 
+def _value(text: str) -> str:
+    return "value long" if len(text) > LONG else "value"
+
+
 def number(value: float) -> str:
-    """Five significant digits for people."""
-    return f"{value:.5g}"
+    """Five significant digits for people, without an exponent where ten places do."""
+    text = f"{value:.5g}"
+    return f"{float(text):.10g}" if "e+" in text else text
 
 
 def unit_text(unit: str) -> str:
-    """FMI's unit for people: `N.m2` as N m², and nothing for a pure number."""
-    text = unit.replace(".", " ") if unit != "1" else ""
+    """A unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
+    text = unit.replace(".", " ").replace("^", "") if unit != "1" else ""
     return re.sub(r"(?<=[A-Za-z])[23]", lambda match: {"2": "²", "3": "³"}[match[0]], text)
 
 

@@ -55,7 +55,9 @@ def derived(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
 
 def panels(recording: Recording, hoist: Hoist) -> list[Panel]:
     """All panels of which at least one line can be drawn, with those lines only."""
-    known = set(recording.signals) | set(derived(recording, hoist))
+    # what a rung leaves out is NaN throughout
+    shown_at_all = {name for name, values in recording.signals.items() if bool(np.isfinite(values).any())}
+    known = shown_at_all | set(derived(recording, hoist))
     shown: list[Panel] = []
     for panel in _all(hoist):
         lines = tuple(line for line in panel.lines if line.signal in known)

@@ -13,7 +13,7 @@ from hoist_demo.html import given, packing, page, panels
 from hoist_demo.html.along import along
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
 from hoist_demo.recording import TIME, Array, Recording
-from hoist_demo.summary import SummaryRow
+from hoist_demo.summary import WARNING, SummaryRow
 
 MOST_TIMES = 2000
 """Points of a time plot: twice what a laptop's screen resolves; peaks are kept."""
@@ -33,17 +33,20 @@ def run_report(
     rows: Sequence[SummaryRow],
     title: str,
     path: Path,
+    more: Sequence[given.Table] = (),
 ) -> Path:
-    """Write the report of a run to `path`; `rows` are its summary. Same run, same bytes but the clock's."""
-    if not result.completed:
-        note = f'<p class="note stopped"><strong>Stopped.</strong> {page.escape(result.cause)}</p>'
-    else:
-        note = ""
+    """Write the report of a run to `path`; `rows` are its summary, `more` what else was given.
+
+    Same run, same bytes but the clock's.
+    """
+    said = [] if result.completed else [("Stopped.", result.cause)]
+    said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
+    note = "".join(f'<p class="note stopped"><strong>{w}</strong> {page.escape(text)}</p>' for w, text in said)
     numbers = "".join(
-        page.table(group, [(row.quantity, row.text, row.unit) for row in rows if row.group == group])
+        page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows if row.group == group])
         for group in dict.fromkeys(row.group for row in rows)
     )
-    tables = (("Hoist", hoist), ("Winding", winding), ("Coupling", coupling))
+    tables = [*given.tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more]
     text = page.render(
         "run.html",
         ("player.js", "plots.js", "rope.js", "run.js"),
@@ -52,7 +55,7 @@ def run_report(
         assumed=page.escape(ASSUMED_DATA),
         note=note,
         numbers=numbers,
-        given="".join(page.table(name, given.rows(data)) for name, data in tables),
+        given="".join(page.table(name, rows) for name, rows in tables),
     )
     return page.write(path, text)
 
@@ -63,7 +66,8 @@ def _data(result: Result, hoist: Hoist, winding: Winding) -> dict[str, object]:
     if not recording.signals:
         return {"time": None}
     start, extra = float(recording.time[0]), panels.derived(recording, hoist)
-    names = [name for name in recording.signals if name != TIME and not name.startswith("shape.")]
+    known = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
+    names = [name for name in known if name != TIME and not name.startswith("shape.")]
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
     signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}
     shown = panels.panels(recording, hoist)
@@ -76,7 +80,7 @@ def _data(result: Result, hoist: Hoist, winding: Winding) -> dict[str, object]:
         "marks": [{"t": mark.t, "label": mark.label} for mark in events.marks(result, winding)],
         "transformations": events.transformations(recording),
         "slips": {end: events.slips(recording, end) for end in ("left", "right")},
-        "swivels": {end: f"{end}.swivel.slipping" in recording for end in ("left", "right")},
+        "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
         "sheave": {"height": hoist.sheave_height, "radius": hoist.sheave_radius},
         **_curve(recording),
     }

@@ -2,7 +2,8 @@
 
 `meta` may hold `title`, `parameters` (names of the columns that were varied; the other columns are metrics) and
 `best` = {"metric": name, "sense": "min" or "max"}, by which the best run is chosen among those that did not fail.
-Whatever else it holds, a text or a number, is shown under Data. A run has failed when its `cause` is not empty.
+Whatever else it holds, a text or a number, is shown under Data, and so are parameters that are the same in all runs.
+Only what differs between runs has an axis. A run has failed when its `cause` is not empty.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from typing import Any
 import pandas as pd
 
 from hoist_demo.html import page
+from hoist_demo.parameters import ASSUMED_DATA
 
 STATUS, CAUSE = "status", "cause"
+RUN, KEY = "run", "key"  # the page counts the runs itself; a hash is no axis
 _OWN = ("title", "parameters", "best")
 
 
@@ -23,16 +26,24 @@ def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[st
     """Write the report to `path`: one row of `table` per run, `units` by column name ("" or "1" for none)."""
     parameters, best = _checked(table, meta)
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
-    names = [str(name) for name in table.columns if name not in (STATUS, CAUSE)]
+    values = {str(name): [_plain(value) for value in table[name]] for name in table.columns}
+    names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY)]
+    varied = {name for name in names if len(set(values[name])) > 1}
+    fixed = [name for name in parameters if name in names and name not in varied]
+    nowhere = [name for name in names if name not in parameters and set(values[name]) <= {None}]
+    listed = [name for name in names if name not in {*fixed, *nowhere}]
+    # parameters first: they are read before what follows from them
+    order = sorted(listed, key=lambda name: name not in parameters) + [KEY] * (KEY in values)
     columns = [
         {
             "name": name,
             "unit": page.unit_text(units.get(name, "")),
             "role": "parameter" if name in parameters else "metric",
-            "values": [_plain(value) for value in table[name]],
+            # without anything that differs, as with a single run, all numbers have one
+            "axis": name in varied if varied else name != KEY,
+            "values": values[name],
         }
-        # parameters first: they are read before what follows from them
-        for name in sorted(names, key=lambda name: name not in parameters)
+        for name in order
     ]
     chosen = _best(table, causes, best)
     data = {
@@ -40,6 +51,7 @@ def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[st
         "statuses": [str(status) for status in table[STATUS]],
         "causes": causes,
         "best": chosen,
+        "by": None if best is None else best[0],
     }
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
@@ -48,9 +60,11 @@ def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[st
         ("study.js",),
         data,
         title=page.escape(title),
-        note="",
+        assumed=page.escape(ASSUMED_DATA),
         outcome=page.escape(_outcome(causes, chosen, best, table)),
-        given=page.table("Study", rest),
+        given=page.table("Study", rest)
+        + page.table("The same in all runs", [(n, _said(values[n]), page.unit_text(units.get(n, ""))) for n in fixed])
+        + page.table("Not shown by any run", [(name, "", "") for name in nowhere]),
     )
     return page.write(path, text)
 
@@ -92,7 +106,7 @@ def _outcome(causes: Sequence[str], chosen: int | None, best: tuple[str, str] | 
     failed = sum(cause != "" for cause in causes)
     text = f"{len(causes)} runs, {failed} failed."
     if best is None:
-        return f"{text} No metric was named by which a best run could be chosen."
+        return f"{text} No metric was named by which a best run could be chosen: minimise or maximise in [study]."
     if chosen is None:
         return f"{text} No run that can be compared by {best[0]}."
     smallest = "smallest" if best[1] == "min" else "largest"
@@ -107,6 +121,10 @@ def _plain(value: Any) -> float | str | None:
     if isinstance(value, str | bool) or pd.api.types.is_bool(value):
         return str(value)
     return float(value)
+
+
+def _said(values: Sequence[float | str | None]) -> str:
+    return "none" if values[0] in (None, "") else _text(values[0])
 
 
 def _text(value: Any) -> str:

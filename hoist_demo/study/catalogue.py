@@ -77,15 +77,15 @@ class Parameter:
 
 
 class Catalogue:
-    """All parameters of a study with this FMU."""
+    """All parameters of a study with this FMU; without one those of the host only."""
 
-    def __init__(self, fmu: Path) -> None:
+    def __init__(self, fmu: Path | None) -> None:
         self._parameters = {"controller": Parameter("controller", "1", "String", choices=CONTROLLERS)}
         for section, data in SECTIONS.items():
             for leaf in leaves(data):
                 key = f"{section}.{leaf.name}"
                 self._parameters[key] = Parameter(key, leaf.unit, leaf.kind)
-        for name, p in read_parameters(fmu).items():
+        for name, p in (read_parameters(fmu) if fmu is not None else {}).items():
             if name not in RESERVED:
                 kind = "Integer" if p.kind == "Enumeration" else p.kind
                 self._parameters[name] = Parameter(name, spelled(p.unit), kind, p.minimum, p.maximum)

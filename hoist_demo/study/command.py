@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,7 @@ def _study(options: argparse.Namespace) -> int:
         from hoist_demo.study.perform import perform, write_what_is_there
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
-        raise ValueError(f"a study needs {error.name}: install it with `pip install 'balance-rope[study]'`") from error
+        raise ValueError(f"a study needs {error.name}: `pip install -e '.[study]'` in this repository") from error
     from hoist_demo.study.definition import read_study
 
     if options.workers is not None and options.workers < 1:
@@ -91,7 +92,9 @@ def _study(options: argparse.Namespace) -> int:
         units = study.units
         print("best: " + ", ".join(f"{key} = {value:.6g} {units[key]}" for key, value in performed.best.items()))
     results = read_results(performed.table)
-    parameters = [name for name in results.table.columns if name in study.units or name == "case"]
-    meta: dict[str, Any] = {"title": study.title, "parameters": parameters}
+    parameters = [name for name in results.table.columns if name in study.units or name in ("case", "controller")]
+    meta: dict[str, Any] = {"title": study.title, "parameters": parameters, "best": performed.judged}
+    meta |= {"study file": options.study.name, "scene": study.scene, "FMU": study.fmu.name, "SHA-256": study.fmu_hash}
+    meta["version"] = version("balance-rope")
     print(f"open in a browser: {study_report(results.table, results.units, meta, store.directory / 'report.html')}")
     return 1 if performed.causes else 0

@@ -1,6 +1,6 @@
 """A study file (TOML), read and checked as a whole before anything runs.
 
-    [study]    title, fmu, scene, signals
+    [study]    title, fmu, scene, signals, and minimise or maximise = a metric, which chooses the best run
     [fixed]    values of all runs
     [[case]]   name and values of one case; the runs of [vary] are made for every case
     [sample]   method = "grid" (the default), or "latin-hypercube" with runs and seed
@@ -26,7 +26,7 @@ from typing import Any
 from hoist_demo.fmu_parameters import read_outputs
 from hoist_demo.host import DRIVE_UNITS
 from hoist_demo.scenes import SCENES, scene_named
-from hoist_demo.study.catalogue import Catalogue, Parameter, Value
+from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.run import RunData, build, fmu_part
@@ -36,7 +36,7 @@ from hoist_demo.study.units import spelled
 METHODS = ("grid", "latin-hypercube")
 
 _TABLES = {
-    "study": {"title", "fmu", "scene", "signals"},
+    "study": {"title", "fmu", "scene", "signals", "minimise", "maximise"},
     "fixed": None,
     "case": {"name", "values"},
     "sample": {"method", "runs", "seed"},
@@ -79,6 +79,7 @@ class Study:
     cases: Mapping[str, Mapping[str, Value]]  # fixed values of each case
     ranges: Mapping[str, Range]
     tuning: Tuning | None
+    best: Mapping[str, str] | None = None  # metric and sense by which the best run is chosen; a search has its own
 
     def sample(self, case: str, values: Mapping[str, Value]) -> Sample:
         """A run of this study with the given values."""
@@ -115,7 +116,7 @@ class _Reader:
     def __init__(self, path: Path, raw: dict[str, Any], fmu: Path | None) -> None:
         self.path, self.raw, self.fmu = path, raw, fmu
         self.problems: list[str] = []
-        self.catalogue: Catalogue | None = None
+        self.catalogue, self.fmu_is_there = Catalogue(None), False
 
     @contextmanager
     def _collect(self, where: str = "") -> Iterator[None]:
@@ -132,19 +133,22 @@ class _Reader:
         title = head.get("title", self.path.stem)
         fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
         with self._collect("[study] fmu" if self.fmu is None else "--fmu"):
-            self.catalogue = Catalogue(fmu)
+            self._open(fmu)
         scene, signals = head.get("scene", "rope-120"), tuple[str, ...]()
         with self._collect("[study]"):
             scene_named(str(scene))
         with self._collect("[study]"):
             signals = self._signals(head.get("signals", []), fmu)
+        best: dict[str, str] | None = None
+        with self._collect("[study]"):
+            best = self._best(head)
         cases = self._cases(self._values("fixed", self._table("fixed")))
         vary = self._vary()
         tuning = self._tuning() if "tune" in self.raw else None
         drawn = self._draw(vary, tuning)
-        if scene not in SCENES or self.catalogue is None:
+        if scene not in SCENES:
             raise StudyError(self.path, self.problems)
-        samples = self._checked(scene, signals, fmu, cases, progress(drawn))
+        samples = self._checked(scene, signals, Probe(fmu) if self.fmu_is_there else None, cases, progress(drawn))
         if self.problems:
             raise StudyError(self.path, self.problems)
         keys = {key: None for values in cases.values() for key in values} | dict.fromkeys(vary)
@@ -159,18 +163,18 @@ class _Reader:
             cases=cases,
             ranges={key: r for key, r in vary.items() if isinstance(r, Range)},
             tuning=tuning,
+            best=best,
         )
 
     def _checked(
         self,
         scene: str,
         signals: tuple[str, ...],
-        fmu: Path,
+        probe: Probe | None,
         cases: Mapping[str, dict[str, Value]],
         drawn: Iterable[dict[str, Value]],
     ) -> list[Sample]:
-        """All runs, case by case, each accepted by the data classes and by the FMU."""
-        probe = Probe(fmu)
+        """All runs, case by case, each accepted by the data classes and by the FMU, where there is one."""
         found: dict[str, list[Sample]] = {case: [] for case in cases}
         for values in drawn:
             for case, fixed in cases.items():
@@ -178,22 +182,32 @@ class _Reader:
                 problems: list[str] = []
                 try:
                     data = build(scene, everything, signals)
-                    problems = probe.rejected(data)
+                    problems = probe.rejected(data) if probe is not None else []
                     found[case].append(Sample(case, everything, data))
                 except ValueError as error:
                     problems = _blamed(scene, everything) or [str(error)]
-                    problems += probe.rejected(build(scene, fmu_part(everything)))
+                    problems += probe.rejected(build(scene, fmu_part(everything))) if probe is not None else []
                 for problem in problems:
                     problem = f"case {case}: {problem}" if case else problem
                     if problem not in self.problems:
                         self.problems.append(problem)
         return [sample for samples in found.values() for sample in samples]
 
+    def _open(self, fmu: Path) -> None:
+        try:
+            self.catalogue, self.fmu_is_there = Catalogue(fmu), True
+        except ValueError as error:
+            raise ValueError(f"{error}; until then nothing of this file that is the FMU's can be checked") from error
+
+    def _can_be_checked(self, key: str) -> bool:
+        """Whether the key is the host's, or the FMU is there to ask."""
+        return self.fmu_is_there or key == "controller" or key.partition(".")[0] in SECTIONS
+
     def _signals(self, names: Any, fmu: Path) -> tuple[str, ...]:
         """Names of the time series to keep."""
         if not isinstance(names, list):
             raise ValueError(f'signals = {names!r} must be a list of names: write ["loop.yaw"]')
-        if self.catalogue is not None:
+        if self.fmu_is_there:
             known = [*DRIVE_UNITS, *read_outputs(fmu)]
             for name in names:
                 if name not in known:
@@ -201,6 +215,19 @@ class _Reader:
                     cure = f"did you mean {' or '.join(near)}?" if near else "see docs/interface.md"
                     raise ValueError(f"signals has {name!r}, which nothing shows: {cure}")
         return tuple(map(str, names))
+
+    def _best(self, head: dict[str, Any]) -> dict[str, str] | None:
+        """By which metric the best run is chosen."""
+        senses = {"minimise": "min", "maximise": "max"}
+        given = {name: head[name] for name in senses if name in head}
+        if not given:
+            return None
+        name, metric = next(iter(given.items()))
+        if len(given) == 2 or "tune" in self.raw:
+            raise ValueError(f"{name} = {metric!r} must be the only word on what is best: keep one, or [tune] minimise")
+        if metric not in UNITS:
+            raise ValueError(f"{name} = {metric!r} is not a metric: choose of {', '.join(UNITS)}")
+        return {"metric": metric, "sense": senses[name]}
 
     def _unknown_tables(self) -> None:
         for name, content in self.raw.items():
@@ -242,7 +269,7 @@ class _Reader:
         found: dict[str, Value] = {}
         for key, content in _flat(table):
             with self._collect(f"[{where}]"):
-                if self.catalogue is None:
+                if not self._can_be_checked(key):
                     continue
                 parameter = self.catalogue[key]
                 content = self._stripped(parameter, content)
@@ -255,7 +282,7 @@ class _Reader:
         found: dict[str, tuple[Value, ...] | Range] = {}
         for key, content in _flat(self._table("vary")):
             with self._collect("[vary]"):
-                if self.catalogue is None:
+                if not self._can_be_checked(key):
                     continue
                 parameter = self.catalogue[key]
                 content = self._stripped(parameter, content)

@@ -1,4 +1,4 @@
-"""What a drive engineer asks of a run, one number each; NaN where the run or the rope did not show it.
+"""What a drive engineer asks of a run, one number each; NaN where the run, the rope or its rung did not show it.
 
 Arrival. The reference arrives at a known time; the conveyances have arrived when they stay within `Arrival` from
 then on. Residual swing is the height of a conveyance against the rope's end at the sheave, so that a slow creep of
@@ -16,6 +16,7 @@ from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.host import Result
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording import Array, Recording
+from hoist_demo.rungs import RUNG
 from hoist_demo.summary import made_up
 
 ENDS = ("left", "right")
@@ -61,7 +62,7 @@ ROPE_SIGNALS = frozenset(
         for end in ENDS
         for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
     }
-    | {"loop.x", "loop.yaw", "loop.clearance", "energy.work_ends"}
+    | {"loop.x", "loop.yaw", "loop.clearance", "energy.work_ends", RUNG}
 )
 """Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them."""
 
@@ -105,6 +106,8 @@ def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float
     """Times and torques that only a completed trip has."""
     recording = result.recording
     t = recording.time - recording.time[0]
+    if math.isfinite(winding.followed_until):
+        return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     place = recording["reference.position"][-1]
     outside = np.abs(travel - place) > arrival.position_band

@@ -17,6 +17,9 @@ from hoist_demo.study.store import Store
 
 Array = NDArray[np.float64]
 
+COST = "cost"
+"""Column of a search: the weighted sum that it minimises, over all cases of the point."""
+
 Run = Callable[[Sequence[Sample]], list[str]]
 """Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given."""
 
@@ -29,33 +32,36 @@ class Performed:
     runs: int
     causes: Mapping[str, str]  # of the runs that did not complete, by number and key
     best: Mapping[str, float | int | bool | str] | None  # values of a search
+    judged: Mapping[str, str] | None  # by what column the best run is chosen, and in which sense
 
 
 def perform(study: Study, store: Store, run: Run) -> Performed:
     """Run the study's samples, or its search, and write the table."""
     if study.tuning is None:
         samples: list[Sample] = list(study.samples)
-        keys, best = run(samples), None
-    else:
-        samples, keys, best = _search(study, store, run)
-    return _written(study, store, samples, keys, best)
+        return _written(study, store, samples, run(samples))
+    return _written(study, store, *_search(study, store, run))
 
 
 def write_what_is_there(study: Study, store: Store) -> Performed:
     """The table of an interrupted study: the runs that are recorded; a search has its table when it is complete."""
     pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
     there = [(s, key) for s, key in pairs if store.read(key)]
-    return _written(study, store, [s for s, _ in there], [key for _, key in there], None)
+    return _written(study, store, [s for s, _ in there], [key for _, key in there])
 
 
 def _search(
     study: Study, store: Store, run: Run
-) -> tuple[list[Sample], list[str], Mapping[str, float | int | bool | str]]:
-    """All runs of the search in their order, and the best values; every point is run for every case."""
+) -> tuple[list[Sample], list[str], Mapping[str, float | int | bool | str], list[float]]:
+    """All runs of the search in their order, the best values, and each run's cost, which is that of its point.
+
+    Every point is run for every case.
+    """
     assert study.tuning is not None
     tuning, names = study.tuning, list(study.ranges)
     samples: list[Sample] = []
     keys: list[str] = []
+    told: list[float] = []
 
     def values(x: Array) -> dict[str, float | int | bool | str]:
         return {name: study.ranges[name].at(float(u)) for name, u in zip(names, x, strict=True)}
@@ -68,10 +74,12 @@ def _search(
         keys.extend(new_keys)
         each = [_cost(store, key, tuning.minimise) for key in new_keys]
         width = len(study.cases)
-        return [sum(each[k : k + width]) for k in range(0, len(each), width)]
+        found = [sum(each[k : k + width]) for k in range(0, len(each), width)]
+        told.extend(cost for cost in found for _ in range(width))
+        return found
 
     best = search(costs, len(names), tuning.generations, tuning.population, tuning.seed)
-    return samples, keys, values(best)
+    return samples, keys, values(best), told
 
 
 def _cost(store: Store, key: str, weights: Mapping[str, float]) -> float:
@@ -88,7 +96,8 @@ def _written(
     store: Store,
     samples: Sequence[Sample],
     keys: Sequence[str],
-    best: Mapping[str, float | int | bool | str] | None,
+    best: Mapping[str, float | int | bool | str] | None = None,
+    costs: Sequence[float] = (),
 ) -> Performed:
     rows: list[dict[str, object]] = []
     causes: dict[str, str] = {}
@@ -101,7 +110,10 @@ def _written(
             causes[f"run {number} ({key})"] = outcome["cause"]
         chosen = {name: sample.values.get(name) for name in study.units if name != "controller"}
         head = {"run": number, "key": key, "case": sample.case, "controller": sample.data.controller}
-        result = {"status": outcome["status"], "cause": outcome["cause"]}
+        result = {"status": outcome["status"], "cause": outcome["cause"], "rung": outcome.get("rung", "")}
+        if costs:
+            result[COST] = costs[number - 1] if math.isfinite(costs[number - 1]) else math.nan
         rows.append(head | chosen | result | {name: outcome["metrics"].get(name, math.nan) for name in UNITS})
-    table = store.write_table(rows, {**study.units, **UNITS}, study.title)
-    return Performed(table, len(rows), causes, best)
+    table = store.write_table(rows, {**study.units, **UNITS, COST: "1"}, study.title)
+    judged = {"metric": COST, "sense": "min"} if costs else study.best
+    return Performed(table, len(rows), causes, best, judged)

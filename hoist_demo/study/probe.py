@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -48,8 +49,13 @@ def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: 
         rope = FmuRope(fmu, parameters)
     except ValueError as error:
         return str(error)
+    log = logging.getLogger(FmuRope.__module__)
+    before = log.level
     try:
+        # what the FMU logs is its status' message, which becomes the answer
+        log.setLevel(logging.CRITICAL + 1)
         status = rope.initialize(0.0, left, right)
     finally:
+        log.setLevel(before)
         rope.close()
     return "" if status.valid else status.message or "the FMU does not initialize, without a message"

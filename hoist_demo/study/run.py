@@ -11,7 +11,7 @@ import json
 import time
 import traceback
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -24,8 +24,10 @@ from hoist_demo.fmu_parameters import read_outputs
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.host import Host, Result
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
+from hoist_demo.recording import TIME
 from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import RopePlant
+from hoist_demo.rungs import computed, rungs_of
 from hoist_demo.scenes import scene_named
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
@@ -81,8 +83,10 @@ class Outcome:
     status: str  # completed, stopped or error
     cause: str
     metrics: Mapping[str, float]
-    signals: Mapping[str, list[float]]  # by name, those that were asked for
+    signals: Mapping[str, list[float]]  # by name, those that were asked for, and their time
     clock: Mapping[str, float]  # s: wall time of the design, the rope, the drive and all; not a result
+    units: Mapping[str, str] = field(default_factory=dict)  # of the signals
+    rung: str = ""  # of the rope's model, that ran: why a metric may be missing
 
 
 def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
@@ -117,17 +121,22 @@ def execute(run: RunData, fmu: Path) -> Outcome:
         rope = FmuRope(fmu, run.fmu, not_read=[name for name in read_outputs(fmu) if name not in wanted])
         try:
             result, design_time = wind(run, rope)
+            torque_free = rope.data().torque_free
         finally:
             rope.close()
+        result = replace(result, recording=computed(result.recording, torque_free))
         metrics = measure(result, run.hoist, run.winding, run.arrival)
     except Exception as error:  # recorded, so that the other runs go on
         where = traceback.extract_tb(error.__traceback__)[-1]
         cause = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
         return Outcome(ERROR, cause, dict.fromkeys(UNITS, float("nan")), {}, {"all": time.perf_counter() - begin})
     clock = {"design": design_time, "rope": result.rope_clock.wall, "drive": result.drive_clock.wall}
-    kept = {name: result.recording[name].tolist() for name in run.signals if name in result.recording}
+    # a series means nothing without its instants
+    names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
+    kept = {name: result.recording[name].tolist() for name in names if name in result.recording}
+    units, rung = {name: result.recording.units[name] for name in kept}, ", ".join(rungs_of(result.recording))
     status = "completed" if result.completed else "stopped"
-    return Outcome(status, result.cause, metrics, kept, clock | {"all": time.perf_counter() - begin})
+    return Outcome(status, result.cause, metrics, kept, clock | {"all": time.perf_counter() - begin}, units, rung)
 
 
 def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:

@@ -1,7 +1,7 @@
 """A study's folder: every finished run in a file of its own, written at once and whole, and the table of all.
 
     runs/KEY.json       data, outcome and clock of a run; a file that exists is complete
-    signals/KEY.parquet its time series, where the study keeps any
+    signals/KEY.parquet its time series and their instants, where the study keeps any; units as in results.parquet
     results.parquet     one row per run in the study's order, units in the schema's field metadata
     results.csv         the same, header `name [unit]`
 
@@ -61,10 +61,12 @@ class Store:
     def write(self, key: str, run: RunData, outcome: Outcome, worker: str) -> None:
         """Keep a run: series first, then the record that declares it done."""
         if outcome.signals:
-            table = pa.table({name: pa.array(values) for name, values in outcome.signals.items()})
+            fields = [pa.field(n, pa.float64(), metadata={"unit": outcome.units.get(n, "")}) for n in outcome.signals]
+            table = pa.table([pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields))
             with _whole(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
-        kept = {"status": outcome.status, "cause": outcome.cause, "metrics": dict(outcome.metrics)}
+        said = {"status": outcome.status, "cause": outcome.cause, "rung": outcome.rung}
+        kept = {**said, "metrics": dict(outcome.metrics)}
         record = {"key": key, "data": asdict(run), "outcome": kept, "clock": dict(outcome.clock), "worker": worker}
         with _whole(self._path(key)) as path:
             path.write_text(json.dumps(record, indent=1), encoding="utf-8")
@@ -91,7 +93,7 @@ class Store:
 
 
 def read_results(path: Path) -> Results:
-    """What a study has left in `results.parquet`; pandas.read_parquet opens it as well, without the units."""
+    """A study's `results.parquet` or the series of a run; pandas.read_parquet opens both as well, without the units."""
     table = pq.read_table(path)
     units = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
     return Results(table.to_pandas(), units)

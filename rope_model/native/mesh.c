@@ -19,7 +19,7 @@ static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
 static const double LEG_LENGTH = 450.0, LEG_SHARE = 0.1, LEG_TWIST = 8e-3;
 static const double FADE = 1.0, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
 static const double NEAREST = 0.12;
-static const double END_LENGTH = 2.0;
+static const double END_LENGTH = 2.9;
 
 /* elements of IV in units of l: half of their neighbours */
 static double fine_share(int with_ii, int with_iii) {
@@ -53,7 +53,8 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     double weight = rope->mass_per_length * layout->gravity;
     double w = pow(rope->EI / weight, 1.0 / 3.0);
     double R = fmin(0.5 * layout->spacing, NATURAL_RADIUS * w);
-    double fine = fmin(LOOP_LENGTH * pow(mesh->loop_error / (LOOP_ERROR * R), 0.2), LONGEST) * R;
+    double shorter = pow(mesh->loop_error / (LOOP_ERROR * R), 0.2);
+    double fine = fmin(LOOP_LENGTH * shorter, LONGEST) * R;
     double coarse = RATIO * fine;
     double fade = w * fmax(FADE + FADE_DECADE * log10(FADE_ERROR / mesh->loop_error), 0);
     double layer = sqrt(rope->EI / (0.5 * weight * rope->length));
@@ -68,7 +69,7 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
         suited.elements = as_int(fmax(ceil(rope->length / fine), 8));
         return suited;
     }
-    double levels = fmax(ceil(log2(coarse / (END_LENGTH * layer))), 0);
+    double levels = fmax(ceil(log2(coarse / (END_LENGTH * layer * shorter))), 0);
     suited.kind = TMN;
     suited.coarse_length = coarse;
     suited.counts[0] = suited.counts[4] = 2;

@@ -47,8 +47,8 @@ LEG_LENGTH, LEG_SHARE, LEG_TWIST = 450.0, 0.1, 8e-3
 FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.25
 #: 'auto': how near an end the loop may hang, in rope lengths
 NEAREST = 0.12
-#: 'auto': end elements in units of the bending layer there
-END_LENGTH = 2.0
+#: 'auto': end elements in units of the bending layer there, for an error of LOOP_ERROR R; shorter as the loop's are
+END_LENGTH = 2.9
 #: more would be a mistake in the unit of an element's length
 MOST_ELEMENTS = 20000
 
@@ -104,7 +104,8 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     weight = rope.mass_per_length * layout.gravity
     w = (rope.EI / weight) ** (1 / 3)
     R = min(0.5 * layout.spacing, NATURAL_RADIUS * w)
-    fine = min(LOOP_LENGTH * (mesh.loop_error / (LOOP_ERROR * R)) ** 0.2, LONGEST) * R
+    shorter = (mesh.loop_error / (LOOP_ERROR * R)) ** 0.2
+    fine = min(LOOP_LENGTH * shorter, LONGEST) * R
     ratio = 4  # of l to the elements of IV: five segments
     coarse = ratio * fine
     layer = math.sqrt(rope.EI / (0.5 * weight * rope.length))
@@ -119,7 +120,7 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     fine, counts = coarse / ratio, pattern(coarse)
     if coarse * (inner_length(counts) + 2) > rope.length:
         return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
-    levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer))), 0)
+    levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer * shorter))), 0)
     # theta'' of a hanging rope that carries torque but no external moment
     Qs = 0.5 * (rope.Qb + rope.Qc)
     bend = abs(Qs) * weight / (rope.Qa * rope.Qd - Qs**2)

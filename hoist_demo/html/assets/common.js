@@ -8,7 +8,9 @@ function unpack(packed) {
   if (packed.kind === "f32") return new Float32Array(bytes.buffer);
   const codes = packed.kind === "u8" ? bytes : new Uint16Array(bytes.buffer);
   const top = TOP[packed.kind], scale = (packed.hi - packed.lo) / top;
-  return Float64Array.from(codes, (q) => (q > top ? NaN : packed.lo + scale * q));
+  // what rounds to zero is zero: half a step is all that the codes tell
+  const near = (q) => (Math.abs(packed.lo + scale * q) <= scale / 2 ? 0 : packed.lo + scale * q);
+  return Float64Array.from(codes, (q) => (q > top ? NaN : near(q)));
 }
 
 function byId(id) {
@@ -51,6 +53,8 @@ function ticks(lo, hi, count) {
 
 function tickText(value, step) {
   const places = Math.min(6, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+  const digits = Math.floor(Math.log10(Math.abs(value) / step) + 1e-9) + 2; // that tell a tick from the next one
+  if (step < 1e-5 && Math.abs(value) >= step / 2 && digits > 4) return value.toPrecision(Math.min(15, digits)).replace("-", "−");
   if (step >= 1e6 || (step < 1e-5 && value !== 0)) return short(value);
   return (Math.abs(value) < step / 2 ? 0 : value).toFixed(places).replace("-", "−");
 }

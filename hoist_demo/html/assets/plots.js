@@ -1,7 +1,7 @@
 // Time plots: all share the time axis, the cursor, the marks and the bands of slip.
 
 const BAND = 5; // height of a band of slip at the top of a plot, in pixels
-const MARGIN = { left: 52, right: 12, top: 8, bottom: 22 };
+const MARGIN = { left: 52, right: 12, top: 19, bottom: 22 }; // names of marks stand on top
 
 class TimePlot {
   // lines: [{label, style, values}]; values are in the panel's unit, one per entry of times
@@ -63,6 +63,7 @@ class TimePlot {
     const inside = add(svg, "g", { "clip-path": `url(#${clip})` });
     this.drawEvents(inside, bottom);
     this.drawContent(inside, first, last);
+    this.drawNames(inside);
     this.cursor = add(inside, "line", { class: "cursor", y1: MARGIN.top, y2: bottom });
     this.move(this.player.t);
   }
@@ -114,13 +115,20 @@ class TimePlot {
     for (const t of DATA.transformations) {
       add(group, "line", { class: "transformation", x1: this.x(t), x2: this.x(t), y1: bottom - 6, y2: bottom });
     }
+    for (const { t } of DATA.marks) {
+      add(group, "line", { class: "mark", x1: this.x(t), x2: this.x(t), y1: MARGIN.top, y2: bottom });
+    }
+  }
+
+  // names of the marks, above curves, ticks and bands
+  drawNames(group) {
+    if (!(this.panel.named ?? true)) return;
     DATA.marks.forEach((mark, k) => {
       const x = this.x(mark.t), next = k + 1 < DATA.marks.length ? this.x(DATA.marks[k + 1].t) : this.width;
-      add(group, "line", { class: "mark", x1: x, x2: x, y1: MARGIN.top, y2: bottom });
       // the name goes where no other mark is
       const before = next - x < 100 && x > MARGIN.left + 90;
-      const place = { x: x + (before ? -4 : 4), y: bottom - 9, "text-anchor": before ? "end" : "start" };
-      if (this.panel.named ?? true) add(group, "text", { class: "mark-label", ...place }, mark.label);
+      const place = { x: x + (before ? -4 : 4), y: MARGIN.top - 5, "text-anchor": before ? "end" : "start" };
+      add(group, "text", { class: "mark-label", ...place }, mark.label);
     });
   }
 

@@ -1,7 +1,8 @@
 // The report of a study: parallel coordinates, a scatter plot and a sortable table that mark the same runs.
 // A run is its row's place in the table that Python was given; a column's values are numbers, words or null.
 
-const COLUMNS = DATA.columns.map((column) => ({ ...column, axis: makeAxis(column) }));
+const COLUMNS = DATA.columns.map((column) => ({ ...column, scale: makeAxis(column) }));
+const AXES = COLUMNS.map((_, k) => k).filter((k) => COLUMNS[k].axis); // places of the columns that are drawn
 const RUNS = DATA.columns.length ? DATA.columns[0].values.map((_, k) => k) : [];
 const failed = (run) => DATA.causes[run] !== "";
 const kept = new Map(); // column -> [lo, hi] as parts of its axis
@@ -12,7 +13,7 @@ function makeAxis(column) {
   const present = column.values.filter((value) => value !== null);
   if (present.some((value) => typeof value !== "number")) {
     const words = [...new Set(present.map(String))], part = (k) => (words.length > 1 ? k / (words.length - 1) : 0.5);
-    return { place: (value) => part(words.indexOf(String(value))), ticks: words.map((word, k) => [part(k), word]) };
+    return { place: (value) => part(words.indexOf(String(value))), ticks: words.map((word, k) => [part(k), clipped(word)]) };
   }
   let lo = Math.min(...present), hi = Math.max(...present);
   if (!(hi > lo)) [lo, hi] = present.length ? [lo - (Math.abs(lo) || 1) / 2, lo + (Math.abs(lo) || 1) / 2] : [0, 1];
@@ -21,11 +22,16 @@ function makeAxis(column) {
   return { place, ticks: values.map((value) => [place(value), tickText(value, step)]) };
 }
 
+// a word on an axis must not reach the next one
+function clipped(word) {
+  return word.length > 14 ? `${word.slice(0, 13)}…` : word;
+}
+
 function shown(run) {
   return [...kept].every(([column, [lo, hi]]) => {
     const value = COLUMNS[column].values[run];
     if (value === null) return false;
-    const part = COLUMNS[column].axis.place(value);
+    const part = COLUMNS[column].scale.place(value);
     return part >= lo - 1e-9 && part <= hi + 1e-9;
   });
 }
@@ -49,24 +55,26 @@ function mark(run) {
 
 function drawParallel() {
   const svg = clear(byId("parallel")), height = 380, top = 46, bottom = height - 14;
-  const width = Math.max(svg.parentElement.clientWidth, 96 * COLUMNS.length);
+  const width = Math.max(svg.parentElement.clientWidth, 96 * AXES.length);
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   svg.style.width = `${width}px`;
-  const x = (k) => 48 + (k * (width - 96)) / Math.max(1, COLUMNS.length - 1), y = (part) => bottom - part * (bottom - top);
+  const x = (k) => 48 + (AXES.indexOf(k) * (width - 130)) / Math.max(1, AXES.length - 1), y = (part) => bottom - part * (bottom - top);
   for (const run of inOrder()) {
     let d = "", open = false;
-    COLUMNS.forEach(({ values, axis }, k) => {
-      if (values[run] !== null) d += `${open ? "L" : "M"}${x(k).toFixed(1)} ${y(axis.place(values[run])).toFixed(1)}`;
+    AXES.forEach((k) => {
+      const { values, scale } = COLUMNS[k];
+      if (values[run] !== null) d += `${open ? "L" : "M"}${x(k).toFixed(1)} ${y(scale.place(values[run])).toFixed(1)}`;
       open = values[run] !== null;
     });
     const path = add(svg, "path", { class: `run-line ${kind(run)}`, d, "data-run": run });
     add(path, "title", {}, `run ${run + 1}`);
     path.addEventListener("click", () => mark(run));
   }
-  COLUMNS.forEach((column, k) => {
+  AXES.forEach((k) => {
+    const column = COLUMNS[k];
     const group = add(svg, "g", { class: "axis" });
     add(group, "line", { x1: x(k), x2: x(k), y1: top, y2: bottom });
-    for (const [part, text] of column.axis.ticks) {
+    for (const [part, text] of column.scale.ticks) {
       add(group, "line", { x1: x(k) - 3, x2: x(k) + 3, y1: y(part), y2: y(part) });
       add(group, "text", { class: "tick halo", x: x(k) + 5, y: y(part) + 3.5 }, text);
     }
@@ -123,11 +131,11 @@ function drawScatter() {
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   const [across, up] = ["across", "up"].map((id) => COLUMNS[Number(byId(id).value)]);
   const x = (part) => 62 + part * (width - 82), y = (part) => height - 36 - part * (height - 54);
-  for (const [part, text] of across.axis.ticks) {
+  for (const [part, text] of across.scale.ticks) {
     add(svg, "line", { class: "grid", x1: x(part), x2: x(part), y1: y(0), y2: y(1) });
     add(svg, "text", { class: "tick", x: x(part), y: y(0) + 16, "text-anchor": "middle" }, text);
   }
-  for (const [part, text] of up.axis.ticks) {
+  for (const [part, text] of up.scale.ticks) {
     add(svg, "line", { class: "grid", x1: x(0), x2: x(1), y1: y(part), y2: y(part) });
     add(svg, "text", { class: "tick", x: x(0) - 8, y: y(part) + 3.5, "text-anchor": "end" }, text);
   }
@@ -137,7 +145,7 @@ function drawScatter() {
   for (const run of inOrder()) {
     const [a, b] = [across.values[run], up.values[run]];
     if (a === null || b === null) continue;
-    const place = { cx: x(across.axis.place(a)).toFixed(1), cy: y(up.axis.place(b)).toFixed(1) };
+    const place = { cx: x(across.scale.place(a)).toFixed(1), cy: y(up.scale.place(b)).toFixed(1) };
     const dot = add(svg, "circle", { class: `dot ${kind(run)}`, ...place, r: run === DATA.best || run === marked ? 6 : 4 });
     add(dot, "title", {}, `run ${run + 1}: ${valueText(a)}, ${valueText(b)}`);
     dot.addEventListener("click", () => mark(run));
@@ -204,8 +212,10 @@ function drawAll() {
 
 function start() {
   if (!COLUMNS.length) return;
-  const metrics = COLUMNS.map((_, k) => k).filter((k) => COLUMNS[k].role === "metric");
-  const [first, second] = metrics.length > 1 ? metrics : [0, COLUMNS.length - 1];
+  // what was varied against what matters most
+  const axis = (role) => AXES.filter((k) => COLUMNS[k].role === role && COLUMNS[k].name !== DATA.by);
+  const by = COLUMNS.findIndex(({ name }) => name === DATA.by), metrics = by < 0 ? axis("metric") : [by, ...axis("metric")];
+  const first = axis("parameter")[0] ?? metrics[1] ?? 0, second = metrics[0] ?? COLUMNS.length - 1;
   for (const [id, chosen] of [["across", first], ["up", second]]) {
     COLUMNS.forEach(({ name }, k) => add(byId(id), "option", { value: k }, name));
     byId(id).value = chosen;

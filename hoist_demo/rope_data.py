@@ -1,0 +1,48 @@
+"""What a rope is, for the reports: where it comes from, all its parameters, and which level of accuracy they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+Value = float | int | bool | str
+
+Levels = Mapping[str, Mapping[str, Value]]
+"""Parameters of the mesh, the solver and the model by FMI name, for each level of accuracy."""
+
+_CHOICES = {
+    "swivel.mode": ("locked", "free", "coulomb"),
+    "mesh.kind": ("tmn", "eem", "auto"),
+    "model.rung": ("auto", "torsional", "spatial", "planar", "rigid"),
+    "solver.kernels": ("auto", "compiled", "portable"),
+}
+"""Words for the codes of FMI 2.0, by the last two parts of the name."""
+
+_TORQUE = ("rope.Qb", "rope.Qc", "rope.installed_twist")
+
+
+@dataclass(frozen=True)
+class RopeData:
+    """One rope of a run; parameters by FMI name."""
+
+    model: Mapping[str, str]  # what it is and where it comes from
+    parameters: Mapping[str, Value]
+    units: Mapping[str, str]  # as FMI spells them, "1" for a pure number
+    rung_reason: str = ""  # why the rung runs that runs
+
+    @property
+    def torque_free(self) -> bool:
+        """Whether the rope carries no torque as long as its ends do not turn; unknown parameters count as torque."""
+        return all(self.parameters.get(name) == 0.0 for name in _TORQUE)
+
+    def shown(self, name: str) -> Value:
+        """A parameter's value, a code with its word."""
+        value, words = self.parameters[name], _CHOICES.get(".".join(name.split(".")[-2:]), ())
+        return f"{value} ({words[value]})" if isinstance(value, int) and 0 <= value < len(words) else value
+
+    def level(self, levels: Levels) -> str:
+        """Name of the level whose parameters these are, "" for none."""
+        for name, wanted in levels.items():
+            if all(self.parameters.get(key) == value for key, value in wanted.items()):
+                return name
+        return ""
