@@ -56,9 +56,9 @@ _MESH = {
         "",
         "0 TMN-ETM (seven segments that follow the loop), 1 EEM (equal lengths), 2 TMN-ETM fitted to the rope",
     ),
-    "elements": ("", "number of elements, EEM only"),
-    "coarse_length": ("m", "element length of segments I and VII, TMN-ETM only; the loop's are an eighth of it"),
-    "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, TMN-ETM only"),
+    "elements": ("", "number of elements, kind 1 only"),
+    "coarse_length": ("m", "element length of segments I and VII, kind 0 only; the loop's are an eighth of it"),
+    "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, kind 0 only"),
     "loop_error": ("m", "error of the loop's place that the mesh may bring, kind 2 only"),
 }
 _SOLVER = {
@@ -160,7 +160,7 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
                 maximum=len(words) - 1 if words else _MAXIMUM.get(field),
             )
     for i, segment in enumerate(SEGMENTS):
-        text = f"number of elements of segment {segment}, TMN-ETM only"
+        text = f"number of elements of segment {segment}, kind 0 only"
         name, start = f"mesh.counts[{i + 1}]", scene.mesh.counts[i]
         yield Variable(name, "parameter", "fixed", "Integer", "", start, text, _COUNTS[i])
     yield Variable(
@@ -202,6 +202,9 @@ def _outputs() -> Iterator[Variable]:
     yield Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty")
     yield Variable("status.rung", "output", "discrete", "String", "", None, "rung of the model that is computed")
     yield Variable("status.rung_reason", "output", "discrete", "String", "", None, "why this rung")
+    yield Variable(
+        "status.warning", "output", "discrete", "String", "", None, "what to mind in valid results; else empty"
+    )
 
 
 def scene_of(values: dict[str, Value]) -> Scene:

@@ -58,7 +58,7 @@ static void loop_signals(const Scene *scene, const State *state, const Arrays *a
 }
 
 /* nominal stresses as in a solid round bar; bending is root mean square along the element */
-static void stress_signals(const Rope *rope, const Arrays *arrays, const double (*strains)[4], const LoopBottom *bottom,
+static void stress_signals(const Rope *rope, int rung, const Arrays *arrays, const double (*strains)[4], const LoopBottom *bottom,
                            double *values) {
     double Qs = 0.5 * (rope->Qb + rope->Qc), Qk = 0.5 * (rope->Qb - rope->Qc);
     double section = PI * pow(rope->diameter, 3), bending = -HUGE_VAL, torsion = -HUGE_VAL;
@@ -67,6 +67,9 @@ static void stress_signals(const Rope *rope, const Arrays *arrays, const double 
         bending = fmax(bending, 32 * rope->EI * k_rms / section);
         torsion = fmax(torsion, 16 * fabs((Qs - Qk) * e + rope->Qd * tau) / section);
     }
+    /* what a rung does not compute is 0, as torques and moments are */
+    bending *= rung != RIGID;
+    torsion *= rung == TORSIONAL;
     int last = arrays->elements - 1, lowest = 0;
     while (lowest < last && arrays->s[lowest + 1] < bottom->s)
         lowest++;
@@ -119,7 +122,7 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         loop_signals(scene, state, arrays, bottom, values);
         break;
     case STRESS_SIGNALS:
-        stress_signals(&scene->rope, arrays, strains, bottom, values);
+        stress_signals(&scene->rope, state->rung, arrays, strains, bottom, values);
         break;
     case BOOK_SIGNALS:
         book_signals(&state->ledger, &state->counts, values);

@@ -106,6 +106,11 @@ int rope_is_initialized(const Simulator *rope)
     return rope->initialized;
 }
 
+int rope_has_moved(const Simulator *rope)
+{
+    return rope->initialized && rope->state->counts.steps > 0;
+}
+
 double rope_time(const Simulator *rope)
 {
     return rope->state->t;

@@ -141,6 +141,8 @@ def stress_signals(rope: RopeSimulator) -> dict[str, float]:
     """Largest stress norms, and twist."""
     strains = rope.system.strains(rope.state.motion.q)
     bending, torsion = nominal_stresses(rope.scene.rope, strains)
+    # what a rung does not compute is 0, as torques and moments are
+    bending, torsion = bending * (rope.state.rung != "rigid"), torsion * (rope.state.rung == "torsional")
     tau = strains[:, 1]
     at_bottom = int(np.searchsorted(np.cumsum(rope.state.partition.lengths), rope.loop.s))
     return {
