@@ -38,10 +38,11 @@ _ADDED_MASS = """\
 `added_mass` is for hosts that want to step heavy coupling implicitly: how much the end's pull grows with an upward
 acceleration a held over the last communication step H, with the speed a H and the way a H^2/2 that belong to it. In
 directional derivatives at the step's end (native flavour, `inputs_at_step_end` = true) it is
--(dfy/day + H dfy/dvy + H^2/2 dfy/dy); dfy/day alone holds `y` and `vy` and is far smaller. With `inputs_at_step_end`
- = false dfy/day has the extrapolation in it and is -added_mass.
+-(dfy/day + H dfy/dvy + H^2/2 dfy/dy); dfy/day alone holds `y` and `vy` and is far smaller. With
+`inputs_at_step_end` = false dfy/day has the extrapolation in it and is -added_mass.
 """
-_MINDED = """`status.warning` tells what to mind in results that are valid, and stays while it is so; the log has each thing once
+_MINDED = """\
+`status.warning` tells what to mind in results that are valid, and stays while it is so; the log has each thing once
 (category logStatusWarning), whether or not debug logging is on. `status.valid` stays true:
 
 - *The legs touch or have passed through each other.* Contact is not in the model. At rest, too: a long rope with the
@@ -57,7 +58,10 @@ What each rung computes (`status.rung`); the rest is 0, not a result, and exact 
 _RUNGS = (
     ("`fy`, `fy_mean`, `added_mass`, `energy.kinetic`, `energy.gravity`", "all"),
     ("`fx`, `mz`, `stress.bending_max`, `energy.strain`, dissipation", "planar, spatial, torsional"),
-    ("`loop.x`, `loop.y`, `loop.clearance`, `shape`", "planar, spatial, torsional; rigid: of a loop drawn as half a circle"),
+    (
+        "`loop.x`, `loop.y`, `loop.clearance`, `shape`",
+        "planar, spatial, torsional; rigid: of a loop drawn as half a circle",
+    ),
     ("`fz`, `mx`, `loop.z`, `loop.yaw`", "spatial: by motion out of plane; torsional: by torque, too"),
     ("`my`, `swivel`, `twist`, `stress.torsion_max`", "torsional"),
 )

@@ -6,16 +6,19 @@ Parameters are the fields of rope_model.parameters, outputs the signals of rope_
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal, NamedTuple
 
-from rope_model.parameters import Layout, Mesh, Model, Preset, Rope, Scene, Solver, Swivel
+from rope_model.parameters import PRESETS, Layout, Level, Mesh, Model, Preset, Rope, Scene, Solver, Swivel
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
 Causality = Literal["parameter", "input", "output"]
 Kind = Literal["Real", "Integer", "Boolean", "String"]
 Value = float | int | bool | str
+
+#: start values by name that are put in place of a preset's
+NO_CHANGES: Mapping[str, Value] = {}
 
 #: words for the integer codes of parameters that choose one of a few; the code is the place in the list
 CHOICES: dict[str, tuple[str, ...]] = {
@@ -132,6 +135,18 @@ def choices_of(name: str) -> tuple[str, ...] | None:
 def variables(preset: Preset) -> tuple[Variable, ...]:
     """The table with the start values of ``preset``; a variable's place is its value reference."""
     return (*_parameters(preset.scene), *_inputs(preset.travel), *_outputs())
+
+
+def preset_with(name: str, level: Level, start: Mapping[str, Value]) -> Preset:
+    """The preset ``name`` at a level of accuracy, but with these parameters and ``right.y``, by name."""
+    if name not in PRESETS:
+        raise ValueError(f"there is no scene {name!r}; choose one of {', '.join(PRESETS)}")
+    preset = PRESETS[name](level)
+    values = {v.name: v.start for v in _parameters(preset.scene) if v.start is not None}
+    if unknown := set(start) - set(values) - {"right.y"}:
+        raise ValueError(f"{', '.join(sorted(unknown))} must be parameters of the rope: see docs/interface.md")
+    travel = float(start.get("right.y", preset.travel))
+    return dataclasses.replace(preset, scene=scene_of({**values, **start}), travel=travel)
 
 
 def _parameters(scene: Scene) -> Iterator[Variable]:
