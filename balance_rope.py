@@ -142,8 +142,8 @@ def _export(options: argparse.Namespace) -> int:
         raise ValueError("--platform is for compiled code, and the Python flavour has none to choose: add --native")
     if options.ssp and options.scene not in SETUPS:
         raise ValueError(
-            f"--ssp of {options.scene} cannot be made: the drive's FMU is made for {', '.join(SETUPS)}; export the rope "
-            "without --ssp"
+            f"--ssp of {options.scene} cannot be made: the drive's FMU is made for {', '.join(SETUPS)}; export the "
+            "rope without --ssp"
         )
     paths = _paths(options.out, wanted)
     scene = SCENES[options.scene]
