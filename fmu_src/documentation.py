@@ -43,7 +43,8 @@ directional derivatives at the step's end (native flavour, `inputs_at_step_end` 
 """
 _MINDED = """\
 `status.warning` tells what to mind in results that are valid, and stays while it is so; the log has each thing once
-(category logStatusWarning), whether or not debug logging is on. `status.valid` stays true:
+(category logStatusWarning; in the Python flavour with debug logging on only, in the native one always). `status.valid`
+stays true:
 
 - *The legs touch or have passed through each other.* Contact is not in the model. At rest, too: a long rope with the
   default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is hung up. Beyond half a turn of

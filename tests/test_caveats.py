@@ -13,6 +13,8 @@ from typing import Any
 import pytest
 from exports import FLAVOURS
 
+import hoist_demo.rope_plant
+from hoist_demo.inprocess_rope import InProcessRope
 from rope_model.parameters import rope_120
 from rope_model.simulation.caveats import CAVEATS
 from rope_model.simulation.ends import EndMotion
@@ -93,3 +95,11 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
     assert rope.initialize(0.0, left, right).valid
     assert rope.state.loop_yaw > math.pi
     assert [caveat(rope) for caveat in CAVEATS] == ["", ""]
+
+
+def test_rope_in_process_logs_each_thing_once(caplog: pytest.LogCaptureFixture) -> None:
+    rope = InProcessRope(hung_up(installed_twist=7.0).scene)
+    left, right = hoist_demo.rope_plant.EndMotion(), hoist_demo.rope_plant.EndMotion(y=90.0)
+    assert rope.initialize(0.0, left, right).valid
+    assert all(rope.step(k * 0.01, 0.01, left, right).valid for k in range(3))
+    assert [r.levelname for r in caplog.records if "passed through" in r.getMessage()] == ["WARNING"]

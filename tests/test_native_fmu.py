@@ -732,3 +732,12 @@ def test_verbose_is_understood_on_either_side_of_the_command(monkeypatch: pytest
     for arguments in (["-v", "export"], ["export", "-v"], ["export"]):
         assert main(arguments) == 0
     assert told == [True, True, False]
+
+
+def test_log_categories_are_those_of_the_description(host: Host, fmi: int) -> None:
+    names = [category.name for category in host.description.logCategories]
+    assert "logStatusWarning" in names
+    for name in names:
+        given = (ctypes.c_char_p * 1)(name.encode())
+        boolean: Any = ctypes.c_int(1) if fmi == 2 else ctypes.c_bool(True)
+        assert host.call("SetDebugLogging", boolean, ctypes.c_size_t(1), given) == 0, name
