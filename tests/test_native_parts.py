@@ -40,6 +40,7 @@ from rope_model.simulation.mesh import (
     transformed,
 )
 from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.rungs import RungName
 from rope_model.simulation.signals import (
     SIGNALS,
     added_mass_signals,
@@ -62,6 +63,8 @@ FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "
 PARTS = ("mesh.c", "frame.c", "shape.c", "signals.c", "ends.c", "text.c")
 KINDS = ("tmn", "eem", "auto")
 MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
+#: the place is the number in rope.h
+RUNGS = ("auto", "torsional", "spatial", "planar", "rigid")
 GROUPS_OF_SIGNALS = (end_signals, loop_signals, stress_signals, book_signals, shape_signals, added_mass_signals)
 MESSAGE, ROUNDING = 512, 1e-12
 
@@ -83,13 +86,13 @@ SIGNALS_BY_MEMBERS = """
 #include <string.h>
 #include "signals.h"
 
-void signals_by_members(int group, const Scene *scene, double t, double loop_yaw, const double *pole,
+void signals_by_members(int group, int rung, const Scene *scene, double t, double loop_yaw, const double *pole,
                         const double *offsets, const double *means, const int *phases, const double *signs,
                         const Path *paths, const double *ledger, const double *counts, const Arrays *arrays,
                         const double (*strains)[4], const LoopBottom *bottom, double *values) {
     State s;
     memset(&s, 0, sizeof s);
-    s.t = t, s.loop_yaw = loop_yaw;
+    s.t = t, s.loop_yaw = loop_yaw, s.rung = rung;
     memcpy(s.pole, pole, sizeof s.pole);
     for (int k = 0; k < 2; k++) {
         s.offsets[k] = offsets[k], s.force_mean[k] = means[k], s.paths[k] = paths[k];
@@ -146,7 +149,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "shape_points": (None, n, p, p, x, n, p),
         "shape_hanging_guess": (None, n, p, p, p, p, p),
         "signal_group": (n, n),
-        "signals_by_members": (None, n, p, x, x, *[p] * 12),
+        "signals_by_members": (None, n, n, p, x, x, *[p] * 12),
         "arrays_of": (None, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -517,7 +520,11 @@ def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int
 
 
 def any_rope(
-    hanging: tuple[float, ...], seed: int, phases: tuple[Phase, Phase], modes: tuple[SwivelMode, SwivelMode]
+    hanging: tuple[float, ...],
+    seed: int,
+    phases: tuple[Phase, Phase],
+    modes: tuple[SwivelMode, SwivelMode],
+    rung: RungName = "torsional",
 ) -> Any:
     """What a RopeSimulator shows of itself, with any numbers in it that belong to no motion."""
     q, lengths, s = swaying(hanging, seed)
@@ -540,7 +547,7 @@ def any_rope(
         last_interval=0.1,
         force_mean=tuple(random.normal(size=2)),
         loop_yaw=20 * random.normal(),
-        rung="torsional",
+        rung=rung,
         rung_reason="",
         ledger=Ledger(*random.normal(size=9)),
         counts=Counts(*map(int, random.integers(0, 2**40, 6))),
@@ -567,7 +574,7 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
     parts.arrays_of(m.q, m.v, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
     parts.signals_by_members(
-        group, scene_structure(rope.scene), m.t, state.loop_yaw, state.pole, offsets, means, phases, signs, paths,
+        group, RUNGS.index(state.rung), scene_structure(rope.scene), m.t, state.loop_yaw, state.pole, offsets, means, phases, signs, paths,
         ledger, counts, arrays, rope.system.strains(m.q), bottom, values
     )  # fmt: skip
     assert np.isnan(values[-1])
@@ -579,6 +586,7 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     seed=st.integers(0, 1000),
     phases=st.tuples(*[st.sampled_from(Phase)] * 2),
     modes=st.tuples(*[st.sampled_from(MODES)] * 2),
+    rung=st.sampled_from(RUNGS[1:]),
 )
 @settings(max_examples=40, deadline=None)
 def test_signals_are_the_same(
@@ -587,9 +595,10 @@ def test_signals_are_the_same(
     seed: int,
     phases: tuple[Phase, Phase],
     modes: tuple[SwivelMode, SwivelMode],
+    rung: RungName,
 ) -> None:
     assume(hanging[-1] > 15 * hanging[3])
-    rope = any_rope(hanging, seed, phases, modes)
+    rope = any_rope(hanging, seed, phases, modes, rung)
     expected, ours = signals(rope), {}
     for group in range(len(GROUPS_OF_SIGNALS)):
         values = group_values(parts, group, rope)
