@@ -574,8 +574,8 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
     parts.arrays_of(m.q, m.v, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
     parts.signals_by_members(
-        group, RUNGS.index(state.rung), scene_structure(rope.scene), m.t, state.loop_yaw, state.pole, offsets, means, phases, signs, paths,
-        ledger, counts, arrays, rope.system.strains(m.q), bottom, values
+        group, RUNGS.index(state.rung), scene_structure(rope.scene), m.t, state.loop_yaw, state.pole, offsets, means,
+        phases, signs, paths, ledger, counts, arrays, rope.system.strains(m.q), bottom, values
     )  # fmt: skip
     assert np.isnan(values[-1])
     return values[:-1]
