@@ -147,11 +147,13 @@ void component_enter_initialization(Component *c) {
 static void warn(Component *c) {
     char text[MODEL_MESSAGE];
     int k;
-    for (k = 0; model_warning(c->model, k, text); k++)
-        if (*text && !(c->warned & 1u << k)) {
-            c->warned |= 1u << k;
-            c->log(c->context, LOG_WARNING, text);
-        }
+    for (k = 0;; k++) {
+        if (c->warned & 1u << k) continue;
+        if (!model_warning(c->model, k, text)) return;
+        if (!*text) continue;
+        c->warned |= 1u << k;
+        c->log(c->context, LOG_WARNING, text);
+    }
 }
 
 static int set_up(Component *c) {
