@@ -19,8 +19,9 @@ from fmu_src.ssp import Component, export_ssp
 from hoist_demo.cli import add_demo
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import SETUPS
+from hoist_demo.scenes import SCENES
 from hoist_demo.study.command import add_study
-from rope_model.parameters import LEVELS, PRESETS, rope_120
+from rope_model.parameters import LEVELS, rope_120
 
 BUILD = Path("build")
 #: flavour and FMI version -> file name
@@ -74,9 +75,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--only", metavar="FAMILY", help="measure one family, or depth, anew and keep the rest; draw: none"
     )
     chart.set_defaults(run=_chart)
+    for command in commands.choices.values():  # -v is understood behind the command as well
+        command.add_argument(
+            "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
+        )
     options = parser.parse_args(arguments)
     level = logging.INFO if options.verbose else logging.WARNING
     logging.basicConfig(level=level, format="%(name)s: %(message)s")
+    logging.getLogger("balance_rope.progress").setLevel(logging.INFO)
     try:
         code: int = options.run(options)
         return code
@@ -94,7 +100,8 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help="write the rope as an FMU",
         description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) needs Python with "
         "numpy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is self-contained C and needs "
-        "nothing. Both have the same variables; every parameter can still be set before initialisation.",
+        "nothing. Both have the same variables; every parameter can still be set before initialisation. The first "
+        "export compiles: the native flavour takes some 10 s per platform and version of FMI, 100 s for all.",
     )
     export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
     export.add_argument("--native", action="store_true", help="the native flavour; needs a C compiler or ziglang here")
@@ -106,7 +113,13 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         metavar="NAME",
         help=f"platforms of the native flavour: host, {', '.join(PLATFORMS)} (all that can be built here)",
     )
-    export.add_argument("--scene", choices=sorted(PRESETS), default="rope-120", help="start values (%(default)s)")
+    export.add_argument(
+        "--scene",
+        choices=tuple(SCENES),
+        default="rope-120",
+        metavar="NAME",
+        help=f"start values: the rope of {', '.join(SCENES)}, see docs/hoist.md (%(default)s)",
+    )
     export.add_argument(
         "--level",
         choices=tuple(LEVELS),
@@ -116,7 +129,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     export.add_argument(
         "--ssp", action="store_true", help="also hoist drive and rope (FMI 2.0) as one system, an .ssp beside the .fmu"
     )
-    export.add_argument("--out", type=Path, help=f"the .fmu to write, or the folder if there are several ({BUILD}/...)")
+    export.add_argument(
+        "--out", type=Path, help=f"the .fmu to write; a folder where there is one, or several are written ({BUILD}/...)"
+    )
     export.set_defaults(run=_export)
 
 
@@ -137,16 +152,25 @@ def _export(options: argparse.Namespace) -> int:
         wanted.insert(0, ("Python", 2))
     if options.ssp and 2 not in options.fmi:
         raise ValueError("the system (--ssp) is made of FMI 2.0 FMUs; add 2 to --fmi")
+    if options.platform and not (options.native or options.ssp):
+        raise ValueError("--platform is for compiled code, and the Python flavour has none to choose: add --native")
+    if options.ssp and options.scene not in SETUPS:
+        raise ValueError(
+            f"--ssp of {options.scene} cannot be made: the drive's FMU is made for {', '.join(SETUPS)}; export the "
+            "rope without --ssp"
+        )
+    paths = _paths(options.out, wanted)
+    scene = SCENES[options.scene]
+    start = {**scene.rope, "right.y": abs(scene.winding.travel)}
     asked = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
-    for flavour, fmi in wanted:
-        path = options.out if options.out and len(wanted) == 1 else (options.out or BUILD) / NAMES[flavour, fmi]
+    for (flavour, fmi), path in zip(wanted, paths, strict=True):
         if flavour == "native":
             platforms = asked
-            export_native(path, options.scene, options.level, fmi, platforms)
+            export_native(path, level=options.level, fmi=fmi, platforms=platforms, start=start)
         else:
             platforms = ["where Python, numpy and casadi are"]
-            export_fmu(path, options.scene, options.level)
+            export_fmu(path, level=options.level, start=start)
         rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), f"{path.stat().st_size / 1e6:.2f} MB"))
         if options.ssp and fmi == 2:
             ssp = _system(path, options.scene, asked)
@@ -155,6 +179,24 @@ def _export(options: argparse.Namespace) -> int:
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     return 0
+
+
+def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
+    """Where each of ``wanted`` goes, --out being ``out``; its folder is there and can be written to."""
+    if out is not None and len(wanted) == 1 and not out.is_dir():
+        paths = [out]
+    elif out is not None and out.suffix == ".fmu":
+        raise ValueError(f"--out {out} names one file, and {len(wanted)} are written: give a folder")
+    else:
+        paths = [(out or BUILD) / NAMES[one] for one in wanted]
+    folder = paths[0].parent
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise ValueError(f"{folder} cannot be written to ({error.strerror}): choose another --out") from error
+    return paths
 
 
 def _system(rope: Path, scene: str, platforms: Sequence[str] | None) -> Path:

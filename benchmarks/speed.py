@@ -1,7 +1,9 @@
 """Speed, start and size of the rope in all its forms: ``make bench``.
 
-The coupled 120 m winding on TMN-ETM, communication steps of 10 ms, in which the host sets the ends' motion, steps, and
-reads the end forces.  Each form runs in a process of its own, interleaved with the others; medians over the rounds.
+``python -m benchmarks.speed monopol-1000`` measures the native forms on the rope of another scene.
+The coupled winding of a scene, the 120 m rope's by default, on TMN-ETM, communication steps of 10 ms, in which the host
+sets the ends' motion, steps, and reads the end forces.  Each form runs in a process of its own, interleaved with the
+others; medians over the rounds.
 A real-time factor is simulated time over processor time.
 """
 
@@ -16,6 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,20 +31,22 @@ from fmu_src.export import export_fmu
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.parameters import Winding
+from hoist_demo.inprocess_rope import rope_data
 from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import EndMotion
+from hoist_demo.scenes import SCENES
 from rope_model.native.engine import NativeRope
-from rope_model.parameters import Solver, rope_120
+from rope_model.parameters import Solver
 from rope_model.simulation.signals import SIGNALS, end_signals
 from rope_model.simulation.simulator import RopeSimulator
 
 from .kinematic import ends_at
 
-H, TRAVEL = 0.01, 90.0
+H, SCENE = 0.01, "rope-120"
 READ = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
-#: s of the winding that are run
+#: s of the winding that are run, and of another scene's
 WINDOW = {"native": 24.0, "Python, compiled": 24.0, "Python, portable": 4.0}
+DEEP_WINDOW = 60.0
 CASES = [(place, form) for form in WINDOW for place in ("in process", "FMU")]
 KERNELS = {"native": 0, "Python, compiled": 1, "Python, portable": 2}
 ROUNDS = 5
@@ -63,17 +68,23 @@ class Stepper(NamedTuple):
     step: Callable[[float], bool]
 
 
-def in_process(form: str) -> Stepper:
+def window(form: str, scene: str) -> float:
+    """s that are run."""
+    return WINDOW[form] if scene == SCENE else DEEP_WINDOW
+
+
+def in_process(form: str, name: str) -> Stepper:
     """The rope in this process."""
-    reference = s_curve(Winding(start_delay=0.0))
-    scene = rope_120().scene
+    winding = replace(SCENES[name].winding, start_delay=0.0)
+    reference, travel = s_curve(winding), winding.travel
+    scene = rope_data(SCENES[name].rope)
     if form == "native":
         rope: RopeSimulator = NativeRope(scene)
     else:
         rope = RopeSimulator(scene.with_(solver=Solver(kernels="portable" if "portable" in form else "compiled")))
 
     def step(t: float) -> bool:
-        valid = rope.advance_to(t, *ends_at(reference, TRAVEL, t)).valid
+        valid = rope.advance_to(t, *ends_at(reference, travel, t)).valid
         if isinstance(rope, NativeRope):
             for name in READ:
                 rope.signal(name)
@@ -81,17 +92,18 @@ def in_process(form: str) -> Stepper:
             end_signals(rope)
         return valid
 
-    return Stepper(lambda: rope.initialize(0.0, *ends_at(reference, TRAVEL, 0.0)).valid, step)
+    return Stepper(lambda: rope.initialize(0.0, *ends_at(reference, travel, 0.0)).valid, step)
 
 
-def through_fmu(form: str, path: Path) -> Stepper:
+def through_fmu(form: str, path: Path, name: str) -> Stepper:
     """The rope in an FMU, stepped by FMPy."""
-    reference = s_curve(Winding(start_delay=0.0))
+    winding = replace(SCENES[name].winding, start_delay=0.0)
+    reference, travel = s_curve(winding), winding.travel
     unread = [name for name in SIGNALS if name not in READ]
-    fmu = FmuRope(path, {"solver.kernels": KERNELS[form]}, unread)
+    fmu = FmuRope(path, {**SCENES[name].rope, "solver.kernels": KERNELS[form]}, unread)
 
     def motions(t: float) -> list[EndMotion]:
-        return [EndMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends_at(reference, TRAVEL, t)]
+        return [EndMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends_at(reference, travel, t)]
 
     def step(t: float) -> bool:
         valid = fmu.step(round(t / H - 1) * H, H, *motions(t)).valid
@@ -109,17 +121,17 @@ def resident() -> float:
     return 1e-6 * int(told.read_text(encoding="utf-8").split()[1]) * resource.getpagesize()
 
 
-def measure(place: str, form: str, path: Path) -> Measured:
+def measure(place: str, form: str, path: Path, scene: str) -> Measured:
     """One run of one form."""
     before, start = resident(), time.process_time()
-    stepper = in_process(form) if place == "in process" else through_fmu(form, path)
+    stepper = in_process(form, scene) if place == "in process" else through_fmu(form, path, scene)
     made = time.process_time() - start
     start = time.process_time()
     assert stepper.start()
     hung = time.process_time() - start
     memory = resident() - before
     times = []
-    for k in range(round(WINDOW[form] / H)):
+    for k in range(round(window(form, scene) / H)):
         start = time.process_time()
         valid = stepper.step((k + 1) * H)
         times.append(time.process_time() - start)
@@ -152,33 +164,36 @@ def instantiation(path: Path) -> tuple[float, float]:
     return statistics.median(instantiated), statistics.median(initialised)
 
 
-def main() -> None:
+def main(scene: str = SCENE) -> None:
     """Run the rounds and print medians, ratios and percentiles."""
-    found: dict[tuple[str, str], list[Measured]] = {case: [] for case in CASES}
+    cases = [case for case in CASES if scene == SCENE or case[1] == "native"]
+    found: dict[tuple[str, str], list[Measured]] = {case: [] for case in cases}
     with tempfile.TemporaryDirectory() as folder:
         python, native = export_fmu(Path(folder) / "python.fmu"), Path(folder) / "native.fmu"
         export_native(native, platforms=(host_platform(),))
         paths = {form: native if form == "native" else python for form in WINDOW}
         for _ in tqdm(range(ROUNDS), desc="rounds", leave=False):
-            for case in CASES:
-                command = [sys.executable, "-m", "benchmarks.speed", *case, str(paths[case[1]])]
+            for case in cases:
+                command = [sys.executable, "-m", "benchmarks.speed", *case, str(paths[case[1]]), scene]
                 done = subprocess.run(command, capture_output=True, text=True, check=True)
                 found[case].append(Measured(*json.loads(done.stdout.splitlines()[-1])))
         starts = instantiation(native)
         sizes = {"native": native.stat().st_size, "Python": python.stat().st_size}
-    print(f"coupled 120 m winding, TMN-ETM, H = {H:g} s, medians of {ROUNDS} rounds")
+    print(f"winding of {scene}, TMN-ETM, H = {H:g} s, medians of {ROUNDS} rounds")
     titles = ("real-time factor", "step, median", "95 %", "99 %", "made", "hung up", "memory")
     print(f"  {'':<30}" + "".join(f"{title:>17}" for title in titles))
     factors = {}
     for case, runs in found.items():
-        factors[case] = WINDOW[case[1]] / statistics.median(sum(run.steps) for run in runs)
+        factors[case] = window(case[1], scene) / statistics.median(sum(run.steps) for run in runs)
         cells = [f"{1e3 * x:.3f} ms" for x in np.percentile([t for run in runs for t in run.steps], [50, 95, 99])]
         cells += [f"{1e3 * statistics.median(getattr(run, name) for run in runs):.1f} ms" for name in ("made", "hung")]
         cells.append(f"{statistics.median(run.memory for run in runs):.1f} MB")
         print(f"  {f'{case[1]}, {case[0]}':<30}{factors[case]:>17.1f}" + "".join(f"{cell:>17}" for cell in cells))
-    for form in WINDOW:
+    for form in dict.fromkeys(form for _, form in cases):
         overhead = factors["in process", form] / factors["FMU", form] - 1
         print(f"  overhead of the FMU, {form}: {100 * overhead:.1f} %")
+    if scene != SCENE:
+        return
     ratio = factors["FMU", "native"] / factors["FMU", "Python, compiled"]
     print(f"  native FMU over Python FMU: {ratio:.1f} times as fast")
     print("  native FMU instantiated in {:.3f} ms, initialised in {:.2f} ms".format(*(1e3 * t for t in starts)))
@@ -186,7 +201,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 4:
-        print(json.dumps(measure(sys.argv[1], sys.argv[2], Path(sys.argv[3]))))
+    if len(sys.argv) == 5:
+        print(json.dumps(measure(sys.argv[1], sys.argv[2], Path(sys.argv[3]), sys.argv[4])))
     else:
-        main()
+        main(*sys.argv[1:])

@@ -10,7 +10,7 @@ from .interface import Value, Variable
 
 #: descriptions of the arrays as a whole
 DESCRIPTIONS = {
-    "mesh.counts": "numbers of elements of the segments II to VI, TMN-ETM only",
+    "mesh.counts": "numbers of elements of the segments II to VI, kind 0 only",
     **{f"shape.{axis}": f"{axis.upper()} of points along the rope, denser around the loop" for axis in "xyz"},
     "shape.tension": "tension at these points",
     "shape.bending": "nominal bending stress at these points, 32 EI kappa / (pi d^3), never above stress.bending_max",

@@ -11,10 +11,12 @@ import json
 import math
 import traceback
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from rope_model.parameters import Preset
+from rope_model.simulation.caveats import CAVEATS
 from rope_model.simulation.ends import SIDES
 from rope_model.simulation.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator, Status
@@ -22,10 +24,12 @@ from rope_model.simulation.state import RopeState
 
 from .interface import Kind, Value, Variable, motion_of, scene_of, variables
 
-#: log(message, is_error)
-Log = Callable[[str, bool], None]
+Severity = Literal["note", "warning", "error"]
+Log = Callable[[str, Severity], None]
 #: host and rope may differ by this much about the time, s
 TIME_SLACK = 1e-9
+#: s: steps beyond it are too long for extrapolated inputs
+LONGEST_EXTRAPOLATION = 0.02
 #: what a variable reads that has no value
 _NOTHING: dict[Kind, Value] = {"Real": 0.0, "Integer": 0, "Boolean": False, "String": ""}
 
@@ -43,6 +47,7 @@ class RopeComponent:
         self._outputs: dict[str, float] = {}
         self._retune = False
         self._initializing, self._changed = False, True
+        self._warned: set[int] = set()  # places in _caveats of what has been in the log
         self._pending = ""  # an error of a call that cannot report one itself
 
     # life cycle
@@ -54,6 +59,7 @@ class RopeComponent:
     def enter_initialization(self) -> None:
         """From now on until the first step, outputs are computed from what has been set."""
         self._initializing, self._changed = True, True
+        self._warned.clear()
 
     def exit_initialization(self) -> None:
         """Hang the rope with the parameters and inputs set so far, unless it hangs so already."""
@@ -158,8 +164,9 @@ class RopeComponent:
         status = rope.initialize(self._start_time, *(motion_of(side, self.values) for side in SIDES))
         if status.valid:
             self._rope, state = rope, rope.state
-            self._log(f"model: {state.rung}, {state.rung_reason}", False)
-            self._log(f"kernels: {rope.form}, {rope.model.kernels.elements} elements", False)
+            self._log(f"model: {state.rung}, {state.rung_reason}", "note")
+            self._log(f"kernels: {rope.form}, {rope.model.kernels.elements} elements", "note")
+            self._warn()
         return status
 
     def _step(self, t: float, h: float) -> Status:
@@ -182,7 +189,33 @@ class RopeComponent:
         motions = [motion_of(side, self.values) for side in SIDES]
         if not self.values["inputs_at_step_end"]:
             motions = [motion.extrapolated(h) for motion in motions]
-        return self._rope.advance_to(t + h, *motions)
+        status = self._rope.advance_to(t + h, *motions)
+        if status.valid:
+            self._warn()
+        return status
+
+    def _caveats(self) -> list[Callable[[], str]]:
+        """What tells of one thing each that is to be minded now, or ''."""
+        if (rope := self._rope) is None:
+            return []
+        return [*(partial(caveat, rope) for caveat in CAVEATS), partial(self._long_step, rope)]
+
+    def _long_step(self, rope: RopeSimulator) -> str:
+        h, moved = rope.state.last_interval, rope.state.counts.steps > 0
+        if self.values["inputs_at_step_end"] or not moved or h <= LONGEST_EXTRAPOLATION * (1 + 1e-9):
+            return ""
+        return (
+            f"a communication step of {h:.6g} s is too long for inputs that are extrapolated: forces err by percents "
+            f"beyond {LONGEST_EXTRAPOLATION:.6g} s; communicate more often, or set inputs_at_step_end = true and give "
+            "the motion at the end of each step"
+        )
+
+    def _warn(self) -> None:
+        """Into the log what is to be minded, each thing once."""
+        for place, caveat in enumerate(self._caveats()):
+            if place not in self._warned and (text := caveat()):
+                self._warned.add(place)
+                self._log(text, "warning")
 
     def _restore(self, state: dict[str, Any]) -> Status:
         """The status that was saved; ValueError, and nothing changed, when the state is none of this FMU's."""
@@ -215,13 +248,13 @@ class RopeComponent:
             self.status = Status(False, f"{what}: {error}")
         except Exception as error:
             self.status = Status(False, f"{what}: internal error, please report it: {error!r}")
-            self._log(traceback.format_exc(), True)
+            self._log(traceback.format_exc(), "error")
         if not self.status.valid and self.status is not before:
-            self._log(self.status.message, True)
+            self._log(self.status.message, "error")
         return self.status.valid
 
     def _fail_later(self, message: str) -> None:
-        self._log(message, True)
+        self._log(message, "error")
         self._pending = self._pending or message
 
     def _variable(self, reference: int, kind: Kind) -> Variable | None:
@@ -238,6 +271,8 @@ class RopeComponent:
             return self.status.valid
         if name == "status.message":
             return self.status.message
+        if name == "status.warning":
+            return "\n".join(filter(None, (caveat() for caveat in self._caveats())))
         if self._rope is None:  # before initialisation zero; after one that failed nothing that looks like a force
             return _NOTHING[variable.kind] if self.status.valid or variable.kind != "Real" else math.nan
         if name in ("status.rung", "status.rung_reason"):

@@ -44,8 +44,36 @@ tension of its closed form, and the bending of its half circle.
 """
 _ADDED_MASS = """\
 `added_mass` is for hosts that want to step heavy coupling implicitly: how much the end's pull grows with an upward
-acceleration held over one communication step.
+acceleration a held over the last communication step H, with the speed a H and the way a H^2/2 that belong to it. In
+directional derivatives at the step's end (native flavour, `inputs_at_step_end` = true) it is
+-(dfy/day + H dfy/dvy + H^2/2 dfy/dy); dfy/day alone holds `y` and `vy` and is far smaller. With
+`inputs_at_step_end` = false dfy/day has the extrapolation in it and is -added_mass.
 """
+_MINDED = """\
+`status.warning` tells what to mind in results that are valid, and stays while it is so; the log has each thing once
+(category logStatusWarning; in the Python flavour with debug logging on only, in the native one always). `status.valid`
+stays true:
+
+- *The legs touch or have passed through each other.* Contact is not in the model. At rest, too: a long rope with the
+  default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is hung up. Beyond half a turn of
+  `loop.yaw` against the line between the ends the legs have crossed; then `loop.clearance`, the distance of the present
+  shape, is large again, and every result is that of a rope which a real one cannot become.
+- *The rung leaves torsion out*, though the rope carries torque: what it does not compute is 0 (below).
+- *A communication step above 20 ms with extrapolated inputs*: in a winding the end forces were 8 % off at 50 ms.
+
+What each rung computes (`status.rung`); the rest is 0, not a result, and exact only for a rope without torque:
+"""
+#: outputs -> the rungs that compute them
+_RUNGS = (
+    ("`fy`, `fy_mean`, `added_mass`, `energy.kinetic`, `energy.gravity`", "all"),
+    ("`fx`, `mz`, `energy.strain`, dissipation", "planar, spatial, torsional"),
+    (
+        "`loop.x`, `loop.y`, `loop.clearance`, `shape`, `stress.bending_max`",
+        "planar, spatial, torsional; rigid: of a loop drawn as half a circle",
+    ),
+    ("`fz`, `mx`, `loop.z`, `loop.yaw`", "spatial: by motion out of plane; torsional: by torque, too"),
+    ("`my`, `swivel`, `twist`, `stress.torsion_max`, `shape.torsion`", "torsional"),
+)
 _SHAPES = """\
 FMI 3.0 has the arrays `shape.x` ... `shape.torsion` (81) and `mesh.counts` (5) as such and the choices as
 enumerations with the same codes; the other names, and all value references, are the same.
@@ -69,7 +97,7 @@ with the tension T at the end</td></tr>
 each coordinate follows a quintic in time. Time integration: generalized-alpha with step control. Mesh: TMN-ETM, seven
 segments with element lengths l, l/2, l/4, l/8, l/4, l/2, l that follow the loop. Four rungs compute as much as the
 scene needs: torsional (all), spatial (no torsion), planar, rigid. There is no contact: legs that touch pass through
-each other; <code>loop.clearance</code> tells.</p>
+each other; <code>status.warning</code> and <code>loop.clearance</code> tell.</p>
 """
 _STYLE = (
     "body{font:15px/1.45 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
@@ -82,7 +110,8 @@ def interface_page() -> str:
     """The page; the numbered shape points are folded into one row per quantity."""
     table = variables(rope_120())
     lines = ["# The FMU's variables", "", _INTRODUCTION, "Python flavour: " + _PYTHON, "Native flavour: " + _NATIVE]
-    lines += [_SHAPES, _ALONG, _ADDED_MASS]
+    lines += [_SHAPES, _ALONG, _ADDED_MASS, "## What to mind\n", _MINDED]
+    lines += ["| outputs | rungs |", "|---|---|", *(f"| {outputs} | {rungs} |" for outputs, rungs in _RUNGS), ""]
     for causality, title in _TITLES:
         lines += [f"## {title}", "", "| name | unit or type | start | |", "|---|---|---|---|"]
         lines += [f"| {' | '.join(row)} |" for row in _rows([v for v in table if v.causality == causality])]
@@ -93,9 +122,10 @@ def interface_page() -> str:
 def index_html(table: Sequence[Variable], native: bool) -> str:
     """documentation/index.html: how to use the FMU, the model, the variables."""
     parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _NATIVE if native else _PYTHON]
-    parts += [_SHAPES if native else "", _ALONG, _ADDED_MASS]
-    paragraphs = "\n".join(f"<p>{_marked_up(text)}</p>" for part in parts for text in part.split("\n\n") if text)
-    body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}", _MODEL]
+    parts += [_SHAPES if native else "", _ALONG, _ADDED_MASS, _MINDED]
+    paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text)
+    rungs = "".join(f"<tr><td>{_marked_up(outputs)}</td><td>{which}</td></tr>" for outputs, which in _RUNGS)
+    body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{rungs}</table>", _MODEL]
     for causality, title in _TITLES:
         rows = _rows([v for v in table if v.causality == causality])
         cells = ["".join(f"<td>{_marked_up(cell)}</td>" for cell in row) for row in rows]
@@ -106,9 +136,16 @@ def index_html(table: Sequence[Variable], native: bool) -> str:
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head><body>\n' + "\n".join(body) + "\n</body></html>\n"
 
 
+def _paragraph(text: str) -> str:
+    if not text.startswith("- "):
+        return f"<p>{_marked_up(text)}</p>"
+    items = "".join(f"<li>{_marked_up(item)}</li>" for item in text.removeprefix("- ").split("\n- "))
+    return f"<ul>{items}</ul>"
+
+
 def _marked_up(text: str) -> str:
     text = re.sub(r"`(.+?)`", r"<code>\1</code>", html.escape(text.strip(), quote=False))
-    return re.sub(r"(?<!\w)\*(\w+)\*", r"<em>\1</em>", text)
+    return re.sub(r"(?<!\w)\*(\w[^*]*)\*", r"<em>\1</em>", text)
 
 
 def _rows(table: list[Variable]) -> Iterator[tuple[str, str, str, str]]:

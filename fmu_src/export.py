@@ -15,17 +15,18 @@ import sys
 import tempfile
 import time
 import uuid
+from collections.abc import Mapping
 from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
 
-from rope_model.parameters import PRESETS, Level
+from rope_model.parameters import Level
 from rope_model.simulation.mesh import partition, suited
 from rope_model.simulation.rope_system import write_bundle
 
 from .archive import read_archive, write_archive
 from .attachments import attachments
-from .interface import variables
+from .interface import NO_CHANGES, Value, preset_with, variables
 
 SOURCES = ("rope_model", "fmu_src")
 #: what the FMU needs not: parts of the export, and of the native flavour
@@ -33,32 +34,37 @@ _LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "r
 _LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "native"}
 
 
-def export_fmu(destination: Path, preset: str = "rope-120", level: Level = "standard") -> Path:
-    """Write the FMU with the start values of ``preset`` at a level of accuracy to ``destination``.
+def export_fmu(
+    destination: Path,
+    preset: str = "rope-120",
+    level: Level = "standard",
+    start: Mapping[str, Value] = NO_CHANGES,
+) -> Path:
+    """Write the FMU with the start values of ``preset``, at a level of accuracy and with ``start``, to ``destination``.
 
     The folder is made if needed.  Two exports of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
     """
-    if preset not in PRESETS:
-        raise ValueError(f"there is no scene {preset!r}; choose one of {', '.join(PRESETS)}")
-    scene = PRESETS[preset](level).scene
+    data = preset_with(preset, level, start)
+    scene = data.scene
     mesh = suited(scene.mesh, scene.rope, scene.layout)
     elements = partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"
         write_bundle(elements, kernels)
-        key = _build_key(f"{preset} {level}", kernels)
+        key = _build_key(f"{preset} {level} {sorted(start.items())}", kernels)
         package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
         _copy_package(package)
         slave = (_root() / "fmu_src" / "slave.py").read_text(encoding="utf-8")
         slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
         script.write_text(slave, encoding="utf-8")
-        (stage / "build.json").write_text(json.dumps(_build_facts(preset, level, key), indent=1), encoding="utf-8")
+        (stage / "build.json").write_text(
+            json.dumps(_build_facts(preset, level, key) | {"start": dict(start)}, indent=1), encoding="utf-8"
+        )
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
         FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
         sys.path.remove(str(stage))  # the builder leaves it there
-        data = PRESETS[preset](level)
         write_archive(destination, read_archive(draft) | attachments(variables(data), data, fmi=2, native=False))
     return destination
 

@@ -6,16 +6,19 @@ Parameters are the fields of rope_model.parameters, outputs the signals of rope_
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal, NamedTuple
 
-from rope_model.parameters import Layout, Mesh, Model, Preset, Rope, Scene, Solver, Swivel
+from rope_model.parameters import PRESETS, Layout, Level, Mesh, Model, Preset, Rope, Scene, Solver, Swivel
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
 Causality = Literal["parameter", "input", "output"]
 Kind = Literal["Real", "Integer", "Boolean", "String"]
 Value = float | int | bool | str
+
+#: start values by name that are put in place of a preset's
+NO_CHANGES: Mapping[str, Value] = {}
 
 #: words for the integer codes of parameters that choose one of a few; the code is the place in the list
 CHOICES: dict[str, tuple[str, ...]] = {
@@ -53,13 +56,13 @@ _SWIVEL = {
 }
 _MESH = {
     "kind": ("", "0 TMN-ETM (segments that follow the loop), 1 EEM (equal lengths), 2 TMN-ETM fitted to the rope"),
-    "elements": ("", "number of elements, EEM only"),
+    "elements": ("", "number of elements, kind 1 only"),
     "coarse_length": (
         "m",
-        "element length of segments I and VII, TMN-ETM only; the loop's are 1/8 of it, without III and V 1/4",
+        "element length of segments I and VII, kind 0 only; the loop's are 1/8 of it, without III and V 1/4",
     ),
-    "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, TMN-ETM only"),
-    "leg_levels": ("", "how often two elements of segments I and VII become one far from loop and ends, TMN-ETM only"),
+    "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, kind 0 only"),
+    "leg_levels": ("", "how often two elements of segments I and VII become one far from loop and ends, kind 0 only"),
     "loop_error": ("m", "error of the loop's place that the mesh may bring, kind 2 only"),
 }
 _SOLVER = {
@@ -137,6 +140,18 @@ def variables(preset: Preset) -> tuple[Variable, ...]:
     return (*_parameters(preset.scene), *_inputs(preset.travel), *_outputs())
 
 
+def preset_with(name: str, level: Level, start: Mapping[str, Value]) -> Preset:
+    """The preset ``name`` at a level of accuracy, but with these parameters and ``right.y``, by name."""
+    if name not in PRESETS:
+        raise ValueError(f"there is no scene {name!r}; choose one of {', '.join(PRESETS)}")
+    preset = PRESETS[name](level)
+    values = {v.name: v.start for v in _parameters(preset.scene) if v.start is not None}
+    if unknown := set(start) - set(values) - {"right.y"}:
+        raise ValueError(f"{', '.join(sorted(unknown))} must be parameters of the rope: see docs/interface.md")
+    travel = float(start.get("right.y", preset.travel))
+    return dataclasses.replace(preset, scene=scene_of({**values, **start}), travel=travel)
+
+
 def _parameters(scene: Scene) -> Iterator[Variable]:
     groups: list[tuple[str, Any, dict[str, tuple[str, str]]]] = [
         ("rope", scene.rope, _ROPE),
@@ -163,7 +178,7 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
                 maximum=len(words) - 1 if words else _MAXIMUM.get(field),
             )
     for i, segment in enumerate(SEGMENTS):
-        text = f"number of elements of segment {segment}, TMN-ETM only"
+        text = f"number of elements of segment {segment}, kind 0 only"
         name, start = f"mesh.counts[{i + 1}]", scene.mesh.counts[i]
         yield Variable(name, "parameter", "fixed", "Integer", "", start, text, _COUNTS[i])
     yield Variable(
@@ -205,6 +220,9 @@ def _outputs() -> Iterator[Variable]:
     yield Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty")
     yield Variable("status.rung", "output", "discrete", "String", "", None, "rung of the model that is computed")
     yield Variable("status.rung_reason", "output", "discrete", "String", "", None, "why this rung")
+    yield Variable(
+        "status.warning", "output", "discrete", "String", "", None, "what to mind in valid results; else empty"
+    )
 
 
 def scene_of(values: dict[str, Value]) -> Scene:

@@ -15,7 +15,11 @@ DESCRIPTION = (
     "U below two conveyances, with swivels; time-varying mesh TMN-ETM"
 )
 EXPERIMENT = {"startTime": "0", "stopTime": "30", "stepSize": "0.01"}
-LOG_CATEGORIES = {"logStatusError": "why a call failed, and what to do", "logAll": "all messages"}
+LOG_CATEGORIES = {
+    "logStatusError": "why a call failed, and what to do",
+    "logStatusWarning": "what to mind in valid results, once",
+    "logAll": "all messages",
+}
 #: outputs with directional derivatives: end forces and moments
 _FORCES = tuple(f"{side}.{kind}{axis}" for side in ("left", "right") for kind in "fm" for axis in "xyz")
 

@@ -20,7 +20,7 @@ _OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
 
 def reference_files(preset: Preset, name: str) -> dict[str, bytes]:
     """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt; RuntimeError when the run fails."""
-    component = RopeComponent(preset, None, lambda message, is_error: None)
+    component = RopeComponent(preset, None, lambda message, severity: None)
     places = {v.name: i for i, v in enumerate(component.table)}
     start = {v.name: v.start for v in component.table if v.causality == "input" and isinstance(v.start, float)}
     inputs, results = [("time", *start)], [("time", *_OUTPUTS)]

@@ -15,10 +15,16 @@ from xml.etree.ElementTree import Element
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from fmu_src.component import RopeComponent
+from fmu_src.component import RopeComponent, Severity
+from fmu_src.interface import preset_with
 from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.wrapper_library import release_at_exit
-from rope_model.parameters import PRESETS
+
+_LOGGED: dict[Severity, tuple[Fmi2Status, str]] = {
+    "note": (Fmi2Status.ok, "logAll"),
+    "warning": (Fmi2Status.warning, "logStatusWarning"),
+    "error": (Fmi2Status.error, "logStatusError"),
+}
 
 
 class BalanceRope(Fmi2Slave):  # type: ignore[misc]
@@ -30,7 +36,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         release_at_exit(resources.parent / "binaries" / "linux64" / f"{MODEL}.so")
         self.modelName = MODEL
         self.build = json.loads((resources / "build.json").read_text(encoding="utf-8"))
-        preset = PRESETS[self.build["preset"]](self.build["level"])
+        preset = preset_with(self.build["preset"], self.build["level"], self.build["start"])
         self.component = RopeComponent(preset, resources / "kernels", self._log)
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
@@ -92,8 +98,5 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
         return RopeComponent.state_from_bytes(state)
 
-    def _log(self, message: str, is_error: bool) -> None:
-        if is_error:
-            self.log(message, Fmi2Status.error, "logStatusError")
-        else:
-            self.log(message, Fmi2Status.ok, "logAll")
+    def _log(self, message: str, severity: Severity) -> None:
+        self.log(message, *_LOGGED[severity])

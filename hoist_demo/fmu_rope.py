@@ -43,6 +43,10 @@ INPUTS = tuple(field.name for field in fields(EndMotion))
 NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
 """Outputs left alone by default: the host does not use them, and a rope may compute them only when they are read."""
 
+_WARNING = 1
+_warned: set[bytes] = set()
+"""Warnings that this process has shown: a study winds the same rope many times."""
+
 _LEVELS = {0: logging.DEBUG, 1: logging.WARNING, 2: logging.WARNING, 3: logging.ERROR, 4: logging.CRITICAL}
 
 
@@ -203,7 +207,8 @@ class FmuRope:
 
             addLoggerProxy(byref(self._callbacks))
         try:
-            slave.instantiate(callbacks=self._callbacks)
+            # a Python FMU passes on no warning without logging
+            slave.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:  # FMPy raises the bare class here
             slave.freeLibrary()
             raise ValueError(
@@ -306,4 +311,8 @@ def _item(variable: Any, value: str) -> int:
 
 
 def _log_message(component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    if status == _WARNING:
+        if message in _warned:
+            return
+        _warned.add(message)
     _log.log(_LEVELS.get(status, logging.INFO), "%s", message.decode("utf-8", errors="replace"))

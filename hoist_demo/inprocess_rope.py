@@ -5,7 +5,8 @@ The only module of the host that knows rope_model; it serves as the FMU's twin a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import logging
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, fields, replace
 from importlib.metadata import version
@@ -19,8 +20,12 @@ from hoist_demo.study.units import field_units
 from rope_model.native.engine import rope_simulator
 from rope_model.parameters import Level, Scene, at_level
 from rope_model.simulation import ends
+from rope_model.simulation.caveats import CAVEATS
 from rope_model.simulation.signals import SIGNALS, group_of, signals
+from rope_model.simulation.simulator import RopeSimulator, Status
 from rope_model.simulation.state import RopeState
+
+_log = logging.getLogger(__name__)
 
 _PARTS = {
     **{name: name for name in ("rope", "layout", "mesh", "solver", "model")},
@@ -37,15 +42,23 @@ class InProcessRope:
 
     def __init__(self, scene: Scene) -> None:
         self._simulator = rope_simulator(scene)
+        self._warned: set[Callable[[RopeSimulator], str]] = set()
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Find the hanging shape at t0 [s]."""
-        status = self._simulator.initialize(t0, _motion(left), _motion(right))
-        return RopeStatus(bool(status.valid), str(status.message))
+        self._warned.clear()
+        return self._told(self._simulator.initialize(t0, _motion(left), _motion(right)))
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Advance to t + h [s]; the motions hold there."""
-        status = self._simulator.advance_to(t + h, _motion(left), _motion(right))
+        return self._told(self._simulator.advance_to(t + h, _motion(left), _motion(right)))
+
+    def _told(self, status: Status) -> RopeStatus:
+        """The status; what is to be minded in a valid state is logged, each thing once, as the FMU does it."""
+        for caveat in CAVEATS if status.valid else ():
+            if caveat not in self._warned and (text := caveat(self._simulator)):
+                self._warned.add(caveat)
+                _log.warning("%s", text)
         return RopeStatus(bool(status.valid), str(status.message))
 
     def signals(self) -> dict[str, float]:

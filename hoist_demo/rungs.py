@@ -30,6 +30,9 @@ _TORSION = _ends("my", "twist") | _SWIVELS | {"loop.twist", "stress.torsion_max"
 _OUT_OF_PLANE = _ends("fz", "mx") | {"loop.z", "loop.yaw"}
 _BENDING = _ends("fx", "mz") | {"stress.bending_max"}
 
+_ALONG = (("stress.torsion_max", "shape.torsion["), ("stress.bending_max", "shape.bending["))
+"""Largest value, and beginning of the names along the rope."""
+
 _LEFT_OUT: Mapping[str, frozenset[str]] = {
     "spatial": _TORSION,
     "planar": _TORSION | _OUT_OF_PLANE,
@@ -55,6 +58,7 @@ def computed(recording: Recording, torque_free: bool) -> Recording:
     for rung, names in _LEFT_OUT.items():
         rows = recording[RUNG] == code_of(rung)
         names = (_BENDING if rung == "rigid" else frozenset()) if torque_free else names
+        names |= {name for name in signals if any(name.startswith(part) for of, part in _ALONG if of in names)}
         for name in names & signals.keys() if bool(rows.any()) else ():
             signals[name] = _without(signals[name], rows)
     return replace(recording, signals=signals)

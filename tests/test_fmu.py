@@ -63,7 +63,7 @@ def test_all_outputs_are_initial_unknowns_and_the_date_is_utc(description: Eleme
         listed = description.find(f"ModelStructure/{section}")
         assert listed is not None
         assert [unknown.get("index") for unknown in listed] == outputs
-    assert len(outputs) == len(SIGNALS) + 4
+    assert len(outputs) == len(SIGNALS) + 5
     assert description.get("generationDateAndTime", "").endswith("Z")
 
 

@@ -226,7 +226,8 @@ def test_half_steps_after_a_restored_state_are_bit_identical() -> None:
         (Scene(), EndMotion(vy=1.0), "moves at the start"),
         (Scene(), EndMotion(y=math.nan), "left.y = nan is not finite"),
         (Scene(), EndMotion(y=200.0), "cannot hang"),
-        (Scene(), EndMotion(y=115.0), "too close to an end"),
+        (Scene(), EndMotion(y=115.0), "mesh.kind = auto covers what EI = 300 N m^2 bends"),
+        (Scene(mesh=Mesh("tmn")), EndMotion(y=115.0), "use a smaller coarse_length"),
         (Scene(model=Model("planar")), EndMotion(z=0.1), "z = 0.1"),
         (Scene(), EndMotion(x=2.0, y=1.5), "exactly above each other, 1.5 m apart"),
     ],
@@ -307,6 +308,17 @@ def test_derivatives_are_those_of_a_step(name: str, side: int) -> None:
         )
     differences = (np.array(forces[0]) - np.array(forces[1])) / (2 * size)
     assert_allclose(derivative, differences, rtol=2e-3, atol=2e-3 * np.abs(differences).max())
+
+
+def test_added_mass_is_the_derivative_along_an_acceleration_held_over_the_last_step() -> None:
+    # of y, vy and ay together, as docs/interface.md says
+    rope, h = NativeRope(Scene(rope=Rope(length=60.0))), 0.01
+    rope.initialize(0.0, EndMotion(), EndMotion())
+    assert rope.advance_to(h, EndMotion(), EndMotion()).valid
+    for side, mass in enumerate(rope.added_mass()):
+        by_y, by_vy, by_ay = (rope.derivative(side, name)[6 * side + 1] for name in ("y", "vy", "ay"))
+        assert_allclose(-(by_ay + h * by_vy + 0.5 * h**2 * by_y), mass, rtol=1e-4)
+        assert abs(by_ay) < 0.1 * mass
 
 
 def test_memory_comes_from_the_host_alone() -> None:

@@ -673,3 +673,71 @@ def test_command_line_lists_what_it_made(
 def test_python_flavour_of_fmi_3_is_refused_with_the_cure(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "--fmi", "3"]) == 2
     assert "comes with --native" in capsys.readouterr().err
+
+
+def test_an_installed_scene_is_exported_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
+    path = tmp_path / "monopol.fmu"
+    options = ["--scene", "monopol-1000", "--native", "--platform", "host", "--out", str(path)]
+    assert main(["export", *options]) == 0
+    starts = {v.name: v.start for v in fmpy.read_model_description(str(path)).modelVariables}
+    assert [float(starts[name]) for name in ("rope.length", "right.y")] == [1040.0, 1000.0]
+    assert math.isclose(float(starts["rope.EI"]), 300.0 * (14.25 / 8.0) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--platform", "host"], "add --native"),
+        (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
+        (["--out", "file/x.fmu"], "file cannot be written to"),
+        (["--scene", "monopol-1000", "--ssp"], "export the rope without --ssp"),
+    ],
+)
+def test_an_export_that_cannot_be_meant_is_refused_before_anything_is_built(
+    options: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    assert main(["export", *options]) == 2
+    assert words in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_folder_that_is_there_takes_the_fmu_under_its_own_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
+    assert main(["export", "--native", "--platform", "host", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "balance_rope_native.fmu").is_file()
+
+
+def test_compilation_is_announced_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path))
+    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
+    for announced in (1, 0):
+        caplog.clear()
+        assert main(["export", "--native", "--platform", "host", "--out", str(tmp_path / "rope.fmu")]) == 0
+        lines = [
+            r.getMessage() for r in caplog.records if f"compiling BalanceRope for {host_platform()}" in r.getMessage()
+        ]
+        assert len(lines) == announced
+
+
+def test_verbose_is_understood_on_either_side_of_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[bool] = []
+    monkeypatch.setattr("balance_rope._export", lambda options: told.append(options.verbose) or 0)
+    for arguments in (["-v", "export"], ["export", "-v"], ["export"]):
+        assert main(arguments) == 0
+    assert told == [True, True, False]
+
+
+def test_log_categories_are_those_of_the_description(host: Host, fmi: int) -> None:
+    names = [category.name for category in host.description.logCategories]
+    assert "logStatusWarning" in names
+    for name in names:
+        given = (ctypes.c_char_p * 1)(name.encode())
+        boolean: Any = ctypes.c_int(1) if fmi == 2 else ctypes.c_bool(True)
+        assert host.call("SetDebugLogging", boolean, ctypes.c_size_t(1), given) == 0, name

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import balance_rope
-from fmu_src.interface import scene_of, variables
+from fmu_src.interface import preset_with, scene_of, variables
 from hoist_demo.host import Host, Result
 from hoist_demo.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.parameters import GRAVITY, SETUPS, Coupling
@@ -41,6 +41,27 @@ def test_the_fmu_reads_the_scene_s_parameters_as_the_rope_in_process_does(name: 
 @pytest.mark.parametrize("level", ["draft", "standard"])
 def test_ropes_of_the_published_case_are_those_of_the_export(name: str, level: parameters.Level) -> None:
     assert rope_data(SCENES[name].rope, level) == parameters.PRESETS[name](level).scene
+
+
+@every_scene
+@pytest.mark.parametrize("level", ["draft", "standard"])
+def test_an_export_of_a_scene_starts_with_its_rope_and_its_travel(name: str, level: parameters.Level) -> None:
+    scene = SCENES[name]
+    preset = preset_with("rope-120", level, {**scene.rope, "right.y": abs(scene.winding.travel)})
+    assert preset.scene == rope_data(scene.rope, level)
+    starts = {v.name: v.start for v in variables(preset)}
+    assert starts["right.y"] == abs(scene.winding.travel)
+    assert {key: starts[key] for key in scene.rope} == pytest.approx(dict(scene.rope))
+
+
+def test_a_start_value_that_no_parameter_has_is_refused_by_name() -> None:
+    with pytest.raises(ValueError, match=r"rope\.colour must be parameters of the rope"):
+        preset_with("rope-120", "standard", {"rope.colour": 1.0})
+
+
+def test_ropes_of_the_hoist_page_are_those_of_the_scenes() -> None:
+    page = (Path(__file__).parent.parent / "docs" / "hoist.md").read_text(encoding="utf-8")
+    assert rope_table() in page, "docs/hoist.md: put in " + rope_table()
 
 
 @pytest.mark.parametrize("name", ["rope.colour", "swivel.mode", "length"])
@@ -140,3 +161,11 @@ def test_a_study_winds_the_scene_with_its_gains_and_its_rope_unless_told_otherwi
     assert (plain.gains, plain.fmu) == (scene.gains, scene.rope)
     assert other.gains == replace(scene.gains, position=0.7)
     assert other.fmu == {**scene.rope, "rope.EI": 900.0}
+
+
+def rope_table() -> str:
+    """The installed ropes as docs/hoist.md shows them."""
+    names = list(next(iter(PRESETS.values())).rope)
+    lines = ["| |" + "".join(f" `{name}` |" for name in PRESETS), "|---|" + "---|" * len(PRESETS)]
+    lines += [f"| `{key}` |" + "".join(f" {preset.rope[key]:.4g} |" for preset in PRESETS.values()) for key in names]
+    return "\n".join(lines)

@@ -328,6 +328,17 @@ def test_loop_out_of_the_fine_middle_of_the_mesh_is_refused() -> None:
     assert "too close to an end" in status.message
 
 
+def test_a_loop_too_stiff_for_the_fitted_mesh_is_told_as_such_and_its_cures_work() -> None:
+    ends, stiff = (EndMotion(y=0.0), EndMotion(y=90.0)), Scene(rope=Rope(EI=1e6))
+    message = RopeSimulator(stiff).initialize(0.0, *ends).message
+    assert "EI = 1e+06 N m^2" in message
+    assert "mesh.kind = eem" in message
+    assert "coarse_length" not in message  # which kind auto does not read
+    cured = [(stiff.with_(mesh=Mesh("eem", elements=80)), ends), (stiff, (ends[0], EndMotion(y=60.0)))]
+    for scene, between in (*cured, (Scene(rope=Rope(EI=1e4)), ends)):
+        assert RopeSimulator(scene).initialize(0.0, *between).valid
+
+
 def test_swivel_without_any_friction_turns_freely_and_does_not_chatter() -> None:
     ideal = Swivel(mode="coulomb", mu_static=0.0, mu_kinetic=0.0)
     rope = started(SHORT.with_(rope=replace(SHORT.rope, Qb=0.0, Qc=0.0), left=ideal, right=ideal))

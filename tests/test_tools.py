@@ -21,6 +21,7 @@ from exports import FLAVOURS, Flavour
 from freed_blocks import freed_blocks
 from numpy.typing import NDArray
 
+from balance_rope import main
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
@@ -162,3 +163,19 @@ def test_tool_without_python_runs_the_fmu(exported: tuple[Flavour, Path], tmp_pa
 
 def test_tool_without_python_ends_without_use_of_freed_memory(exported: tuple[Flavour, Path], tmp_path: Path) -> None:
     assert simulated_without_python(*exported, tmp_path, freed_blocks(tmp_path)) == 0
+
+
+@pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
+def test_worked_programs_of_the_tools_page_print_what_it_says(tmp_path: Path) -> None:
+    page = (Path(__file__).parent.parent / "docs" / "tools.md").read_text(encoding="utf-8")
+    programs = [block.partition("```")[0] for block in page.split("```python\n")[1:]]
+    assert len(programs) == 2
+    (tmp_path / "build").mkdir()
+    for tool, program in zip(("ecos", "libcosim"), programs, strict=True):
+        require(tool)
+        assert main(["export", "--native", "--platform", "host", "--ssp", "--out", str(tmp_path / "build")]) == 0
+        command = [sys.executable, "-c", program]
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=120, check=False, env=environment(), cwd=tmp_path
+        )
+        assert "t = 25.00 s: left conveyance at 89.999 m, balance rope -8240.8 N" in done.stdout, done.stderr[-2000:]

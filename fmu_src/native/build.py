@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import logging
 import platform
 import struct
 import subprocess
@@ -18,6 +19,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rope_model.numerics.kernels import cache_folder, find_compiler
+
+progress = logging.getLogger("balance_rope.progress")
 
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-s")
 
@@ -81,6 +84,7 @@ def library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
     made = cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
     if not made.exists():
         made.parent.mkdir(parents=True, exist_ok=True)
+        progress.info("compiling %s for %s, some 10 s", identifier, name)
         with tempfile.TemporaryDirectory(dir=made.parent) as folder:
             _compile(command, sources, Path(folder), f"{identifier}{PLATFORMS[name].suffix}").replace(made)
     return made

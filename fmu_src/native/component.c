@@ -22,6 +22,7 @@ struct Component {
     int started;      /* initialised, and not reset since */
     int valid;        /* of the last initialisation or step */
     int stop_defined;
+    unsigned warned; /* bit k: warning k has been in the log since initialisation began */
     char status[MODEL_MESSAGE], message[MODEL_MESSAGE];
     double values[]; /* MODEL_SCALARS */
 };
@@ -58,6 +59,18 @@ static const char *value_text(const Variable *variable, double value, char text[
     return shortest(value, text);
 }
 
+const char *log_category(Severity severity) {
+    static const char *const names[] = {"logAll", "logStatusWarning", "logStatusError"};
+    return names[severity];
+}
+
+int is_log_category(const char *name) {
+    int k;
+    for (k = LOG_NOTE; k <= LOG_ERROR; k++)
+        if (!strcmp(name, log_category((Severity)k))) return 1;
+    return 0;
+}
+
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context) {
     Component *c = allocator->take(1, sizeof *c + MODEL_SCALARS * sizeof(double));
     if (!c) return NULL;
@@ -84,7 +97,7 @@ static int refuse(Component *c, const char *format, ...) {
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
     memcpy(c->message, message, sizeof message);
-    c->log(c->context, 1, c->message);
+    c->log(c->context, LOG_ERROR, c->message);
     return 0;
 }
 
@@ -127,6 +140,20 @@ int component_setup(Component *c, double start, int stop_defined, double stop) {
 void component_enter_initialization(Component *c) {
     c->mode = INITIALIZATION;
     c->changed = INPUTS | PARAMETERS;
+    c->warned = 0;
+}
+
+/* what is to be minded, each thing once */
+static void warn(Component *c) {
+    char text[MODEL_MESSAGE];
+    int k;
+    for (k = 0;; k++) {
+        if (c->warned & 1u << k) continue;
+        if (!model_warning(c->model, k, text)) return;
+        if (!*text) continue;
+        c->warned |= 1u << k;
+        c->log(c->context, LOG_WARNING, text);
+    }
 }
 
 static int set_up(Component *c) {
@@ -146,7 +173,8 @@ static int set_up(Component *c) {
         c->model = NULL;
     } else {
         model_note(c->model, why);
-        if (*why) c->log(c->context, 0, why);
+        if (*why) c->log(c->context, LOG_NOTE, why);
+        warn(c);
         return 1;
     }
     c->valid = 0;
@@ -195,6 +223,7 @@ int component_step(Component *c, double t, double h) {
     }
     c->valid = 1;
     c->status[0] = '\0';
+    warn(c);
     return 1;
 }
 

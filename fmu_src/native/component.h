@@ -13,7 +13,13 @@
 enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, TERMINATED = 8, FAILED = 16, ANY_MODE = 31 };
 
 typedef struct Component Component;
-typedef void (*ComponentLog)(void *context, int is_error, const char *message);
+/* how serious a line of the log is */
+typedef enum { LOG_NOTE, LOG_WARNING, LOG_ERROR } Severity;
+/* "logAll", "logStatusWarning", "logStatusError" */
+const char *log_category(Severity severity);
+int is_log_category(const char *name);
+#define NO_SUCH_CATEGORY "there is no such log category; use logAll, logStatusWarning or logStatusError"
+typedef void (*ComponentLog)(void *context, Severity severity, const char *message);
 
 /* NULL when there is no memory; `log` gets `context` back */
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context);

@@ -10,11 +10,11 @@ import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rope_model.parameters import PRESETS, Level, Preset
+from rope_model.parameters import Level, Preset
 
 from ..archive import write_archive
 from ..attachments import attachments, xml_bytes
-from ..interface import Variable, variables
+from ..interface import NO_CHANGES, Value, Variable, preset_with, variables
 from ..model_description import MODEL, Build, model_description
 from ..model_description3 import build_description, model_description3
 from .build import available_platforms, binaries
@@ -31,23 +31,22 @@ def export_native(
     fmi: int = 2,
     platforms: Sequence[str] | None = None,
     rope: Mapping[str, str] | None = None,
+    start: Mapping[str, Value] = NO_CHANGES,
 ) -> Path:
-    """Write the native FMU with the start values of ``preset`` at a level of accuracy to ``destination``.
+    """Write the native FMU with the start values of ``preset``, at a level of accuracy and with ``start``.
 
     ``platforms`` are names of FMI 3.0, all that can be built here if None.  ``rope`` replaces the C files behind
     rope.h (tests do).  Two exports of the same sources give the same bytes.
     """
-    if preset not in PRESETS:
-        raise ValueError(f"there is no scene {preset!r}; choose one of {', '.join(PRESETS)}")
     if fmi not in (2, 3):
         raise ValueError(f"there is no FMI version {fmi}; choose 2 or 3")
     chosen = available_platforms() if platforms is None else tuple(platforms)
     if not chosen:
         raise ValueError("no platform to build for: install a C compiler, or the ziglang package")
-    data = PRESETS[preset](level)
+    data = preset_with(preset, level, start)
     table = native_table(data)
     sources = {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)}
-    token = _token(sources, f"{preset} {level} {fmi}")
+    token = _token(sources, f"{preset} {level} {fmi} {sorted(start.items())}")
     sources["variables.c"] = c_table(table, token, fmi)
     build = Build(
         token,

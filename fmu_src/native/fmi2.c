@@ -13,12 +13,13 @@ typedef struct {
     Allocator allocator;
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
-    int logging; /* of what is no error */
+    int logging; /* of notes */
     char name[NAME];
 } Instance;
 
-static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment, const char *name, fmi2Status status,
+static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment, const char *name, Severity severity,
                 const char *message) {
+    static const fmi2Status statuses[] = {fmi2OK, fmi2Warning, fmi2Error};
     /* the logger takes a format; some hosts print it as it is */
     char format[2 * MODEL_MESSAGE], *end = format;
     if (!logger) return;
@@ -27,13 +28,12 @@ static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment,
         if (*message == '%') *end++ = '%';
     }
     *end = '\0';
-    logger(environment, name, status, status == fmi2OK ? "logAll" : "logStatusError", format);
+    logger(environment, name, statuses[severity], log_category(severity), format);
 }
 
-static void log_message(void *context, int is_error, const char *message) {
+static void log_message(void *context, Severity severity, const char *message) {
     Instance *i = context;
-    if (is_error || i->logging)
-        say(i->logger, i->environment, i->name, is_error ? fmi2Error : fmi2OK, message);
+    if (severity != LOG_NOTE || i->logging) say(i->logger, i->environment, i->name, severity, message);
 }
 
 static fmi2Status status(int ok) { return ok ? fmi2OK : fmi2Error; }
@@ -68,8 +68,8 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
         if (!given(i, categories[k])) return fmi2Error;
         if (!strcmp(categories[k], "logAll"))
             all = 1;
-        else if (strcmp(categories[k], "logStatusError"))
-            return status(component_refuse(i->component, "there is no such log category; use logAll, logStatusError"));
+        else if (!is_log_category(categories[k]))
+            return status(component_refuse(i->component, NO_SUCH_CATEGORY));
     }
     i->logging = loggingOn && all;
     return fmi2OK;
@@ -109,7 +109,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         }
         wrong = "no memory for an instance; free others first";
     }
-    say(functions->logger, functions->componentEnvironment, instanceName ? instanceName : "", fmi2Error, wrong);
+    say(functions->logger, functions->componentEnvironment, instanceName ? instanceName : "", LOG_ERROR, wrong);
     return NULL;
 }
 

@@ -14,13 +14,14 @@ typedef struct {
     Allocator allocator;
     fmi3LogMessageCallback log;
     fmi3InstanceEnvironment environment;
-    int logging; /* of what is no error */
+    int logging; /* of notes */
 } Instance;
 
-static void log_message(void *context, int is_error, const char *message) {
+static void log_message(void *context, Severity severity, const char *message) {
+    static const fmi3Status statuses[] = {fmi3OK, fmi3Warning, fmi3Error};
     Instance *i = context;
-    if (i->log && (is_error || i->logging))
-        i->log(i->environment, is_error ? fmi3Error : fmi3OK, is_error ? "logStatusError" : "logAll", message);
+    if (i->log && (severity != LOG_NOTE || i->logging))
+        i->log(i->environment, statuses[severity], log_category(severity), message);
 }
 
 static fmi3Status status(int ok) { return ok ? fmi3OK : fmi3Error; }
@@ -53,8 +54,8 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, siz
         if (!given(i, categories[k])) return fmi3Error;
         if (!strcmp(categories[k], "logAll"))
             all = 1;
-        else if (strcmp(categories[k], "logStatusError"))
-            return status(component_refuse(i->component, "there is no such log category; use logAll, logStatusError"));
+        else if (!is_log_category(categories[k]))
+            return status(component_refuse(i->component, NO_SUCH_CATEGORY));
     }
     i->logging = loggingOn && all;
     return fmi3OK;

@@ -57,9 +57,12 @@ int model_retune(ModelInstance *model, const double *values, char *message);
 double model_time(const ModelInstance *model);
 /* scalars with FROM_MODEL */
 double model_output(ModelInstance *model, size_t scalar);
-const char *model_text(const ModelInstance *model, size_t scalar);
+const char *model_text(ModelInstance *model, size_t scalar);
 /* a line for the log about what was set up; "" for none */
 void model_note(const ModelInstance *model, char *message);
+/* What to mind in valid results, by number from 0 on: 1, and in message a sentence or "" when there is nothing to mind;
+   0 when the model has no more. */
+int model_warning(ModelInstance *model, int number, char *message);
 
 /* Adds seed times the derivatives of the scalars `unknown` to the scalar `known` to sum[0] ... sum[number - 1]. */
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,

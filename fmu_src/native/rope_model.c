@@ -7,6 +7,9 @@
 #include "rope.h"
 #include "rope_table.h"
 
+/* s: steps beyond it are too long for extrapolated inputs */
+#define LONGEST_EXTRAPOLATION 0.02
+
 enum { INPUTS_OF_END = sizeof(EndMotion) / sizeof(double), FORCES = 12 };
 
 struct ModelInstance {
@@ -15,6 +18,7 @@ struct ModelInstance {
     Scene scene;
     double interval; /* length of the last step */
     int at_step_end; /* the reading of the inputs */
+    char warning[(ROPE_CAVEATS + 1) * (MODEL_MESSAGE + 2)];
 };
 
 static void *field(void *structure, size_t offset) { return (char *)structure + offset; }
@@ -108,7 +112,34 @@ double model_output(ModelInstance *model, size_t scalar) {
     return rope_signal(model->rope, (int)ROPE_PLACES[scalar].offset);
 }
 
-const char *model_text(const ModelInstance *model, size_t scalar) {
+int model_warning(ModelInstance *model, int number, char *message) {
+    if (number < ROPE_CAVEATS) {
+        rope_caveat(model->rope, number, message);
+        return 1;
+    }
+    message[0] = '\0';
+    if (number > ROPE_CAVEATS) return 0;
+    if (!model->at_step_end && rope_has_moved(model->rope) && model->interval > LONGEST_EXTRAPOLATION * (1 + 1e-9))
+        snprintf(message, MODEL_MESSAGE,
+                 "a communication step of %.6g s is too long for inputs that are extrapolated: forces err by percents "
+                 "beyond %.6g s; communicate more often, or set inputs_at_step_end = true and give the motion at the "
+                 "end of each step",
+                 model->interval, LONGEST_EXTRAPOLATION);
+    return 1;
+}
+
+/* all of them, a line each */
+static const char *warning(ModelInstance *model) {
+    char text[MODEL_MESSAGE], *end = model->warning;
+    int k;
+    *end = '\0';
+    for (k = 0; model_warning(model, k, text); k++)
+        if (*text) end += sprintf(end, "%s%s", end > model->warning ? "\n" : "", text);
+    return model->warning;
+}
+
+const char *model_text(ModelInstance *model, size_t scalar) {
+    if (ROPE_PLACES[scalar].where == WARNING) return warning(model);
     return ROPE_PLACES[scalar].where == RUNG_NAME ? rope_rung(model->rope) : rope_rung_reason(model->rope);
 }
 

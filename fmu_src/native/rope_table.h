@@ -13,6 +13,7 @@ enum Where {
     SIGNAL,        /* offset: number of the signal */
     RUNG_NAME,
     RUNG_REASON,
+    WARNING,
     AT_STEP_END
 };
 

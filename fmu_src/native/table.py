@@ -15,6 +15,7 @@ from ..interface import Variable, choices_of
 #: end forces and moments, in the order of rope_derivative
 FORCES = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
+_TEXTS = {"status.rung": "RUNG_NAME", "status.rung_reason": "RUNG_REASON", "status.warning": "WARNING"}
 #: fields of struct Scene whose names differ from the interface's
 _SCENE = {"left.swivel": "swivels[LEFT]", "right.swivel": "swivels[RIGHT]"}
 _HEAD = """\
@@ -72,8 +73,8 @@ def _home(v: Variable) -> tuple[str, str]:
     group, _, field = v.name.rpartition(".")
     if v.name == "inputs_at_step_end":
         return "AT_STEP_END", "0"
-    if v.name in ("status.rung", "status.rung_reason"):
-        return field.upper() if field == "rung_reason" else "RUNG_NAME", "0"
+    if v.name in _TEXTS:
+        return _TEXTS[v.name], "0"
     if v.name in SIGNALS:
         return "SIGNAL", str(list(SIGNALS).index(v.name))
     if v.causality == "output" or v.name == "solver.kernels":  # status of the component; of no use in native code

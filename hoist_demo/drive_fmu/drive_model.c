@@ -207,7 +207,7 @@ double model_time(const ModelInstance *m) { return m->state.t; }
 
 double model_output(ModelInstance *m, size_t scalar) { return m->state.outputs[scalar - DRIVE_FIRST_OUTPUT]; }
 
-const char *model_text(const ModelInstance *m, size_t scalar) {
+const char *model_text(ModelInstance *m, size_t scalar) {
     (void)m, (void)scalar;
     return "";
 }
@@ -215,6 +215,11 @@ const char *model_text(const ModelInstance *m, size_t scalar) {
 void model_note(const ModelInstance *m, char *message) {
     snprintf(message, MODEL_MESSAGE, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
              m->parameters[DRIVE_STEP_MAX]);
+}
+
+int model_warning(ModelInstance *m, int number, char *message) {
+    (void)m, (void)number, (void)message;
+    return 0;
 }
 
 int model_derivative(ModelInstance *m, size_t known, double seed, const unsigned *unknown, size_t number, double *sum,

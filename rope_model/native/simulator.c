@@ -106,6 +106,11 @@ int rope_is_initialized(const Simulator *rope)
     return rope->initialized;
 }
 
+int rope_has_moved(const Simulator *rope)
+{
+    return rope->initialized && rope->state->counts.steps > 0;
+}
+
 double rope_time(const Simulator *rope)
 {
     return rope->state->t;
@@ -179,6 +184,21 @@ static int rested(Simulator *rope, State *state, char *message)
     return 1;
 }
 
+/* as mesh_misplaced; where the mesh was fitted to the rope, with what it was fitted to */
+static void misplaced(const Simulator *rope, const Pattern *pattern, double bottom, char *message)
+{
+    const Rope *data = &rope->scene.rope;
+    mesh_misplaced(pattern, data->length, bottom, message);
+    if (message[0] && rope->scene.mesh.kind == AUTO_MESH)
+        snprintf(message, MESSAGE,
+                 "the loop at %s m of the rope's %s m is too close to an end: mesh.kind = auto covers what EI = %s "
+                 "N m^2 bends, some (EI / rho g)^(1/3) = %s m to either side, and reaches no further than %s m; check "
+                 "EI and length, take equal elements (mesh.kind = eem, code 1), or keep the ends closer in height",
+                 ROUNDED(bottom, 3), ROUNDED(data->length, 4), ROUNDED(data->EI, 4),
+                 ROUNDED(cbrt(data->EI / (data->mass_per_length * rope->scene.layout.gravity)), 3),
+                 ROUNDED(mesh_centre(pattern), 3));
+}
+
 int rope_initialize(Simulator *rope, double t, const EndMotion ends[2])
 {
     const Scene *scene = &rope->scene;
@@ -225,7 +245,7 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2])
     if (!message[0])
         rung_outgrown(scene, state->rung, ends, message);
     if (!message[0])
-        mesh_misplaced(&state->pattern, scene->rope.length, bottom, message);
+        misplaced(rope, &state->pattern, bottom, message);
     if (message[0])
         return fails(rope, message);
     state->pole[0] = 1;
@@ -342,7 +362,7 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
         return rigid_step(rope, state, t_end, message);
     transformed_if_due(rope, state);
     released(rope, state);
-    mesh_misplaced(&state->pattern, rope->scene.rope.length, bottom_of(rope, state, state->t), message);
+    misplaced(rope, &state->pattern, bottom_of(rope, state, state->t), message);
     if (message[0])
         return 0;
     stop = next_stop(rope, state, t_end);

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 KernelForm = Literal["auto", "compiled", "portable"]
 
 log = logging.getLogger(__name__)
+#: what takes long enough to be told; the console command shows it
+progress = logging.getLogger("balance_rope.progress")
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
 LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
@@ -128,6 +130,7 @@ def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder:
     library = folder / f"{name}-{key}{LIBRARY_SUFFIX}"
     if not library.exists():
         folder.mkdir(parents=True, exist_ok=True)
+        progress.info("compiling %s with %s, once on this machine: 5 to 20 s", name, Path(compiler[0]).name)
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             for file, code in sources.items():
                 (Path(scratch) / file).write_text(code, encoding="utf-8")

@@ -21,7 +21,7 @@ from ..parameters import Scene
 from .adaptation import raised, transformed_if_due, with_good_pole, with_loop_yaw
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
-from .mesh import distance_to_due, misplaced, partition, suited
+from .mesh import Partition, distance_to_due, misplaced, partition, suited
 from .model import RopeModel, ends_of, energies, powers
 from .rigid import rigid_added_mass, rigid_rope
 from .rope_system import Assessment, KernelShelf, RopeSystem
@@ -165,7 +165,7 @@ class RopeSimulator:
             bottom = self.model.bottom(paths, t)
             cells = partition(self._mesh, rope.length, bottom)
             guess = hanging_guess(cells.nodes_s, *ends)
-            if message := outgrown(scene, rung, (left, right)) or misplaced(cells, bottom):
+            if message := outgrown(scene, rung, (left, right)) or self._misplaced(cells, bottom):
                 return Status(False, message)
             rest = np.zeros_like(guess)
             state = RopeState(
@@ -189,6 +189,19 @@ class RopeSimulator:
         ledger = state.ledger._replace(start=state.ledger.total)
         self._accept(state._replace(force_mean=force_mean, ledger=ledger, events=()))
         return Status(True)
+
+    def _misplaced(self, cells: Partition, bottom: float) -> str:
+        """As mesh.misplaced; where the mesh was fitted to the rope, with what it was fitted to."""
+        message, rope = misplaced(cells, bottom), self.scene.rope
+        if not message or self.scene.mesh.kind != "auto":
+            return message
+        stiff = (rope.EI / (rope.mass_per_length * self.scene.layout.gravity)) ** (1 / 3)
+        return (
+            f"the loop at {bottom:.3g} m of the rope's {rope.length:.4g} m is too close to an end: mesh.kind = auto "
+            f"covers what EI = {rope.EI:.4g} N m^2 bends, some (EI / rho g)^(1/3) = {stiff:.3g} m to either side, and "
+            f"reaches no further than {cells.centre:.3g} m; check EI and length, take equal elements (mesh.kind = eem, "
+            "code 1), or keep the ends closer in height"
+        )
 
     def _hung(self, state: RopeState) -> RopeState:
         """``state`` at rest in equilibrium, the installed twist put in bit by bit: that decides how the loop yaws."""
@@ -300,7 +313,7 @@ class RopeSimulator:
         if state.rung == "rigid":
             return self._rigid_step(state, t_end)
         state = released(model, transformed_if_due(model, state))
-        if message := misplaced(state.partition, model.bottom(state.paths, state.motion.t)):
+        if message := self._misplaced(state.partition, model.bottom(state.paths, state.motion.t)):
             return message
         system = model.system(state)
         stop = self._next_stop(state, t_end)

@@ -98,6 +98,7 @@ int rope_retune(Simulator *rope, const Scene *scene) {
 
 const char *rope_message(const Simulator *rope) { return rope->message; }
 int rope_is_initialized(const Simulator *rope) { return rope->state.initialized; }
+int rope_has_moved(const Simulator *rope) { return rope->state.steps > 0; }
 double rope_time(const Simulator *rope) { return rope->state.t; }
 int rope_elements(const Simulator *rope) { return rope->state.elements; }
 const char *rope_rung(const Simulator *rope) { return rope->state.initialized ? "torsional" : ""; }
@@ -107,6 +108,11 @@ static double leg_mass(const Simulator *rope, int side) {
     const EndMotion *ends = rope->state.ends;
     double leg = 0.5 * (rope->scene.rope.length + ends[side].x[1] - ends[1 - side].x[1]);
     return leg * rope->scene.rope.mass_per_length;
+}
+
+void rope_caveat(Simulator *rope, int number, char *message) {
+    (void)rope, (void)number;
+    message[0] = '\0';
 }
 
 double rope_signal(Simulator *rope, int signal) {

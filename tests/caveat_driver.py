@@ -1,0 +1,48 @@
+"""Warnings of an FMU of any flavour, in a process of its own: ``caveat_driver.py FMU`` prints them as JSON."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import fmpy
+from native_host import Host
+
+WARNING = 1
+OUTPUTS = ("status.valid", "status.warning", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
+#: name -> parameters, and communication steps
+RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
+    "plain": ({}, (0.01, 0.02)),
+    "passed": ({"rope.installed_twist": 7.0}, (0.01, 0.01)),
+    "touching": ({"rope.installed_twist": 5.5, "rope.diameter": 0.9, "layout.spacing": 1.0}, (0.01, 0.01)),
+    "spatial": ({"model.rung": 2}, (0.01,)),
+    "planar": ({"model.rung": 3}, (0.01,)),
+    "rigid": ({"model.rung": 4}, (0.01,)),
+    "planar without torque": ({"model.rung": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}, (0.01,)),
+    "long steps": ({}, (0.05, 0.05)),
+    "a long step, then a short one": ({}, (0.05, 0.01)),
+    "long steps, motion at their end": ({"inputs_at_step_end": True}, (0.05, 0.05)),
+    "large step_max, no step yet": ({"solver.step_max": 0.04}, ()),
+}
+
+
+def told(path: str) -> dict[str, Any]:
+    """Log warnings and the outputs at the end of each run."""
+    folder, out = fmpy.extract(path), {}
+    for name, (parameters, steps) in RUNS.items():
+        host = Host(Path(path), folder)
+        host.start(**parameters)
+        t = 0.0
+        for h in steps:
+            assert host.step(t, h) == ""
+            t += h
+        warnings = [message for status, message in host.log if status == WARNING]
+        out[name] = {"warnings": warnings, **dict(zip(OUTPUTS, host.get(*OUTPUTS), strict=True))}
+        host.call("FreeInstance")
+    return out
+
+
+if __name__ == "__main__":
+    print("RESULT " + json.dumps(told(sys.argv[1])))

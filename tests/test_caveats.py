@@ -1,0 +1,105 @@
+"""What the FMU of each flavour says of results that are valid and yet not a real rope's."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from exports import FLAVOURS
+
+import hoist_demo.rope_plant
+from hoist_demo.inprocess_rope import InProcessRope
+from rope_model.parameters import rope_120
+from rope_model.simulation.caveats import CAVEATS
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.simulator import RopeSimulator
+
+DRIVER = Path(__file__).with_name("caveat_driver.py")
+
+
+@pytest.fixture(scope="module", params=FLAVOURS)
+def told(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    path = FLAVOURS[request.param].export(tmp_path_factory.mktemp(request.param) / "rope.fmu")
+    done = subprocess.run([sys.executable, str(DRIVER), str(path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    line = next(line for line in done.stdout.splitlines() if line.startswith("RESULT "))
+    result: dict[str, Any] = json.loads(line.removeprefix("RESULT "))
+    assert all(run["status.valid"] for run in result.values())
+    return result
+
+
+def hung_up(**data: float) -> RopeSimulator:
+    """The 120 m rope at rest with other data of the rope; spacing is the layout's."""
+    scene = rope_120().scene
+    layout = replace(scene.layout, spacing=data.pop("spacing", scene.layout.spacing))
+    rope = RopeSimulator(scene.with_(rope=replace(scene.rope, **data), layout=layout))
+    assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
+    return rope
+
+
+@pytest.mark.parametrize("run", ["plain", "planar without torque", "large step_max, no step yet"])
+def test_where_nothing_is_to_be_minded_nothing_is_said(told: dict[str, Any], run: str) -> None:
+    assert (told[run]["warnings"], told[run]["status.warning"]) == ([], "")
+
+
+@pytest.mark.parametrize("run", ["passed", "touching", "spatial", "planar", "rigid", "long steps"])
+def test_what_is_to_be_minded_is_said_once_and_stays_readable(told: dict[str, Any], run: str) -> None:
+    (warning,) = told[run]["warnings"]
+    # numbers in it may be those of another instant
+    assert told[run]["status.warning"][:40] == warning[:40]
+
+
+@pytest.mark.parametrize(
+    ("run", "data", "words"),
+    [
+        ("passed", {"installed_twist": 7.0}, "passed through each other"),
+        ("touching", {"installed_twist": 5.5, "diameter": 0.9, "spacing": 1.0}, "legs touch"),
+    ],
+)
+def test_an_fmu_says_of_a_tangled_rope_what_the_rope_in_process_says(
+    told: dict[str, Any], run: str, data: dict[str, float], words: str
+) -> None:
+    expected = [text for caveat in CAVEATS if (text := caveat(hung_up(**data)))]
+    assert told[run]["warnings"] == expected
+    assert words in expected[0]
+
+
+def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(told: dict[str, Any]) -> None:
+    keys = "left.swivel.torque", "stress.torsion_max"
+    for rung in ("spatial", "planar", "rigid"):
+        assert f"the {rung} rung computes no" in told[rung]["status.warning"]
+        assert [told[rung][key] for key in keys] == [0.0, 0.0]
+    assert told["rigid"]["stress.bending_max"] == 0.0 < told["planar"]["stress.bending_max"]
+    assert min(abs(told["plain"][key]) for key in keys) > 1.0
+
+
+def test_a_long_step_is_told_only_of_extrapolated_inputs_and_while_it_lasts(told: dict[str, Any]) -> None:
+    assert "inputs_at_step_end" in told["long steps"]["status.warning"]
+    assert told["long steps, motion at their end"]["warnings"] == []
+    after = told["a long step, then a short one"]
+    assert (len(after["warnings"]), after["status.warning"]) == (1, "")
+
+
+def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
+    turn = 3.0  # rad, of both suspension points about their middle, and of the conveyances
+    scene = rope_120().scene
+    rope = RopeSimulator(scene.with_(rope=replace(scene.rope, installed_twist=1.0)))
+    x, z = 1.0 - math.cos(turn), math.sin(turn)
+    left, right = EndMotion(x=x, y=0.0, z=z, yaw=turn), EndMotion(x=-x, y=90.0, z=-z, yaw=turn)
+    assert rope.initialize(0.0, left, right).valid
+    assert rope.state.loop_yaw > math.pi
+    assert [caveat(rope) for caveat in CAVEATS] == ["", ""]
+
+
+def test_rope_in_process_logs_each_thing_once(caplog: pytest.LogCaptureFixture) -> None:
+    rope = InProcessRope(hung_up(installed_twist=7.0).scene)
+    left, right = hoist_demo.rope_plant.EndMotion(), hoist_demo.rope_plant.EndMotion(y=90.0)
+    assert rope.initialize(0.0, left, right).valid
+    assert all(rope.step(k * 0.01, 0.01, left, right).valid for k in range(3))
+    assert [r.levelname for r in caplog.records if "passed through" in r.getMessage()] == ["WARNING"]
