@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from balance_rope import main
+from benchmarks.chart import depth
 from benchmarks.chart.command import DATA, IMAGES, run
 from benchmarks.chart.figures import FIGURES
 from benchmarks.chart.front import cheapest, cost_at, pareto
@@ -17,6 +19,7 @@ from benchmarks.chart.measure import COLUMNS, merged
 from benchmarks.chart.page import page
 from benchmarks.chart.points import FAMILIES, SAMPLE, complete
 from benchmarks.chart.reading import FORCE, limit, remaining, rows
+from benchmarks.reproduction.costs import SOURCE_SAVED
 from benchmarks.reproduction.tables import read, table
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -133,3 +136,32 @@ def test_the_exact_rungs_agree_where_nothing_couples() -> None:
 def test_the_interpreted_rope_is_the_compiled_one() -> None:
     r = rows(POINTS, family="kernels")
     assert_allclose(r[FORCE], r[FORCE][0], rtol=1e-4)
+
+
+# the depth
+
+
+def test_savings_are_those_of_equal_elements_with_the_same_loop_error() -> None:
+    elements = np.array([100.0, 200.0, 400.0])
+    rows_of_eem = [("r", 10.0, "coupled", "EEM", 0.0, n, 2e-5 * n, 1e-6, 1e4 / n**4) for n in elements]
+    reference = ("r", 10.0, "coupled", "EEM", 0.0, 4000.0, 1.0, 0.0, 0.0)
+    other = ("s", 10.0, "coupled", "EEM", 0.0, 10.0, 1e-9, 0.0, 1e-9)
+    # as good as 300 equal elements, 6e-3 s/s
+    ours = ("r", 10.0, "coupled", "TMN-ETM", 1e-3, 50.0, 1.5e-3, 1e-6, 1e4 / 300.0**4)
+    (found,) = depth.savings(table((*depth.COLUMNS, *depth.ERRORS), [reference, *rows_of_eem, other, ours]))
+    assert_allclose((found.equal_elements, found.saved), (300.0, 75.0), rtol=1e-9)
+
+
+@pytest.mark.parametrize("coupling", depth.COUPLINGS)
+def test_the_deeper_the_shaft_the_more_is_saved(coupling: str) -> None:
+    found = [s for s in depth.savings(TABLES["depth"]) if s.coupling == coupling]
+    assert len(found) == len(depth.ROPES) * len(depth.LOOP_ERRORS)
+    for k in range(len(depth.LOOP_ERRORS)):
+        of_one_mesh = found[k :: len(depth.LOOP_ERRORS)]
+        assert all(a.length < b.length and a.saved < b.saved for a, b in itertools.pairwise(of_one_mesh))
+
+
+@pytest.mark.parametrize("coupling", depth.COUPLINGS)
+def test_in_a_deep_shaft_more_is_saved_than_the_source_states(coupling: str) -> None:
+    deepest = [s for s in depth.savings(TABLES["depth"]) if s.coupling == coupling and s.length > 1000.0]
+    assert max(s.saved for s in deepest) > SOURCE_SAVED[coupling]
