@@ -334,7 +334,7 @@ def test_a_loop_too_stiff_for_the_fitted_mesh_is_told_as_such_and_its_cures_work
     assert "EI = 1e+06 N m^2" in message
     assert "mesh.kind = eem" in message
     assert "coarse_length" not in message  # which kind auto does not read
-    cured = [(stiff.with_(mesh=Mesh("eem", elements=80)), ends), (stiff, (ends[0], EndMotion(y=60.0)))]
+    cured = [(stiff.with_(mesh=Mesh("eem", elements=80)), ends), (stiff, (ends[0], EndMotion(y=40.0)))]
     for scene, between in (*cured, (Scene(rope=Rope(EI=1e4)), ends)):
         assert RopeSimulator(scene).initialize(0.0, *between).valid
 

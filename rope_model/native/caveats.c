@@ -12,7 +12,7 @@ static void left_out(Simulator *rope, char *message)
     static const char *const zeros[] = {
         "", "", "my, swivels, twists, stress.torsion_max and the yaw by torque",
         "fz, mx, my, swivels, twists, loop.z, loop.yaw and stress.torsion_max",
-        "fx, fz, moments, swivels, twists, loop.z, loop.yaw, stresses and strain energy"};
+        "fx, fz, moments, swivels, twists, loop.z, loop.yaw, stress.torsion_max and strain energy"};
     const int rung = rope->state->rung;
     if (rung == TORSIONAL || (rung != RIGID && !rung_carries_torque(&rope->scene)))
         return;

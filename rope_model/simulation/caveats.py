@@ -22,7 +22,7 @@ TURNED_FAR = 0.5 * math.pi
 _LEFT_OUT = {
     "spatial": "my, swivels, twists, stress.torsion_max and the yaw by torque",
     "planar": "fz, mx, my, swivels, twists, loop.z, loop.yaw and stress.torsion_max",
-    "rigid": "fx, fz, moments, swivels, twists, loop.z, loop.yaw, stresses and strain energy",
+    "rigid": "fx, fz, moments, swivels, twists, loop.z, loop.yaw, stress.torsion_max and strain energy",
 }
 
 
