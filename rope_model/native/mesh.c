@@ -17,7 +17,7 @@ enum { GRADING = 2, RATIO = 4 };
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
 static const double LEG_LENGTH = 450.0, LEG_SHARE = 0.1, LEG_TWIST = 8e-3;
-static const double FADE = 1.0, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
+static const double FADE = 1.35, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
 static const double NEAREST = 0.12;
 static const double END_LENGTH = 2.9;
 
