@@ -156,8 +156,8 @@ def test_savings_are_those_of_equal_elements_with_the_same_loop_error() -> None:
 def test_the_deeper_the_shaft_the_more_is_saved(coupling: str) -> None:
     found = [s for s in depth.savings(TABLES["depth"]) if s.coupling == coupling]
     assert len(found) == len(depth.ROPES) * len(depth.LOOP_ERRORS)
-    for k in range(len(depth.LOOP_ERRORS)):
-        of_one_mesh = found[k :: len(depth.LOOP_ERRORS)]
+    for wanted in depth.LOOP_ERRORS:
+        of_one_mesh = [s for s in found if s.wanted == wanted]
         assert all(a.length < b.length and a.saved < b.saved for a, b in itertools.pairwise(of_one_mesh))
 
 

@@ -167,12 +167,8 @@ def test_a_transformation_moves_one_coarse_element_across_and_back_again(
     back = transformed(there, -direction)
     assert back.counts == p.counts
     np.testing.assert_array_equal(back.lengths, p.lengths)
-    # whole elements become one, or one becomes several: one mesh divides the other everywhere
+    # whole elements become one, or one becomes several
     old, new = nodes(p), nodes(there)
-    cells = np.unique(np.round(np.concatenate((old, new)) / p.coarse, 6))
-    for left, right in pairwise(cells):
-        inside = [np.sum((np.round(s / p.coarse, 6) > left) & (np.round(s / p.coarse, 6) < right)) for s in (old, new)]
-        assert inside == [0, 0]
     coarser, finer = ({(round(a / p.coarse, 6), round(b / p.coarse, 6)) for a, b in pairwise(s)} for s in (old, new))
     for a, b in coarser ^ finer:
         other = finer if (a, b) in coarser else coarser

@@ -17,6 +17,11 @@ MEANING = {
 }
 
 
+def times(factor: float) -> str:
+    """Three digits, never as a power of ten."""
+    return f"{float(f'{factor:.3g}'):g}"
+
+
 def levels(tables: Tables) -> str:
     """The table: errors of the coupled winding, real-time factors of both."""
     t = tables["points"]
@@ -30,7 +35,7 @@ def levels(tables: Tables) -> str:
         c = {column: values[i] for column, values in both["coupled"].items()}
         planar = rows(both["uncoupled"], name=name)["processor time [s/s]"]
         step = min(c["largest step [s]"], c["communication step [s]"])
-        fast = [f"{1 / cost:.3g}" for cost in (c["processor time [s/s]"], *planar)]
+        fast = [times(1 / cost) for cost in (c["processor time [s/s]"], *planar)]
         twist = f"{1e3 * c[TWIST]:.2g} mrad" if math.isfinite(c[TWIST]) else "none computed"
         lines.append(
             f"| {name} | {MEANING[name]} | {c['elements']:.0f} | {1e3 * step:g} ms | {100 * c[FORCE]:.2g} % "

@@ -334,7 +334,7 @@ ENTRIES = (
         "A mesh that is fine where the loop is at the start. It costs the same, and it is right for the first metres; "
         "then the loop moves onto the legs' long elements. Nothing fails: the run ends with a "
         "valid status and wrong numbers.",
-        "The mesh follows the loop by transformations on located instants, and carries positions, velocities and the "
+        "The mesh follows the loop by transformations at the ends of steps, and carries positions, velocities and the "
         "integrator's auxiliary accelerations. At this speed the default tolerance of the steps errs by more than the "
         "mesh does, and the 10 mm that are asked of the mesh are not kept with it: lower Solver.step_max or "
         "Solver.tolerance where the loop's place matters.",

@@ -22,8 +22,9 @@ RUN, KEY = "run", "key"  # the page counts the runs itself; a hash is no axis
 _OWN = ("title", "parameters", "best")
 
 
-def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[str, Any], path: Path) -> Path:
+def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[str, Any], path: str | Path) -> Path:
     """Write the report to `path`: one row of `table` per run, `units` by column name ("" or "1" for none)."""
+    path = Path(path)
     parameters, best = _checked(table, meta)
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
     values = {str(name): [_plain(value) for value in table[name]] for name in table.columns}

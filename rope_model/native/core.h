@@ -69,6 +69,8 @@ typedef struct {
 
 /* mesh.c; messages have room for MESSAGE bytes and are "" when all is well.  `bottom` is the arc length of the loop's
    lowest point by the ends' heights. */
+/* a step does not carry the loop further than this many l past a transformation that is due */
+#define MESH_LATEST 0.25
 Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout);
 /* number of elements of the mesh on a rope of `length`; 0 and a message when it does not fit.  mesh is not AUTO_MESH */
 int mesh_elements(const Mesh *mesh, double length, char *message);

@@ -16,7 +16,7 @@ static const double DUE = 0.6;
 enum { GRADING = 2, RATIO = 4 };
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
-static const double LEG_LENGTH = 450.0, LEG_SHARE = 0.1, LEG_TWIST = 8e-3;
+static const double LEG_LENGTH = 3200.0, LEG_TWIST = 8e-3;
 static const double FADE = 1.35, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
 static const double NEAREST = 0.12;
 static const double END_LENGTH = 2.9;
@@ -77,7 +77,7 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     suited.counts[2] = as_int(count);
     suited.end_levels = (int)fmin(levels, 8);
     double Qs = 0.5 * (rope->Qb + rope->Qc), bend = fabs(Qs) * weight / (rope->Qa * rope->Qd - Qs * Qs);
-    double longest = fmin(LEG_SHARE * rope->length, LEG_LENGTH * sqrt(mesh->loop_error * R));
+    double longest = LEG_LENGTH * R * sqrt(mesh->loop_error / rope->length);
     if (bend > 0)
         longest = fmin(longest, sqrt(8 * LEG_TWIST * sqrt(mesh->loop_error / R) / bend));
     suited.leg_levels = (int)fmin(fmax(floor(log2(longest / coarse)), 0), 6);

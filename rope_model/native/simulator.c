@@ -280,22 +280,24 @@ static double due_at(void *with, double time)
     return mesh_distance_to_due(&at->state->pattern, bottom_of(at->rope, at->state, time));
 }
 
-/* the instant at which the coming steps must end: the host's, a release, or a transformation */
+/* the instant at which the coming steps must end: the host's, a release, or a transformation that a step would carry
+   the loop too far past */
 static double next_stop(const Simulator *rope, const State *state, double t_end)
 {
     const double t = state->t, stop = fmin(t_end, next_release(rope, state));
+    const double ahead = fmin(stop, t + fmin(state->step_next, rope->scene.solver.step_max));
     Looked at;
     double start, times[2];
     int k;
     at.rope = rope;
     at.state = state;
     start = due_at(&at, t);
-    times[0] = 0.5 * (t + stop);
-    times[1] = stop;
+    times[0] = 0.5 * (t + ahead);
+    times[1] = ahead;
     /* a crossing that falls between these instants is found by the next step, at most one step late */
     for (k = 0; k < 2; ++k) {
         const double then = due_at(&at, times[k]);
-        if (then >= 0 && 0 > start)
+        if (0 > start && then >= MESH_LATEST * state->pattern.coarse)
             return fmin(locate(due_at, &at, t, times[k], start, then, 1e-9), stop);
     }
     return stop;

@@ -15,7 +15,7 @@ Ours are two additions.  The outermost element at each end is halved towards the
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
 long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 4 l, ...
 2^``leg_levels`` l, as far as the distances from end and loop allow: a straight leg needs no more, and the number of
-elements then grows with the logarithm of the rope's length.  It is the same for every place of the loop.
+elements grows slowly with the rope's length.  It is the same for every place of the loop.
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ from .rope_system import Array, arc_lengths
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, and a margin that
 #: keeps a loop which trembles about the limit from transforming to and fro
 DUE = 0.6
+#: a step does not carry the loop further than this many l past that
+LATEST = 0.25
 #: an element of I or VII is no longer than its distance from its end of the rope, and than this share of its distance
 #: from the loop's segments II to VI (both less l)
 GRADING = 2
@@ -39,9 +41,9 @@ GRADING = 2
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
 LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
-#: 'auto': a leg's elements are no longer than LEG_LENGTH (loop_error R)^(1/2) and LEG_SHARE of the rope, and joining
-#: two turns their middle by no more than LEG_TWIST (loop_error / R)^(1/2) rad
-LEG_LENGTH, LEG_SHARE, LEG_TWIST = 450.0, 0.1, 8e-3
+#: 'auto': a leg's elements are no longer than LEG_LENGTH R (loop_error / length)^(1/2), and joining two turns their
+#: middle by no more than LEG_TWIST (loop_error / R)^(1/2) rad; `python -m benchmarks.legs` shows what they rest on
+LEG_LENGTH, LEG_TWIST = 3200.0, 8e-3
 #: 'auto': what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this
 #: much more for a tenth of it
 FADE, FADE_ERROR, FADE_DECADE = 1.35, 0.05, 0.25
@@ -96,7 +98,8 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     of its place grows with the fifth power of the elements' length there (measured, see docs/chart.md).  Segment IV
     covers the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped
     ends resolve the bending layer sqrt(EI / T).  Where two of a leg become one, or one two, linear theta is wrong by
-    theta'' l^2 / 8, which each transformation lets the loop feel.  A rope too short for all that gets equal
+    theta'' l^2 / 8, and the leg's sway by what the longer cubic cannot follow; each transformation lets the loop feel
+    that, and a long rope has many.  A rope too short for all that gets equal
     elements.
     """
     if mesh.kind != "auto":
@@ -124,7 +127,7 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     # theta'' of a hanging rope that carries torque but no external moment
     Qs = 0.5 * (rope.Qb + rope.Qc)
     bend = abs(Qs) * weight / (rope.Qa * rope.Qd - Qs**2)
-    longest = min(LEG_SHARE * rope.length, LEG_LENGTH * math.sqrt(mesh.loop_error * R))
+    longest = LEG_LENGTH * R * math.sqrt(mesh.loop_error / rope.length)
     if bend > 0:
         longest = min(longest, math.sqrt(8 * LEG_TWIST * math.sqrt(mesh.loop_error / R) / bend))
     legs = min(max(math.floor(math.log2(longest / coarse)), 0), 6)

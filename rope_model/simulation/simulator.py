@@ -21,7 +21,7 @@ from ..parameters import Scene
 from .adaptation import raised, transformed_if_due, with_good_pole, with_loop_yaw
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
-from .mesh import Partition, distance_to_due, misplaced, partition, suited
+from .mesh import LATEST, Partition, distance_to_due, misplaced, partition, suited
 from .model import RopeModel, ends_of, energies, powers
 from .rigid import rigid_added_mass, rigid_rope
 from .rope_system import Assessment, KernelShelf, RopeSystem
@@ -380,16 +380,21 @@ class RopeSimulator:
         return _Accepted(result, step_next, state.counts.plus(newton=iterations, rejections=rejections), parts == 1)
 
     def _next_stop(self, state: RopeState, t_end: float) -> float:
-        """The instant at which the coming steps must end: the host's, a release, or a transformation."""
+        """The instant at which the coming steps must end: the host's or a release.
+
+        Also a transformation, where a step would carry the loop too far past it; else it waits for the step's end,
+        because a step that is cut short errs by more than a mesh that is a little late.
+        """
         t, stop = state.motion.t, min(t_end, next_release(self.model, state))
+        ahead = min(stop, t + min(state.step_next, self.scene.solver.step_max))
 
         def due(time: float) -> float:
             return distance_to_due(state.partition, self.model.bottom(state.paths, time))
 
         # a crossing that falls between these instants is found by the next step, at most one step late
         at_start = due(t)
-        for time in (0.5 * (t + stop), stop):
-            if (at_time := due(time)) >= 0 > at_start:
+        for time in (0.5 * (t + ahead), ahead):
+            if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
                 return min(locate(due, t, time, at_start, at_time, 1e-9), stop)
         return stop
 
