@@ -16,6 +16,7 @@ from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh import (
     DUE,
     GRADING,
+    SWAY,
     Partition,
     distance_to_due,
     inner_length,
@@ -204,11 +205,15 @@ def test_a_loop_that_travels_to_the_end_and_back_ends_on_the_mesh_it_began_with(
     assert abs(p.counts[0] - start.counts[0]) <= 1
 
 
-def test_legs_of_joined_elements_grow_with_the_logarithm_of_the_rope() -> None:
-    counts = [partition(Mesh(leg_levels=6), length, 0.4 * length).lengths.size for length in (500.0, 1000.0, 2000.0)]
-    plain = [partition(Mesh(), length, 0.4 * length).lengths.size for length in (500.0, 1000.0, 2000.0)]
-    assert np.diff(plain).min() >= 240  # l = 2 m
-    assert np.diff(counts).max() <= 16
+def test_joined_elements_grow_much_more_slowly_with_the_rope() -> None:
+    lengths = (250.0, 500.0, 1000.0, 2000.0)
+    joined, plain = (
+        [partition(Mesh(leg_levels=levels), length, 0.4 * length).lengths.size for length in lengths]
+        for levels in (6, 0)
+    )
+    assert plain[-1] > 1000
+    assert joined[-1] < 400
+    assert all(a < b for a, b in pairwise(joined))
 
 
 @settings(max_examples=60, deadline=None)
@@ -226,6 +231,7 @@ def test_elements_of_the_legs_are_as_long_as_their_distances_from_end_and_loop_a
             to_loop = first - b if b <= first + 1e-9 else a - (length / p.coarse - last)
             assert size <= from_end + 1e-6
             assert GRADING * (size - 1) <= to_loop + 1e-6
+            assert (first + last) * (size**2 - 1) <= SWAY * (to_loop + 1e-6)
 
 
 # the transfer

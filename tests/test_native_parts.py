@@ -146,7 +146,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "mesh_suited": (GROUPS[Mesh], p, p, p),
         "mesh_elements": (n, p, x, p),
         "mesh_partition": (None, p, x, x, p, p),
-        "mesh_transformed": (None, p, n, p),
+        "mesh_transformed": (None, p, n, n, p),
         "mesh_centre": (x, p),
         "mesh_distance_to_due": (x, p, x),
         "mesh_transformation_due": (n, p, x, x),
@@ -317,7 +317,7 @@ def test_loop_that_travels_to_and_fro_transforms_alike(
             assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
             assert parts.mesh_transformation_due(pattern, place, slack) == direction
             old = transformed(old, direction)
-            parts.mesh_transformed(pattern, direction, lengths)
+            parts.mesh_transformed(pattern, direction, len(lengths), lengths)
             assert [*map(bytes, ours)] == [*map(bytes, as_in_c(old))]
             assert parts.mesh_centre(pattern) == old.centre
         assert parts.mesh_transformation_due(pattern, place, slack) == 0
@@ -365,7 +365,7 @@ def test_transferred_values_are_the_same(parts: SimpleNamespace, old: list[float
 def test_state_carried_to_a_transformed_mesh_is_the_same(parts: SimpleNamespace, direction: int, seed: int) -> None:
     old = partition(Mesh(), 120.0, 50.0)
     pattern, lengths = c_partition(parts, Mesh(), 120.0, 50.0)
-    parts.mesh_transformed(pattern, direction, lengths)
+    parts.mesh_transformed(pattern, direction, len(lengths), lengths)
     new_s, y = arc_lengths(lengths), np.empty((lengths.size + 1, 7))
     x = rough(old.nodes_s, seed)
     parts.mesh_transferred(len(x), x, old.nodes_s, len(y), new_s, y)

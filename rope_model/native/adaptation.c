@@ -56,7 +56,7 @@ static void on_partition(Simulator *rope, State *state, int direction)
     double *old_s = rope->trial.b, *moved[5];
     int k;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
-    mesh_transformed(&state->pattern, direction, m.lengths);
+    mesh_transformed(&state->pattern, direction, m.elements, m.lengths);
     mesh_arc_lengths(m.elements, m.lengths, m.s);
     if (state->rung == RIGID) /* its shape and energies do not come from the mesh */
         return;

@@ -13,7 +13,7 @@ enum { MOST_ELEMENTS = 20000 };
 
 static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
-enum { GRADING = 2, RATIO = 4 };
+enum { GRADING = 2, SWAY = 270, RATIO = 4 };
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
 static const double LEG_LENGTH = 3200.0, LEG_TWIST = 8e-3;
@@ -85,14 +85,14 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
 }
 
 /* elements of a leg of `units` l from the clamped end on, each as long as its distances from end and loop allow, in
-   units of l; where they go to every `stride`, NULL: nowhere */
-static int fill_leg(int units, int levels, double *lengths, int stride) {
+   units of l; `both` legs have so many l; where the lengths go to every `stride`, NULL: nowhere */
+static int fill_leg(int units, int levels, int both, double *lengths, int stride) {
     int count = 0;
     for (int at = 0, size; at < units; at += size, count++) {
         size = 1;
         for (int k = 0; k < levels; k++) {
-            int twice = 2 * size;
-            if (twice > at || at % twice || units - (at + twice) < GRADING * (twice - 1))
+            int twice = 2 * size, gap = units - (at + twice);
+            if (twice > at || gap < GRADING * (twice - 1) || gap * (int64_t)SWAY < both * (int64_t)(twice * twice - 1))
                 break;
             size = twice;
         }
@@ -102,12 +102,11 @@ static int fill_leg(int units, int levels, double *lengths, int stride) {
     return count;
 }
 
-/* elements of both legs together, which have `units` l: as many as the worst place of the loop asks for; beyond `far`
-   2^levels more on one leg are one element more */
+/* elements of both legs together, which have `units` l: as many as the worst place of the loop asks for */
 static int leg_elements(int units, int levels) {
-    int most = levels == 0 ? units : 0, far = (2 + GRADING) << levels;
-    for (int first = 1; levels > 0 && first < 2 * far && first < units; first++) {
-        int count = fill_leg(first, levels, NULL, 0) + fill_leg(units - first, levels, NULL, 0);
+    int most = levels == 0 ? units : 0;
+    for (int first = 1; levels > 0 && first <= units / 2; first++) {
+        int count = fill_leg(first, levels, units, NULL, 0) + fill_leg(units - first, levels, units, NULL, 0);
         most = count > most ? count : most;
     }
     return most;
@@ -125,7 +124,8 @@ static int longest_of(const double *lengths, int stride, int count) {
 /* both legs from their ends on; what another place of the loop would ask for halves the longest elements; gives the
    number of the left leg's */
 static int fill_legs(int first, int last, int levels, int elements, double *left, double *right) {
-    int counts[2] = {fill_leg(first, levels, left, 1), fill_leg(last, levels, right, -1)};
+    int both = first + last;
+    int counts[2] = {fill_leg(first, levels, both, left, 1), fill_leg(last, levels, both, right, -1)};
     for (int spare = elements - counts[0] - counts[1]; spare > 0; spare--) {
         int i = longest_of(left, 1, counts[0]), j = longest_of(right, -1, counts[1]), side = right[-j] > left[i];
         double *lengths = side ? right - j : left + i;
@@ -178,13 +178,13 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
     return (int)elements;
 }
 
-static void fill_lengths(const Pattern *pattern, double *lengths) {
+static void fill_lengths(const Pattern *pattern, int elements, double *lengths) {
     double coarse = pattern->coarse;
     const int32_t *counts = pattern->counts;
-    int first = counts[0], last = counts[SEGMENTS - 1], levels = pattern->end_levels;
-    int legs = leg_elements(first + last, pattern->leg_levels), elements = legs + 2 * levels, n = levels;
+    int first = counts[0], last = counts[SEGMENTS - 1], levels = pattern->end_levels, n = levels;
+    int legs = elements - 2 * levels;
     for (int k = 1; k < SEGMENTS - 1; k++)
-        elements += counts[k];
+        legs -= counts[k];
 
     double *left = lengths + n, *right = lengths + elements - 1 - n;
     n += fill_legs(first, last, pattern->leg_levels, legs, left, right);
@@ -217,13 +217,14 @@ void mesh_partition(const Mesh *mesh, double length, double bottom, Pattern *pat
     for (int k = 0; k < SEGMENTS - 2; k++)
         pattern->counts[k + 1] = mesh->counts[k];
     pattern->counts[SEGMENTS - 1] = (int)(outer - first);
-    fill_lengths(pattern, lengths);
+    char none[MESSAGE];
+    fill_lengths(pattern, mesh_elements(mesh, length, none), lengths);
 }
 
-void mesh_transformed(Pattern *pattern, int direction, double *lengths) {
+void mesh_transformed(Pattern *pattern, int direction, int elements, double *lengths) {
     pattern->counts[0] += direction;
     pattern->counts[SEGMENTS - 1] -= direction;
-    fill_lengths(pattern, lengths);
+    fill_lengths(pattern, elements, lengths);
 }
 
 double mesh_centre(const Pattern *pattern) {

@@ -82,7 +82,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
         if (!within(pattern->counts[0], 1, outer - 1) || pattern->counts[SEGMENTS - 1] != outer - pattern->counts[0])
             return 0;
-        mesh_transformed(&expected, pattern->counts[0] - expected.counts[0], lengths);
+        mesh_transformed(&expected, pattern->counts[0] - expected.counts[0], m->elements, lengths);
     }
     mesh_arc_lengths(m->elements, lengths, s);
     for (k = 0; k < m->elements; ++k)

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -34,9 +34,11 @@ from .rope_system import Array, arc_lengths
 DUE = 0.6
 #: a step does not carry the loop further than this many l past that
 LATEST = 0.25
-#: an element of I or VII is no longer than its distance from its end of the rope, and than this share of its distance
-#: from the loop's segments II to VI (both less l)
-GRADING = 2
+#: an element of m l in I or VII is no longer than its distance from its end of the rope, and no nearer to segments II
+#: to VI than GRADING (m - 1) l, nor than N (m^2 - 1) l / SWAY, where N l is the length of I and VII together: the
+#: tension grows with the distance x from the loop, so the waves of a swaying leg are as long as sqrt(g x), and what a
+#: transformation changes of them adds up over the N of a trip
+GRADING, SWAY = 2, 270
 #: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
@@ -204,15 +206,15 @@ def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, leg_levels: in
     return Partition(coarse * lengths, counts, coarse, end_levels, leg_levels)
 
 
-def _leg(units: int, levels: int) -> list[int]:
-    """Elements of a leg of ``units`` l, in units of l, from the end of the rope on."""
+def _leg(units: int, levels: int, both: int) -> list[int]:
+    """Elements of a leg of ``units`` l, in units of l, from the end of the rope on; ``both`` legs have so many l."""
     lengths: list[int] = []
     at = 0
     while at < units:
         size = 1
         for _ in range(levels):
-            twice = 2 * size
-            if twice > at or at % twice or units - (at + twice) < GRADING * (twice - 1):
+            twice, gap = 2 * size, units - (at + 2 * size)
+            if twice > at or gap < GRADING * (twice - 1) or gap * SWAY < both * (twice**2 - 1):
                 break
             size = twice
         lengths.append(size)
@@ -220,18 +222,18 @@ def _leg(units: int, levels: int) -> list[int]:
     return lengths
 
 
+@lru_cache
 def _leg_elements(units: int, levels: int) -> int:
     """Elements of both legs together, which have ``units`` l: as many as the worst place of the loop asks for."""
     if levels == 0:
         return units
-    # beyond, 2^levels more on one leg are one element more
-    far = (2 + GRADING) * 2**levels
-    return max(len(_leg(k, levels)) + len(_leg(units - k, levels)) for k in range(1, min(units, 2 * far)))
+    counts = [0, *(len(_leg(k, levels, units)) for k in range(1, units))]
+    return max(counts[k] + counts[units - k] for k in range(1, units))
 
 
 def _legs(first: int, last: int, levels: int) -> tuple[list[int], list[int]]:
     """Both legs from their ends on; what another place of the loop would ask for halves the longest elements."""
-    both = _leg(first, levels), _leg(last, levels)
+    both = _leg(first, levels, first + last), _leg(last, levels, first + last)
     for _ in range(_leg_elements(first + last, levels) - len(both[0]) - len(both[1])):
         leg = max(both, key=max)
         k = len(leg) - 1 - leg[::-1].index(max(leg))  # the one nearest the loop
