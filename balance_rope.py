@@ -136,11 +136,16 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
 
 
 def _levels() -> dict[str, dict[str, float]]:
-    """By what a report tells the level of a rope: the numbers of mesh, solver and model, by FMI name."""
+    """By what a report tells the level of a rope: numbers and choices of mesh, solver and model, by FMI name."""
     numbers = {}
     for level in LEVELS:
-        table = [v for v in variables(rope_120(level)) if v.causality == "parameter" and isinstance(v.start, float)]
-        numbers[level] = {v.name: v.start for v in table if v.name.startswith(("mesh.", "solver.", "model."))}
+        table = [v for v in variables(rope_120(level)) if v.causality == "parameter"]
+        numbers[level] = {
+            v.name: v.start
+            for v in table
+            if (isinstance(v.start, float) and v.name.startswith(("mesh.", "solver.", "model.")))
+            or (isinstance(v.start, int) and v.name in ("mesh.kind", "model.rung"))
+        }
     return numbers
 
 

@@ -43,6 +43,12 @@ class RopeData:
     def level(self, levels: Levels) -> str:
         """Name of the level whose parameters these are, "" for none."""
         for name, wanted in levels.items():
-            if all(self.parameters.get(key) == value for key, value in wanted.items()):
+            if all(self._coded(key) == value for key, value in wanted.items()):
                 return name
         return ""
+
+    def _coded(self, name: str) -> Value | None:
+        """A parameter's value, a word as its code: a rope in process has words where an FMU has codes."""
+        value = self.parameters.get(name)
+        words = _CHOICES.get(".".join(name.split(".")[-2:]), ())
+        return words.index(value) if isinstance(value, str) and value in words else value

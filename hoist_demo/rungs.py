@@ -28,10 +28,10 @@ def _ends(*names: str) -> frozenset[str]:
 _SWIVELS = _ends(*(f"swivel.{name}" for name in ("angle", "rate", "torque", "slipping")))
 _TORSION = _ends("my", "twist") | _SWIVELS | {"loop.twist", "stress.torsion_max"}
 _OUT_OF_PLANE = _ends("fz", "mx") | {"loop.z", "loop.yaw"}
-_BENDING = _ends("fx", "mz") | {"stress.bending_max"}
+_BENDING = _ends("fx", "mz")
 
-_ALONG = (("stress.torsion_max", "shape.torsion["), ("stress.bending_max", "shape.bending["))
-"""Largest value, and beginning of the names along the rope."""
+_ALONG = "shape.torsion["
+"""Beginning of the names of the torsional stress along the rope."""
 
 _LEFT_OUT: Mapping[str, frozenset[str]] = {
     "spatial": _TORSION,
@@ -41,7 +41,7 @@ _LEFT_OUT: Mapping[str, frozenset[str]] = {
 _WORDS = {
     "spatial": "torque, twist, turning swivels and torsional stress",
     "planar": "yaw, torque, twist, turning swivels, torsional stress and all else out of the plane",
-    "rigid": "yaw, torque, twist, turning swivels, stresses, side forces and all else out of the plane",
+    "rigid": "yaw, torque, twist, turning swivels, torsional stress, side forces and all else out of the plane",
 }
 
 
@@ -58,7 +58,8 @@ def computed(recording: Recording, torque_free: bool) -> Recording:
     for rung, names in _LEFT_OUT.items():
         rows = recording[RUNG] == code_of(rung)
         names = (_BENDING if rung == "rigid" else frozenset()) if torque_free else names
-        names |= {name for name in signals if any(name.startswith(part) for of, part in _ALONG if of in names)}
+        if "stress.torsion_max" in names:
+            names |= {name for name in signals if name.startswith(_ALONG)}
         for name in names & signals.keys() if bool(rows.any()) else ():
             signals[name] = _without(signals[name], rows)
     return replace(recording, signals=signals)
@@ -74,7 +75,7 @@ def rungs_of(recording: Recording) -> list[str]:
 def remark(recording: Recording) -> str:
     """What a recording from `computed` does not show because of its rung; "" when nothing is missing."""
     for rung in ("rigid", "planar", "spatial"):
-        names = (_BENDING if rung == "rigid" else _TORSION) & recording.signals.keys()
+        names = _LEFT_OUT[rung] & recording.signals.keys()
         if rung in rungs_of(recording) and any(bool(np.isnan(recording[name]).any()) for name in names):
             return (
                 f"the rope ran on the {rung} rung of its model, which does not compute {_WORDS[rung]}; none of that is "

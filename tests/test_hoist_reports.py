@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 
+from balance_rope import _levels
 from hoist_demo.cli import _patient, _scene_of
 from hoist_demo.events import marks
 from hoist_demo.fmu_parameters import read_parameters
@@ -33,7 +34,7 @@ from hoist_demo.rungs import RUNG, code_of, computed, remark, rungs_of
 from hoist_demo.scenes import SCENES
 from hoist_demo.study.metrics import Arrival, measure
 from hoist_demo.summary import render, summarize
-from rope_model.parameters import Model, Rope, Scene
+from rope_model.parameters import Mesh, Model, Rope, Scene, rope_120
 
 ROOT = Path(__file__).parents[1]
 SHORT = Winding(travel=0.5, settle=0.2, start_delay=0.1)
@@ -65,7 +66,7 @@ def recording(*rungs: str) -> Recording:
         ("torsional", set()),
         ("spatial", {"left.swivel.torque", "stress.torsion_max"}),
         ("planar", {"left.swivel.torque", "stress.torsion_max", "loop.yaw"}),
-        ("rigid", {"left.swivel.torque", "stress.torsion_max", "loop.yaw", "stress.bending_max"}),
+        ("rigid", {"left.swivel.torque", "stress.torsion_max", "loop.yaw"}),
     ],
 )
 def test_what_a_rung_leaves_out_is_not_a_number(rung: str, missing: set[str]) -> None:
@@ -128,6 +129,19 @@ def test_the_rope_in_process_tells_its_parameters_and_its_level() -> None:
     assert data.level({"draft": {"solver.step_max": 0.04}, "standard": {"solver.step_max": 0.02}}) == "standard"
     assert data.level({"draft": {"solver.step_max": 0.04}}) == ""
     assert not data.torque_free
+
+
+@pytest.mark.parametrize(
+    ("scene", "level"),
+    [
+        (rope_120().scene, "standard"),
+        (rope_120("draft").scene, "draft"),
+        (rope_120().scene.with_(model=Model("rigid")), ""),
+        (rope_120().scene.with_(mesh=Mesh("eem", elements=20)), ""),
+    ],
+)
+def test_a_level_is_named_where_mesh_and_rung_are_its_own(scene: Scene, level: str) -> None:
+    assert InProcessRope(scene).data().level(_levels()) == level
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")

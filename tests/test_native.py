@@ -348,7 +348,7 @@ def test_a_layout_that_fits_no_mesh_is_refused_alike() -> None:
             Scene(mesh=Mesh("tmn", counts=(2, 4, 160000, 4, 2), coarse_length=0.01)),
             "leave nothing for I and VII",
         ),
-        (Scene(mesh=Mesh("tmn", coarse_length=5e-324)), "makes inf elements"),
+        (Scene(mesh=Mesh("tmn", coarse_length=5e-324)), "into inf lengths"),
         (Scene(rope=Rope(EI=1e12)), "mesh.kind = auto takes them from EI"),
         (Scene(layout=Layout(spacing=1e-9)), "mesh.kind = auto takes them from EI"),
     ],

@@ -156,8 +156,8 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
     double outer = outer_of(mesh, length);
     if (outer > (double)MOST_ELEMENTS) {
         snprintf(message, MESSAGE,
-                 "coarse_length = %s m makes %.0f elements of a rope of %s m, more than %d; use longer elements",
-                 ROUNDED(mesh->coarse_length, 6), outer, ROUNDED(length, 6), MOST_ELEMENTS);
+                 "coarse_length = %s m divides a rope of %s m into %.0f lengths, more than %d; use longer elements",
+                 ROUNDED(mesh->coarse_length, 6), ROUNDED(length, 6), outer, MOST_ELEMENTS);
         return 0;
     }
     if (!(outer >= 2)) {

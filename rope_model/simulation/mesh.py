@@ -146,8 +146,8 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
     outer = float(np.rint(length / mesh.coarse_length - inner))
     if outer > MOST_ELEMENTS:
         raise ValueError(
-            f"coarse_length = {mesh.coarse_length:g} m makes {outer:.0f} elements of a rope of {length:g} m, more than "
-            f"{MOST_ELEMENTS}; use longer elements"
+            f"coarse_length = {mesh.coarse_length:g} m divides a rope of {length:g} m into {outer:.0f} lengths, more "
+            f"than {MOST_ELEMENTS}; use longer elements"
         )
     if outer < 2:
         raise ValueError(

@@ -136,6 +136,12 @@ class RopeSimulator:
                 f"the saved state has {state.partition.lengths.size} elements, "
                 f"this rope {self.model.kernels.elements}; restore it into a rope with the same parameters"
             )
+        own = partition(self._mesh, self.scene.rope.length, 0.5 * self.scene.rope.length)
+        if (saved := _pattern(state.partition)) != _pattern(own):
+            raise ValueError(
+                f"not a state of this rope: counts of II to VI, of I and VII, end_levels and leg_levels are {saved}, "
+                f"here {_pattern(own)}; restore it into a rope with the same parameters"
+            )
 
     def retune(self, scene: Scene) -> None:
         """Go on with other solver tolerances or swivel friction; nothing else of the scene may differ."""
@@ -400,3 +406,8 @@ class RopeSimulator:
 
     def _accept(self, state: RopeState) -> None:
         self._state, self._system, self._loop = state, None, None
+
+
+def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, int]:
+    """What all places of the loop have in common."""
+    return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.leg_levels
