@@ -19,6 +19,8 @@ TRIPS = {
     "very short": Winding(travel=1e-3),
     "lowering": Winding(travel=-37.0),
     "no delay": Winding(travel=5.0, start_delay=0.0),
+    "creep before the landing": Winding(creep_distance=3.0, creep_speed=0.5),
+    "creep at both ends": Winding(-60.0, 4.0, creep_distance=2.0, departure_creep_distance=1.5, creep_speed=0.6),
 }
 trips = pytest.mark.parametrize("winding", TRIPS.values(), ids=TRIPS.keys())
 
