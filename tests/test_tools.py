@@ -178,4 +178,4 @@ def test_worked_programs_of_the_tools_page_print_what_it_says(tmp_path: Path) ->
         done = subprocess.run(
             command, capture_output=True, text=True, timeout=120, check=False, env=environment(), cwd=tmp_path
         )
-        assert "t = 25.00 s: left conveyance at 89.999 m, balance rope -8240.9 N" in done.stdout, done.stderr[-2000:]
+        assert "t = 25.00 s: left conveyance at 89.999 m, balance rope -8241 N" in done.stdout, done.stderr[-2000:]
