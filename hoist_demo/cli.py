@@ -282,7 +282,7 @@ def _write(
         write_shapes(result.recording, shape_rows(result.recording), written[1])
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
-    stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s,"
+    stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s"
     title = f"Winding {winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}"
     reports = [
         write_report(
