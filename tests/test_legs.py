@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from benchmarks.chart.depth import scene_of
-from benchmarks.kinematic import wind
+from benchmarks.kinematic import ends_at, wind
 from hoist_demo.parameters import Winding
 from hoist_demo.reference import s_curve
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh
 from rope_model.simulation.mesh import suited
+from rope_model.simulation.simulator import RopeSimulator
+
+
+def rms(x: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(x**2)))
 
 
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
@@ -29,3 +35,25 @@ def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may
         assert run.status.valid, run.status.message
         places.append(np.array(run.bottom))
     assert np.linalg.norm(places[0] - places[1], axis=1).max() < 0.5 * auto.loop_error
+
+
+def test_steps_cut_at_transformations_err_several_times_more_than_meshes_that_wait(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = scene_of("rope-120", "uncoupled")
+    reference, h, steps = s_curve(Winding(travel=20.0, speed=6.0, start_delay=0.0)), 0.01, 600
+
+    def forces(mesh: Mesh) -> NDArray[np.float64]:
+        rope = RopeSimulator(scene.with_(mesh=mesh))
+        assert rope.initialize(0.0, *ends_at(reference, 20.0, 0.0)).valid
+        found = []
+        for k in range(1, steps + 1):
+            assert rope.advance_to(k * h, *ends_at(reference, 20.0, k * h)).valid
+            found.append(rope.state.motion.reaction[[0, -1], 1])
+        assert mesh.kind == "eem" or rope.state.counts.transformations > 5
+        return np.array(found)
+
+    exact = forces(Mesh("eem", elements=240))
+    waiting = rms(forces(Mesh("auto")) - exact)
+    monkeypatch.setattr("rope_model.simulation.simulator.LATEST", 0.0)
+    assert rms(forces(Mesh("auto")) - exact) > 3 * waiting

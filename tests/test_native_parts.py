@@ -145,7 +145,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     signatures: dict[str, tuple[Any, ...]] = {
         "mesh_suited": (GROUPS[Mesh], p, p, p),
         "mesh_elements": (n, p, x, p),
-        "mesh_partition": (None, p, x, x, p, p),
+        "mesh_partition": (None, p, x, x, n, p, p),
         "mesh_transformed": (None, p, n, n, p),
         "mesh_centre": (x, p),
         "mesh_distance_to_due": (x, p, x),
@@ -203,7 +203,7 @@ def c_partition(parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float
         raise ValueError(text.value.decode())
     assert text.value == b""
     pattern, lengths = CPattern(), np.full(elements + 1, -7.0)
-    parts.mesh_partition(c_of(mesh), length, bottom, pattern, lengths)
+    parts.mesh_partition(c_of(mesh), length, bottom, elements, pattern, lengths)
     assert lengths[-1] == -7.0  # not written beyond its end
     return pattern, lengths[:-1].copy()
 

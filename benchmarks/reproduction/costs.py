@@ -257,9 +257,9 @@ def _steps(tables: Tables) -> str:
 
 
 STEPS_TEXT = """All runs share their time steps, and their time errors cancel: a transformation waits for the end of the
-step in which it is due. (Cut so that they end on that instant, as published, the steps of TMN-ETM brought an error of
-their own: 0.0066 % in the end forces, however fine the mesh.) The table shows what the time step of 10 ms costs by
-itself: where it is larger than the errors above, these compare meshes and not accuracies.
+step in which it is due. (Cut so that they end on that instant, as published, the steps of TMN-ETM bring an error of
+their own, however fine the mesh: tests/test_legs.py.) The table shows what the time step of 10 ms costs by itself:
+where it is larger than the errors above, these compare meshes and not accuracies.
 
 """
 

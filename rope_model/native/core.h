@@ -74,7 +74,8 @@ typedef struct {
 Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout);
 /* number of elements of the mesh on a rope of `length`; 0 and a message when it does not fit.  mesh is not AUTO_MESH */
 int mesh_elements(const Mesh *mesh, double length, char *message);
-void mesh_partition(const Mesh *mesh, double length, double bottom, Pattern *pattern, double *lengths);
+/* `elements` as mesh_elements counts them: the count looks at every place of the loop */
+void mesh_partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths);
 void mesh_transformed(Pattern *pattern, int direction, int elements, double *lengths);
 double mesh_centre(const Pattern *pattern);
 double mesh_distance_to_due(const Pattern *pattern, double bottom);

@@ -199,7 +199,7 @@ static void fill_lengths(const Pattern *pattern, int elements, double *lengths) 
         lengths[k] *= coarse;
 }
 
-void mesh_partition(const Mesh *mesh, double length, double bottom, Pattern *pattern, double *lengths) {
+void mesh_partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths) {
     memset(pattern, 0, sizeof *pattern);
     if (mesh->kind == EEM) {
         for (int k = 0; k < mesh->elements; k++)
@@ -217,8 +217,7 @@ void mesh_partition(const Mesh *mesh, double length, double bottom, Pattern *pat
     for (int k = 0; k < SEGMENTS - 2; k++)
         pattern->counts[k + 1] = mesh->counts[k];
     pattern->counts[SEGMENTS - 1] = (int)(outer - first);
-    char none[MESSAGE];
-    fill_lengths(pattern, mesh_elements(mesh, length, none), lengths);
+    fill_lengths(pattern, elements, lengths);
 }
 
 void mesh_transformed(Pattern *pattern, int direction, int elements, double *lengths) {

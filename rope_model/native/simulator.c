@@ -239,7 +239,7 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2])
     state->rung = rung_chosen(scene, ends, state->rung_reason);
     bottom = bottom_of(rope, state, t);
     m = state_arrays(state);
-    mesh_partition(&rope->mesh, scene->rope.length, bottom, &state->pattern, m.lengths);
+    mesh_partition(&rope->mesh, scene->rope.length, bottom, m.elements, &state->pattern, m.lengths);
     mesh_arc_lengths(m.elements, m.lengths, m.s);
     shape_hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
     if (!message[0])

@@ -68,7 +68,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     double *lengths = rope->trial.q, *s = rope->trial.v;
     Pattern expected;
     int k;
-    mesh_partition(&rope->mesh, length, 0.5 * length, &expected, lengths);
+    mesh_partition(&rope->mesh, length, 0.5 * length, m->elements, &expected, lengths);
     if (pattern->end_levels != expected.end_levels || pattern->leg_levels != expected.leg_levels ||
         !(fabs(pattern->coarse - expected.coarse) <= rounding))
         return 0;

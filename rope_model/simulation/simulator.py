@@ -11,6 +11,7 @@ from __future__ import annotations
 import logging
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -136,12 +137,15 @@ class RopeSimulator:
                 f"the saved state has {state.partition.lengths.size} elements, "
                 f"this rope {self.model.kernels.elements}; restore it into a rope with the same parameters"
             )
-        own = partition(self._mesh, self.scene.rope.length, 0.5 * self.scene.rope.length)
-        if (saved := _pattern(state.partition)) != _pattern(own):
+        if (saved := _pattern(state.partition)) != self._own_pattern:
             raise ValueError(
                 f"not a state of this rope: counts of II to VI, of I and VII, end_levels and leg_levels are {saved}, "
-                f"here {_pattern(own)}; restore it into a rope with the same parameters"
+                f"here {self._own_pattern}; restore it into a rope with the same parameters"
             )
+
+    @cached_property
+    def _own_pattern(self) -> tuple[tuple[int, ...], int, int, int]:
+        return _pattern(partition(self._mesh, self.scene.rope.length, 0.5 * self.scene.rope.length))
 
     def retune(self, scene: Scene) -> None:
         """Go on with other solver tolerances or swivel friction; nothing else of the scene may differ."""
