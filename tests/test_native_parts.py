@@ -55,13 +55,13 @@ from rope_model.simulation.signals import (
 )
 from rope_model.simulation.state import Counts, Ledger, RopeState
 from rope_model.simulation.statics import StaticsError, hanging_guess
-from rope_model.simulation.transfer import transferred
+from rope_model.simulation.transfer import interpolated, transferred
 
 Array = NDArray[np.float64]
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("mesh.c", "frame.c", "shape.c", "signals.c", "rigid.c", "ends.c", "text.c")
+PARTS = ("mesh.c", "transfer.c", "frame.c", "shape.c", "signals.c", "rigid.c", "ends.c", "text.c")
 KINDS = ("tmn", "eem", "auto")
 MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
 RUNGS = ("auto", "torsional", "spatial", "planar", "rigid")
@@ -94,6 +94,8 @@ class CLoopBottom(ct.Structure):
         return CLoopBottom(bottom.s, tuple(bottom.position), bottom.yaw)
 
 
+#: as in core.h
+TRANSFER_WORK = 24
 #: the signals of a state that the caller gives by its members, so that its layout is C's own business
 SIGNALS_BY_MEMBERS = """
 #include <string.h>
@@ -152,7 +154,8 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "mesh_transformation_due": (n, p, x, x),
         "mesh_misplaced": (None, p, x, x, p),
         "mesh_arc_lengths": (None, n, p, p),
-        "mesh_transferred": (None, n, p, p, n, p, p),
+        "transfer_interpolated": (None, n, p, p, n, p, p),
+        "transfer_carried": (None, n, p, p, n, p, p),
         "frame_pole_margin": (x, p, n, p),
         "frame_best_pole": (None, n, p, p),
         "frame_pole_change_angle": (None, p, p, n, p, p),
@@ -347,7 +350,9 @@ def rough(s: Array, seed: int) -> Array:
     seed=st.integers(0, 1000),
 )
 @settings(max_examples=200, deadline=None)
-def test_transferred_values_are_the_same(parts: SimpleNamespace, old: list[float], new: list[float], seed: int) -> None:
+def test_interpolated_values_are_the_same(
+    parts: SimpleNamespace, old: list[float], new: list[float], seed: int
+) -> None:
     lengths = np.array(old)
     expected_s = arc_lengths(lengths)
     s = np.empty(lengths.size + 1)
@@ -356,20 +361,26 @@ def test_transferred_values_are_the_same(parts: SimpleNamespace, old: list[float
     # anywhere, at the nodes, and a hair beside them
     new_s = np.concatenate((np.array(new) * s[-1], s, s + 1e-10, s - 1e-8, s + 1e-8))
     x, y = rough(s, seed), np.full((new_s.size + 1, 7), -7.0)
-    parts.mesh_transferred(s.size, x, s, new_s.size, new_s, y)
-    assert_allclose(y[:-1], transferred(x, s, new_s), rtol=ROUNDING, atol=ROUNDING)
+    parts.transfer_interpolated(s.size, x, s, new_s.size, new_s, y)
+    assert_allclose(y[:-1], interpolated(x, s, new_s), rtol=ROUNDING, atol=ROUNDING)
     assert np.all(y[-1] == -7.0)
 
 
-@given(direction=st.sampled_from((1, -1)), seed=st.integers(0, 1000))
-def test_state_carried_to_a_transformed_mesh_is_the_same(parts: SimpleNamespace, direction: int, seed: int) -> None:
-    old = partition(Mesh(), 120.0, 50.0)
-    pattern, lengths = c_partition(parts, Mesh(), 120.0, 50.0)
+@given(direction=st.sampled_from((1, -1)), levels=st.integers(0, 6), seed=st.integers(0, 1000))
+def test_state_carried_to_a_transformed_mesh_is_the_same(
+    parts: SimpleNamespace, direction: int, levels: int, seed: int
+) -> None:
+    mesh = Mesh(leg_levels=levels)
+    old = partition(mesh, 120.0, 50.0)
+    pattern, lengths = c_partition(parts, mesh, 120.0, 50.0)
     parts.mesh_transformed(pattern, direction, len(lengths), lengths)
-    new_s, y = arc_lengths(lengths), np.empty((lengths.size + 1, 7))
-    x = rough(old.nodes_s, seed)
-    parts.mesh_transferred(len(x), x, old.nodes_s, len(y), new_s, y)
-    assert_allclose(y, transferred(x, old.nodes_s, transformed(old, direction).nodes_s), rtol=ROUNDING, atol=ROUNDING)
+    new_s = arc_lengths(lengths)
+    fields, work = [rough(old.nodes_s, seed + k) for k in range(2)], np.full(TRANSFER_WORK * new_s.size + 1, -7.0)
+    expected = [transferred(x, old.nodes_s, transformed(old, direction).nodes_s) for x in fields]
+    addresses = (ct.c_void_p * 2)(*(x.ctypes.data for x in fields))
+    parts.transfer_carried(new_s.size, old.nodes_s, new_s, 2, addresses, work)
+    assert_allclose(fields, expected, rtol=ROUNDING, atol=ROUNDING)
+    assert work[-1] == -7.0
 
 
 def tangents(q: Array) -> Array:

@@ -17,7 +17,7 @@ from rope_model.simulation.mesh import partition, suited
 from rope_model.simulation.modal import natural_modes
 from rope_model.simulation.rope_system import RopeKernels, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
-from rope_model.simulation.transfer import transferred
+from rope_model.simulation.transfer import interpolated
 
 from .drawing import CURVES, figure
 from .section import Claim, Picture, Section
@@ -80,7 +80,7 @@ class HangingRope:
             for plane in PLANES:
                 chosen = np.flatnonzero((modes.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
                 columns = [2] if plane == "out" else [0, 1]
-                shapes = [transferred(modes.shapes[k], s, GRID)[:, columns] for k in chosen]
+                shapes = [interpolated(modes.shapes[k], s, GRID)[:, columns] for k in chosen]
                 found[swivels, plane] = modes.frequencies[chosen], np.array(shapes)
         return found
 

@@ -52,24 +52,14 @@ static void relaxed(Simulator *rope, State *state, double time, double tolerance
 static void on_partition(Simulator *rope, State *state, int direction)
 {
     const Arrays m = state_arrays(state);
-    const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
-    double *old_s = rope->trial.b, *moved[5];
-    int k;
+    double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
     mesh_transformed(&state->pattern, direction, m.elements, m.lengths);
     mesh_arc_lengths(m.elements, m.lengths, m.s);
     if (state->rung == RIGID) /* its shape and energies do not come from the mesh */
         return;
-    moved[0] = m.q;
-    moved[1] = m.v;
-    moved[2] = m.a;
-    moved[3] = m.b;
-    moved[4] = m.a_rate;
-    for (k = 0; k < 5; ++k) {
-        mesh_transferred(m.nodes, moved[k], old_s, m.nodes, m.s, rope->trial.q);
-        memcpy(moved[k], rope->trial.q, bytes);
-    }
-    memset(m.reaction + DOF, 0, sizeof(double) * (size - 2 * DOF));
+    transfer_carried(m.nodes, old_s, m.s, 5, fields, rope->work);
+    memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     relaxed(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 0);
     booked(rope, state, TRANSFORMED, &state->counts.transformations);
 }

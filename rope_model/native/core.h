@@ -84,8 +84,14 @@ int mesh_transformation_due(const Pattern *pattern, double bottom, double slack)
 void mesh_misplaced(const Pattern *pattern, double length, double bottom, char *message);
 /* s (elements + 1) from lengths (elements) */
 void mesh_arc_lengths(int elements, const double *lengths, double *s);
-/* x (old_nodes x DOF) carried to the nodes new_s: y (new_nodes x DOF) */
-void mesh_transferred(int old_nodes, const double *x, const double *old_s, int new_nodes, const double *new_s, double *y);
+
+/* transfer.c: rope_model.simulation.transfer */
+/* what the elements between nodes at s with the values x (nodes x DOF) have at `at`: y (places x DOF) */
+void transfer_interpolated(int nodes, const double *x, const double *s, int places, const double *at, double *y);
+/* every one of the fields x (nodes x DOF) carried from the nodes old_s to as many at new_s; work: scratch,
+   TRANSFER_WORK numbers a node */
+enum { TRANSFER_WORK = 24 };
+void transfer_carried(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work);
 
 /* frame.c; slopes are r' at the nodes with a stride of DOF, i.e. q + SLOPE */
 double frame_pole_margin(const double pole[3], int nodes, const double *slopes);

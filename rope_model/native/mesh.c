@@ -1,5 +1,4 @@
-/* Partitions of the rope into elements, and nodal values carried from one to another: the twin of
-   rope_model.simulation.mesh and rope_model.simulation.transfer, which say what is done and why. */
+/* Partitions of the rope into elements: the twin of rope_model.simulation.mesh, which says what is done and why. */
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,10 +12,9 @@ enum { MOST_ELEMENTS = 20000 };
 
 static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
-enum { GRADING = 2, SWAY = 270, RATIO = 4 };
+enum { GRADING = 2, SWAY = 400, LEG_LEVELS = 6, RATIO = 4 };
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
-static const double LEG_LENGTH = 3200.0, LEG_TWIST = 8e-3;
 static const double FADE = 1.35, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
 static const double NEAREST = 0.12;
 static const double END_LENGTH = 2.9;
@@ -62,9 +60,8 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     /* the loop comes near an end: segment IV must be able to follow */
     double inner = inner_length(2, 0, suited_fine_count(R, fade, coarse), 0, 2);
     coarse = fmin(coarse, 2 * NEAREST * rope->length / inner);
-    fine = coarse / RATIO;
     double count = suited_fine_count(R, fade, coarse);
-    if (coarse * (inner_length(2, 0, count, 0, 2) + 2) > rope->length) {
+    if (coarse * (0.5 * inner_length(2, 0, count, 0, 2) - DUE) > NEAREST * rope->length) {
         suited.kind = EEM;
         suited.elements = as_int(fmax(ceil(rope->length / fine), 8));
         return suited;
@@ -76,11 +73,7 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     suited.counts[1] = suited.counts[3] = 0;
     suited.counts[2] = as_int(count);
     suited.end_levels = (int)fmin(levels, 8);
-    double Qs = 0.5 * (rope->Qb + rope->Qc), bend = fabs(Qs) * weight / (rope->Qa * rope->Qd - Qs * Qs);
-    double longest = LEG_LENGTH * R * sqrt(mesh->loop_error / rope->length);
-    if (bend > 0)
-        longest = fmin(longest, sqrt(8 * LEG_TWIST * sqrt(mesh->loop_error / R) / bend));
-    suited.leg_levels = (int)fmin(fmax(floor(log2(longest / coarse)), 0), 6);
+    suited.leg_levels = LEG_LEVELS;
     return suited;
 }
 
@@ -92,7 +85,7 @@ static int fill_leg(int units, int levels, int both, double *lengths, int stride
         size = 1;
         for (int k = 0; k < levels; k++) {
             int twice = 2 * size, gap = units - (at + twice);
-            if (twice > at || gap < GRADING * (twice - 1) || gap * (int64_t)SWAY < both * (int64_t)(twice * twice - 1))
+            if (twice > at || gap < GRADING * (twice - 1) || gap * (int64_t)SWAY < both * (int64_t)twice * twice)
                 break;
             size = twice;
         }
@@ -262,46 +255,4 @@ void mesh_arc_lengths(int elements, const double *lengths, double *s) {
     s[0] = 0.0;
     for (int k = 0; k < elements; k++)
         s[k + 1] = s[k] + lengths[k];
-}
-
-/* the element in which x lies: the last whose left node is left of x, or the outermost */
-static int element_at(int nodes, const double *s, double x) {
-    int low = 0, high = nodes;
-    while (low < high) {
-        int middle = low + (high - low) / 2;
-        if (s[middle] < x)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    int i = low - 1;
-    return i < 0 ? 0 : i > nodes - 2 ? nodes - 2 : i;
-}
-
-void mesh_transferred(int old_nodes, const double *x, const double *old_s, int new_nodes, const double *new_s,
-                      double *y) {
-    double tolerance = 1e-9 * old_s[old_nodes - 1];
-    for (int k = 0; k < new_nodes; k++, y += DOF) {
-        double s = new_s[k];
-        int i = element_at(old_nodes, old_s, s + tolerance);
-        double left_s = old_s[i], right_s = old_s[i + 1];
-        const double *left = x + (ptrdiff_t)DOF * i, *right = left + DOF;
-
-        /* nodes that stay keep their values exactly */
-        int nearer_left = s - left_s < right_s - s;
-        if (fabs((nearer_left ? left_s : right_s) - s) <= tolerance) {
-            memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
-            continue;
-        }
-        double l = right_s - left_s;
-        double xi = fmin(fmax((s - left_s) / l, 0.0), 1.0);
-        double xi2 = xi * xi, rest = 1 - xi;
-        for (int axis = 0; axis < 3; axis++) {
-            double r1 = left[axis], r2 = right[axis], d1 = l * left[SLOPE + axis], d2 = l * right[SLOPE + axis];
-            y[axis] = r1 + xi2 * (3 - 2 * xi) * (r2 - r1) + xi * (rest * rest) * d1 + xi2 * (xi - 1) * d2;
-            y[SLOPE + axis] =
-                (6 * xi * rest * (r2 - r1) + rest * (1 - 3 * xi) * d1 + xi * (3 * xi - 2) * d2) / l;
-        }
-        y[ANGLE] = rest * left[ANGLE] + xi * right[ANGLE];
-    }
 }

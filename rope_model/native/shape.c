@@ -16,7 +16,7 @@ static double clipped(double x, double low, double high) {
 
 /* the centre line at arc length `at`: r, r', theta */
 static void point_at(int nodes, const double *q, const double *s, double at, double row[DOF]) {
-    mesh_transferred(nodes, q, s, 1, &at, row);
+    transfer_interpolated(nodes, q, s, 1, &at, row);
 }
 
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {

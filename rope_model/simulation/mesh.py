@@ -8,7 +8,7 @@ TMN-ETM, time-varying multi-segment non-equal-length elements, has seven segment
 
 IV around the loop's lowest point.  When the loop has travelled l along the rope a transformation moves the pattern
 by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets
-coarser two elements become one (their middle node is dropped), where it gets finer one becomes two.  Without III and V
+coarser two elements become one, where it gets finer one becomes two (see transfer).  Without III and V
 IV has l/4, without II and VI too l/2: shorter ways from one transformation to the next, which IV need not cover.
 
 Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
@@ -35,17 +35,16 @@ DUE = 0.6
 #: a step does not carry the loop further than this many l past that
 LATEST = 0.25
 #: an element of m l in I or VII is no longer than its distance from its end of the rope, and no nearer to segments II
-#: to VI than GRADING (m - 1) l, nor than N (m^2 - 1) l / SWAY, where N l is the length of I and VII together: the
-#: tension grows with the distance x from the loop, so the waves of a swaying leg are as long as sqrt(g x), and what a
-#: transformation changes of them adds up over the N of a trip
-GRADING, SWAY = 2, 270
+#: to VI than GRADING (m - 1) l, nor than N m^2 l / SWAY, where N l is the length of I and VII together: the tension
+#: grows with the distance x from the loop, so the waves of a swaying leg are as long as sqrt(g x), and over the N of a
+#: trip they fall behind; `python -m benchmarks.legs` shows what it rests on
+GRADING, SWAY = 2, 400
+#: 'auto': leg_levels; the rule above ends the ladder before that on any rope but the longest
+LEG_LEVELS = 6
 #: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
 LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
-#: 'auto': a leg's elements are no longer than LEG_LENGTH R (loop_error / length)^(1/2), and joining two turns their
-#: middle by no more than LEG_TWIST (loop_error / R)^(1/2) rad; `python -m benchmarks.legs` shows what they rest on
-LEG_LENGTH, LEG_TWIST = 3200.0, 8e-3
 #: 'auto': what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this
 #: much more for a tenth of it
 FADE, FADE_ERROR, FADE_DECADE = 1.35, 0.05, 0.25
@@ -99,9 +98,7 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     The loop bends with a radius R, half the spacing or what its stiffness w = (EI / rho g)^(1/3) gives it; the error
     of its place grows with the fifth power of the elements' length there (measured, see docs/chart.md).  Segment IV
     covers the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped
-    ends resolve the bending layer sqrt(EI / T).  Where two of a leg become one, or one two, linear theta is wrong by
-    theta'' l^2 / 8, and the leg's sway by what the longer cubic cannot follow; each transformation lets the loop feel
-    that, and a long rope has many.  A rope too short for all that gets equal
+    ends resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal
     elements.
     """
     if mesh.kind != "auto":
@@ -122,18 +119,13 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
 
     # the loop comes near an end: segment IV must be able to follow
     coarse = min(coarse, 2 * NEAREST * rope.length / inner_length(pattern(coarse)))
-    fine, counts = coarse / ratio, pattern(coarse)
-    if coarse * (inner_length(counts) + 2) > rope.length:
+    counts = pattern(coarse)
+    if coarse * (0.5 * inner_length(counts) - DUE) > NEAREST * rope.length:
         return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
     levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer * shorter))), 0)
-    # theta'' of a hanging rope that carries torque but no external moment
-    Qs = 0.5 * (rope.Qb + rope.Qc)
-    bend = abs(Qs) * weight / (rope.Qa * rope.Qd - Qs**2)
-    longest = LEG_LENGTH * R * math.sqrt(mesh.loop_error / rope.length)
-    if bend > 0:
-        longest = min(longest, math.sqrt(8 * LEG_TWIST * math.sqrt(mesh.loop_error / R) / bend))
-    legs = min(max(math.floor(math.log2(longest / coarse)), 0), 6)
-    return replace(mesh, kind="tmn", coarse_length=coarse, counts=counts, end_levels=min(levels, 8), leg_levels=legs)
+    return replace(
+        mesh, kind="tmn", coarse_length=coarse, counts=counts, end_levels=min(levels, 8), leg_levels=LEG_LEVELS
+    )
 
 
 def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
@@ -214,7 +206,7 @@ def _leg(units: int, levels: int, both: int) -> list[int]:
         size = 1
         for _ in range(levels):
             twice, gap = 2 * size, units - (at + 2 * size)
-            if twice > at or gap < GRADING * (twice - 1) or gap * SWAY < both * (twice**2 - 1):
+            if twice > at or gap < GRADING * (twice - 1) or gap * SWAY < both * twice**2:
                 break
             size = twice
         lengths.append(size)

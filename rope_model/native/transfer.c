@@ -1,0 +1,176 @@
+/* Nodal values between the nodes, and carried from one partition of the rope to another: the twin of
+   rope_model.simulation.transfer, which says what is done and why. */
+#include <math.h>
+#include <string.h>
+
+#include "core.h"
+
+enum { GAUSS = 4, CUBIC = 4, LINEAR = 2 };
+/* on [0, 1]; exact for the product of two cubics */
+static const double POINTS[GAUSS] = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262};
+static const double WEIGHTS[GAUSS] = {0.17392742256872693, 0.3260725774312731, 0.3260725774312731, 0.17392742256872693};
+
+/* within which two arc lengths are the same */
+static double tolerance_of(int nodes, const double *s) {
+    return 1e-9 * s[nodes - 1];
+}
+
+/* the element in which x lies: the last whose left node is left of x, or the outermost */
+static int element_at(int nodes, const double *s, double x) {
+    int low = 0, high = nodes;
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (s[middle] < x)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    int i = low - 1;
+    return i < 0 ? 0 : i > nodes - 2 ? nodes - 2 : i;
+}
+
+void transfer_interpolated(int nodes, const double *x, const double *s, int places, const double *at, double *y) {
+    double tolerance = tolerance_of(nodes, s);
+    for (int k = 0; k < places; k++, y += DOF) {
+        int i = element_at(nodes, s, at[k] + tolerance);
+        double left_s = s[i], right_s = s[i + 1];
+        const double *left = x + (ptrdiff_t)DOF * i, *right = left + DOF;
+
+        /* a node's own place has its values exactly */
+        int nearer_left = at[k] - left_s < right_s - at[k];
+        if (fabs((nearer_left ? left_s : right_s) - at[k]) <= tolerance) {
+            memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
+            continue;
+        }
+        double l = right_s - left_s;
+        double xi = fmin(fmax((at[k] - left_s) / l, 0.0), 1.0);
+        double xi2 = xi * xi, rest = 1 - xi;
+        for (int axis = 0; axis < 3; axis++) {
+            double r1 = left[axis], r2 = right[axis], d1 = l * left[SLOPE + axis], d2 = l * right[SLOPE + axis];
+            y[axis] = r1 + xi2 * (3 - 2 * xi) * (r2 - r1) + xi * (rest * rest) * d1 + xi2 * (xi - 1) * d2;
+            y[SLOPE + axis] =
+                (6 * xi * rest * (r2 - r1) + rest * (1 - 3 * xi) * d1 + xi * (3 * xi - 2) * d2) / l;
+        }
+        y[ANGLE] = rest * left[ANGLE] + xi * right[ANGLE];
+    }
+}
+
+/* what a place takes of r and r' of the nodes of its element of length l */
+static void cubic(double xi, double l, double shares[CUBIC]) {
+    double rest = 1 - xi;
+    shares[0] = 1 - xi * xi * (3 - 2 * xi);
+    shares[1] = xi * rest * rest * l;
+    shares[2] = xi * xi * (3 - 2 * xi);
+    shares[3] = xi * xi * (xi - 1) * l;
+}
+
+/* A (rows x (width + 1)): symmetric, positive definite, each row its diagonal and the `width` entries left of it,
+   nearest first; it becomes its Cholesky factor, the diagonal inverted */
+static void factorize(int rows, int width, double *A) {
+    const ptrdiff_t row = width + 1;
+    for (int i = 0; i < rows; i++) {
+        int first = i > width ? i - width : 0;
+        for (int j = first; j <= i; j++) {
+            double sum = A[row * i + (i - j)];
+            for (int k = first; k < j; k++)
+                sum -= A[row * i + (i - k)] * A[row * j + (j - k)];
+            A[row * i + (i - j)] = i == j ? 1 / sqrt(sum) : sum * A[row * j];
+        }
+    }
+}
+
+/* A x = b for `columns` of b (rows x columns), which becomes x; L is what factorize made of A */
+static void substitute(int rows, int width, const double *L, int columns, double *b) {
+    const ptrdiff_t row = width + 1;
+    for (int i = 0; i < rows; i++)
+        for (int c = 0; c < columns; c++) {
+            double sum = b[(ptrdiff_t)columns * i + c];
+            for (int k = i > width ? i - width : 0; k < i; k++)
+                sum -= L[row * i + (i - k)] * b[(ptrdiff_t)columns * k + c];
+            b[(ptrdiff_t)columns * i + c] = sum * L[row * i];
+        }
+    for (int i = rows - 1; i >= 0; i--)
+        for (int c = 0; c < columns; c++) {
+            double sum = b[(ptrdiff_t)columns * i + c];
+            for (int k = i + 1; k < rows && k <= i + width; k++)
+                sum -= L[row * k + (k - i)] * b[(ptrdiff_t)columns * k + c];
+            b[(ptrdiff_t)columns * i + c] = sum * L[row * i];
+        }
+}
+
+/* mean products of the shares along the elements, as factorize takes them: cubic (2 nodes x CUBIC), linear (nodes x
+   LINEAR), both zero before */
+static void add_products(int nodes, const double *s, double *cubics, double *lines) {
+    for (int e = 0; e < nodes - 1; e++) {
+        double l = s[e + 1] - s[e], l2 = l * l;
+        const double products[CUBIC][CUBIC] = {
+            {156}, {4 * l2, 22 * l}, {156, 13 * l, 54}, {4 * l2, -22 * l, -3 * l2, -13 * l}};
+        double *rows = cubics + (ptrdiff_t)2 * CUBIC * e, *parts = lines + (ptrdiff_t)LINEAR * e;
+        for (int i = 0; i < CUBIC; i++)
+            for (int k = 0; k <= i; k++)
+                rows[CUBIC * i + k] += l / 420 * products[i][k];
+        parts[0] += l / 3;
+        parts[2] += l / 3;
+        parts[3] += l / 6;
+    }
+}
+
+/* what y at the nodes new_s has less than x at old_s, times the shares, along the rope: r (2 nodes x 3), theta (nodes),
+   both zero before; 0 when there is none, because no two elements become one */
+static int add_missing(int nodes, const double *x, const double *old_s, const double *y, const double *new_s, double *r,
+                       double *theta) {
+    const double tolerance = tolerance_of(nodes, old_s);
+    int old = 0, merges = 0;
+    for (int e = 0; e < nodes - 1; e++) {
+        double from = new_s[e], end = new_s[e + 1], l = end - from;
+        while (old < nodes - 2 && old_s[old + 1] <= from + tolerance)
+            old++;
+        if (old_s[old + 1] >= end - tolerance) /* within an old one, and so the same */
+            continue;
+        merges = 1;
+        /* between neighbours among all nodes, old and new, both are polynomials */
+        for (int k = old; from < end - tolerance; k++) {
+            double to = k < nodes - 2 ? fmin(old_s[k + 1], end) : end;
+            for (int g = 0; g < GAUSS; g++) {
+                double at = from + POINTS[g] * (to - from), weight = WEIGHTS[g] * (to - from), xi = (at - new_s[e]) / l;
+                double before[DOF], after[DOF], shares[CUBIC];
+                transfer_interpolated(2, x + (ptrdiff_t)DOF * k, old_s + k, 1, &at, before);
+                transfer_interpolated(2, y + (ptrdiff_t)DOF * e, new_s + e, 1, &at, after);
+                cubic(xi, l, shares);
+                for (int i = 0; i < CUBIC; i++)
+                    for (int axis = 0; axis < 3; axis++)
+                        r[3 * (ptrdiff_t)(2 * e + i) + axis] += weight * shares[i] * (before[axis] - after[axis]);
+                theta[e] += weight * (1 - xi) * (before[ANGLE] - after[ANGLE]);
+                theta[e + 1] += weight * xi * (before[ANGLE] - after[ANGLE]);
+            }
+            from = to;
+        }
+    }
+    return merges;
+}
+
+void transfer_carried(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work) {
+    const ptrdiff_t n = nodes;
+    const int inner = nodes - 2; /* the ends keep their values */
+    double *cubics = work, *lines = cubics + 2 * CUBIC * n, *y = lines + LINEAR * n, *r = y + DOF * n, *theta = r + 6 * n;
+    memset(work, 0, sizeof *work * (size_t)(y - work));
+    add_products(nodes, new_s, cubics, lines);
+    cubics += (ptrdiff_t)2 * CUBIC;
+    lines += LINEAR;
+    factorize(2 * inner, CUBIC - 1, cubics);
+    factorize(inner, LINEAR - 1, lines);
+    for (int field = 0; field < fields; field++) {
+        memset(r, 0, sizeof *work * (size_t)(7 * n));
+        transfer_interpolated(nodes, x[field], old_s, nodes, new_s, y);
+        if (add_missing(nodes, x[field], old_s, y, new_s, r, theta)) {
+            substitute(2 * inner, CUBIC - 1, cubics, 3, r + 6);
+            substitute(inner, LINEAR - 1, lines, 1, theta + 1);
+            for (int k = 1; k <= inner; k++) {
+                for (int i = 0; i < ANGLE; i++)
+                    y[DOF * k + i] += r[6 * k + i];
+                y[DOF * k + ANGLE] += theta[k];
+            }
+        }
+        memcpy(x[field], y, sizeof *y * (size_t)(DOF * n));
+    }
+}
