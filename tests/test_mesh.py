@@ -237,6 +237,11 @@ def test_elements_of_the_legs_are_as_long_as_their_distances_from_end_and_loop_a
 # the transfer
 
 
+def carried(x: Array, old_s: Array, new_s: Array) -> Array:
+    """One field."""
+    return transferred(x[None], old_s, new_s)[0]
+
+
 @pytest.fixture(params=[-1, 1])
 def pair(request: pytest.FixtureRequest) -> tuple[Partition, Partition]:
     p = partition(Mesh(), 120.0, 60.0)
@@ -246,7 +251,7 @@ def pair(request: pytest.FixtureRequest) -> tuple[Partition, Partition]:
 def test_a_transfer_reaches_no_further_than_some_elements(pair: tuple[Partition, Partition]) -> None:
     old_s, new_s = map(nodes, pair)
     x = np.random.default_rng(1).normal(size=(old_s.size, 7))
-    change = np.abs(transferred(x, old_s, new_s) - interpolated(x, old_s, new_s)).max(axis=1)
+    change = np.abs(carried(x, old_s, new_s) - interpolated(x, old_s, new_s)).max(axis=1)
     merged = 0.5 * (new_s[:-1] + new_s[1:])[np.diff(np.searchsorted(old_s + 1e-9, new_s)) > 1]
     assert merged.size == 4 + 2 + 1  # to l/4, to l/2, to l
     away = np.abs(new_s[:, None] - merged).min(axis=1) / 2.0  # l
@@ -259,14 +264,14 @@ def test_a_transfer_reaches_no_further_than_some_elements(pair: tuple[Partition,
 def test_a_transfer_to_the_same_mesh_changes_nothing() -> None:
     s = nodes(partition(Mesh(), 120.0, 60.0))
     x = np.random.default_rng(2).normal(size=(s.size, 7))
-    np.testing.assert_array_equal(transferred(x, s, s), x)
+    np.testing.assert_array_equal(carried(x, s, s), x)
 
 
 def test_a_split_reproduces_the_element_to_the_bit() -> None:
     rng = np.random.default_rng(3)
     s, halves = np.array([0.0, 1.7, 3.0]), np.array([0.0, 0.85, 1.7, 2.35, 3.0])
     x = rng.normal(size=(3, 7))
-    split = transferred(x, s, halves)
+    split = carried(x, s, halves)
     np.testing.assert_array_equal(split, interpolated(x, s, halves))
     anywhere = np.linspace(0.0, 3.0, 61)
     expected = interpolated(x, s, anywhere)
@@ -290,7 +295,7 @@ def test_a_split_keeps_momentum_and_kinetic_energy_to_rounding() -> None:
     s, halves = np.linspace(0.0, 6.0, 4), np.linspace(0.0, 6.0, 7)
     v = smooth(s, 6.0)
     before = momentum_and_energy(v, np.diff(s))
-    after = momentum_and_energy(transferred(v, s, halves), np.diff(halves))
+    after = momentum_and_energy(carried(v, s, halves), np.diff(halves))
     np.testing.assert_allclose(after[0], before[0], atol=1e-12)
     np.testing.assert_allclose(after[1], before[1], rtol=1e-12)
 
@@ -311,9 +316,9 @@ def test_a_transformation_keeps_the_momentum_and_takes_energy_where_elements_mer
     old, new = pair
     v = np.random.default_rng(5).normal(size=(old.lengths.size + 1, 7))
     before = momentum_and_energy(v, old.lengths)
-    carried = transferred(v, nodes(old), nodes(new))
+    moved = carried(v, nodes(old), nodes(new))
     dropped = interpolated(v, nodes(old), nodes(new))
-    after = momentum_and_energy(carried, new.lengths)
+    after = momentum_and_energy(moved, new.lengths)
     # the ends, 20 l away, take up nothing that can be seen
     np.testing.assert_allclose(after[0], before[0], rtol=0, atol=1e-9)
     assert after[1] < before[1]
@@ -326,7 +331,7 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
     for elements in (8, 16, 32):
         s, merged = np.linspace(0.0, 6.0, 2 * elements + 1), np.linspace(0.0, 6.0, elements + 1)
         v = smooth(s, 9.0)
-        back = interpolated(transferred(v, s, merged), merged, s)
+        back = interpolated(carried(v, s, merged), merged, s)
         lost.append(momentum_and_energy(back - v, np.diff(s))[1] ** 0.5)
     np.testing.assert_allclose(np.log2(np.array(lost[:-1]) / lost[1:]), 4.0, atol=0.3)
     # at the middle of an element Hermite interpolation misses the fourth derivative times l^4/384; waves of 4.5 to 9 m
@@ -340,7 +345,7 @@ def test_a_transformation_there_and_back_returns_a_smooth_motion(place: float, l
     assume(p.counts[6 if direction > 0 else 0] > 1)
     s, other = nodes(p), nodes(transformed(p, direction))
     v = smooth(s, length)
-    back = transferred(transferred(v, s, other), other, s)
+    back = carried(carried(v, s, other), other, s)
     # nodes merged and split again come from cubics of 2 m: (2 pi 2 l/L)^4/384
     bound = (4 * np.pi * p.coarse / length) ** 4 / 384
     np.testing.assert_allclose(back[:, POSITION], v[:, POSITION], rtol=0, atol=bound)

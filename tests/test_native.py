@@ -349,7 +349,6 @@ def test_a_layout_that_fits_no_mesh_is_refused_alike() -> None:
             "leave nothing for I and VII",
         ),
         (Scene(mesh=Mesh("tmn", coarse_length=5e-324)), "into inf lengths"),
-        (Scene(rope=Rope(EI=1e12)), "mesh.kind = auto takes them from EI"),
         (Scene(layout=Layout(spacing=1e-9)), "mesh.kind = auto takes them from EI"),
     ],
 )

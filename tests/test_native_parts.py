@@ -94,8 +94,6 @@ class CLoopBottom(ct.Structure):
         return CLoopBottom(bottom.s, tuple(bottom.position), bottom.yaw)
 
 
-#: as in core.h
-TRANSFER_WORK = 24
 #: the signals of a state that the caller gives by its members, so that its layout is C's own business
 SIGNALS_BY_MEMBERS = """
 #include <string.h>
@@ -375,8 +373,9 @@ def test_state_carried_to_a_transformed_mesh_is_the_same(
     pattern, lengths = c_partition(parts, mesh, 120.0, 50.0)
     parts.mesh_transformed(pattern, direction, len(lengths), lengths)
     new_s = arc_lengths(lengths)
-    fields, work = [rough(old.nodes_s, seed + k) for k in range(2)], np.full(TRANSFER_WORK * new_s.size + 1, -7.0)
-    expected = [transferred(x, old.nodes_s, transformed(old, direction).nodes_s) for x in fields]
+    fields = np.array([rough(old.nodes_s, seed + k) for k in range(2)])
+    work = np.full((10 + 14 * len(fields)) * new_s.size + 1, -7.0)  # as in core.h
+    expected = transferred(fields, old.nodes_s, transformed(old, direction).nodes_s)
     addresses = (ct.c_void_p * 2)(*(x.ctypes.data for x in fields))
     parts.transfer_carried(new_s.size, old.nodes_s, new_s, 2, addresses, work)
     assert_allclose(fields, expected, rtol=ROUNDING, atol=ROUNDING)

@@ -88,9 +88,9 @@ void mesh_arc_lengths(int elements, const double *lengths, double *s);
 /* transfer.c: rope_model.simulation.transfer */
 /* what the elements between nodes at s with the values x (nodes x DOF) have at `at`: y (places x DOF) */
 void transfer_interpolated(int nodes, const double *x, const double *s, int places, const double *at, double *y);
-/* every one of the fields x (nodes x DOF) carried from the nodes old_s to as many at new_s; work: scratch,
-   TRANSFER_WORK numbers a node */
-enum { TRANSFER_WORK = 24 };
+/* every one of the fields x (nodes x DOF; at most 8) carried from the nodes old_s to as many at new_s; work: scratch,
+   TRANSFER_WORK(fields) numbers a node */
+#define TRANSFER_WORK(fields) (10 + 14 * (fields))
 void transfer_carried(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work);
 
 /* frame.c; slopes are r' at the nodes with a stride of DOF, i.e. q + SLOPE */

@@ -41,7 +41,8 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     old_s, new_s = state.partition.nodes_s, new.nodes_s
     m = state.motion
     names = ("q", "v", "a", "b", "a_rate")
-    carried: dict[str, Any] = {name: transferred(getattr(m, name), old_s, new_s) for name in names}
+    fields = transferred(np.array([getattr(m, name) for name in names]), old_s, new_s)
+    carried: dict[str, Any] = dict(zip(names, fields, strict=True))
     reaction = np.zeros_like(m.reaction)
     reaction[[0, -1]] = m.reaction[[0, -1]]
     moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction))

@@ -9,10 +9,9 @@ leg at every transformation.
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import spsolve
 
+from ..numerics.banded import solved
 from .rope_system import ANGLE, POSITION, SLOPE, Array
 
 Indices = NDArray[np.intp]
@@ -39,30 +38,39 @@ def interpolated(x: Array, s: Array, at: Array) -> Array:
     return y
 
 
-def transferred(x: Array, old_s: Array, new_s: Array) -> Array:
-    """Nodal values ``x`` (old nodes, 7) at arc lengths ``old_s`` (m), carried to the nodes at ``new_s``: (nodes, 7).
+def transferred(fields: Array, old_s: Array, new_s: Array) -> Array:
+    """``fields`` (number, old nodes, 7) at arc lengths ``old_s`` (m), carried to ``new_s``: (number, new nodes, 7).
 
-    The ends of the rope keep their values; without an element that merges, every node that stays does.
+    The ends of the rope keep their values; where no elements merge, every node that stays does.
     """
-    y = interpolated(x, old_s, new_s)
+    y = np.array([interpolated(x, old_s, new_s) for x in fields])
+    # between neighbours among all nodes, old and new, both are polynomials
     knots = np.union1d(old_s, new_s)
     knots = knots[np.append(True, np.diff(knots) > _tolerance(old_s))]
-    h = 0.5 * np.diff(knots)
-    at = ((knots[:-1] + h)[:, None] + h[:, None] * _GAUSS_POINTS).ravel()
-    weights = sp.diags_array((h[:, None] * _GAUSS_WEIGHTS).ravel())
-    lost = interpolated(x, old_s, at) - interpolated(y, new_s, at)
-    (old, _, _), (new, _, _) = _within(old_s, at), _within(new_s, at)
+    middle = 0.5 * (knots[:-1] + knots[1:])
+    (old, _, _), (new, _, _) = _within(old_s, middle), _within(new_s, middle)
     # a new element that lies within an old one is the same
-    starts, ends = old_s[old] - new_s[new], old_s[old + 1] - new_s[new + 1]
-    lost[(starts <= _tolerance(old_s)) & (ends >= -_tolerance(old_s))] = 0.0
-    if not lost.any():
+    merges = old_s[old] > new_s[new] + _tolerance(old_s)
+    merges |= old_s[old + 1] < new_s[new + 1] - _tolerance(old_s)
+    if not merges.any():
         return y
-    for basis, missing, columns in (
-        (_cubic(new_s, at)[:, 2:-2], lost[:, POSITION], slice(ANGLE)),
-        (_linear(new_s, at)[:, 1:-1], lost[:, ANGLE:], slice(ANGLE, None)),
+    half = 0.5 * np.diff(knots)[merges, None]
+    at, weights = (middle[merges, None] + half * _GAUSS_POINTS).ravel(), (half * _GAUSS_WEIGHTS).ravel()
+    lost = np.array([interpolated(x, old_s, at) - interpolated(z, new_s, at) for x, z in zip(fields, y, strict=True)])
+    e, xi, l = _within(new_s, at)
+    nodes, lengths = new_s.size, np.diff(new_s)
+    for band, shares, part, changed in (
+        (_cubic_products(lengths), _cubic(xi, l), POSITION, slice(ANGLE)),
+        (_linear_products(lengths), (1 - xi, xi), slice(ANGLE, None), slice(ANGLE, None)),
     ):
-        change = spsolve(sp.csc_array(basis.T @ weights @ basis), basis.T @ weights @ missing)
-        y[1:-1, columns] += change.reshape(new_s.size - 2, -1)  # of r and then r' of every node, or of theta
+        rows = len(shares) // 2  # of a node
+        load = np.zeros((rows * nodes, *lost[:, 0, part].shape))
+        for k, share in enumerate(shares):
+            np.add.at(load, rows * e + k, ((weights * share)[:, None] * lost[:, :, part]).swapaxes(0, 1))
+        inner = slice(rows, -rows)
+        change = solved(band[inner], load[inner].reshape(rows * (nodes - 2), -1))
+        of_fields = change.reshape(nodes - 2, rows, len(fields), -1).transpose(2, 0, 1, 3)
+        y[:, 1:-1, changed] += of_fields.reshape(len(fields), nodes - 2, -1)
     return y
 
 
@@ -78,19 +86,30 @@ def _within(s: Array, at: Array) -> tuple[Indices, Array, Array]:
     return i, np.clip((at - s[i]) / l, 0.0, 1.0), l
 
 
-def _cubic(s: Array, at: Array) -> sp.csc_array:
-    """What the places ``at`` take of every node's r and r': (places, 2 nodes)."""
-    i, xi, l = _within(s, at)
-    shapes = (1 - xi**2 * (3 - 2 * xi), xi * (1 - xi) ** 2 * l, xi**2 * (3 - 2 * xi), xi**2 * (xi - 1) * l)
-    return _shares(2 * i, shapes, 2 * s.size)
+def _cubic(xi: Array, l: Array) -> tuple[Array, ...]:
+    """What a place takes of r and r' of both nodes of its element."""
+    return 1 - xi**2 * (3 - 2 * xi), xi * (1 - xi) ** 2 * l, xi**2 * (3 - 2 * xi), xi**2 * (xi - 1) * l
 
 
-def _linear(s: Array, at: Array) -> sp.csc_array:
-    """What the places ``at`` take of every node's theta: (places, nodes)."""
-    i, xi, _ = _within(s, at)
-    return _shares(i, (1 - xi, xi), s.size)
+def _cubic_products(l: Array) -> Array:
+    """Mean products of these shares along the elements, as banded.solved takes them: (2 nodes, 4)."""
+    band = np.zeros((2 * l.size + 2, 4))
+    zero = 0 * l
+    products = (
+        (156 + zero, 22 * l, 54 + zero, -13 * l),
+        (4 * l**2, 13 * l, -3 * l**2, zero),
+        (156 + zero, -22 * l, zero, zero),
+        (4 * l**2, zero, zero, zero),
+    )
+    for k, row in enumerate(products):
+        band[k : k + 2 * l.size : 2] += (l / 420 * np.array(row)).T
+    return band
 
 
-def _shares(first: Indices, shapes: tuple[Array, ...], size: int) -> sp.csc_array:
-    rows, columns = np.tile(np.arange(first.size), len(shapes)), np.concatenate([first + k for k in range(len(shapes))])
-    return sp.csc_array((np.concatenate(shapes), (rows, columns)), shape=(first.size, size))
+def _linear_products(l: Array) -> Array:
+    """The same for theta: (nodes, 2)."""
+    band = np.zeros((l.size + 1, 2))
+    band[:-1, 0] += l / 3
+    band[1:, 0] += l / 3
+    band[:-1, 1] = l / 6
+    return band
