@@ -1,8 +1,8 @@
 """What joining the legs' elements does to the loop's place: ``python -m benchmarks.legs``.
 
-The same mesh with ``leg_levels`` from 0 up to where more join nothing more, against one for 0.3 mm without joined
-elements, on the planar rung (an uncoupled rope), where the sway of the legs is seen alone.  What a leg's waves lose
-adds up: the trips are long.
+The same mesh with none joined, and with a quarter, once and four times the ``leg_growth`` of 'auto', against one for
+0.3 mm without joined elements, on the planar rung (an uncoupled rope), where the sway of the legs is seen alone.  What
+a leg's waves lose adds up: the trips are long.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
 from rope_model.parameters import Mesh
-from rope_model.simulation.mesh import partition, suited
+from rope_model.simulation.mesh import suited
 
 from .chart.depth import scene_of
 from .kinematic import wind
 
 FINEST = 3e-4  # m, loop_error of the reference
 STEP, SAMPLE = 0.01, 8  # s, steps
+PARTS = (0.0, 0.25, 1.0, 4.0)  # of the leg_growth of 'auto'
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,14 @@ CASES = (
 class Outcome:
     """One mesh."""
 
-    levels: int
+    leg_growth: float  # m
     elements: int
     loop_error: float  # m, the largest of the trip
     kinetic: float  # J, largest change by a transformation
 
 
 def outcomes(case: Case, loop_error: float = 5e-3) -> Iterator[Outcome]:
-    """Meshes for ``loop_error`` (m) with leg_levels from 0 on; the last is that of 'auto'."""
+    """Meshes for ``loop_error`` (m) with more and more elements joined."""
     scene = scene_of(case.rope, "uncoupled")
 
     def wound(mesh: Mesh) -> tuple[NDArray[np.float64], int, float]:
@@ -66,15 +67,12 @@ def outcomes(case: Case, loop_error: float = 5e-3) -> Iterator[Outcome]:
         return np.array(run.bottom), run.rope.state.partition.lengths.size, max(changes)
 
     auto, fine = (suited(Mesh("auto", loop_error=e), scene.rope, scene.layout) for e in (loop_error, FINEST))
-    exact = wound(replace(fine, leg_levels=0))[0]
-    before = 0
-    for levels in range(auto.leg_levels + 1):
-        mesh = replace(auto, leg_levels=levels)
-        if (elements := partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size) == before:
-            break
-        bottom, before, kinetic = wound(mesh)
+    exact = wound(replace(fine, leg_growth=0.0))[0]
+    for times in PARTS:
+        mesh = replace(auto, leg_growth=times * auto.leg_growth)
+        bottom, elements, kinetic = wound(mesh)
         largest = float(np.linalg.norm(bottom - exact, axis=1).max())
-        yield Outcome(levels, elements, largest, kinetic)
+        yield Outcome(mesh.leg_growth, elements, largest, kinetic)
 
 
 def main() -> None:
@@ -88,7 +86,7 @@ def main() -> None:
         )
         for x in outcomes(case, options.loop_error):
             print(
-                f"  leg_levels {x.levels} {x.elements:5d} elements, loop "
+                f"  leg_growth {x.leg_growth:6.2f} m {x.elements:5d} elements, loop "
                 f"{1e3 * x.loop_error:6.2f} mm, kinetic energy per transformation up to {x.kinetic:.1e} J",
                 flush=True,
             )

@@ -62,7 +62,7 @@ _MESH = {
         "element length of segments I and VII, kind 0 only; the loop's are 1/8 of it, without III and V 1/4",
     ),
     "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, kind 0 only"),
-    "leg_levels": ("", "how often two elements of segments I and VII become one far from loop and ends, kind 0 only"),
+    "leg_growth": ("m", "square of an element's length in I and VII over its distance from the loop, kind 0 only"),
     "loop_error": ("m", "error of the loop's place that the mesh may bring, kind 2 only"),
 }
 _SOLVER = {
@@ -87,7 +87,7 @@ _MINIMUM = {
     "elements": 2,
     "coarse_length": 0.0,
     "end_levels": 0,
-    "leg_levels": 0,
+    "leg_growth": 0.0,
     "loop_error": 1e-5,
 }
 _MAXIMUM = {
@@ -96,7 +96,7 @@ _MAXIMUM = {
     "installed_twist": 1e3,
     "elements": 20000,
     "end_levels": 8,
-    "leg_levels": 6,
+    "leg_growth": 1e4,
     "loop_error": 1.0,
     "step_max": 1.0,
     "step_min": 1.0,

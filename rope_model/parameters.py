@@ -134,7 +134,7 @@ class Mesh:
     coarse_length: float = 2.0  # m, l of segments I and VII; the loop's elements are an eighth of it
     counts: tuple[int, int, int, int, int] = (2, 4, 40, 4, 2)  # elements of segments II to VI
     end_levels: int = 2  # how often the outermost element is halved towards the clamped end; 0 is the source's mesh
-    leg_levels: int = 0  # how often two elements of I and VII become one, far from loop and ends; 0: source's mesh
+    leg_growth: float = 0.0  # m, (length)^2 of elements in I and VII over their distance from the loop; 0: all l
     loop_error: float = 5e-3  # m, auto only: error of the loop's place that the mesh may bring
 
     def __post_init__(self) -> None:
@@ -151,7 +151,7 @@ class Mesh:
             "2 m suits a 120 m rope",
         )
         _require(0 <= self.end_levels <= 8, "end_levels", self.end_levels, "0 to 8", "2 resolves the clamped ends")
-        _require(0 <= self.leg_levels <= 6, "leg_levels", self.leg_levels, "0 to 6", "2 suits a 120 m rope")
+        _require(0 <= self.leg_growth <= 1e4, "leg_growth", self.leg_growth, "0 to 1e4 m", "3 m suits a 1000 m rope")
         _require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
         ii, iii, _, v, vi = self.counts
         fine = 2 ** (1 + (ii > 0) + (iii > 0))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -24,14 +26,11 @@ def rms(x: NDArray[np.float64]) -> float:
 def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err() -> None:
     scene = scene_of("monopol-1000", "uncoupled")
     auto = suited(Mesh("auto"), scene.rope, scene.layout)
-    assert auto.leg_levels > 0
+    assert auto.leg_growth > 0
     trip = Winding(travel=400.0, speed=8.0)
     places = []
-    for levels in (auto.leg_levels, 0):
-        mesh = Mesh("tmn", coarse_length=auto.coarse_length, counts=auto.counts, end_levels=auto.end_levels)
-        run = wind(
-            scene.with_(mesh=mesh if levels == 0 else auto), s_curve(trip), trip.travel, settle=0.0, interval=0.01
-        )
+    for mesh in (auto, replace(auto, leg_growth=0.0)):
+        run = wind(scene.with_(mesh=mesh), s_curve(trip), trip.travel, settle=0.0, interval=0.01)
         assert run.status.valid, run.status.message
         places.append(np.array(run.bottom))
     assert np.linalg.norm(places[0] - places[1], axis=1).max() < 0.5 * auto.loop_error

@@ -16,7 +16,7 @@ from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh import (
     DUE,
     GRADING,
-    SWAY,
+    LEG_LEVELS,
     Partition,
     distance_to_due,
     inner_length,
@@ -117,18 +117,18 @@ def test_a_rope_too_short_for_its_ladder_is_refused_with_the_cure() -> None:
 LENGTHS = st.floats(40.0, 400.0)
 PLACES = st.floats(0.0, 1.0)
 MESHES = st.builds(
-    lambda coarse, two, three, four, ends, legs: Mesh(
+    lambda coarse, two, three, four, ends, growth: Mesh(
         coarse_length=coarse,
         counts=(2 * two, 4 * three * (two > 0), 8 * four, 4 * three * (two > 0), 2 * two),
         end_levels=ends,
-        leg_levels=legs,
+        leg_growth=growth,
     ),
     st.floats(0.5, 4.0),
     st.integers(0, 3),
     st.integers(0, 3),
     st.integers(1, 6),
     st.integers(0, 3),
-    st.integers(0, 5),
+    st.just(0.0) | st.floats(0.01, 100.0),
 )
 
 
@@ -141,7 +141,7 @@ def test_the_ladder_adds_up_to_the_rope_and_is_centred_as_well_as_it_can_be(
     assume(length > inner + 3 * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     np.testing.assert_allclose(p.lengths.sum(), length, rtol=1e-12)  # a sum of some hundred lengths
-    if mesh.leg_levels == 0:
+    if mesh.leg_growth == 0:
         assert sum(p.counts) + 2 * mesh.end_levels == p.lengths.size
     assert min(p.counts[0], p.counts[3], p.counts[6]) >= 1
     assert p.counts[1:6] == mesh.counts
@@ -208,8 +208,8 @@ def test_a_loop_that_travels_to_the_end_and_back_ends_on_the_mesh_it_began_with(
 def test_joined_elements_grow_much_more_slowly_with_the_rope() -> None:
     lengths = (250.0, 500.0, 1000.0, 2000.0)
     joined, plain = (
-        [partition(Mesh(leg_levels=levels), length, 0.4 * length).lengths.size for length in lengths]
-        for levels in (6, 0)
+        [partition(Mesh(leg_growth=growth), length, 0.4 * length).lengths.size for length in lengths]
+        for growth in (4.0, 0.0)
     )
     assert plain[-1] > 1000
     assert joined[-1] < 400
@@ -217,21 +217,21 @@ def test_joined_elements_grow_much_more_slowly_with_the_rope() -> None:
 
 
 @settings(max_examples=60, deadline=None)
-@given(length=st.floats(120.0, 2000.0), place=PLACES, levels=st.integers(1, 6))
+@given(length=st.floats(120.0, 2000.0), place=PLACES, growth=st.floats(0.01, 100.0))
 def test_elements_of_the_legs_are_as_long_as_their_distances_from_end_and_loop_allow(
-    length: float, place: float, levels: int
+    length: float, place: float, growth: float
 ) -> None:
-    p = partition(Mesh(end_levels=0, leg_levels=levels), length, place * length)
+    p = partition(Mesh(end_levels=0, leg_growth=growth), length, place * length)
     units, first, last = p.lengths / p.coarse, p.counts[0], p.counts[6]
     s = nodes(p) / p.coarse
     for size, a, b in zip(units, s, s[1:], strict=False):
         if size > 1.0 + 1e-9:
-            assert size <= 2**levels + 1e-9
+            assert size <= 2**LEG_LEVELS + 1e-9
             from_end = min(a, length / p.coarse - b)
             to_loop = first - b if b <= first + 1e-9 else a - (length / p.coarse - last)
             assert size <= from_end + 1e-6
             assert GRADING * (size - 1) <= to_loop + 1e-6
-            assert (first + last) * size**2 <= SWAY * (to_loop + 1e-6)
+            assert p.coarse * size**2 <= growth * (to_loop + 1e-6)
 
 
 # the transfer

@@ -48,7 +48,7 @@ Ends = tuple[EndMotion, EndMotion]
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("text.c", "ends.c", "rungs.c", "rigid.c", "parameters.c", "shape.c", "mesh.c")
+PARTS = ("text.c", "ends.c", "rungs.c", "rigid.c", "parameters.c", "shape.c", "mesh.c", "transfer.c")
 MESSAGE, ROUNDING = 512, 1e-12
 #: the codes of the rungs
 RUNGS = get_args(RungChoice)

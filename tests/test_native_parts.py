@@ -80,9 +80,9 @@ MESSAGE, ROUNDING = 512, 1e-12
 class CPattern(ct.Structure):
     _fields_ = (
         ("coarse", ct.c_double),
+        ("leg_growth", ct.c_double),
         ("counts", ct.c_int32 * 7),
         ("end_levels", ct.c_int32),
-        ("leg_levels", ct.c_int32),
     )
 
 
@@ -211,7 +211,7 @@ def c_partition(parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float
 
 def as_in_c(mesh: Partition) -> tuple[Any, Array]:
     """Pattern and lengths."""
-    return CPattern(mesh.coarse, (ct.c_int32 * 7)(*mesh.counts), mesh.end_levels, mesh.leg_levels), mesh.lengths
+    return CPattern(mesh.coarse, mesh.leg_growth, (ct.c_int32 * 7)(*mesh.counts), mesh.end_levels), mesh.lengths
 
 
 def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:
@@ -231,8 +231,8 @@ def counted(twos: tuple[int, int], fours: tuple[int, int], fine: int) -> tuple[i
 
 
 meshes = st.builds(
-    lambda kind, elements, l, twos, fours, fine, levels, legs, error: Mesh(
-        kind, elements, l, counted(twos, fours, fine), levels, legs, error
+    lambda kind, elements, l, twos, fours, fine, levels, growth, error: Mesh(
+        kind, elements, l, counted(twos, fours, fine), levels, growth, error
     ),
     st.sampled_from(KINDS),
     st.integers(2, 400),
@@ -241,7 +241,7 @@ meshes = st.builds(
     st.just((0, 0)) | st.tuples(st.integers(1, 3), st.integers(1, 3)),
     st.integers(1, 8),
     st.integers(0, 8),
-    st.integers(0, 6),
+    st.just(0.0) | st.floats(1e-3, 1e3),
     st.floats(1e-4, 0.2),
 )
 ropes = st.builds(
@@ -257,14 +257,14 @@ layouts = st.builds(Layout, st.floats(0.3, 5.0))
 @settings(max_examples=200, deadline=None)
 def test_suited_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
     ours, expected = parts.mesh_suited(c_of(mesh), c_of(rope), c_of(layout)), suited(mesh, rope, layout)
-    assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels, ours.leg_levels) == (
+    assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
         expected.kind,
         expected.elements,
         expected.counts,
         expected.end_levels,
-        expected.leg_levels,
     )
     assert_allclose(ours.coarse_length, expected.coarse_length, rtol=1e-15)
+    assert_allclose(ours.leg_growth, expected.leg_growth, rtol=1e-15)
     assert ours.loop_error == expected.loop_error
 
 
@@ -364,11 +364,11 @@ def test_interpolated_values_are_the_same(
     assert np.all(y[-1] == -7.0)
 
 
-@given(direction=st.sampled_from((1, -1)), levels=st.integers(0, 6), seed=st.integers(0, 1000))
+@given(direction=st.sampled_from((1, -1)), growth=st.floats(0, 100), seed=st.integers(0, 1000))
 def test_state_carried_to_a_transformed_mesh_is_the_same(
-    parts: SimpleNamespace, direction: int, levels: int, seed: int
+    parts: SimpleNamespace, direction: int, growth: float, seed: int
 ) -> None:
-    mesh = Mesh(leg_levels=levels)
+    mesh = Mesh(leg_growth=growth)
     old = partition(mesh, 120.0, 50.0)
     pattern, lengths = c_partition(parts, mesh, 120.0, 50.0)
     parts.mesh_transformed(pattern, direction, len(lengths), lengths)

@@ -35,8 +35,8 @@ typedef struct {
 
 /* the pattern of TMN-ETM; counts[0] = 0 for EEM */
 typedef struct {
-    double coarse;
-    int32_t counts[SEGMENTS], end_levels, leg_levels;
+    double coarse, leg_growth;
+    int32_t counts[SEGMENTS], end_levels;
 } Pattern;
 
 /* which: side of the swivel, or the new rung */

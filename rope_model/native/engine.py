@@ -37,7 +37,12 @@ class _Swivel(Structure):
 
 
 class _Pattern(Structure):
-    _fields_ = (("coarse", c_double), ("counts", c_int32 * _SEGMENTS), ("end_levels", c_int32), ("leg_levels", c_int32))
+    _fields_ = (
+        ("coarse", c_double),
+        ("leg_growth", c_double),
+        ("counts", c_int32 * _SEGMENTS),
+        ("end_levels", c_int32),
+    )
 
 
 class _Event(Structure):
@@ -239,7 +244,7 @@ def _unpacked(data: bytes) -> RopeState:
             counts,
             s.pattern.coarse,
             s.pattern.end_levels,
-            s.pattern.leg_levels,
+            s.pattern.leg_growth,
         ),
         pole=np.array(s.pole),
         offsets=(s.offsets[0], s.offsets[1]),
@@ -273,7 +278,7 @@ def _packed(state: RopeState) -> bytes:
         power_swivel=state.powers.swivel,
         swivels=tuple(_Swivel(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
         paths=tuple(PathStructure(q.start, q.stop, q.coefficients) for q in state.paths),
-        pattern=_Pattern(p.coarse, p.counts or (0,) * _SEGMENTS, p.end_levels, p.leg_levels),
+        pattern=_Pattern(p.coarse, p.leg_growth, p.counts or (0,) * _SEGMENTS, p.end_levels),
         ledger=_Ledger(*state.ledger),
         counts=_Counts(*state.counts),
         elements=p.lengths.size,

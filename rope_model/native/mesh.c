@@ -12,7 +12,8 @@ enum { MOST_ELEMENTS = 20000 };
 
 static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
-enum { GRADING = 2, SWAY = 400, LEG_LEVELS = 6, RATIO = 4 };
+enum { GRADING = 2, LEG_LEVELS = 6, RATIO = 4 };
+static const double LEG_GROWTH = 7.5e5, MOST_GROWTH = 1e4;
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
 static const double FADE = 1.35, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
@@ -73,19 +74,19 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     suited.counts[1] = suited.counts[3] = 0;
     suited.counts[2] = as_int(count);
     suited.end_levels = (int)fmin(levels, 8);
-    suited.leg_levels = LEG_LEVELS;
+    suited.leg_growth = fmin(LEG_GROWTH * mesh->loop_error / rope->length, MOST_GROWTH);
     return suited;
 }
 
 /* elements of a leg of `units` l from the clamped end on, each as long as its distances from end and loop allow, in
-   units of l; `both` legs have so many l; where the lengths go to every `stride`, NULL: nowhere */
-static int fill_leg(int units, int levels, int both, double *lengths, int stride) {
+   units of l as `growth`; where the lengths go to every `stride`, NULL: nowhere */
+static int fill_leg(int units, double growth, double *lengths, int stride) {
     int count = 0;
     for (int at = 0, size; at < units; at += size, count++) {
         size = 1;
-        for (int k = 0; k < levels; k++) {
+        for (int k = 0; k < LEG_LEVELS; k++) {
             int twice = 2 * size, gap = units - (at + twice);
-            if (twice > at || gap < GRADING * (twice - 1) || gap * (int64_t)SWAY < both * (int64_t)twice * twice)
+            if (twice > at || gap < GRADING * (twice - 1) || gap * growth < (double)(twice * twice))
                 break;
             size = twice;
         }
@@ -96,10 +97,10 @@ static int fill_leg(int units, int levels, int both, double *lengths, int stride
 }
 
 /* elements of both legs together, which have `units` l: as many as the worst place of the loop asks for */
-static int leg_elements(int units, int levels) {
-    int most = levels == 0 ? units : 0;
-    for (int first = 1; levels > 0 && first <= units / 2; first++) {
-        int count = fill_leg(first, levels, units, NULL, 0) + fill_leg(units - first, levels, units, NULL, 0);
+static int leg_elements(int units, double growth) {
+    int most = growth > 0 ? 0 : units;
+    for (int first = 1; growth > 0 && first <= units / 2; first++) {
+        int count = fill_leg(first, growth, NULL, 0) + fill_leg(units - first, growth, NULL, 0);
         most = count > most ? count : most;
     }
     return most;
@@ -116,9 +117,8 @@ static int longest_of(const double *lengths, int stride, int count) {
 
 /* both legs from their ends on; what another place of the loop would ask for halves the longest elements; gives the
    number of the left leg's */
-static int fill_legs(int first, int last, int levels, int elements, double *left, double *right) {
-    int both = first + last;
-    int counts[2] = {fill_leg(first, levels, both, left, 1), fill_leg(last, levels, both, right, -1)};
+static int fill_legs(int first, int last, double growth, int elements, double *left, double *right) {
+    int counts[2] = {fill_leg(first, growth, left, 1), fill_leg(last, growth, right, -1)};
     for (int spare = elements - counts[0] - counts[1]; spare > 0; spare--) {
         int i = longest_of(left, 1, counts[0]), j = longest_of(right, -1, counts[1]), side = right[-j] > left[i];
         double *lengths = side ? right - j : left + i;
@@ -160,7 +160,8 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
                  ROUNDED(inner_of(mesh) * mesh->coarse_length, 6), ROUNDED(length, 6));
         return 0;
     }
-    double elements = leg_elements((int)outer, mesh->leg_levels) + 2 * mesh->end_levels;
+    double growth = mesh->leg_growth / (length / (outer + inner_of(mesh)));
+    double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++)
         elements += mesh->counts[k];
     if (elements > (double)MOST_ELEMENTS) {
@@ -180,7 +181,7 @@ static void fill_lengths(const Pattern *pattern, int elements, double *lengths) 
         legs -= counts[k];
 
     double *left = lengths + n, *right = lengths + elements - 1 - n;
-    n += fill_legs(first, last, pattern->leg_levels, legs, left, right);
+    n += fill_legs(first, last, pattern->leg_growth / coarse, legs, left, right);
     const double ladder[SEGMENTS] = {1, HALF, QUARTER, fine_share(counts[1] > 0, counts[2] > 0), QUARTER, HALF, 1};
     for (int segment = 1; segment < SEGMENTS - 1; segment++)
         for (int k = 0; k < counts[segment]; k++)
@@ -205,7 +206,7 @@ void mesh_partition(const Mesh *mesh, double length, double bottom, int elements
     first = first > 1 ? fmin(first, outer - 1) : 1;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;
-    pattern->leg_levels = mesh->leg_levels;
+    pattern->leg_growth = mesh->leg_growth;
     pattern->counts[0] = (int)first;
     for (int k = 0; k < SEGMENTS - 2; k++)
         pattern->counts[k + 1] = mesh->counts[k];

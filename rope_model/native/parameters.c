@@ -94,8 +94,8 @@ static void mesh_checked(const Mesh *mesh, const Check *check) {
          "> 0 m", "2 m suits a 120 m rope");
     whole(check, 0 <= mesh->end_levels && mesh->end_levels <= 8, "end_levels", mesh->end_levels, "0 to 8",
           "2 resolves the clamped ends");
-    whole(check, 0 <= mesh->leg_levels && mesh->leg_levels <= 6, "leg_levels", mesh->leg_levels, "0 to 6",
-          "2 suits a 120 m rope");
+    real(check, 0 <= mesh->leg_growth && mesh->leg_growth <= 1e4, "leg_growth", mesh->leg_growth, "0 to 1e4 m",
+         "3 m suits a 1000 m rope");
     const int *n = mesh->counts;
     int multiples[] = {2, 4, 2 << ((n[0] > 0) + (n[1] > 0)), 4, 2};
     for (int i = 0; i < 5; i++) {

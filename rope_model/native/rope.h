@@ -33,8 +33,8 @@ typedef struct {
 } Swivel;
 
 typedef struct {
-    double coarse_length, loop_error;
-    int kind, elements, counts[5], end_levels, leg_levels;
+    double coarse_length, leg_growth, loop_error;
+    int kind, elements, counts[5], end_levels;
 } Mesh;
 
 typedef struct {

@@ -69,7 +69,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     Pattern expected;
     int k;
     mesh_partition(&rope->mesh, length, 0.5 * length, m->elements, &expected, lengths);
-    if (pattern->end_levels != expected.end_levels || pattern->leg_levels != expected.leg_levels ||
+    if (pattern->end_levels != expected.end_levels || pattern->leg_growth != expected.leg_growth ||
         !(fabs(pattern->coarse - expected.coarse) <= rounding))
         return 0;
     for (k = 1; k < SEGMENTS - 1; ++k)

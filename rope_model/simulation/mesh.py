@@ -13,9 +13,10 @@ IV has l/4, without II and VI too l/2: shorter ways from one transformation to t
 
 Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
-long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 4 l, ...
-2^``leg_levels`` l, as far as the distances from end and loop allow: a straight leg needs no more, and the number of
-elements grows slowly with the rope's length.  It is the same for every place of the loop.
+long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 4 l,
+..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so the waves
+of a swaying leg are as long as sqrt(g x), and an element may be as long as sqrt(``leg_growth`` x).  The number of
+elements grows slowly with the rope's length and is the same for every place of the loop.
 """
 
 from __future__ import annotations
@@ -34,13 +35,12 @@ from .rope_system import Array, arc_lengths
 DUE = 0.6
 #: a step does not carry the loop further than this many l past that
 LATEST = 0.25
-#: an element of m l in I or VII is no longer than its distance from its end of the rope, and no nearer to segments II
-#: to VI than GRADING (m - 1) l, nor than N m^2 l / SWAY, where N l is the length of I and VII together: the tension
-#: grows with the distance x from the loop, so the waves of a swaying leg are as long as sqrt(g x), and over the N of a
-#: trip they fall behind; `python -m benchmarks.legs` shows what it rests on
-GRADING, SWAY = 2, 400
-#: 'auto': leg_levels; the rule above ends the ladder before that on any rope but the longest
-LEG_LEVELS = 6
+#: an element of I or VII is no longer than its distance from its end of the rope, nor 2^LEG_LEVELS l, and one of m l no
+#: nearer to segments II to VI than GRADING (m - 1) l
+GRADING, LEG_LEVELS = 2, 6
+#: 'auto': leg_growth = LEG_GROWTH loop_error / length: over a long trip waves fall behind that longer elements follow
+#: badly; `python -m benchmarks.legs` shows what it rests on
+LEG_GROWTH, MOST_GROWTH = 7.5e5, 1e4  # m
 #: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
@@ -61,14 +61,14 @@ class Partition:
     """Element lengths from left to right; for TMN-ETM also the pattern they come from.
 
     ``counts`` are the elements of the seven segments (empty for EEM) before the end elements are halved
-    ``end_levels`` times and those of I and VII joined ``leg_levels`` times; ``coarse`` is l.
+    ``end_levels`` times and those of I and VII joined as ``leg_growth`` (m) allows; ``coarse`` is l.
     """
 
     lengths: Array
     counts: tuple[int, ...] = ()
     coarse: float = 0.0
     end_levels: int = 0
-    leg_levels: int = 0
+    leg_growth: float = 0.0
 
     @property
     def nodes_s(self) -> Array:
@@ -124,7 +124,12 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
         return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
     levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer * shorter))), 0)
     return replace(
-        mesh, kind="tmn", coarse_length=coarse, counts=counts, end_levels=min(levels, 8), leg_levels=LEG_LEVELS
+        mesh,
+        kind="tmn",
+        coarse_length=coarse,
+        counts=counts,
+        end_levels=min(levels, 8),
+        leg_growth=min(LEG_GROWTH * mesh.loop_error / rope.length, MOST_GROWTH),
     )
 
 
@@ -146,12 +151,12 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
             f"the mesh's segments II to VI need {inner * mesh.coarse_length:g} m of a rope of {length:g} m and leave "
             "nothing for I and VII; lower coarse_length or the counts"
         )
-    elements = _leg_elements(int(outer), mesh.leg_levels) + 2 * mesh.end_levels + sum(mesh.counts)
+    coarse = length / (outer + inner)
+    elements = _leg_elements(int(outer), mesh.leg_growth / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
     if elements > MOST_ELEMENTS:
         raise ValueError(f"coarse_length and counts make {elements:.0f} elements, more than {MOST_ELEMENTS}; use fewer")
-    coarse = length / (outer + inner)
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), 1, outer - 1))
-    return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.leg_levels)
+    return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.leg_growth)
 
 
 def misplaced(mesh: Partition, bottom: float) -> str:
@@ -168,7 +173,7 @@ def misplaced(mesh: Partition, bottom: float) -> str:
 def transformed(old: Partition, direction: int) -> Partition:
     """The partition after one transformation, ``direction`` +1 when the loop travels to the right, else -1."""
     first, last = old.counts[0] + direction, old.counts[6] - direction
-    return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels, old.leg_levels)
+    return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels, old.leg_growth)
 
 
 def transformation_due(mesh: Partition, bottom: float, slack: float = 0.0) -> int:
@@ -189,24 +194,24 @@ def distance_to_due(mesh: Partition, bottom: float) -> float:
     return float(abs(offset) - DUE * mesh.coarse)
 
 
-def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, leg_levels: int) -> Partition:
+def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, leg_growth: float) -> Partition:
     inner = np.repeat(ladder(counts[1:6]), counts[1:6])
     # l/2, l/4 ... and the last length once more
     end = np.array([*(0.5**k for k in range(1, end_levels + 1)), 0.5**end_levels])
-    left, right = _legs(counts[0], counts[6], leg_levels)
+    left, right = _legs(counts[0], counts[6], leg_growth / coarse)
     lengths = np.concatenate((end[::-1], left[1:], inner, right[:0:-1], end))
-    return Partition(coarse * lengths, counts, coarse, end_levels, leg_levels)
+    return Partition(coarse * lengths, counts, coarse, end_levels, leg_growth)
 
 
-def _leg(units: int, levels: int, both: int) -> list[int]:
-    """Elements of a leg of ``units`` l, in units of l, from the end of the rope on; ``both`` legs have so many l."""
+def _leg(units: int, growth: float) -> list[int]:
+    """Elements of a leg of ``units`` l, in units of l as ``growth``, from the end of the rope on."""
     lengths: list[int] = []
     at = 0
     while at < units:
         size = 1
-        for _ in range(levels):
+        for _ in range(LEG_LEVELS):
             twice, gap = 2 * size, units - (at + 2 * size)
-            if twice > at or gap < GRADING * (twice - 1) or gap * SWAY < both * twice**2:
+            if twice > at or gap < GRADING * (twice - 1) or gap * growth < twice**2:
                 break
             size = twice
         lengths.append(size)
@@ -215,18 +220,18 @@ def _leg(units: int, levels: int, both: int) -> list[int]:
 
 
 @lru_cache
-def _leg_elements(units: int, levels: int) -> int:
+def _leg_elements(units: int, growth: float) -> int:
     """Elements of both legs together, which have ``units`` l: as many as the worst place of the loop asks for."""
-    if levels == 0:
+    if growth == 0:
         return units
-    counts = [0, *(len(_leg(k, levels, units)) for k in range(1, units))]
+    counts = [0, *(len(_leg(k, growth)) for k in range(1, units))]
     return max(counts[k] + counts[units - k] for k in range(1, units))
 
 
-def _legs(first: int, last: int, levels: int) -> tuple[list[int], list[int]]:
+def _legs(first: int, last: int, growth: float) -> tuple[list[int], list[int]]:
     """Both legs from their ends on; what another place of the loop would ask for halves the longest elements."""
-    both = _leg(first, levels, first + last), _leg(last, levels, first + last)
-    for _ in range(_leg_elements(first + last, levels) - len(both[0]) - len(both[1])):
+    both = _leg(first, growth), _leg(last, growth)
+    for _ in range(_leg_elements(first + last, growth) - len(both[0]) - len(both[1])):
         leg = max(both, key=max)
         k = len(leg) - 1 - leg[::-1].index(max(leg))  # the one nearest the loop
         leg[k : k + 1] = [leg[k] // 2] * 2

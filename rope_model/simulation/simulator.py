@@ -139,12 +139,12 @@ class RopeSimulator:
             )
         if (saved := _pattern(state.partition)) != self._own_pattern:
             raise ValueError(
-                f"not a state of this rope: counts of II to VI, of I and VII, end_levels and leg_levels are {saved}, "
+                f"not a state of this rope: counts of II to VI, of I and VII, end_levels and leg_growth are {saved}, "
                 f"here {self._own_pattern}; restore it into a rope with the same parameters"
             )
 
     @cached_property
-    def _own_pattern(self) -> tuple[tuple[int, ...], int, int, int]:
+    def _own_pattern(self) -> tuple[tuple[int, ...], int, int, float]:
         return _pattern(partition(self._mesh, self.scene.rope.length, 0.5 * self.scene.rope.length))
 
     def retune(self, scene: Scene) -> None:
@@ -412,6 +412,6 @@ class RopeSimulator:
         self._state, self._system, self._loop = state, None, None
 
 
-def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, int]:
+def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float]:
     """What all places of the loop have in common."""
-    return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.leg_levels
+    return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.leg_growth

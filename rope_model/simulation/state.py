@@ -103,7 +103,7 @@ class RopeState(NamedTuple):
             "counts_of_segments": self.partition.counts,
             "coarse": self.partition.coarse,
             "end_levels": self.partition.end_levels,
-            "leg_levels": self.partition.leg_levels,
+            "leg_growth": self.partition.leg_growth,
             "offsets": self.offsets,
             "swivels": [(s.phase.value, s.angle, s.sign) for s in self.swivels],
             "paths": [(p.start, p.stop) for p in self.paths],
@@ -133,7 +133,7 @@ class RopeState(NamedTuple):
             return RopeState(
                 motion=Motion(s["t"], x["q"], x["v"], x["a"], x["b"], x["a_rate"], s["h"], x["reaction"]),
                 partition=Partition(
-                    x["lengths"], tuple(s["counts_of_segments"]), s["coarse"], s["end_levels"], s["leg_levels"]
+                    x["lengths"], tuple(s["counts_of_segments"]), s["coarse"], s["end_levels"], s["leg_growth"]
                 ),
                 pole=x["pole"],
                 offsets=(s["offsets"][0], s["offsets"][1]),
