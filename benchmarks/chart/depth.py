@@ -30,7 +30,7 @@ from .front import cost_at
 TRIPS = {
     "rope-120": Trip(travel=90.0, speed=8.0),
     "rope-240": Trip(travel=200.0, speed=10.0),
-    "monopol-1000": Trip(travel=300.0, speed=16.0),
+    "monopol-1000": Trip(travel=900.0, speed=16.0),
 }
 SETTLE, STEP, SAMPLE = 3.0, 0.01, 4  # s, s, steps
 ROUNDS = 3

@@ -58,7 +58,7 @@ static void on_partition(Simulator *rope, State *state, int direction)
     mesh_arc_lengths(m.elements, m.lengths, m.s);
     if (state->rung == RIGID) /* its shape and energies do not come from the mesh */
         return;
-    transfer_carried(m.nodes, old_s, m.s, 5, fields, rope->work);
+    transfer_carried(m.nodes, old_s, m.s, 5, fields, rope->work); /* the chain's, free between solutions */
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     relaxed(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 0);
     booked(rope, state, TRANSFORMED, &state->counts.transformations);

@@ -16,7 +16,7 @@ enum { GRADING = 2, LEG_LEVELS = 6, RATIO = 4 };
 static const double LEG_GROWTH = 7.5e5, MOST_GROWTH = 1e4;
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
-static const double FADE = 1.35, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
+static const double FADE = 1.0, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
 static const double NEAREST = 0.12;
 static const double END_LENGTH = 2.9;
 

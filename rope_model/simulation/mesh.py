@@ -47,7 +47,7 @@ NATURAL_RADIUS = 0.912
 LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
 #: 'auto': what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this
 #: much more for a tenth of it
-FADE, FADE_ERROR, FADE_DECADE = 1.35, 0.05, 0.25
+FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.25
 #: 'auto': how near an end the loop may hang, in rope lengths
 NEAREST = 0.12
 #: 'auto': end elements in units of the bending layer there, for an error of LOOP_ERROR R; shorter as the loop's are
