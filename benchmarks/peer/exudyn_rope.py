@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from hoist_demo.reference import Reference
 from rope_model.parameters import Rope, Scene
-from rope_model.simulation.transfer import transferred
+from rope_model.simulation.transfer import interpolated
 
 from .elements import BEAM_2D, ELEMENTS, RIGID, euler_parameters
 from .motions import s_curve, swing
@@ -84,7 +84,7 @@ class PeerRope:
         pieces = 2 * count if self.element.middle else count
         self.lengths = np.full(pieces, self.rope.length / pieces)
         s, q = hanging
-        self._start = transferred(q, s, np.concatenate(([0.0], np.cumsum(self.lengths))))
+        self._start = interpolated(q, s, np.concatenate(([0.0], np.cumsum(self.lengths))))
         self._half, self._heights = 0.5 * scene.layout.spacing, heights
         self._container = exu.SystemContainer()
         self.mbs = self._container.AddSystem()
