@@ -2,7 +2,8 @@
 
 The same mesh with none joined, and with a quarter, once and four times the ``leg_growth`` of 'auto', against one for
 0.3 mm without joined elements, on the planar rung (an uncoupled rope), where the sway of the legs is seen alone.  What
-a leg's waves lose adds up: the trips are long.
+a leg's waves lose adds up: the trips are long.  An emergency stop sends shorter waves up the legs; what the time steps
+alone do to the loop is printed beside it, by the same fine mesh with a quarter of the step.
 """
 
 from __future__ import annotations
@@ -12,18 +13,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
-from rope_model.parameters import Mesh
+from rope_model.parameters import Mesh, Solver
 from rope_model.simulation.mesh import suited
 
 from .chart.depth import scene_of
-from .kinematic import wind
+from .kinematic import Winding, wind
 
 FINEST = 3e-4  # m, loop_error of the reference
-STEP, SAMPLE = 0.01, 8  # s, steps
+STEP, EVERY, SETTLE = 0.01, 0.08, 5.0  # s
 PARTS = (0.0, 0.25, 1.0, 4.0)  # of the leg_growth of 'auto'
 
 
@@ -40,6 +40,9 @@ CASES = (
     Case("rope-240", Trip(travel=200.0, speed=10.0)),
     Case("monopol-1000", Trip(travel=700.0, speed=8.0)),
     Case("monopol-1000", Trip(travel=900.0, speed=16.0)),
+    Case("rope-240", Trip(travel=200.0, speed=10.0, emergency_at=16.0)),
+    Case("kiruna-710", Trip(travel=650.0, speed=16.0, emergency_at=35.0)),
+    Case("monopol-1000", Trip(travel=900.0, speed=16.0, emergency_at=40.0)),
 )
 
 
@@ -53,26 +56,34 @@ class Outcome:
     kinetic: float  # J, largest change by a transformation
 
 
-def outcomes(case: Case, loop_error: float = 5e-3) -> Iterator[Outcome]:
-    """Meshes for ``loop_error`` (m) with more and more elements joined."""
+def wound(case: Case, mesh: Mesh, step: float = STEP) -> Winding:
+    """The uncoupled rope on its trip, with a record every EVERY (s)."""
+    scene = scene_of(case.rope, "uncoupled").with_(mesh=mesh, solver=Solver(step_max=step))
+    run = wind(scene, s_curve(case.trip), case.trip.travel, SETTLE, round(EVERY / step), interval=step)
+    if not run.status.valid:
+        raise RuntimeError(f"{case.rope}, {mesh}: {run.status.message}")
+    return run
+
+
+def apart(a: Winding, b: Winding) -> float:
+    """Largest distance of the loops' places, m."""
+    return float(np.linalg.norm(np.array(a.bottom) - np.array(b.bottom), axis=1).max())
+
+
+def meshes(case: Case, loop_error: float) -> tuple[Mesh, Mesh]:
+    """The mesh of 'auto' for ``loop_error`` (m), and the reference's."""
     scene = scene_of(case.rope, "uncoupled")
-
-    def wound(mesh: Mesh) -> tuple[NDArray[np.float64], int, float]:
-        run = wind(
-            scene.with_(mesh=mesh), s_curve(case.trip), case.trip.travel, settle=1.0, sample=SAMPLE, interval=STEP
-        )
-        if not run.status.valid:
-            raise RuntimeError(f"{case.rope}, {mesh}: {run.status.message}")
-        changes = [abs(e.kinetic) for e in run.events if e.what == "transformation"]
-        return np.array(run.bottom), run.rope.state.partition.lengths.size, max(changes)
-
     auto, fine = (suited(Mesh("auto", loop_error=e), scene.rope, scene.layout) for e in (loop_error, FINEST))
-    exact = wound(replace(fine, leg_growth=0.0))[0]
+    return auto, replace(fine, leg_growth=0.0)
+
+
+def outcomes(case: Case, exact: Winding, auto: Mesh) -> Iterator[Outcome]:
+    """Meshes with more and more elements joined."""
     for times in PARTS:
         mesh = replace(auto, leg_growth=times * auto.leg_growth)
-        bottom, elements, kinetic = wound(mesh)
-        largest = float(np.linalg.norm(bottom - exact, axis=1).max())
-        yield Outcome(mesh.leg_growth, elements, largest, kinetic)
+        run = wound(case, mesh)
+        kinetic = max(abs(e.kinetic) for e in run.events if e.what == "transformation")
+        yield Outcome(mesh.leg_growth, run.rope.state.partition.lengths.size, apart(run, exact), kinetic)
 
 
 def main() -> None:
@@ -81,10 +92,16 @@ def main() -> None:
     parser.add_argument("--loop-error", type=float, default=5e-3, metavar="M", help="of the mesh [m] (%(default)s)")
     options = parser.parse_args()
     for case in CASES:
+        trip = case.trip
+        stop = "" if trip.emergency_at is None else f", emergency stop at {trip.emergency_at:g} s"
+        auto, fine = meshes(case, options.loop_error)
+        exact = wound(case, fine)
+        steps = 1e3 * apart(exact, wound(case, fine, STEP / 4))
         print(
-            f"{case.rope}, {case.trip.travel:g} m at up to {case.trip.speed:g} m/s, mesh for {options.loop_error:g} m"
+            f"{case.rope}, {trip.travel:g} m at up to {trip.speed:g} m/s{stop}, mesh for {options.loop_error:g} m; "
+            f"steps of {1e3 * STEP:g} ms alone: {steps:.2f} mm"
         )
-        for x in outcomes(case, options.loop_error):
+        for x in outcomes(case, exact, auto):
             print(
                 f"  leg_growth {x.leg_growth:6.2f} m {x.elements:5d} elements, loop "
                 f"{1e3 * x.loop_error:6.2f} mm, kinetic energy per transformation up to {x.kinetic:.1e} J",

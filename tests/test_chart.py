@@ -143,25 +143,26 @@ def test_the_interpreted_rope_is_the_compiled_one() -> None:
 
 def test_savings_are_those_of_equal_elements_with_the_same_loop_error() -> None:
     elements = np.array([100.0, 200.0, 400.0])
-    rows_of_eem = [("r", 10.0, "coupled", "EEM", 0.0, n, 2e-5 * n, 1e-6, 1e4 / n**4) for n in elements]
-    reference = ("r", 10.0, "coupled", "EEM", 0.0, 4000.0, 1.0, 0.0, 0.0)
-    other = ("s", 10.0, "coupled", "EEM", 0.0, 10.0, 1e-9, 0.0, 1e-9)
+    rows_of_eem = [("r", 10.0, 5.0, 1.0, "coupled", "EEM", 0.0, n, 2e-5 * n, 1e-6, 1e4 / n**4) for n in elements]
+    reference = ("r", 10.0, 5.0, 1.0, "coupled", "EEM", 0.0, 4000.0, 1.0, 0.0, 0.0)
+    other = ("s", 10.0, 5.0, 1.0, "coupled", "EEM", 0.0, 10.0, 1e-9, 0.0, 1e-9)
+    faster = ("r", 10.0, 5.0, 2.0, "coupled", "EEM", 0.0, 10.0, 1e-9, 0.0, 1e-9)
     # as good as 300 equal elements, 6e-3 s/s
-    ours = ("r", 10.0, "coupled", "TMN-ETM", 1e-3, 50.0, 1.5e-3, 1e-6, 1e4 / 300.0**4)
-    (found,) = depth.savings(table((*depth.COLUMNS, *depth.ERRORS), [reference, *rows_of_eem, other, ours]))
+    ours = ("r", 10.0, 5.0, 1.0, "coupled", "TMN-ETM", 1e-3, 50.0, 1.5e-3, 1e-6, 1e4 / 300.0**4)
+    (found,) = depth.savings(table((*depth.COLUMNS, *depth.ERRORS), [reference, *rows_of_eem, other, faster, ours]))
     assert_allclose((found.equal_elements, found.saved), (300.0, 75.0), rtol=1e-9)
 
 
 @pytest.mark.parametrize("coupling", depth.COUPLINGS)
 def test_the_deeper_the_shaft_the_more_is_saved(coupling: str) -> None:
     found = [s for s in depth.savings(TABLES["depth"]) if s.coupling == coupling]
-    assert len(found) == len(depth.ROPES) * len(depth.LOOP_ERRORS)
+    assert len(found) == len(depth.TRIPS) * len(depth.LOOP_ERRORS)
     for wanted in depth.LOOP_ERRORS:
-        of_one_mesh = [s for s in found if s.wanted == wanted]
+        of_one_mesh = [s for s in found if s.wanted == wanted and s.speed <= 10.0]
         assert all(a.length < b.length and a.saved < b.saved for a, b in itertools.pairwise(of_one_mesh))
 
 
-@pytest.mark.parametrize(("coupling", "least"), [("uncoupled", SOURCE_SAVED["uncoupled"]), ("coupled", 90.0)])
-def test_nine_tenths_of_the_time_are_saved_in_a_deep_shaft(coupling: str, least: float) -> None:
+@pytest.mark.parametrize("coupling", depth.COUPLINGS)
+def test_what_the_source_states_is_saved_in_a_deep_shaft(coupling: str) -> None:
     deepest = [s for s in depth.savings(TABLES["depth"]) if s.coupling == coupling and s.length > 1000.0]
-    assert max(s.saved for s in deepest) > least
+    assert max(s.saved for s in deepest) > SOURCE_SAVED[coupling]

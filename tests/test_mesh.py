@@ -16,7 +16,7 @@ from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh import (
     DUE,
     GRADING,
-    LEG_LEVELS,
+    LEG_LENGTHS,
     Partition,
     distance_to_due,
     inner_length,
@@ -168,6 +168,8 @@ def test_a_transformation_moves_one_coarse_element_across_and_back_again(
     back = transformed(there, -direction)
     assert back.counts == p.counts
     np.testing.assert_array_equal(back.lengths, p.lengths)
+    if mesh.leg_growth > 0:
+        return  # three may become two
     # whole elements become one, or one becomes several
     old, new = nodes(p), nodes(there)
     coarser, finer = ({(round(a / p.coarse, 6), round(b / p.coarse, 6)) for a, b in pairwise(s)} for s in (old, new))
@@ -226,7 +228,7 @@ def test_elements_of_the_legs_are_as_long_as_their_distances_from_end_and_loop_a
     s = nodes(p) / p.coarse
     for size, a, b in zip(units, s, s[1:], strict=False):
         if size > 1.0 + 1e-9:
-            assert size <= 2**LEG_LEVELS + 1e-9
+            assert size <= LEG_LENGTHS[-1] + 1e-9
             from_end = min(a, length / p.coarse - b)
             to_loop = first - b if b <= first + 1e-9 else a - (length / p.coarse - last)
             assert size <= from_end + 1e-6

@@ -12,8 +12,9 @@ enum { MOST_ELEMENTS = 20000 };
 
 static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
-enum { GRADING = 2, LEG_LEVELS = 6, RATIO = 4 };
-static const double LEG_GROWTH = 7.5e5, MOST_GROWTH = 1e4;
+enum { GRADING = 2, RATIO = 4, LEG_LENGTHS = 11 };
+static const int LEG_LENGTH[LEG_LENGTHS] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
+static const double LEG_GROWTH = 7.5e5, LEG_WAVES = 1000.0;
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
 static const double FADE = 1.0, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
@@ -74,7 +75,7 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     suited.counts[1] = suited.counts[3] = 0;
     suited.counts[2] = as_int(count);
     suited.end_levels = (int)fmin(levels, 8);
-    suited.leg_growth = fmin(LEG_GROWTH * mesh->loop_error / rope->length, MOST_GROWTH);
+    suited.leg_growth = fmin(LEG_GROWTH * mesh->loop_error, LEG_WAVES) / rope->length;
     return suited;
 }
 
@@ -84,11 +85,12 @@ static int fill_leg(int units, double growth, double *lengths, int stride) {
     int count = 0;
     for (int at = 0, size; at < units; at += size, count++) {
         size = 1;
-        for (int k = 0; k < LEG_LEVELS; k++) {
-            int twice = 2 * size, gap = units - (at + twice);
-            if (twice > at || gap < GRADING * (twice - 1) || gap * growth < (double)(twice * twice))
+        for (int k = 0; growth > 0 && k < LEG_LENGTHS; k++) {
+            int longer = LEG_LENGTH[k], gap = units - (at + longer);
+            if (longer > at || gap < GRADING * (longer - 1) || gap * growth < (double)(longer * longer))
                 break;
-            size = twice;
+            if (at % longer == 0)
+                size = longer;
         }
         if (lengths != NULL)
             lengths[(ptrdiff_t)stride * count] = size;

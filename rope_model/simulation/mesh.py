@@ -13,10 +13,10 @@ IV has l/4, without II and VI too l/2: shorter ways from one transformation to t
 
 Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
-long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 4 l,
-..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so the waves
+long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 3 l,
+4 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so the waves
 of a swaying leg are as long as sqrt(g x), and an element may be as long as sqrt(``leg_growth`` x).  The number of
-elements grows slowly with the rope's length and is the same for every place of the loop.
+elements, the same for every place of the loop, grows with the root of the rope's length.
 """
 
 from __future__ import annotations
@@ -35,12 +35,13 @@ from .rope_system import Array, arc_lengths
 DUE = 0.6
 #: a step does not carry the loop further than this many l past that
 LATEST = 0.25
-#: an element of I or VII is no longer than its distance from its end of the rope, nor 2^LEG_LEVELS l, and one of m l no
-#: nearer to segments II to VI than GRADING (m - 1) l
-GRADING, LEG_LEVELS = 2, 6
-#: 'auto': leg_growth = LEG_GROWTH loop_error / length: over a long trip waves fall behind that longer elements follow
-#: badly; `python -m benchmarks.legs` shows what it rests on
-LEG_GROWTH, MOST_GROWTH = 7.5e5, 1e4  # m
+#: in units of l, an element of I or VII has one of these lengths where its distance from its end of the rope is a
+#: multiple of it, so that its neighbours stay when it changes; one of m l is no nearer to segments II to VI than
+#: GRADING (m - 1) l
+LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
+#: 'auto': leg_growth = LEG_GROWTH loop_error / length, what short waves may lag behind on a long trip, but no more than
+#: LEG_WAVES / length, or an emergency stop errs by more than its steps do; `python -m benchmarks.legs` shows both
+LEG_GROWTH, LEG_WAVES = 7.5e5, 1000.0  # m, m^2
 #: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
@@ -129,7 +130,7 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
         coarse_length=coarse,
         counts=counts,
         end_levels=min(levels, 8),
-        leg_growth=min(LEG_GROWTH * mesh.loop_error / rope.length, MOST_GROWTH),
+        leg_growth=min(LEG_GROWTH * mesh.loop_error, LEG_WAVES) / rope.length,
     )
 
 
@@ -203,17 +204,18 @@ def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, leg_growth: fl
     return Partition(coarse * lengths, counts, coarse, end_levels, leg_growth)
 
 
-def _leg(units: int, growth: float) -> list[int]:
+def _leg(units: int, growth: float) -> list[float]:
     """Elements of a leg of ``units`` l, in units of l as ``growth``, from the end of the rope on."""
-    lengths: list[int] = []
+    lengths: list[float] = []
     at = 0
     while at < units:
         size = 1
-        for _ in range(LEG_LEVELS):
-            twice, gap = 2 * size, units - (at + 2 * size)
-            if twice > at or gap < GRADING * (twice - 1) or gap * growth < twice**2:
+        for longer in LEG_LENGTHS if growth > 0 else ():
+            gap = units - (at + longer)
+            if longer > at or gap < GRADING * (longer - 1) or gap * growth < longer**2:
                 break
-            size = twice
+            if at % longer == 0:
+                size = longer
         lengths.append(size)
         at += size
     return lengths
@@ -228,11 +230,11 @@ def _leg_elements(units: int, growth: float) -> int:
     return max(counts[k] + counts[units - k] for k in range(1, units))
 
 
-def _legs(first: int, last: int, growth: float) -> tuple[list[int], list[int]]:
+def _legs(first: int, last: int, growth: float) -> tuple[list[float], list[float]]:
     """Both legs from their ends on; what another place of the loop would ask for halves the longest elements."""
     both = _leg(first, growth), _leg(last, growth)
     for _ in range(_leg_elements(first + last, growth) - len(both[0]) - len(both[1])):
         leg = max(both, key=max)
         k = len(leg) - 1 - leg[::-1].index(max(leg))  # the one nearest the loop
-        leg[k : k + 1] = [leg[k] // 2] * 2
+        leg[k : k + 1] = [0.5 * leg[k]] * 2
     return both
