@@ -55,7 +55,10 @@ _SWIVEL = {
     "release_time": ("s", "the {side} swivel is locked before"),
 }
 _MESH = {
-    "kind": ("", "0 TMN-ETM (segments that follow the loop), 1 EEM (equal lengths), 2 TMN-ETM fitted to the rope"),
+    "kind": (
+        "",
+        "0 TMN-ETM (segments that follow the loop), 1 EEM (equal lengths), 2 fitted to the rope: TMN-ETM, or EEM on a short or stiff one",
+    ),
     "elements": ("", "number of elements, kind 1 only"),
     "coarse_length": (
         "m",
