@@ -57,7 +57,7 @@ _SWIVEL = {
 _MESH = {
     "kind": (
         "",
-        "0 TMN-ETM (segments that follow the loop), 1 EEM (equal lengths), 2 fitted to the rope: TMN-ETM, or EEM on a short or stiff one",
+        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 the one of both fitted to the rope",
     ),
     "elements": ("", "number of elements, kind 1 only"),
     "coarse_length": (

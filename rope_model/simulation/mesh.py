@@ -15,8 +15,8 @@ Ours are two additions.  The outermost element at each end is halved towards the
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
 long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 3 l,
 4 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
-the waves of a swaying leg are as long as sqrt(g x), and an element may be as long as sqrt(``leg_growth`` x).  The number
-of elements, the same for every place of the loop, grows with the root of the rope's length for a given ``leg_growth``.
+the waves of a swaying leg are as long as sqrt(g x), and an element may be as long as sqrt(``leg_growth`` x).  Their
+number, the same for every place of the loop, grows with the root of the rope's length for a given ``leg_growth``.
 """
 
 from __future__ import annotations
