@@ -13,8 +13,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from hoist_demo.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from hoist_demo.reference import s_curve
+from hoist_demo.scenes import scene_named
 from rope_model.native.build import library
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, RungChoice, Scene, Solver, Swivel, rope_120, rope_240
@@ -444,3 +446,16 @@ def test_a_rigid_rope_that_cannot_hang_is_a_status_in_both() -> None:
         assert not status.valid
         messages.append(status.message)
     assert messages[0] == messages[1]
+
+
+def test_a_search_for_a_swivel_event_that_fails_is_taken_up_again_with_a_shorter_step() -> None:
+    released = Swivel(mode="coulomb", release_time=10.0)
+    scene = rope_data(scene_named("kiruna-710").rope).with_(left=released, right=released, solver=Solver())
+    rope = NativeRope(scene.with_(rope=replace(scene.rope, installed_twist=5.0), model=Model("torsional")))
+    step, ends = scene.solver.step_max, winding(400.0, 16.0)
+    assert rope.initialize(0.0, *ends(0.0)).valid
+    # at 12.95 s a trial of the search diverges
+    for k in range(1, round(13.2 / step) + 1):
+        status = rope.advance_to(k * step, *ends(k * step))
+        assert status.valid, status.message
+    assert rope.state.counts.swivel_events > 5

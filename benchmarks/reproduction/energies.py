@@ -85,6 +85,7 @@ def draw(tables: Tables) -> Figure:
         ax.set_ylabel(label)
         ax.set_title(title)
         ax.legend(loc="upper left" if ax is axes[0, 0] else "best")
+    axes[2, 0].set_ylim(bottom=1e-12)  # room for the legend
     axes[2, 0].legend(loc="lower left", ncols=2)
     axes[2, 0].set_xlabel("time [s]")
     return made

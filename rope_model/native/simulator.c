@@ -357,7 +357,8 @@ static int rigid_step(Simulator *rope, State *state, double t_end, char *message
 /* the state after one accepted step; 0 and a message when there is none */
 static int step_towards(Simulator *rope, State *state, double t_end, char *message)
 {
-    double stop, step_next;
+    const double step_min = rope->scene.solver.step_min;
+    double stop, step_next, whole;
     int reaches, switching;
     Trial trial;
     if (state->rung == RIGID)
@@ -368,12 +369,20 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
     if (message[0])
         return 0;
     stop = next_stop(rope, state, t_end);
-    if (!accepted_step(rope, state, stop, &trial, &step_next, &reaches, message))
-        return 0;
-    switching = switching_step(rope, state, &trial);
-    if (switching < 0) {
-        snprintf(message, MESSAGE, "the step to a swivel event fails: %s", newton_text(trial.newton.status));
-        return 0;
+    for (;;) {
+        if (!accepted_step(rope, state, stop, &trial, &step_next, &reaches, message))
+            return 0;
+        whole = trial.t - state->t;
+        switching = switching_step(rope, state, &trial);
+        if (switching >= 0)
+            break;
+        if (whole <= step_min) {
+            snprintf(message, MESSAGE, "the step to a swivel event fails: %s", newton_text(trial.newton.status));
+            return 0;
+        }
+        /* a shorter one that does not reach the event, or finds it more easily */
+        state->step_next = fmax(0.5 * whole, step_min);
+        state->counts.rejections += 1;
     }
     committed(rope, state, &trial);
     state->step_next = step_next;

@@ -327,16 +327,26 @@ class RopeSimulator:
             return message
         system = model.system(state)
         stop = self._next_stop(state, t_end)
-        step = self._accepted_step(system, state, stop)
-        if isinstance(step, str):
-            return step
-        result, reaches_stop, counts = step.result, step.reaches_stop, step.counts
-        if (switching := switching_step(model, system, state, result)) is not None:
+        while True:
+            step = self._accepted_step(system, state, stop)
+            if isinstance(step, str):
+                return step
+            result, reaches_stop, counts = step.result, step.reaches_stop, step.counts
+            if (switching := switching_step(model, system, state, result)) is None:
+                break
+            assert result.motion is not None
+            whole = result.motion.t - state.motion.t
             h, iterations = switching
             result = model.trial(system, state.motion, h)
-            if result.motion is None:
-                return f"the step to a swivel event fails: {result.newton.status.text}"
             counts = counts.plus(newton=iterations + result.newton.iterations)
+            if result.motion is not None:
+                break
+            if whole <= self.scene.solver.step_min:
+                return f"the step to a swivel event fails: {result.newton.status.text}"
+            # a shorter one that does not reach the event, or finds it more easily
+            log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
+            shorter = max(0.5 * whole, self.scene.solver.step_min)
+            state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
         after = model.committed(state, system, result)
         after = after._replace(step_next=step.step_next, counts=counts.plus(steps=1))
         if switching is not None:
