@@ -53,6 +53,7 @@ class Outcome:
     leg_growth: float  # m
     elements: int
     loop_error: float  # m, the largest of the trip
+    force_error: float  # RMS over the largest force
     kinetic: float  # J, largest change by a transformation
 
 
@@ -70,6 +71,12 @@ def apart(a: Winding, b: Winding) -> float:
     return float(np.linalg.norm(np.array(a.bottom) - np.array(b.bottom), axis=1).max())
 
 
+def force_error(run: Winding, exact: Winding) -> float:
+    """RMS difference of the end forces over the largest force."""
+    force = np.array(exact.force)
+    return float(np.sqrt(np.mean((np.array(run.force) - force) ** 2)) / np.abs(force).max())
+
+
 def meshes(case: Case, loop_error: float) -> tuple[Mesh, Mesh]:
     """The mesh of 'auto' for ``loop_error`` (m), and the reference's."""
     scene = scene_of(case.rope, "uncoupled")
@@ -83,7 +90,8 @@ def outcomes(case: Case, exact: Winding, auto: Mesh) -> Iterator[Outcome]:
         mesh = replace(auto, leg_growth=times * auto.leg_growth)
         run = wound(case, mesh)
         kinetic = max(abs(e.kinetic) for e in run.events if e.what == "transformation")
-        yield Outcome(mesh.leg_growth, run.rope.state.partition.lengths.size, apart(run, exact), kinetic)
+        elements = run.rope.state.partition.lengths.size
+        yield Outcome(mesh.leg_growth, elements, apart(run, exact), force_error(run, exact), kinetic)
 
 
 def main() -> None:
@@ -96,15 +104,16 @@ def main() -> None:
         stop = "" if trip.emergency_at is None else f", emergency stop at {trip.emergency_at:g} s"
         auto, fine = meshes(case, options.loop_error)
         exact = wound(case, fine)
-        steps = 1e3 * apart(exact, wound(case, fine, STEP / 4))
+        shorter = wound(case, fine, STEP / 4)
+        steps = 1e3 * apart(exact, shorter), 100 * force_error(exact, shorter)
         print(
             f"{case.rope}, {trip.travel:g} m at up to {trip.speed:g} m/s{stop}, mesh for {options.loop_error:g} m; "
-            f"steps of {1e3 * STEP:g} ms alone: {steps:.2f} mm"
+            f"steps of {1e3 * STEP:g} ms alone: {steps[0]:.2f} mm, end forces {steps[1]:.1e} %"
         )
         for x in outcomes(case, exact, auto):
             print(
-                f"  leg_growth {x.leg_growth:6.2f} m {x.elements:5d} elements, loop "
-                f"{1e3 * x.loop_error:6.2f} mm, kinetic energy per transformation up to {x.kinetic:.1e} J",
+                f"  leg_growth {x.leg_growth:6.2f} m {x.elements:5d} elements, loop {1e3 * x.loop_error:6.2f} mm, "
+                f"end forces {100 * x.force_error:.1e} %, kinetic energy per transformation up to {x.kinetic:.1e} J",
                 flush=True,
             )
 

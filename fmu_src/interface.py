@@ -57,7 +57,7 @@ _SWIVEL = {
 _MESH = {
     "kind": (
         "",
-        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 the one of both fitted to the rope",
+        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 fitted: 0, or 1 on a short or stiff rope",
     ),
     "elements": ("", "number of elements, kind 1 only"),
     "coarse_length": (
@@ -65,7 +65,7 @@ _MESH = {
         "element length of segments I and VII, kind 0 only; the loop's are 1/8 of it, without III and V 1/4",
     ),
     "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, kind 0 only"),
-    "leg_growth": ("m", "square of an element's length in I and VII over its distance from the loop, kind 0 only"),
+    "leg_growth": ("m", "largest (element length)^2 in I and VII over distance from the loop, kind 0 only; 0: all l"),
     "loop_error": ("m", "error of the loop's place that the mesh may bring, kind 2 only"),
 }
 _SOLVER = {

@@ -152,7 +152,7 @@ class Mesh:
             "2 m suits a 120 m rope",
         )
         _require(0 <= self.end_levels <= 8, "end_levels", self.end_levels, "0 to 8", "2 resolves the clamped ends")
-        _require(0 <= self.leg_growth <= 1e4, "leg_growth", self.leg_growth, "0 to 1e4 m", "3 m suits a 1000 m rope")
+        _require(0 <= self.leg_growth <= 1e4, "leg_growth", self.leg_growth, "0 to 1e4 m", "1 m suits a 1000 m rope")
         _require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
         ii, iii, _, v, vi = self.counts
         fine = 2 ** (1 + (ii > 0) + (iii > 0))

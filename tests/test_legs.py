@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from benchmarks.chart.depth import scene_of
 from benchmarks.kinematic import ends_at, wind
+from benchmarks.legs import Case, apart, meshes, wound
 from hoist_demo.parameters import Winding
 from hoist_demo.reference import s_curve
 from rope_model.numerics.kernels import find_compiler
@@ -34,6 +35,15 @@ def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may
         assert run.status.valid, run.status.message
         places.append(np.array(run.bottom))
     assert np.linalg.norm(places[0] - places[1], axis=1).max() < 0.5 * auto.loop_error
+
+
+@pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
+def test_joined_elements_follow_an_emergency_stop_as_well_as_the_steps_do() -> None:
+    case = Case("monopol-1000", Winding(travel=900.0, speed=16.0, emergency_at=40.0))
+    auto = meshes(case, 5e-3)[0]
+    plain = wound(case, replace(auto, leg_growth=0.0))
+    by_the_legs, by_the_steps = apart(wound(case, auto), plain), apart(wound(case, auto, 2.5e-3), wound(case, auto))
+    assert 1e-4 < by_the_legs < by_the_steps < 0.05
 
 
 def test_steps_cut_at_transformations_err_several_times_more_than_meshes_that_wait(

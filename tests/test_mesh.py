@@ -324,6 +324,9 @@ def test_a_transformation_keeps_the_momentum_and_takes_energy_where_elements_mer
     # the ends, 20 l away, take up nothing that can be seen
     np.testing.assert_allclose(after[0], before[0], rtol=0, atol=1e-9)
     assert after[1] < before[1]
+    spins = [np.trapezoid(x[:, ANGLE], nodes(mesh)) for x, mesh in ((v, old), (moved, new), (dropped, new))]
+    np.testing.assert_allclose(spins[1], spins[0], rtol=0, atol=1e-9)
+    assert abs(spins[2] - spins[0]) > 0.01
     blow = np.linalg.norm(momentum_and_energy(dropped, new.lengths)[0] - before[0])
     assert blow > 0.01
 

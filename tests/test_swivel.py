@@ -201,6 +201,25 @@ def test_a_search_for_an_event_that_fails_is_taken_up_again_with_a_shorter_step(
     assert_allclose([event.t for event in events], [event.t for event in expected], rtol=0, atol=1e-4)
 
 
+@pytest.mark.parametrize("start", [0.0, 0.3, 3600.3])
+def test_a_search_for_an_event_that_always_fails_ends_with_its_cause(
+    monkeypatch: pytest.MonkeyPatch, start: float
+) -> None:
+    trial = RopeModel.trial
+
+    def failing(model: RopeModel, system: RopeSystem, old: Motion, h: float) -> StepResult[Assessment]:
+        result = trial(model, system, old, h)
+        return replace(result, motion=None) if h == 1e-7 else result
+
+    monkeypatch.setattr(RopeModel, "trial", failing)
+    monkeypatch.setattr("rope_model.simulation.switching.locate", lambda *_: 1e-7)
+    rope = RopeSimulator(scene(left=STIFF_BEARING, right=Swivel()))
+    assert rope.initialize(start, EndMotion(), EndMotion()).valid
+    status = rope.advance_to(start + YAWED, EndMotion(), EndMotion(yaw=YAW))
+    assert "the step to a swivel event fails" in status.message
+    assert rope.state.motion.t == start  # nothing is lost
+
+
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_limits_follow_the_tension_at_the_end(factor: float) -> None:
     # a rope twice as heavy holds twice the torque

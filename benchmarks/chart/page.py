@@ -203,10 +203,11 @@ def _meshes(t: Table) -> str:
 
 def _depth(t: Table) -> str:
     return (
-        "Equal elements spread over the whole rope what the loop needs; TMN-ETM has few more on a longer rope. Every "
-        "rope winds a long way with the same 10 ms steps for all meshes, uncoupled on the planar rung, so that only "
-        f"the mesh differs; errors are against equal elements of {depth.FINEST:g} m, the loop's the largest of the "
-        "run. Ropes are those of the scenes, swivels locked. Times of TMN-ETM are medians of 3 runs, of EEM one.\n\n"
+        "Equal elements spread over the whole rope what the loop needs; TMN-ETM needs far fewer more on a longer rope. "
+        "Every rope winds a long way with the same 10 ms steps for all meshes, uncoupled on the planar rung, so that "
+        f"only the mesh differs; errors are against equal elements of {depth.FINEST:g} m, the loop's the largest of "
+        "the run. Ropes are those of the scenes, swivels locked. Times of TMN-ETM are medians of 3 runs, of EEM "
+        "one.\n\n"
         f"{depth.reading(t)}\n\n![Time saved over the length of the rope]({IMAGES}/depth.png)\n\n"
         "Hollow: the deepest rope's fast trip."
     )

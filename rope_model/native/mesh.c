@@ -12,8 +12,8 @@ enum { MOST_ELEMENTS = 20000 };
 
 static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
-enum { GRADING = 2, RATIO = 4, LEG_LENGTHS = 11 };
-static const int LEG_LENGTH[LEG_LENGTHS] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
+enum { GRADING = 2, RATIO = 4, LENGTHS = 11 };
+static const int LEG_LENGTHS[LENGTHS] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
 static const double LEG_GROWTH = 7.5e5, LEG_WAVES = 1000.0;
 static const double NATURAL_RADIUS = 0.912;
 static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
@@ -85,8 +85,8 @@ static int fill_leg(int units, double growth, double *lengths, int stride) {
     int count = 0;
     for (int at = 0, size; at < units; at += size, count++) {
         size = 1;
-        for (int k = 0; growth > 0 && k < LEG_LENGTHS; k++) {
-            int longer = LEG_LENGTH[k], gap = units - (at + longer);
+        for (int k = 0; growth > 0 && k < LENGTHS; k++) {
+            int longer = LEG_LENGTHS[k], gap = units - (at + longer);
             if (longer > at || gap < GRADING * (longer - 1) || gap * growth < (double)(longer * longer))
                 break;
             if (at % longer == 0)

@@ -95,7 +95,7 @@ static void mesh_checked(const Mesh *mesh, const Check *check) {
     whole(check, 0 <= mesh->end_levels && mesh->end_levels <= 8, "end_levels", mesh->end_levels, "0 to 8",
           "2 resolves the clamped ends");
     real(check, 0 <= mesh->leg_growth && mesh->leg_growth <= 1e4, "leg_growth", mesh->leg_growth, "0 to 1e4 m",
-         "3 m suits a 1000 m rope");
+         "1 m suits a 1000 m rope");
     const int *n = mesh->counts;
     int multiples[] = {2, 4, 2 << ((n[0] > 0) + (n[1] > 0)), 4, 2};
     for (int i = 0; i < 5; i++) {

@@ -376,12 +376,12 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
         switching = switching_step(rope, state, &trial);
         if (switching >= 0)
             break;
-        if (whole <= step_min) {
+        /* a shorter one may not reach the event, or find it more easily */
+        state->step_next = fmax(0.5 * whole, step_min);
+        if (state->step_next > 0.75 * whole) {
             snprintf(message, MESSAGE, "the step to a swivel event fails: %s", newton_text(trial.newton.status));
             return 0;
         }
-        /* a shorter one that does not reach the event, or finds it more easily */
-        state->step_next = fmax(0.5 * whole, step_min);
         state->counts.rejections += 1;
     }
     committed(rope, state, &trial);

@@ -70,7 +70,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     int k;
     mesh_partition(&rope->mesh, length, 0.5 * length, m->elements, &expected, lengths);
     if (pattern->end_levels != expected.end_levels || pattern->leg_growth != expected.leg_growth ||
-        !(fabs(pattern->coarse - expected.coarse) <= rounding))
+        pattern->coarse != expected.coarse)
         return 0;
     for (k = 1; k < SEGMENTS - 1; ++k)
         if (pattern->counts[k] != expected.counts[k])

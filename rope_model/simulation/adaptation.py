@@ -52,7 +52,7 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
 def _relaxed(model: RopeModel, state: RopeState) -> RopeState:
     """The state in equilibrium with its accelerations.
 
-    Where two elements became one, the cubic through the nodes that stay is a little too short or too long, which the
+    Where elements became fewer, the new cubic is a little too short or too long, which the
     axial stiffness would turn into a blow.  An inertia that stands for RELAXATION_TIME lets the stiff part give way
     and holds the rest.
     """

@@ -15,7 +15,7 @@ Ours are two additions.  The outermost element at each end is halved towards the
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
 long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 3 l,
 4 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
-the waves of a swaying leg are as long as sqrt(g x), and an element may be as long as sqrt(``leg_growth`` x).  Their
+waves of a swaying leg travel at sqrt(g x), and an element may be as long as sqrt(``leg_growth`` x).  Their
 number, the same for every place of the loop, grows with the root of the rope's length for a given ``leg_growth``.
 """
 
@@ -36,11 +36,12 @@ DUE = 0.6
 #: a step does not carry the loop further than this many l past that
 LATEST = 0.25
 #: in units of l, an element of I or VII has one of these lengths where its distance from its end of the rope is a
-#: multiple of it, so that its neighbours stay when it changes; one of m l is no nearer to segments II to VI than
-#: GRADING (m - 1) l
+#: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
+#: nearer to segments II to VI than GRADING (m - 1) l
 LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
 #: 'auto': leg_growth = LEG_GROWTH loop_error / length, what short waves may lag behind on a long trip, but no more than
-#: LEG_WAVES / length, or an emergency stop errs by more than its steps do; `python -m benchmarks.legs` shows both
+#: LEG_WAVES / length: an emergency stop errs about as much by the mesh as by steps of 10 ms (`python -m
+#: benchmarks.legs`)
 LEG_GROWTH, LEG_WAVES = 7.5e5, 1000.0  # m, m^2
 #: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
 NATURAL_RADIUS = 0.912

@@ -139,12 +139,12 @@ class RopeSimulator:
             )
         if (saved := _pattern(state.partition)) != self._own_pattern:
             raise ValueError(
-                f"not a state of this rope: counts of II to VI, of I and VII, end_levels and leg_growth are {saved}, "
-                f"here {self._own_pattern}; restore it into a rope with the same parameters"
+                f"not a state of this rope: counts of II to VI, of I and VII, end_levels, leg_growth and l are "
+                f"{saved}, here {self._own_pattern}; restore it into a rope with the same parameters"
             )
 
     @cached_property
-    def _own_pattern(self) -> tuple[tuple[int, ...], int, int, float]:
+    def _own_pattern(self) -> tuple[tuple[int, ...], int, int, float, float]:
         return _pattern(partition(self._mesh, self.scene.rope.length, 0.5 * self.scene.rope.length))
 
     def retune(self, scene: Scene) -> None:
@@ -341,11 +341,11 @@ class RopeSimulator:
             counts = counts.plus(newton=iterations + result.newton.iterations)
             if result.motion is not None:
                 break
-            if whole <= self.scene.solver.step_min:
-                return f"the step to a swivel event fails: {result.newton.status.text}"
-            # a shorter one that does not reach the event, or finds it more easily
-            log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
+            # a shorter one may not reach the event, or find it more easily
             shorter = max(0.5 * whole, self.scene.solver.step_min)
+            if shorter > 0.75 * whole:
+                return f"the step to a swivel event fails: {result.newton.status.text}"
+            log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
             state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
         after = model.committed(state, system, result)
         after = after._replace(step_next=step.step_next, counts=counts.plus(steps=1))
@@ -422,6 +422,6 @@ class RopeSimulator:
         self._state, self._system, self._loop = state, None, None
 
 
-def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float]:
+def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:
     """What all places of the loop have in common."""
-    return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.leg_growth
+    return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.leg_growth, cells.coarse
