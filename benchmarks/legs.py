@@ -3,7 +3,7 @@
 The same mesh with none joined, and with a quarter, once and four times the ``leg_growth`` of 'auto', against one for
 0.3 mm without joined elements, on the planar rung (an uncoupled rope), where the sway of the legs is seen alone.  What
 a leg's waves lose adds up: the trips are long.  An emergency stop sends shorter waves up the legs; what the time steps
-alone do to the loop is printed beside it, by the same fine mesh with a quarter of the step.
+alone do to loop and end forces is printed beside it, by the same fine mesh with a quarter of the step.
 """
 
 from __future__ import annotations

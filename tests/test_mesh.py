@@ -331,6 +331,32 @@ def test_a_transformation_keeps_the_momentum_and_takes_energy_where_elements_mer
     assert blow > 0.01
 
 
+@settings(max_examples=60, deadline=None)
+@given(
+    old=st.lists(st.floats(0.2, 3.0), min_size=3, max_size=12),
+    new=st.lists(st.floats(0.2, 3.0), min_size=3, max_size=12),
+    seed=st.integers(0, 1000),
+)
+def test_what_a_transfer_loses_is_orthogonal_to_every_field_on_the_new_elements(
+    old: list[float], new: list[float], seed: int
+) -> None:
+    # any two meshes of one rope, nested or not; integrated without mass matrices
+    old_s, new_s = (np.concatenate(([0.0], np.cumsum(l))) / sum(l) for l in (old, new))
+    x = np.random.default_rng(seed).normal(size=(old_s.size, 7))
+    y = carried(x, old_s, new_s)
+    knots = np.union1d(old_s, new_s)
+    points, weights = np.polynomial.legendre.leggauss(5)
+    at = 0.5 * (knots[:-1, None] + knots[1:, None] + np.diff(knots)[:, None] * points).ravel()
+    weight = (0.5 * np.diff(knots)[:, None] * weights).ravel()
+    lost = interpolated(x, old_s, at) - interpolated(y, new_s, at)
+    for node in range(1, new_s.size - 1):
+        for rows, columns in ((POSITION, POSITION), (SLOPE, POSITION), (ANGLE, ANGLE)):
+            field = np.zeros((new_s.size, 7))
+            field[node, rows] = 1.0
+            product = interpolated(field, new_s, at)[:, columns] * lost[:, columns]
+            assert np.abs(weight @ product).max() < 1e-8  # arc lengths are the same within 1e-9
+
+
 def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
     lost = []
     for elements in (8, 16, 32):

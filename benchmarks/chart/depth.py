@@ -1,7 +1,7 @@
 """What TMN-ETM saves over equal elements at the same error, over the depth of the shaft.
 
-Every rope winds a long way, because what transformations do to the loop adds up, with the same time step for all
-meshes: what differs is the mesh.
+Every rope winds a long way, because what the legs' waves lag behind adds up, with the same time step for all meshes:
+what differs is the mesh.
 """
 
 from __future__ import annotations

@@ -61,6 +61,10 @@ BALANCE = (
 #: what one element's strain output holds: mean over the element, and root mean square of k and tau
 STRAINS = ("e", "tau", "k_rms", "tau_rms")
 
+#: mean products of the cubic Hermite shapes of r1, r1', r2, r2' along an element of length 1; for length l those of r'
+#: bring a factor l each, and the integral another
+HERMITE_PRODUCTS = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
+
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
@@ -225,14 +229,12 @@ def _interpolation(xi: float, l: ca.SX) -> ca.SX:
 
 def _translational_mass(l: ca.SX, P: ca.SX) -> ca.SX:
     """(14, 14) consistent mass of the cubic Hermite interpolation, kg."""
-    hermite = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
-    power = np.array([[1, 2, 1, 2], [2, 3, 2, 3], [1, 2, 1, 2], [2, 3, 2, 3]])
     M = ca.SX(14, 14)
     for i in range(3):
         at = (i, 3 + i, 7 + i, 10 + i)
         for m in range(4):
             for n in range(4):
-                M[at[m], at[n]] = P[0] * hermite[m, n] * l ** int(power[m, n])
+                M[at[m], at[n]] = P[0] * HERMITE_PRODUCTS[m, n] * l ** (1 + m % 2 + n % 2)
     return M
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.banded import solved
+from ..physics.element import HERMITE_PRODUCTS
 from .rope_system import ANGLE, POSITION, SLOPE, Array
 
 Indices = NDArray[np.intp]
@@ -94,15 +95,9 @@ def _cubic(xi: Array, l: Array) -> tuple[Array, ...]:
 def _cubic_products(l: Array) -> Array:
     """Mean products of these shares along the elements, as banded.solved takes them: (2 nodes, 4)."""
     band = np.zeros((2 * l.size + 2, 4))
-    zero = 0 * l
-    products = (
-        (156 + zero, 22 * l, 54 + zero, -13 * l),
-        (4 * l**2, 13 * l, -3 * l**2, zero),
-        (156 + zero, -22 * l, zero, zero),
-        (4 * l**2, zero, zero, zero),
-    )
-    for k, row in enumerate(products):
-        band[k : k + 2 * l.size : 2] += (l / 420 * np.array(row)).T
+    for m in range(4):
+        for n in range(m, 4):
+            band[m : m + 2 * l.size : 2, n - m] += HERMITE_PRODUCTS[m, n] * l ** (1 + m % 2 + n % 2)
     return band
 
 
