@@ -28,8 +28,9 @@ static void booked(Simulator *rope, State *state, int what, int64_t *count)
     *count += 1;
 }
 
-/* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow */
-static void relaxed(Simulator *rope, State *state, double time, double tolerance, int with_reaction)
+/* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow; 0 when
+   there is none, and the state is as it was */
+static int relaxed(Simulator *rope, State *state, double time, double tolerance, int with_reaction)
 {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
@@ -43,10 +44,11 @@ static void relaxed(Simulator *rope, State *state, double time, double tolerance
     if (chain_of_state(state)
             ->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance)
             .status != CONVERGED)
-        return;
+        return 0;
     memcpy(m.q, now->q, bytes);
     if (with_reaction)
         memcpy(m.reaction, now->reaction, bytes);
+    return 1;
 }
 
 static void on_partition(Simulator *rope, State *state, int direction)
@@ -110,6 +112,7 @@ void with_good_pole(Simulator *rope, State *state)
     if (frame_pole_margin(new_pole, m.nodes, m.q + SLOPE) <= margin - 0.1 ||
         new_pole[0] * old[0] + new_pole[1] * old[1] + new_pole[2] * old[2] > 0.99)
         return;
+    state_copy(rope, rope->spare, state);
     frame_pole_change_angle(old, new_pole, m.nodes, m.q + SLOPE, angle);
     for (node = 0; node < m.nodes; ++node) {
         double *q = m.q + (size_t)node * DOF, *v = m.v + (size_t)node * DOF;
@@ -120,8 +123,10 @@ void with_good_pole(Simulator *rope, State *state)
     memcpy(state->pole, new_pole, sizeof new_pole);
     state->offsets[LEFT] += angle[0];
     state->offsets[RIGHT] += angle[m.nodes - 1];
-    restarted(rope, state);
-    booked(rope, state, NEW_POLE, &state->counts.pole_changes);
+    if (relaxed(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 1))
+        booked(rope, state, NEW_POLE, &state->counts.pole_changes);
+    else /* the old frame serves for another step */
+        state_copy(rope, state, rope->spare);
 }
 
 int rigid_state(Simulator *rope, State *state, double t, char *message)

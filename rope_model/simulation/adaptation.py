@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from ..numerics.generalized_alpha import Solution
 from ..physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
 from .mesh import Partition, transformation_due, transformed
 from .model import RopeModel, energies
 from .rigid import flexible_start, settled
-from .rope_system import ANGLE, SLOPE
+from .rope_system import ANGLE, SLOPE, Assessment
 from .rungs import carries_torque, ends_after, lowest_able
 from .state import Event, RopeState
 from .transfer import transferred
@@ -46,20 +47,22 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     reaction = np.zeros_like(m.reaction)
     reaction[[0, -1]] = m.reaction[[0, -1]]
     moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction))
-    return _booked(model, _relaxed(model, moved), "transformation")
+    solution = _relaxed(model, moved)
+    if solution.newton.converged:
+        moved = moved._replace(motion=replace(moved.motion, q=solution.q))
+    return _booked(model, moved, "transformation")
 
 
-def _relaxed(model: RopeModel, state: RopeState) -> RopeState:
+def _relaxed(model: RopeModel, state: RopeState) -> Solution[Assessment]:
     """The state in equilibrium with its accelerations.
 
-    Where elements became fewer, the new cubic is a little too short or too long, which the
-    axial stiffness would turn into a blow.  An inertia that stands for RELAXATION_TIME lets the stiff part give way
-    and holds the rest.
+    Where elements became fewer, the new cubic is a little too short or too long; in another frame theta, linear within
+    an element, stands for a little more or less twist.  The stiffness would turn either into a blow.  An inertia that
+    stands for RELAXATION_TIME lets the stiff part give way and holds the rest.
     """
     m = state.motion
     c = np.array([1.0, 0.0, RELAXATION_TIME**-2])
-    solution = model.system(state).solve(m.q, m.v, m.a, m.reaction, c, model.scene.solver.newton_tolerance)
-    return state._replace(motion=replace(m, q=solution.q)) if solution.newton.converged else state
+    return model.system(state).solve(m.q, m.v, m.a, m.reaction, c, model.scene.solver.newton_tolerance)
 
 
 def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
@@ -88,7 +91,11 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
         offsets=(state.offsets[0] + float(angle[0]), state.offsets[1] + float(angle[-1])),
         motion=replace(m, q=q, v=v),
     )
-    return _booked(model, model.restarted(moved), "new frame pole")
+    solution = _relaxed(model, moved)
+    if not solution.newton.converged:  # the old frame serves for another step
+        return state
+    motion = replace(moved.motion, q=solution.q, reaction=solution.assessment.reaction)
+    return _booked(model, moved._replace(motion=motion), "new frame pole")
 
 
 def raised(model: RopeModel, state: RopeState, why: str) -> RopeState:
