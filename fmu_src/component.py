@@ -17,7 +17,7 @@ from typing import Any, Literal
 
 from rope_model.parameters import Preset
 from rope_model.simulation.caveats import CAVEATS
-from rope_model.simulation.ends import SIDES
+from rope_model.simulation.ends import SHORTEST_AIM, SIDES
 from rope_model.simulation.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator, Status
 from rope_model.simulation.state import RopeState
@@ -186,10 +186,12 @@ class RopeComponent:
         if self._retune:
             self._rope.retune(scene_of(self.values))
             self._retune = False
-        motions = [motion_of(side, self.values) for side in SIDES]
+        left, right = (motion_of(side, self.values) for side in SIDES)
+        state, within = self._rope.state, SHORTEST_AIM
         if not self.values["inputs_at_step_end"]:
-            motions = [motion.extrapolated(h) for motion in motions]
-        status = self._rope.advance_to(t + h, *motions)
+            left, right = left.extrapolated(h), right.extrapolated(h)
+            within = max(within, state.last_interval if state.counts.steps else 0.0)
+        status = self._rope.advance_to(t + h, left, right, within)
         if status.valid:
             self._warn()
         return status

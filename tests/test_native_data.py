@@ -13,7 +13,6 @@ import random
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, get_args, get_type_hints
 
 import numpy as np
@@ -33,15 +32,13 @@ from rope_model.native.structures import (
     path_structure,
     scene_structure,
 )
-from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Mesh, Model, Preset, Rope, RungChoice, Scene, Swivel
-from rope_model.simulation import rigid
 from rope_model.simulation.ends import SIDES, EndMotion, EndPath, HangingEnds, checked, nominal_points
-from rope_model.simulation.rigid import flexible_start, lowest_tension, rigid_rope
+from rope_model.simulation.rigid import lowest_tension, rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.rungs import LADDER, carries_torque, chosen, ends_after, lowest_able, outgrown
-from rope_model.simulation.statics import Equilibrium, StaticsError
+from rope_model.simulation.statics import StaticsError
 
 Array = NDArray[np.float64]
 Ends = tuple[EndMotion, EndMotion]
@@ -128,20 +125,26 @@ def test_names_of_the_rungs_follow_their_codes(native: Any) -> None:
     assert tuple(native.rung_name(code).decode() for code in range(5)) == RUNGS
 
 
-@given(motions, st.lists(st.tuples(intervals, motions), min_size=1, max_size=4), st.floats(-0.1, 1.1))
+@given(
+    motions,
+    st.lists(st.tuples(intervals, motions), min_size=1, max_size=4),
+    st.floats(-0.1, 1.1),
+    st.one_of(st.just(0.0), intervals),
+)
 def test_path_through_any_motions_is_the_same(
-    native: Any, first: EndMotion, targets: list[tuple[float, EndMotion]], part: float
+    native: Any, first: EndMotion, targets: list[tuple[float, EndMotion]], part: float, within: float
 ) -> None:
     path = EndPath.resting(1.5, first)
     ours = native.path_resting(ct.c_double(1.5), ct.byref(end_structure(first)))
     for h, target in targets:
         stop = path.stop + h
-        path = path.to(stop, target)
+        path = path.to(stop, target, within)
         # from Python's path, because differences are amplified by 1/h^3 to 1/h^5 from path to path
-        ours = native.path_to(ct.byref(ours), ct.c_double(stop), ct.byref(end_structure(target)))
-        powers = np.array([[1.0, h, h**2, h**3, h**4, h**5]])
+        ours = native.path_to(ct.byref(ours), ct.c_double(stop), ct.byref(end_structure(target)), ct.c_double(within))
+        l = path.aim - path.start
+        powers = np.array([[1.0, l, l**2, l**3, l**4, l**5]])
         size = max(np.abs(np.array(path.coefficients) * powers).max(), 1.0)
-        assert (ours.start, ours.stop) == (path.start, path.stop)
+        assert (ours.start, ours.stop, ours.aim) == (path.start, path.stop, path.aim)
         same(np.array([[*row] for row in ours.c]) * powers, np.array(path.coefficients) * powers, size)
         ours = path_structure(path)
         t, rates = path.start + part * h, np.zeros(3)
@@ -380,20 +383,3 @@ def test_lowest_tension_is_the_same(native: Any, ends: Ends, spread: float) -> N
     ours = native.rigid_lowest_tension(ct.byref(scene_structure(scene)), ends_of(ends))
     weight = scene.rope.mass_per_length * scene.layout.gravity * scene.rope.length
     same(np.array([ours]), np.array([lowest_tension(scene, ends)]), weight)
-
-
-@pytest.mark.parametrize("even", [True, False])
-def test_flow_along_the_equilibrium_is_the_same(native: Any, monkeypatch: pytest.MonkeyPatch, even: bool) -> None:
-    nodes, length = 63, 120.0
-    lengths = np.full(nodes - 1, length / (nodes - 1)) if even else uneven(nodes, length, 3)
-    chance = np.random.default_rng(5)
-    q, v, a = chance.normal(size=(3, nodes, 7))
-    start = Motion(0.0, q, v, a, a, np.zeros_like(q), 0.0, np.zeros_like(q))
-    rest = Equilibrium(chance.normal(size=(nodes, 7)), np.zeros_like(q), 1)
-    monkeypatch.setattr(rigid, "find_equilibrium", lambda *_: rest)
-    monkeypatch.setattr(rigid, "settled", lambda _, motion: motion)
-    theirs = flexible_start(SimpleNamespace(lengths=lengths), start)  # type: ignore[arg-type]
-    ours_v, ours_a, s = v.copy(), a.copy(), arc_lengths(lengths)
-    native.rigid_flowing(nodes, *map(pointer, (s, rest.q, ours_v, ours_a)))
-    same(ours_v, theirs.v, np.abs(theirs.v).max())
-    same(ours_a, theirs.a, np.abs(theirs.a).max())

@@ -569,7 +569,8 @@ def any_rope(
     swivels = tuple(Swivel(mode, 0.1, 0.3, 0.2, 0.7) for mode in modes)
     states = tuple(SwivelState(phase, *random.normal(size=2)) for phase in phases)
     paths = tuple(
-        EndPath(start, start + 1.0, tuple(map(tuple, random.normal(size=(4, 6))))) for start in random.uniform(0, 2, 2)
+        EndPath(start, start + 1.0, start + 1.0, tuple(map(tuple, random.normal(size=(4, 6)))))
+        for start in random.uniform(0, 2, 2)
     )
     v, a, b, a_rate, reaction = random.normal(size=(5, *q.shape))
     offsets = tuple(random.normal(size=2))

@@ -42,16 +42,6 @@ static void read_motions(const double *values, EndMotion ends[2]) {
     }
 }
 
-/* the motion h later if the accelerations stay as they are */
-static void extrapolate(EndMotion *end, double h) {
-    int k;
-    for (k = 0; k < 3; k++) {
-        end->x[k] = end->x[k] + end->v[k] * h + 0.5 * end->a[k] * h * h;
-        end->v[k] = end->v[k] + end->a[k] * h;
-    }
-    end->yaw = end->yaw + end->yaw_rate * h;
-}
-
 static int told(const ModelInstance *model, int ok, char *message) {
     if (!ok) snprintf(message, MODEL_MESSAGE, "%s", rope_message(model->rope));
     return ok;
@@ -87,13 +77,15 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
 }
 
 int model_step(ModelInstance *model, double t, double h, const double *values, char *message) {
+    double within = ROPE_SHORTEST_AIM;
     EndMotion ends[2];
     read_motions(values, ends);
     if (!model->at_step_end) {
-        extrapolate(&ends[LEFT], h);
-        extrapolate(&ends[RIGHT], h);
+        ends[LEFT] = end_extrapolated(ends[LEFT], h);
+        ends[RIGHT] = end_extrapolated(ends[RIGHT], h);
+        if (rope_has_moved(model->rope)) within = fmax(within, model->interval);
     }
-    if (!told(model, rope_advance(model->rope, t + h, ends), message)) return 0;
+    if (!told(model, rope_advance(model->rope, t + h, ends, within), message)) return 0;
     model->interval = h;
     return 1;
 }

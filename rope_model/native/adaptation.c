@@ -13,6 +13,7 @@
 /* rigid */
 #define SETTLING_TIME 0.1
 #define SETTLING_TOLERANCE 1e-7
+#define DIFFERENCE 2e-3
 
 static void booked(Simulator *rope, State *state, int what, int64_t *count)
 {
@@ -143,6 +144,40 @@ int rigid_state(Simulator *rope, State *state, double t, char *message)
     return !message[0];
 }
 
+/* q, v, a and the reaction as the equilibria between the moving ends have them; 0 and a message when there is none */
+static int flexible_start(Simulator *rope, State *state, char *message)
+{
+    const Arrays m = state_arrays(state);
+    const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
+    const double t = state->t;
+    /* b and a_rate are free until the restart */
+    double *q = m.b, *reaction = m.a_rate, *to[2] = {m.v, m.a};
+    const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
+    int side, k, found;
+    size_t i;
+    for (side = 0; side < 2; ++side)
+        state->paths[side] = path_coasting(&paths[side], t);
+    found = find_equilibrium(rope, state, message);
+    memcpy(q, m.q, bytes);
+    memcpy(reaction, m.reaction, bytes);
+    for (k = 0; k < 2 && found; ++k) {
+        state->t = k ? t + DIFFERENCE : t - DIFFERENCE;
+        memcpy(m.q, q, bytes);
+        found = find_equilibrium(rope, state, message);
+        memcpy(to[k], m.q, bytes);
+    }
+    state->t = t;
+    memcpy(state->paths, paths, sizeof paths);
+    memcpy(m.q, q, bytes);
+    memcpy(m.reaction, reaction, bytes);
+    for (i = 0; i < size; ++i) {
+        const double before = m.v[i], after = m.a[i];
+        m.v[i] = (after - before) / (2 * DIFFERENCE);
+        m.a[i] = (after - 2 * q[i] + before) / (DIFFERENCE * DIFFERENCE);
+    }
+    return found;
+}
+
 int raised(Simulator *rope, State *state, const char *why, char *message)
 {
     const Arrays m = state_arrays(state);
@@ -160,11 +195,8 @@ int raised(Simulator *rope, State *state, const char *why, char *message)
         restarted(rope, state);
         return 1;
     }
-    if (was == RIGID) {
-        if (!find_equilibrium(rope, state, message))
-            return 0;
-        rigid_flowing(m.nodes, m.s, m.q, m.v, m.a);
-    }
+    if (was == RIGID && !flexible_start(rope, state, message))
+        return 0;
     relaxed(rope, state, SETTLING_TIME, SETTLING_TOLERANCE, 1);
     restarted(rope, state);
     s = system_of(rope, state);

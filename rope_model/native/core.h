@@ -13,9 +13,9 @@ enum { SEGMENTS = 7, CHATTER_EVENTS = 50, LOGGED_EVENTS = 128 };
 /* what happened: rope_model.simulation.state.Event */
 enum { TRANSFORMED, NEW_POLE, STICKS, SLIPS_FORWARD, SLIPS_BACK, RAISED };
 
-/* a quintic in s = t - start for each of x, y, z and yaw; held after stop */
+/* a quintic in s = t - start for each of x, y, z and yaw, aimed at the instant aim; left, and held, at stop */
 typedef struct {
-    double start, stop, c[4][6];
+    double start, stop, aim, c[4][6];
 } Path;
 
 /* angle: relative angle b while it holds; sign: of b_t while it slips */
@@ -125,7 +125,9 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
 
 /* ends.c: rope_model.simulation.ends */
 Path path_resting(double t, const EndMotion *at);
-Path path_to(const Path *path, double stop, const EndMotion *target);
+/* the motion at t with its accelerations kept, before and after */
+Path path_coasting(const Path *path, double t);
+Path path_to(const Path *path, double stop, const EndMotion *target, double within);
 /* value, rate and acceleration of x, y, z or yaw */
 void path_rates(const Path *path, double t, int axis, double rates[3]);
 EndMotion path_end(const Path *path); /* the motion in which it ends; rungs.ends_after */
@@ -149,9 +151,6 @@ void rigid_tensions(const Scene *scene, const Path paths[2], double t, const dou
 /* tension (points) at the places `at` with the heights y */
 void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, const double *y,
                    double *tension);
-/* rigid.flexible_start without `settled`: velocities and accelerations of the flow along the equilibrium q; on input
-   v and a are the rigid rope's */
-void rigid_flowing(int nodes, const double *s, const double *q, double *v, double *a);
 
 /* parameters.c: rope_model.parameters, the same bounds and messages with the group's name before, as in
    "rope: Qa = ..."; "" when all is well */

@@ -6,20 +6,34 @@
 #include "text.h"
 
 enum { YAW = 3, AXES = 4 };
+/* steps that differ by less than this part of themselves are alike */
+#define ALIKE 1e-6
 
 static double acceleration(const double c[6], double s) {
     return 2 * c[2] + s * (6 * c[3] + s * (12 * c[4] + s * 20 * c[5]));
 }
 
 Path path_resting(double t, const EndMotion *at) {
-    Path path = {t, t, {{0}}};
+    Path path = {t, t, t, {{0}}};
     for (int axis = 0; axis < AXES; axis++) path.c[axis][0] = axis == YAW ? at->yaw : at->x[axis];
     return path;
 }
 
-Path path_to(const Path *path, double stop, const EndMotion *target) {
-    double start = path->stop, h = stop - start;
-    Path next = {start, stop, {{0}}};
+EndMotion end_extrapolated(EndMotion end, double h) {
+    for (int axis = 0; axis < YAW; axis++) {
+        end.x[axis] = end.x[axis] + end.v[axis] * h + 0.5 * end.a[axis] * h * h;
+        end.v[axis] = end.v[axis] + end.a[axis] * h;
+    }
+    end.yaw = end.yaw + end.yaw_rate * h;
+    return end;
+}
+
+Path path_to(const Path *path, double stop, const EndMotion *given, double within) {
+    double start = path->stop, step = stop - start, h = fmax(fmax(step, path->aim - start), within);
+    if (h <= step * (1.0 + ALIKE)) h = step;
+    EndMotion joined = h > step ? end_extrapolated(*given, h - step) : *given;
+    const EndMotion *target = &joined;
+    Path next = {start, stop, start + h, {{0}}};
     for (int axis = 0; axis < AXES; axis++) {
         double rates[3];
         path_rates(path, start, axis, rates);
@@ -33,6 +47,16 @@ Path path_to(const Path *path, double stop, const EndMotion *target) {
         c[3] = (10 * dx - 4 * dv + 0.5 * da) / pow(h, 3);
         c[4] = (-15 * dx + 7 * dv - da) / pow(h, 4);
         c[5] = (6 * dx - 3 * dv + 0.5 * da) / pow(h, 5);
+    }
+    return next;
+}
+
+Path path_coasting(const Path *path, double t) {
+    Path next = {t, HUGE_VAL, HUGE_VAL, {{0}}};
+    for (int axis = 0; axis < AXES; axis++) {
+        double *c = next.c[axis];
+        path_rates(path, t, axis, c);
+        c[2] *= 0.5;
     }
     return next;
 }

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
-from ..simulation.ends import SIDES, EndMotion, EndPath, Phase, SwivelState
+from ..simulation.ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, Phase, SwivelState
 from ..simulation.mesh import Partition
 from ..simulation.signals import SIGNALS
 from ..simulation.simulator import RopeSimulator, Status
@@ -100,7 +100,7 @@ def _declared(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_create": (c_void_p, (c_void_p, c_void_p, c_char_p)),
         "rope_destroy": (None, (rope,)),
         "rope_initialize": (c_int, (rope, c_double, c_char_p)),
-        "rope_advance": (c_int, (rope, c_double, c_char_p)),
+        "rope_advance": (c_int, (rope, c_double, c_char_p, c_double)),
         "rope_retune": (c_int, (rope, c_void_p)),
         "rope_message": (c_char_p, (rope,)),
         "rope_is_initialized": (c_int, (rope,)),
@@ -143,9 +143,9 @@ class NativeRope(RopeSimulator):
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         return self._done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
 
-    def advance_to(self, t: float, left: EndMotion, right: EndMotion) -> Status:
+    def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
         self._require_state()
-        return self._done(self._lib.rope_advance(self._rope, t, _ends(left, right)))
+        return self._done(self._lib.rope_advance(self._rope, t, _ends(left, right), within))
 
     def retune(self, scene: Scene) -> None:
         if not (status := self._done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
@@ -249,7 +249,7 @@ def _unpacked(data: bytes) -> RopeState:
         pole=np.array(s.pole),
         offsets=(s.offsets[0], s.offsets[1]),
         swivels=tuple(SwivelState(Phase(w.phase), w.angle, w.sign) for w in s.swivels),  # type: ignore[arg-type]
-        paths=tuple(EndPath(p.start, p.stop, tuple(map(tuple, p.c))) for p in s.paths),  # type: ignore[arg-type]
+        paths=tuple(EndPath(p.start, p.stop, p.aim, tuple(map(tuple, p.c))) for p in s.paths),  # type: ignore[arg-type]
         step_next=s.step_next,
         last_interval=s.last_interval,
         force_mean=(s.force_mean[0], s.force_mean[1]),
@@ -277,7 +277,7 @@ def _packed(state: RopeState) -> bytes:
         power_ends=state.powers.ends,
         power_swivel=state.powers.swivel,
         swivels=tuple(_Swivel(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
-        paths=tuple(PathStructure(q.start, q.stop, q.coefficients) for q in state.paths),
+        paths=tuple(PathStructure(q.start, q.stop, q.aim, q.coefficients) for q in state.paths),
         pattern=_Pattern(p.coarse, p.leg_growth, p.counts or (0,) * _SEGMENTS, p.end_levels),
         ledger=_Ledger(*state.ledger),
         counts=_Counts(*state.counts),

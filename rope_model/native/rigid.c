@@ -134,39 +134,3 @@ void rigid_tension(const Arrays *arrays, double rho, double gravity, int points,
     for (int k = 0; k < points; k++)
         tension[k] = arrays->reaction[1] + rho * ((gravity + rate.w) * (y[k] - arrays->q[1]) - rate.u * at[k]);
 }
-
-/* derivative y to the arc length s of the vectors x (3), both with a stride of DOF: of second order inside, unevenly
-   spaced, of first order at the ends; numpy.gradient */
-static void gradient(int nodes, const double *s, const double *x, double *y) {
-    for (int i = 0; i < nodes; i++) {
-        int before = i > 0 ? i - 1 : 0, after = i < nodes - 1 ? i + 1 : nodes - 1;
-        double h1 = s[i] - s[before], h2 = s[after] - s[i];
-        const double *x0 = x + before * DOF, *x1 = x + i * DOF, *x2 = x + after * DOF;
-        for (int k = 0; k < 3; k++)
-            if (before == i || after == i)
-                y[i * DOF + k] = (x2[k] - x0[k]) / (before == i ? h2 : h1);
-            else
-                y[i * DOF + k] = -h2 / (h1 * (h1 + h2)) * x0[k] + (h2 - h1) / (h1 * h2) * x1[k] +
-                                 h1 / (h2 * (h1 + h2)) * x2[k];
-    }
-}
-
-void rigid_flowing(int nodes, const double *s, const double *q, double *v, double *a) {
-    int last = (nodes - 1) * DOF;
-    double ends[2][DOF];
-    Flow of = flow(v[1], v[last + 1]), rate = flow(a[1], a[last + 1]);
-    for (int k = 0; k < DOF; k++) ends[LEFT][k] = a[k], ends[RIGHT][k] = a[last + k];
-    flowing(nodes, q, of, v);
-    flowing(nodes, q, rate, a);
-    /* the bend r'' and its derivative where the rates of r' will be */
-    gradient(nodes, s, q + SLOPE, v + SLOPE);
-    gradient(nodes, s, v + SLOPE, a + SLOPE);
-    for (int i = 0; i < nodes * DOF; i += DOF)
-        for (int k = 0; k < 3; k++) {
-            double bend = v[i + SLOPE + k], further = a[i + SLOPE + k];
-            v[i + SLOPE + k] = -of.u * bend;
-            a[i + k] += of.u * of.u * bend;
-            a[i + SLOPE + k] = -rate.u * bend + of.u * of.u * further;
-        }
-    for (int k = 0; k < DOF; k++) a[k] = ends[LEFT][k], a[last + k] = ends[RIGHT][k];
-}

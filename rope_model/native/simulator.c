@@ -7,7 +7,6 @@
 #include "simulator.h"
 #include "text.h"
 
-#define SHORTEST_INTERVAL 1e-9
 #define GROW_BELOW 0.1
 #define TWIST_STEP 1.
 #define FARTHEST_START 1e10
@@ -402,7 +401,7 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
     return 1;
 }
 
-int rope_advance(Simulator *rope, double t, const EndMotion ends[2])
+int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within)
 {
     State *state = rope->next;
     const double start = rope->state->t, step_max = rope->scene.solver.step_max;
@@ -412,10 +411,11 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2])
     int side;
     if (!rope->initialized)
         return fails(rope, "the rope has no state yet; call initialize first");
-    if (!(isfinite(t) && t - start >= SHORTEST_INTERVAL)) {
-        snprintf(rope->message, MESSAGE,
-                 "cannot advance from t = %s s to %s s; time must go forward, by %s s or more", ROUNDED(start, 6),
-                 EXACT(t), ROUNDED(SHORTEST_INTERVAL, 6));
+    if (fabs(t - start) < ROPE_SHORTEST_INTERVAL)
+        return 1;
+    if (!(isfinite(t) && t > start)) {
+        snprintf(rope->message, MESSAGE, "cannot advance from t = %s s to %s s; time must go forward",
+                 ROUNDED(start, 6), EXACT(t));
         return 0;
     }
     if (t - start > MOST_STEPS * step_max) {
@@ -427,7 +427,7 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2])
     }
     state_copy(rope, state, rope->state);
     for (side = 0; side < 2; ++side)
-        state->paths[side] = path_to(&rope->state->paths[side], t, &ends[side]);
+        state->paths[side] = path_to(&rope->state->paths[side], t, &ends[side], within);
     for (side = 0; side < 2; ++side) {
         end_checked(&ends[side], &state->paths[side], side, message);
         if (message[0])

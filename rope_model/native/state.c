@@ -97,7 +97,7 @@ static int path_plausible(const Path *path, double t)
     const double distant = 1e5;
     double rates[3];
     int axis, k;
-    if (!(path->start <= path->stop && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t))))
+    if (!(path->start <= path->stop && isfinite(path->aim) && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t))))
         return 0;
     for (axis = 0; axis < 4; ++axis) {
         path_rates(path, path->stop, axis, rates);

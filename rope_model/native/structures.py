@@ -60,6 +60,7 @@ class PathStructure(ctypes.Structure):
     _fields_ = (
         ("start", ctypes.c_double),
         ("stop", ctypes.c_double),
+        ("aim", ctypes.c_double),
         ("c", ctypes.c_double * 6 * len(PATH)),
     )
 
@@ -80,7 +81,9 @@ def end_structure(motion: EndMotion) -> EndStructure:
 def path_structure(path: EndPath) -> PathStructure:
     """The path of an end as C sees it."""
     quintic = ctypes.c_double * 6
-    return PathStructure(path.start, path.stop, (quintic * len(PATH))(*(quintic(*c) for c in path.coefficients)))
+    return PathStructure(
+        path.start, path.stop, path.aim, (quintic * len(PATH))(*(quintic(*c) for c in path.coefficients))
+    )
 
 
 def _filled(group: Any) -> ctypes.Structure:

@@ -12,7 +12,7 @@ import numpy as np
 from ..numerics.generalized_alpha import Solution
 from ..physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
 from .mesh import Partition, transformation_due, transformed
-from .model import RopeModel, energies
+from .model import RopeModel, ends_of, energies
 from .rigid import flexible_start, settled
 from .rope_system import ANGLE, SLOPE, Assessment
 from .rungs import carries_torque, ends_after, lowest_able
@@ -102,7 +102,7 @@ def raised(model: RopeModel, state: RopeState, why: str) -> RopeState:
     """The state on the lowest rung that can follow what this one cannot.
 
     Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the rung above
-    at once; the rigid one, which has no shape of its own, also takes the shape of an equilibrium.
+    at once; the rigid one, which has no shape of its own, also takes the shape and the motion of the equilibrium.
     """
     rung = lowest_able(model.scene, ends_after(state.paths))
     reason = f"the {state.rung} rung cannot follow {why}"
@@ -111,8 +111,12 @@ def raised(model: RopeModel, state: RopeState, why: str) -> RopeState:
     above = state._replace(rung=rung, rung_reason=reason, events=(*state.events, event))
     if state.rung != "rigid" and not carries_torque(model.scene):
         return model.restarted(above)
-    adjusted = flexible_start if state.rung == "rigid" else settled
-    above = model.restarted(above._replace(motion=adjusted(model.system(above), state.motion)))
+    system = model.system(above)
+    if state.rung == "rigid":
+        motion = flexible_start(system, ends_of(system), state.motion)
+    else:
+        motion = settled(system, state.motion)
+    above = model.restarted(above._replace(motion=motion))
     m, before = above.motion, state.ledger
     after = before._replace(**energies(model.system(above).assess(m.q, m.v, m.a, m.reaction).balance))
     return above._replace(ledger=after._replace(transformations=before.transformations + after.total - before.total))

@@ -8,7 +8,10 @@ the stretch |r'| is free.  theta is prescribed while the swivel holds and free w
 with the conveyance's yaw about Y, the swivel's relative angle b, and an offset that belongs to the frame's pole.
 
 Between two instants of the host each coordinate follows a quintic polynomial in time, so that position, speed and
-acceleration are continuous whatever the host's step.
+acceleration are continuous whatever the host's step.  Where the last path ended beside the motion that the host now
+gives (its extrapolation was wrong by j H^3 / 6 at a jerk j), a step h much shorter than the H before must not make that
+good within h: that would take j H^3 / h^2.  So a path is aimed at the motion at least ``within`` seconds ahead, and
+left where the step ends.
 """
 
 from __future__ import annotations
@@ -31,6 +34,10 @@ SIDES = ("left", "right")
 YAW_SENSE = (-1.0, 1.0)
 #: columns of an end's path
 PATH = ("x", "y", "z", "yaw")
+#: s: positions of 1e4 m are rounded by 2e-12 m; made good in this time that takes some .1 m/s^2, in 1e-8 s 1e5 m/s^2
+SHORTEST_AIM = 1e-5
+#: steps that differ by less than this part of themselves are alike
+ALIKE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -77,20 +84,30 @@ Quintic = tuple[float, ...]
 
 
 class EndPath(NamedTuple):
-    """A quintic in s = t - start for each of x, y, z and yaw; held after ``stop``."""
+    """A quintic in s = t - start for each of x, y, z and yaw, aimed at ``aim``; left, and held, at ``stop``."""
 
     start: float
     stop: float
+    aim: float
     coefficients: tuple[Quintic, ...]
 
     @staticmethod
     def resting(t: float, at: EndMotion) -> EndPath:
         """No motion at all."""
-        return EndPath(t, t, tuple((x, 0.0, 0.0, 0.0, 0.0, 0.0) for x in (*at.position, at.yaw)))
+        return EndPath(t, t, t, tuple((x, 0.0, 0.0, 0.0, 0.0, 0.0) for x in (*at.position, at.yaw)))
 
-    def to(self, stop: float, target: EndMotion) -> EndPath:
-        """The path that leaves this one's end and is at ``target`` at ``stop``."""
-        start, h = self.stop, stop - self.stop
+    def to(self, stop: float, target: EndMotion, within: float = 0.0) -> EndPath:
+        """The path from this one's end to the motion that has ``target`` at ``stop``.
+
+        It joins that motion at ``stop``, or later where this path was aimed later or less than ``within`` s have gone
+        by; until then the motion goes on with the target's accelerations.
+        """
+        start, step = self.stop, stop - self.stop
+        h = max(step, self.aim - start, within)
+        if h <= step * (1.0 + ALIKE):
+            h = step
+        else:
+            target = target.extrapolated(h - step)
         places, speeds = (*target.position, target.yaw), (*target.velocity, target.yaw_rate)
         # FMI gives no yaw acceleration: take the mean over the step
         yaw_rate = self.rates(start, 3)[1]
@@ -101,7 +118,12 @@ class EndPath(NamedTuple):
             dx, dv, da = x1 - x0 - h * v0 - 0.5 * h * h * a0, h * (v1 - v0 - h * a0), h * h * (a1 - a0)
             c3, c4, c5 = 10 * dx - 4 * dv + 0.5 * da, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + 0.5 * da
             quintics.append((x0, v0, 0.5 * a0, c3 / h**3, c4 / h**4, c5 / h**5))
-        return EndPath(start, stop, tuple(quintics))
+        return EndPath(start, stop, start + h, tuple(quintics))
+
+    def coasting(self, t: float) -> EndPath:
+        """The motion at ``t`` with its accelerations kept, before and after."""
+        motion = (self.rates(t, axis) for axis in range(4))
+        return EndPath(t, math.inf, math.inf, tuple((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in motion))
 
     def rates(self, t: float, axis: int) -> tuple[float, float, float]:
         """Value, rate and acceleration of one coordinate at ``t``."""

@@ -15,7 +15,7 @@ arc length s from the left end,
 No side forces, no torque, no waves:
 for the design of controllers.  The rope must stay taut.
 
-The flexible rope that takes over starts from the equilibrium between the ends of that instant and flows along it.
+The flexible rope that takes over starts from the equilibrium between the ends of that instant and moves as that does.
 """
 
 from __future__ import annotations
@@ -27,14 +27,16 @@ import numpy as np
 
 from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
-from .ends import EndMotion, EndPath, nominal_points
-from .rope_system import POSITION, SLOPE, Array, RopeSystem, arc_lengths
+from .ends import EndMotion, EndPath, HangingEnds, nominal_points
+from .rope_system import POSITION, SLOPE, Array, RopeSystem
 from .statics import find_equilibrium, hanging_guess
 
 #: s, above 1/omega of the legs' longitudinal (0.02 s) and torsional modes (0.06 s), below that of the loop (1 s)
 SETTLING_TIME = 0.1
 #: m
 NEWTON_TOLERANCE = 1e-7
+#: s between equilibria: at 8 m/s around a loop of 1 m their second differences err by 1e-3 m/s^2, by rounding alike
+DIFFERENCE = 2e-3
 
 
 @dataclass(frozen=True)
@@ -139,17 +141,17 @@ def rigid_added_mass(scene: Scene, paths: tuple[EndPath, EndPath], t: float, h: 
     return (tensions(0)[0] - before[0]) / size, (tensions(1)[1] - before[1]) / size
 
 
-def flexible_start(system: RopeSystem, rigid: Motion) -> Motion:
-    """A flexible rope in place of the rigid one: in equilibrium between the present ends, along which it flows."""
-    rest = find_equilibrium(system, rigid.q, rigid.t)
-    s, t = arc_lengths(system.lengths), rest.q[:, SLOPE]
-    (u, w), (u_t, w_t) = flow(float(rigid.v[0, 1]), float(rigid.v[-1, 1])), flow(rigid.a[0, 1], rigid.a[-1, 1])
-    bend = np.gradient(t, s, axis=0)
-    v, a = _flowing(rest.q, u, w), _flowing(rest.q, u_t, w_t)
-    v[:, SLOPE] = -u * bend
-    a[:, POSITION] += u * u * bend
-    a[:, SLOPE] = -u_t * bend + u * u * np.gradient(bend, s, axis=0)
-    a[[0, -1]] = rigid.a[[0, -1]]
+def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Motion:
+    """A flexible rope in place of the rigid one, moving as the equilibria between the moving ``ends`` do.
+
+    Velocities and accelerations are differences of the rope's own equilibria.  Those of the rigid one, put on its
+    nodes, would stretch the elements around the loop, and throw the forces.
+    """
+    t, d = rigid.t, DIFFERENCE
+    coasting = system.held_by(replace(ends, paths=(ends.paths[0].coasting(t), ends.paths[1].coasting(t))))
+    rest = find_equilibrium(coasting, rigid.q, t)
+    before, after = (find_equilibrium(coasting, rest.q, at).q for at in (t - d, t + d))
+    v, a = (after - before) / (2 * d), (after - 2 * rest.q + before) / d**2
     return settled(system, replace(rigid, q=rest.q, v=v, a=a, reaction=rest.reaction))
 
 

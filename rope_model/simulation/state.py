@@ -106,7 +106,7 @@ class RopeState(NamedTuple):
             "leg_growth": self.partition.leg_growth,
             "offsets": self.offsets,
             "swivels": [(s.phase.value, s.angle, s.sign) for s in self.swivels],
-            "paths": [(p.start, p.stop) for p in self.paths],
+            "paths": [(p.start, p.stop, p.aim) for p in self.paths],
             "step_next": self.step_next,
             "last_interval": self.last_interval,
             "force_mean": self.force_mean,
@@ -139,7 +139,8 @@ class RopeState(NamedTuple):
                 offsets=(s["offsets"][0], s["offsets"][1]),
                 swivels=tuple(SwivelState(Phase(p), angle, sign) for p, angle, sign in s["swivels"]),  # type: ignore[arg-type]
                 paths=tuple(
-                    EndPath(a, b, tuple(map(tuple, x[f"path{i}"].tolist()))) for i, (a, b) in enumerate(s["paths"])
+                    EndPath(*times, tuple(map(tuple, x[f"path{i}"].tolist())))  # type: ignore[call-arg]
+                    for i, times in enumerate(s["paths"])
                 ),  # type: ignore[arg-type]
                 step_next=s["step_next"],
                 last_interval=s["last_interval"],

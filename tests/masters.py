@@ -1,0 +1,53 @@
+"""The loops that co-simulation masters run: when they step, and by how much."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+#: (t, h) of one step after another
+Steps = Iterator[tuple[float, float]]
+
+
+def remaining(H: float, T: float) -> Steps:
+    """``while t < T: h = min(H, T - t)``: what rounding leaves of T is a step of its own."""
+    t = 0.0
+    while t < T:
+        h = min(H, T - t)
+        yield t, h
+        t += h
+
+
+def adding(H: float, T: float) -> Steps:
+    """``t += H``, and one step back to the even instants every second."""
+    t, second = 0.0, 1.0
+    while second <= T:
+        while t + H < second:
+            yield t, H
+            t += H
+        yield t, second - t
+        t, second = second, second + 1.0
+
+
+def counting(H: float, T: float) -> Steps:
+    """``t = k H``."""
+    for k in range(round(T / H)):
+        yield k * H, (k + 1) * H - k * H
+
+
+LOOPS: dict[str, Callable[[float, float], Steps]] = {"remaining": remaining, "adding": adding, "counting": counting}
+
+
+def random_steps(seed: int, T: float, shortest: float, longest: float) -> Steps:
+    """Steps over all sizes between, each decade alike, and every other one of the largest."""
+    random = np.random.default_rng(seed)
+    t = 0.0
+    while t < T:
+        if random.random() < 0.5:
+            h = 10 ** random.uniform(math.log10(shortest), math.log10(longest))
+        else:
+            h = random.uniform(0.25 * longest, longest)
+        yield t, h
+        t += h

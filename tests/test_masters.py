@@ -1,0 +1,242 @@
+"""Steps as masters take them: rests of rounding size, short steps after long ones, steps taken back.
+
+Inputs at the start of a step are extrapolated with constant accelerations.  Where the motion's jerk is at most j and no
+step is longer than H, what the path of an end misses of it stays within 0.27 j H^3, 0.62 j H^2 and 3.4 j H in position,
+speed and acceleration, whatever the steps; even steps of H miss 0.258, 0.509 and 2.94 (a quintic that leaves
+(1/6, 1/2, 1) j (H^3, H^2, H) behind the motion and is to join what is extrapolated anew).  The end force errs by the
+mass of the rope's leg times the acceleration's error, at most twice that, since the leg answers as an undamped bar.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from exports import FLAVOURS, export_drive
+from masters import LOOPS, random_steps
+from native_host import Host
+from numpy.testing import assert_allclose
+
+from rope_model.parameters import rope_120
+from rope_model.simulation.ends import EndMotion, EndPath
+
+MISSED = np.array([0.27, 0.62, 3.4])
+TRAVEL, DURATION = 90.0, 25.0
+#: m/s^3, of the trip at its start
+JERK = 60 * TRAVEL / DURATION**3
+LONGEST, MASS_PER_LENGTH = 0.02, rope_120().scene.rope.mass_per_length
+FORCES = ("left.fy", "right.fy")
+
+
+def trip(t: float) -> tuple[EndMotion, EndMotion]:
+    """The left end rises and the right one falls by 90 m in 25 s."""
+    s = min(max(t / DURATION, 0.0), 1.0)
+    y = TRAVEL * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    v = TRAVEL / DURATION * 30 * s**2 * (1 - s) ** 2
+    a = TRAVEL / DURATION**2 * (60 * s - 180 * s**2 + 120 * s**3)
+    return EndMotion(y=y, vy=v, ay=a), EndMotion(y=TRAVEL - y, vy=-v, ay=-a)
+
+
+def missed(steps: list[float], jerk: float) -> np.ndarray:
+    """Largest error of the path in y, vy, ay behind a motion of constant jerk that is extrapolated from each start."""
+    path, t, last, largest = EndPath.resting(0.0, EndMotion()), 0.0, 0.0, np.zeros(3)
+    for h in steps:
+        given = EndMotion(y=jerk * t**3 / 6, vy=jerk * t**2 / 2, ay=jerk * t)
+        path, last = path.to(t + h, given.extrapolated(h), last), h
+        for s in t + h * np.linspace(0, 1, 21):
+            truth = np.array([jerk * s**3 / 6, jerk * s**2 / 2, jerk * s])
+            largest = np.maximum(largest, np.abs(np.array(path.rates(s, 1)) - truth))
+        t += h
+    return largest
+
+
+def test_path_misses_no_more_in_any_steps_than_stated_and_hardly_more_than_in_even_ones() -> None:
+    even = missed([1.0] * 40, 1.0)
+    assert_allclose(even, [0.2575, 0.509, 2.94], rtol=2e-3)
+    worst = np.zeros(3)
+    for seed in range(200):
+        worst = np.maximum(worst, missed([h for _, h in random_steps(seed, 20.0, 1e-6, 1.0)], 1.0))
+    for short in (1e-6, 0.1, 0.5, 0.9):
+        worst = np.maximum(worst, missed([1.0, *[short] * 3] * 10, 1.0))
+    print("missed in even steps", even, "in any", worst)
+    assert np.all(worst <= MISSED)
+    # without an aim beyond the step's end the last of these would take the path 1e6 times as far off
+    assert np.all(missed([1.0] * 5 + [1e-6] * 5, 1.0) <= MISSED)
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, str]]:
+    """FMU and its unpacked folder, by flavour."""
+    made = {}
+    for name, export in {**{k: f.export for k, f in FLAVOURS.items()}, "drive": export_drive}.items():
+        path = export(tmp_path_factory.mktemp(name) / "model.fmu")
+        made[name] = (path, str(fmpy.extract(str(path), str(tmp_path_factory.mktemp(name)))))
+    return made
+
+
+@pytest.fixture(params=[*FLAVOURS, "drive"])
+def host(request: pytest.FixtureRequest, folders: dict[str, tuple[Path, str]]) -> Iterator[Host]:
+    made = Host(*folders[request.param])
+    yield made
+    made.call("FreeInstance")
+
+
+rope_only = pytest.mark.parametrize("host", [*FLAVOURS], indirect=True)
+native_only = pytest.mark.parametrize("host", [name for name, f in FLAVOURS.items() if f.native], indirect=True)
+
+
+def give(host: Host, t: float) -> None:
+    for side, motion in zip(("left", "right"), trip(t), strict=True):
+        host.set(**{f"{side}.{name}": getattr(motion, name) for name in ("y", "vy", "ay")})
+
+
+def is_rope(host: Host) -> bool:
+    return "rope.EI" in host.variables
+
+
+def run(host: Host, steps: Iterator[tuple[float, float]], T: float) -> None:
+    """All steps are done, and they end at T."""
+    t = h = 0.0
+    for t, h in steps:
+        if is_rope(host):
+            give(host, t)
+        message = host.step(t, h)
+        assert message == "", f"t = {t!r}, h = {h!r}: {message}"
+    assert abs(t + h - T) < 1e-9
+
+
+def forces(host: Host, steps: Iterator[tuple[float, float]], at_end: bool) -> np.ndarray:
+    """(steps, 3): time and forces after each; AssertionError with the FMU's words when one is refused."""
+    rows = []
+    for t, h in steps:
+        give(host, t + h if at_end else t)
+        message = host.step(t, h)
+        assert message == "", f"t = {t!r}, h = {h!r}: {message}"
+        rows.append([t + h, *host.get(*FORCES)])
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("loop", LOOPS)
+@pytest.mark.parametrize(("H", "T"), [(0.02, 5.0), (0.005, 5.0), (0.02, 9.0)])
+def test_loop_of_a_master_ends_where_it_should(host: Host, loop: str, H: float, T: float) -> None:
+    """Some of these end with a step of 1e-15 to 1e-13 s."""
+    host.start(**({"model.rung": 4} if is_rope(host) else {}))  # rigid: the clock is what counts
+    run(host, LOOPS[loop](H, T), T)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("loop", LOOPS)
+def test_loops_of_masters_end_where_they_should_over_all_steps(host: Host, loop: str) -> None:
+    for H, T in itertools.product((1e-3, 5e-3, 1e-2, 2e-2), (5.0, 9.0, 10.0, 30.0)):
+        host.call("Reset")
+        host.start()
+        run(host, LOOPS[loop](H, T), T)
+
+
+def test_rest_of_rounding_size_moves_nothing_and_is_not_lost(host: Host) -> None:
+    name = "left.fy" if is_rope(host) else "left.y"
+    host.start()
+    if is_rope(host):
+        give(host, 0.0)
+    assert host.step(0.0, 0.01) == ""
+    state, before = host.state(), host.get(name)
+    t = 0.01
+    for _ in range(30):  # together 1.5e-8 s, more than the slack of the time
+        assert host.step(t, 5e-10) == ""
+        t += 5e-10
+    assert host.step(t, 0.02 - t) == ""
+    after = host.get(name)
+    host.restore(state)
+    assert host.step(0.01, 0.01) == ""
+    assert_allclose(after, host.get(name), rtol=1e-7)
+    host.restore(state)
+    assert host.step(0.01, 5e-10) == ""
+    assert host.get(name) == before
+    # the time that was handed over is saved and restored
+    again = host.state()
+    assert host.step(0.01 + 5e-10, 0.01) == ""
+    host.restore(again)
+    assert host.step(0.01 + 5e-10, 0.01) == ""
+
+
+def even_error(host: Host, exact: np.ndarray, H: float, T: float, at_end: bool) -> float:
+    host.call("Reset")
+    host.start(inputs_at_step_end=at_end)
+    return error(forces(host, LOOPS["counting"](H, T), at_end), exact)
+
+
+def error(found: np.ndarray, exact: np.ndarray) -> float:
+    """Largest difference of an end force, N."""
+    return max(np.abs(found[:, k] - np.interp(found[:, 0], exact[:, 0], exact[:, k])).max() for k in (1, 2))
+
+
+@native_only
+@pytest.mark.parametrize("at_end", [False, True])
+def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(host: Host, at_end: bool) -> None:
+    T, sequences = 0.25, 500
+    host.start(inputs_at_step_end=True, **{"solver.step_max": 2.5e-3, "solver.tolerance": 1e-5})
+    exact = forces(host, LOOPS["counting"](5e-4, T + LONGEST), at_end=True)
+    integration = even_error(host, exact, LONGEST, T, at_end=True)
+    even = even_error(host, exact, LONGEST, T, at_end)
+    host.call("Reset")
+    host.start(inputs_at_step_end=at_end)
+    begin, worst, steps = host.state(), 0.0, 0
+    for seed in range(sequences):
+        host.restore(begin)
+        found = forces(host, random_steps(seed, T, 1e-8, LONGEST), at_end)
+        worst, steps = max(worst, error(found, exact)), steps + len(found)
+    print(f"{sequences} sequences, {steps} steps: {worst:.2f} N; even steps of {LONGEST} s: {even:.2f} N")
+    # the longer leg; the integration's own error is that of uneven steps, at most twice that of even ones
+    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
+    extrapolation = 0.0 if at_end else 2 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * leg
+    assert worst <= extrapolation + 2 * integration
+
+
+@rope_only
+@pytest.mark.parametrize("at_end", [False, True])
+def test_event_found_by_bisection(host: Host, at_end: bool) -> None:
+    """A host that looks for the instant at which the left end passes 5 mm, by restoring and shorter steps."""
+    host.start(inputs_at_step_end=at_end)
+    forces(host, LOOPS["counting"](LONGEST, 0.4), at_end)
+    low, high, start = 0.0, LONGEST, host.state()
+    event = next(t for t in np.arange(0.4, 0.42, 1e-4) if trip(t)[0].y > trip(0.41)[0].y)
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        host.restore(start)
+        forces(host, iter([(0.4, middle)]), at_end)
+        low, high = (low, middle) if 0.4 + middle > event else (middle, high)
+    assert high - low < 1e-7
+    # from the event on: the rest of the step, and even ones
+    host.restore(start)
+    found = forces(host, iter([(0.4, high), (0.4 + high, 1e-8), (0.4 + high + 1e-8, LONGEST - high - 1e-8)]), at_end)
+    host.restore(start)
+    whole = forces(host, iter([(0.4, LONGEST)]), at_end)
+    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
+    assert_allclose(found[-1, 1:], whole[-1, 1:], rtol=0, atol=4 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * leg)
+
+
+@rope_only
+def test_host_with_an_error_controlled_step(host: Host) -> None:
+    """It compares one step with two halves of it, and takes what came of the halves."""
+    host.start()
+    t, h, taken, tolerance = 0.0, 1e-4, [], 5.0
+    while t < 0.5:
+        h = min(h, LONGEST, 0.5 - t)
+        start = host.state()
+        one = forces(host, iter([(t, h)]), at_end=False)[-1, 1:]
+        host.restore(start)
+        two = forces(host, iter([(t, 0.5 * h), (t + 0.5 * h, 0.5 * h)]), at_end=False)[-1, 1:]
+        differs = float(np.abs(one - two).max())
+        if differs <= tolerance or h <= 1e-6:
+            t, taken = t + h, [*taken, h]
+        else:
+            host.restore(start)
+        host.free(start)
+        h *= min(max(0.9 * math.sqrt(tolerance / max(differs, 1e-3)), 0.2), 2.0)
+    assert math.isclose(t, 0.5, abs_tol=1e-9)
+    assert len(taken) < 400
