@@ -153,7 +153,7 @@ def test_rest_of_rounding_size_moves_nothing_and_is_not_lost(host: Host) -> None
     after = host.get(name)
     host.restore(state)
     assert host.step(0.01, 0.01) == ""
-    assert_allclose(after, host.get(name), rtol=1e-7)
+    assert_allclose(after, host.get(name), rtol=1e-7, atol=1e-12)
     host.restore(state)
     assert host.step(0.01, 5e-10) == ""
     assert host.get(name) == before

@@ -240,7 +240,7 @@ def test_absurd_parameters_are_refused_with_name_value_and_cure(libraries: dict[
     ("h", "words"),
     [
         (0.0, "not positive"), (-0.01, "-0.01"), (math.nan, "nan"), (math.inf, "inf"), (1e300, "1e+300"),
-        (1e6, "communicate every 400 s"), (1e-12, "time must go forward"),
+        (1e6, "communicate every 400 s"),
     ],
 )  # fmt: skip
 def test_absurd_steps_are_refused_with_the_bound_and_a_reset_helps(

@@ -90,40 +90,51 @@ void with_loop_yaw(State *state)
     state->loop_yaw = frame_counted_on(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
-void with_good_pole(Simulator *rope, State *state)
+int better_pole(State *state, double pole[3])
 {
     const Arrays m = state_arrays(state);
-    const double *d = m.q + (size_t)lowest_node(&m) * DOF + SLOPE;
+    const double *d = m.q + (size_t)lowest_node(&m) * DOF + SLOPE, *old = state->pole;
     const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     const double across[2] = {d[0] / length, d[2] / length}, size = hypot(across[0], across[1]);
-    double old[3], new_pole[3], margin, *angle = rope->x;
-    int node;
+    double margin;
     if (state->rung != TORSIONAL) /* nothing is counted from the frame */
-        return;
-    memcpy(old, state->pole, sizeof old);
+        return 0;
     margin = frame_pole_margin(old, m.nodes, m.q + SLOPE);
     if (margin >= POLE_MARGIN && old[0] * across[0] + old[2] * across[1] >= POLE_FOLLOWS * size)
-        return;
+        return 0;
     /* the lowest tangent suits a loop that hangs in any vertical plane as X suits it at the start */
-    new_pole[0] = across[0] / fmax(size, 1e-12);
-    new_pole[1] = 0;
-    new_pole[2] = across[1] / fmax(size, 1e-12);
-    if (frame_pole_margin(new_pole, m.nodes, m.q + SLOPE) < POLE_MARGIN)
-        frame_best_pole(m.nodes, m.q + SLOPE, new_pole);
-    if (frame_pole_margin(new_pole, m.nodes, m.q + SLOPE) <= margin - 0.1 ||
-        new_pole[0] * old[0] + new_pole[1] * old[1] + new_pole[2] * old[2] > 0.99)
-        return;
-    state_copy(rope, rope->spare, state);
-    frame_pole_change_angle(old, new_pole, m.nodes, m.q + SLOPE, angle);
+    pole[0] = across[0] / fmax(size, 1e-12);
+    pole[1] = 0;
+    pole[2] = across[1] / fmax(size, 1e-12);
+    if (frame_pole_margin(pole, m.nodes, m.q + SLOPE) < POLE_MARGIN)
+        frame_best_pole(m.nodes, m.q + SLOPE, pole);
+    return frame_pole_margin(pole, m.nodes, m.q + SLOPE) > margin - 0.1 &&
+           pole[0] * old[0] + pole[1] * old[1] + pole[2] * old[2] <= 0.99;
+}
+
+void express_in(State *state, const double pole[3], double *angle)
+{
+    const Arrays m = state_arrays(state);
+    int node;
+    frame_pole_change_angle(state->pole, pole, m.nodes, m.q + SLOPE, angle);
     for (node = 0; node < m.nodes; ++node) {
         double *q = m.q + (size_t)node * DOF, *v = m.v + (size_t)node * DOF;
         q[ANGLE] += angle[node];
-        v[ANGLE] += frame_smallest_rotation_rate(old, q + SLOPE, v + SLOPE) -
-                    frame_smallest_rotation_rate(new_pole, q + SLOPE, v + SLOPE);
+        v[ANGLE] += frame_smallest_rotation_rate(state->pole, q + SLOPE, v + SLOPE) -
+                    frame_smallest_rotation_rate(pole, q + SLOPE, v + SLOPE);
     }
-    memcpy(state->pole, new_pole, sizeof new_pole);
+    memcpy(state->pole, pole, sizeof state->pole);
     state->offsets[LEFT] += angle[0];
     state->offsets[RIGHT] += angle[m.nodes - 1];
+}
+
+void with_good_pole(Simulator *rope, State *state)
+{
+    double pole[3];
+    if (!better_pole(state, pole))
+        return;
+    state_copy(rope, rope->spare, state);
+    express_in(state, pole, rope->x);
     if (relaxed(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 1))
         booked(rope, state, NEW_POLE, &state->counts.pole_changes);
     else /* the old frame serves for another step */

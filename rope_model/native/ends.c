@@ -19,15 +19,6 @@ Path path_resting(double t, const EndMotion *at) {
     return path;
 }
 
-EndMotion end_extrapolated(EndMotion end, double h) {
-    for (int axis = 0; axis < YAW; axis++) {
-        end.x[axis] = end.x[axis] + end.v[axis] * h + 0.5 * end.a[axis] * h * h;
-        end.v[axis] = end.v[axis] + end.a[axis] * h;
-    }
-    end.yaw = end.yaw + end.yaw_rate * h;
-    return end;
-}
-
 Path path_to(const Path *path, double stop, const EndMotion *given, double within) {
     double start = path->stop, step = stop - start, h = fmax(fmax(step, path->aim - start), within);
     if (h <= step * (1.0 + ALIKE)) h = step;

@@ -60,6 +60,16 @@ typedef struct {
     double x[3], v[3], a[3], yaw, yaw_rate;
 } EndMotion;
 
+/* the motion h later if the accelerations stay as they are */
+static inline EndMotion end_extrapolated(EndMotion end, double h) {
+    for (int axis = 0; axis < 3; axis++) {
+        end.x[axis] = end.x[axis] + end.v[axis] * h + 0.5 * end.a[axis] * h * h;
+        end.v[axis] = end.v[axis] + end.a[axis] * h;
+    }
+    end.yaw = end.yaw + end.yaw_rate * h;
+    return end;
+}
+
 /* where memory comes from and goes to; as calloc and free */
 typedef struct {
     void *(*take)(size_t number, size_t size);
@@ -81,8 +91,7 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
 #define ROPE_SHORTEST_INTERVAL 1e-9
 #define ROPE_SHORTEST_AIM 1e-5
 int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within);
-/* the motion h later if the accelerations stay as they are */
-EndMotion end_extrapolated(EndMotion end, double h);
+
 /* go on with other solver tolerances or swivel friction; nothing else of the scene may differ */
 int rope_retune(Simulator *rope, const Scene *scene);
 const char *rope_message(const Simulator *rope);

@@ -164,7 +164,7 @@ static int rested(Simulator *rope, State *state, char *message)
     for (k = 0; k < MOST_POLES; ++k) {
         double balance[BALANCE], pole[3];
         System s;
-        memcpy(pole, state->pole, sizeof pole);
+        int changed;
         if (!find_equilibrium(rope, state, message))
             return 0;
         memset(m.v, 0, bytes);
@@ -175,9 +175,11 @@ static int rested(Simulator *rope, State *state, char *message)
         s = system_of(rope, state);
         chain_of_state(state)->assess(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
         set_energies(&state->ledger, balance, &s, m.v);
-        with_good_pole(rope, state);
+        changed = better_pole(state, pole);
+        if (changed)
+            express_in(state, pole, rope->x);
         with_loop_yaw(state);
-        if (memcmp(pole, state->pole, sizeof pole) == 0)
+        if (!changed)
             break;
     }
     return 1;

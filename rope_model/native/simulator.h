@@ -72,6 +72,10 @@ int chatters(const State *state);
 
 /* adaptation.c */
 void transformed_if_due(Simulator *rope, State *state);
+/* 1 and a pole when that of the state should change */
+int better_pole(State *state, double pole[3]);
+/* theta and its rate from another pole; angle: scratch (nodes) */
+void express_in(State *state, const double pole[3], double *angle);
 void with_good_pole(Simulator *rope, State *state);
 void with_loop_yaw(State *state);
 int raised(Simulator *rope, State *state, const char *why, char *message);

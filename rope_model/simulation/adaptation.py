@@ -66,7 +66,19 @@ def _relaxed(model: RopeModel, state: RopeState) -> Solution[Assessment]:
 
 
 def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
-    """Theta expressed in a frame whose singularity is far from every tangent of the rope."""
+    """The moving rope in a frame whose singularity is far from its tangents, in equilibrium with its accelerations."""
+    moved = in_good_frame(state)
+    if moved is state:
+        return state
+    solution = _relaxed(model, moved)
+    if not solution.newton.converged:  # the old frame serves for another step
+        return state
+    motion = replace(moved.motion, q=solution.q, reaction=solution.assessment.reaction)
+    return _booked(model, moved._replace(motion=motion), "new frame pole")
+
+
+def in_good_frame(state: RopeState) -> RopeState:
+    """Theta and its rate expressed in a frame whose singularity is far from every tangent of the rope."""
     if state.rung != "torsional":  # nothing is counted from the frame
         return state
     d = state.motion.q[:, SLOPE]
@@ -86,16 +98,11 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
     q[:, ANGLE] += angle
     rates = [smallest_rotation_rate(p, d.T, m.v[:, SLOPE].T) for p in (old, new)]
     v[:, ANGLE] += rates[0] - rates[1]
-    moved = state._replace(
+    return state._replace(
         pole=new,
         offsets=(state.offsets[0] + float(angle[0]), state.offsets[1] + float(angle[-1])),
         motion=replace(m, q=q, v=v),
     )
-    solution = _relaxed(model, moved)
-    if not solution.newton.converged:  # the old frame serves for another step
-        return state
-    motion = replace(moved.motion, q=solution.q, reaction=solution.assessment.reaction)
-    return _booked(model, moved._replace(motion=motion), "new frame pole")
 
 
 def raised(model: RopeModel, state: RopeState, why: str) -> RopeState:

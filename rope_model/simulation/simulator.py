@@ -19,7 +19,7 @@ import numpy as np
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
-from .adaptation import raised, transformed_if_due, with_good_pole, with_loop_yaw
+from .adaptation import in_good_frame, raised, transformed_if_due, with_good_pole, with_loop_yaw
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
 from .mesh import LATEST, Partition, distance_to_due, misplaced, partition, suited
@@ -231,7 +231,7 @@ class RopeSimulator:
             balance = system.assess(equilibrium.q, rest, rest, equilibrium.reaction).balance
             motion = Motion(m.t, equilibrium.q, rest, rest, rest, rest, 0.0, equilibrium.reaction)
             state = state._replace(motion=motion, ledger=state.ledger._replace(**energies(balance)))
-            state = with_loop_yaw(with_good_pole(self.model, state))
+            state = with_loop_yaw(in_good_frame(state))
             if state.pole is pole:
                 break
         return state

@@ -81,7 +81,8 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     return 1;
 }
 
-int rope_advance(Simulator *rope, double t, const EndMotion ends[2]) {
+int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within) {
+    (void)within;
     if (!moves_well(rope, t - rope->state.t, ends)) return 0;
     rope->state.h = t - rope->state.t;
     rope->state.t = t;
