@@ -105,7 +105,6 @@ def hourglass() -> Finding:
                 ">",
                 10.0,
             ),
-            Measured("part of the trip completed, 2 points", twin.completed, "1", "<", 0.99),
         ),
         ours=(
             # int (6 xi^2 - 6 xi + 1)^2 = 1/5, on a mode whose norm is of order 1
@@ -129,7 +128,6 @@ def hourglass() -> Finding:
             ),
             log_y=True,
         ),
-        message=f"With two points: {twin.status.message}",
     )
 
 
