@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rope_model.parameters import Preset
+from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.caveats import CAVEATS
 from rope_model.simulation.ends import SHORTEST_AIM, SIDES
 from rope_model.simulation.signals import group_of
-from rope_model.simulation.simulator import RopeSimulator, Status
+from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 
 from .interface import Kind, Value, Variable, motion_of, scene_of, variables
@@ -200,7 +201,7 @@ class RopeComponent:
         """What tells of one thing each that is to be minded now, or ''."""
         if (rope := self._rope) is None:
             return []
-        return [*(partial(caveat, rope) for caveat in CAVEATS), partial(self._long_step, rope)]
+        return [*(partial(caveat, rope.scene, rope.state) for caveat in CAVEATS), partial(self._long_step, rope)]
 
     def _long_step(self, rope: RopeSimulator) -> str:
         h, moved = rope.state.last_interval, rope.state.counts.steps > 0
