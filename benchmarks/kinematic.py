@@ -12,28 +12,26 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from hoist_demo.reference import Reference
-from rope_model.native.engine import rope_simulator
-from rope_model.parameters import Scene
+from rope_model import BalanceRope, EndMotion, Scene, Status, balance_rope
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
-from rope_model.simulation.ends import EndMotion
-from rope_model.simulation.simulator import RopeSimulator, Status
 from rope_model.simulation.state import Event
 
 Array = NDArray[np.float64]
 H = 0.01  # s, communication step
+TORQUES = ("left.swivel.torque", "right.swivel.torque")
 
 
 @dataclass
 class Winding:
     """Records of a run, sampled every ``sample`` communication steps."""
 
-    rope: RopeSimulator
+    rope: BalanceRope
     status: Status
     t: list[float] = field(default_factory=list)
     force: list[Array] = field(default_factory=list)  # N, left and right
     bottom: list[Array] = field(default_factory=list)  # m
     observed: list[Array] = field(default_factory=list)  # (2, 7) r, r', theta at the observation points
-    torque: list[tuple[float, float]] = field(default_factory=list)  # N m, of the conveyances on the rope's ends
+    torque: list[tuple[float, ...]] = field(default_factory=list)  # N m, of the conveyances on the rope's ends
     kinetic: list[float] = field(default_factory=list)  # J
     events: list[Event] = field(default_factory=list)
     simulated: float = 0.0  # s
@@ -58,7 +56,7 @@ def wind(
     settle: float = 3.0,
     sample: int = 5,
     progress: Callable[[float], None] | None = None,
-    watch: Callable[[RopeSimulator], None] | None = None,
+    watch: Callable[[BalanceRope], None] | None = None,
     interval: float = H,
     ends_at: Callable[[Reference, float, float], tuple[EndMotion, EndMotion]] = ends_at,
 ) -> Winding:
@@ -66,7 +64,7 @@ def wind(
 
     ``watch`` sees the rope at every record.
     """
-    rope = rope_simulator(scene)
+    rope = balance_rope(scene)
     run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
     if not run.status.valid:
         return run
@@ -86,7 +84,7 @@ def wind(
             run.force.append(-state.motion.reaction[[0, -1], 1])
             run.bottom.append(bottom)
             run.observed.append(observation_points(state.motion.q, bottom))
-            run.torque.append((rope.ends.moment(0, state.motion.reaction), rope.ends.moment(1, state.motion.reaction)))
+            run.torque.append(tuple(rope.signals(TORQUES).values()))
             run.kinetic.append(state.ledger.kinetic)
             if watch is not None:
                 watch(rope)

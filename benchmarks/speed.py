@@ -35,10 +35,7 @@ from hoist_demo.inprocess_rope import rope_data
 from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import EndMotion
 from hoist_demo.scenes import SCENES
-from rope_model.native.engine import NativeRope
-from rope_model.parameters import Solver
-from rope_model.simulation.signals import SIGNALS, end_signals
-from rope_model.simulation.simulator import RopeSimulator
+from rope_model import SIGNALS, Solver, balance_rope
 
 from .kinematic import ends_at
 
@@ -79,17 +76,14 @@ def in_process(form: str, name: str) -> Stepper:
     reference, travel = s_curve(winding), winding.travel
     scene = rope_data(SCENES[name].rope)
     if form == "native":
-        rope: RopeSimulator = NativeRope(scene)
+        rope = balance_rope(scene, "native")
     else:
-        rope = RopeSimulator(scene.with_(solver=Solver(kernels="portable" if "portable" in form else "compiled")))
+        solver = Solver(kernels="portable" if "portable" in form else "compiled")
+        rope = balance_rope(scene.with_(solver=solver), "python")
 
     def step(t: float) -> bool:
         valid = rope.advance_to(t, *ends_at(reference, travel, t)).valid
-        if isinstance(rope, NativeRope):
-            for name in READ:
-                rope.signal(name)
-        else:
-            end_signals(rope)
+        rope.signals(READ)
         return valid
 
     return Stepper(lambda: rope.initialize(0.0, *ends_at(reference, travel, 0.0)).valid, step)

@@ -11,15 +11,13 @@ import json
 import math
 import traceback
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 from rope_model.parameters import Preset
-from rope_model.simulation.caveats import CAVEATS
+from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends import SHORTEST_AIM, SIDES
-from rope_model.simulation.signals import group_of
-from rope_model.simulation.simulator import RopeSimulator, Status
+from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 
 from .interface import Kind, Value, Variable, motion_of, scene_of, variables
@@ -44,10 +42,9 @@ class RopeComponent:
         self._rope: RopeSimulator | None = None
         self._start_time = 0.0
         self._bundle, self._log = bundle, log
-        self._outputs: dict[str, float] = {}
         self._retune = False
         self._initializing, self._changed = False, True
-        self._warned: set[int] = set()  # places in _caveats of what has been in the log
+        self._warned: set[str] = set()  # subjects of the warnings that have been in the log
         self._pending = ""  # an error of a call that cannot report one itself
 
     # life cycle
@@ -84,7 +81,7 @@ class RopeComponent:
             return self.status
 
         self._hang_if_changed()
-        self._guarded("get", read, keep_outputs=True)
+        self._guarded("get", read)
         return out
 
     def set(self, references: Sequence[int], values: Sequence[Value], kind: Kind) -> None:
@@ -196,11 +193,12 @@ class RopeComponent:
             self._warn()
         return status
 
-    def _caveats(self) -> list[Callable[[], str]]:
-        """What tells of one thing each that is to be minded now, or ''."""
+    def _warnings(self) -> dict[str, str]:
+        """What is to be minded now, by subject."""
         if (rope := self._rope) is None:
-            return []
-        return [*(partial(caveat, rope) for caveat in CAVEATS), partial(self._long_step, rope)]
+            return {}
+        long_step = self._long_step(rope)
+        return rope.warnings() | ({"long_step": long_step} if long_step else {})
 
     def _long_step(self, rope: RopeSimulator) -> str:
         h, moved = rope.state.last_interval, rope.state.counts.steps > 0
@@ -214,9 +212,9 @@ class RopeComponent:
 
     def _warn(self) -> None:
         """Into the log what is to be minded, each thing once."""
-        for place, caveat in enumerate(self._caveats()):
-            if place not in self._warned and (text := caveat()):
-                self._warned.add(place)
+        for subject, text in self._warnings().items():
+            if subject not in self._warned:
+                self._warned.add(subject)
                 self._log(text, "warning")
 
     def _restore(self, state: dict[str, Any]) -> Status:
@@ -240,9 +238,7 @@ class RopeComponent:
         self._retune = self._initializing = False
         return saved
 
-    def _guarded(self, what: str, call: Callable[[], Status], keep_outputs: bool = False) -> bool:
-        if not keep_outputs:
-            self._outputs = {}
+    def _guarded(self, what: str, call: Callable[[], Status]) -> bool:
         before = self.status
         try:
             self.status = call()
@@ -274,11 +270,9 @@ class RopeComponent:
         if name == "status.message":
             return self.status.message
         if name == "status.warning":
-            return "\n".join(filter(None, (caveat() for caveat in self._caveats())))
+            return "\n".join(self._warnings().values())
         if self._rope is None:  # before initialisation zero; after one that failed nothing that looks like a force
             return _NOTHING[variable.kind] if self.status.valid or variable.kind != "Real" else math.nan
         if name in ("status.rung", "status.rung_reason"):
-            return str(getattr(self._rope.state, name.removeprefix("status.")))
-        if name not in self._outputs:
-            self._outputs |= group_of(name)(self._rope)
-        return self._outputs[name]
+            return str(getattr(self._rope, name.removeprefix("status.")))
+        return self._rope.signals((name,))[name]

@@ -31,7 +31,7 @@ from .interface import NO_CHANGES, Value, preset_with, variables
 SOURCES = ("rope_model", "fmu_src")
 #: what the FMU needs not: parts of the export, and of the native flavour
 _LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference.py", "terminals.py"}
-_LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "native"}
+_LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "public.py", "native"}
 
 
 def export_fmu(

@@ -6,7 +6,7 @@ The only module of the host that knows rope_model; it serves as the FMU's twin a
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, fields, replace
 from importlib.metadata import version
@@ -17,13 +17,8 @@ from hoist_demo.rope_plant import EndMotion, RopeStatus
 from hoist_demo.rungs import RUNG, code_of
 from hoist_demo.scenes import scene_named
 from hoist_demo.study.units import field_units
-from rope_model.native.engine import rope_simulator
-from rope_model.parameters import Level, Scene, at_level
-from rope_model.simulation import ends
-from rope_model.simulation.caveats import CAVEATS
-from rope_model.simulation.signals import SIGNALS, group_of, signals
-from rope_model.simulation.simulator import RopeSimulator, Status
-from rope_model.simulation.state import RopeState
+from rope_model import SIGNALS, Level, RopeState, Scene, Status, at_level, balance_rope
+from rope_model import EndMotion as RopeEndMotion
 
 _log = logging.getLogger(__name__)
 
@@ -38,40 +33,39 @@ _UNITS = {"m", "m/s2", "s", "rad", "kg/m", "kg.m", "kg.m2", "N", "N.m", "N.m2"}
 
 
 class InProcessRope:
-    """A RopePlant around rope_model's simulator."""
+    """A RopePlant around rope_model's BalanceRope."""
 
     def __init__(self, scene: Scene) -> None:
-        self._simulator = rope_simulator(scene)
-        self._warned: set[Callable[[RopeSimulator], str]] = set()
+        self._rope = balance_rope(scene)
+        self._warned: set[str] = set()  # subjects of what was logged
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Find the hanging shape at t0 [s]."""
         self._warned.clear()
-        return self._told(self._simulator.initialize(t0, _motion(left), _motion(right)))
+        return self._told(self._rope.initialize(t0, _motion(left), _motion(right)))
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Advance to t + h [s]; the motions hold there."""
-        return self._told(self._simulator.advance_to(t + h, _motion(left), _motion(right)))
+        return self._told(self._rope.advance_to(t + h, _motion(left), _motion(right)))
 
     def _told(self, status: Status) -> RopeStatus:
         """The status; what is to be minded in a valid state is logged, each thing once, as the FMU does it."""
-        for caveat in CAVEATS if status.valid else ():
-            if caveat not in self._warned and (text := caveat(self._simulator)):
-                self._warned.add(caveat)
+        for subject, text in self._rope.warnings().items() if status.valid else ():
+            if subject not in self._warned:
+                self._warned.add(subject)
                 _log.warning("%s", text)
         return RopeStatus(bool(status.valid), str(status.message))
 
     def signals(self) -> dict[str, float]:
         """All outputs by FMI name, and the rung by its code."""
-        values = {name: float(value) for name, value in signals(self._simulator).items()}
-        return values | {RUNG: code_of(self._simulator.state.rung)}
+        return self._rope.signals() | {RUNG: code_of(self._rope.rung)}
 
     def data(self) -> RopeData:
         """What this rope is: its engine, and all parameters by FMI name."""
-        model = {"rope": f"in process, {type(self._simulator).__module__}", "version": version("balance-rope")}
+        model = {"rope": f"in process, {type(self._rope).__name__}", "version": version("balance-rope")}
         values, units = dict[str, Value](), dict[str, str]()
         for group, part in _PARTS.items():
-            data = getattr(self._simulator.scene, part)
+            data = getattr(self._rope.scene, part)
             known = field_units(type(data))
             for field in fields(data):
                 value, unit = getattr(data, field.name), known.get(field.name, "1")
@@ -79,25 +73,20 @@ class InProcessRope:
                 units[f"{group}.{field.name}"] = unit if isinstance(value, float) and unit in _UNITS else "1"
         reason = ""
         with suppress(RuntimeError):  # a rope that could not be hung up has no state
-            reason = self._simulator.state.rung_reason
+            reason = self._rope.rung_reason
         return RopeData(model, values, units, reason)
 
     def read(self, names: Iterable[str]) -> dict[str, float]:
-        """Some outputs; kin are computed together."""
-        wanted = [name for name in names if name in SIGNALS]
-        values: dict[str, float] = {}
-        for name in wanted:
-            if name not in values:
-                values |= group_of(name)(self._simulator)
-        return {name: float(values[name]) for name in wanted}
+        """Some outputs."""
+        return self._rope.signals(name for name in names if name in SIGNALS)
 
     def save(self) -> RopeState:
         """The state, which nothing changes."""
-        return self._simulator.state
+        return self._rope.state
 
     def restore(self, snapshot: RopeState) -> None:
         """Go on from a state."""
-        self._simulator.restore(snapshot)
+        self._rope.restore(snapshot)
 
     def free(self, snapshot: RopeState) -> None:
         """Nothing is held."""
@@ -140,9 +129,9 @@ def rope_data(parameters: Mapping[str, float], level: Level = "standard") -> Sce
     return data
 
 
-def _motion(end: EndMotion) -> ends.EndMotion:
+def _motion(end: EndMotion) -> RopeEndMotion:
     """The same numbers in rope_model's own type."""
-    return ends.EndMotion(**asdict(end))
+    return RopeEndMotion(**asdict(end))
 
 
 def _decoded(part: Any, item: str, value: float) -> Any:

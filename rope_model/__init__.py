@@ -8,9 +8,32 @@ from the left end to the right end, so the tangent is -Y at the left end and +Y 
 theta are positive about the tangent.  The conveyance's yaw and the loop's yaw are positive about Y.  Signals called
 fx ... mz are what the rope does to the conveyance.
 
+A user imports from this package, as in ``from rope_model import EndMotion, balance_rope, rope_120``; rope_model.public
+lists the names.
+
 Layers, imports point down only
 -------------------------------
+    public                what a user imports
+    native                the same simulation in C
     simulation            joins physics and methods: statics, stepping, swivel events, transformation, modes
     physics | numerics    what the rope is; how such systems are solved; strangers to each other
     parameters            data sets
 """
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .public import *  # noqa: F403
+else:
+
+    def __getattr__(name):
+        # not before it is asked for: the parameters alone need no CasADi, and the Python FMU has no native form
+        if name == "__all__" or not name.startswith("_"):
+            public = import_module(".public", __name__)
+            if name == "__all__" or name in public.__all__:
+                return getattr(public, name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+    def __dir__():
+        return [*globals(), *import_module(".public", __name__).__all__]

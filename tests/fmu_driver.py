@@ -19,7 +19,6 @@ from fmpy.fmi2 import FMU2Slave
 
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
-from rope_model.simulation.signals import signals
 from rope_model.simulation.simulator import RopeSimulator
 
 H = 0.01
@@ -121,7 +120,7 @@ def same_as_in_process(path: str) -> Any:
     expected = []
     for k in range(250):
         rope.advance_to(k * H + H, *(EndMotion(**m) for m in motion((k + 1) * H)))
-        values = signals(rope)
+        values = rope.signals()
         expected.append([values[name] for name in (*COMPARED, *ALONG)])
     worst = 0.0
     for i in range(len(expected[0])):

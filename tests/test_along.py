@@ -15,7 +15,7 @@ from rope_model.simulation.diagnostics import between_middles, shape_places
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.rungs import LADDER, RungName, natural_width
-from rope_model.simulation.signals import SHAPE_POINTS, SIGNALS, group_of, nominal_stresses, signals
+from rope_model.simulation.signals import SHAPE_POINTS, SIGNALS, nominal_stresses
 from rope_model.simulation.simulator import RopeSimulator
 
 #: 30 m rope; its mesh is transformed on the way
@@ -39,8 +39,7 @@ def moved(scene: Scene, steps: int, rung: RungName | None = None) -> RopeSimulat
 
 def along(rope: RopeSimulator, name: str) -> np.ndarray:
     """``shape.tension`` and its like from the left to the right end."""
-    values = group_of(f"shape.{name}[1]")(rope)
-    return np.array([values[f"shape.{name}[{i + 1}]"] for i in range(SHAPE_POINTS)])
+    return np.array([*rope.signals(f"shape.{name}[{i + 1}]" for i in range(SHAPE_POINTS)).values()])
 
 
 def places(rope: RopeSimulator) -> np.ndarray:
@@ -64,12 +63,12 @@ def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> N
 def test_tension_at_the_lowest_point_is_the_side_force_at_rest(width: float) -> None:
     hung = moved(UNCOUPLED.with_(layout=Layout(spacing=width)), 0)
     # the tangent is horizontal to 1e-3 there, and the weight below half an element is 30 N
-    assert_allclose(along(hung, "tension")[BOTTOM], signals(hung)["left.fx"], atol=0.05)
+    assert_allclose(along(hung, "tension")[BOTTOM], hung.signals()["left.fx"], atol=0.05)
 
 
 def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
     hung = moved(UNCOUPLED, 0)
-    s, ends = places(hung), signals(hung)
+    s, ends = places(hung), hung.signals()
     leg = (s > 0) & (s < hung.loop.s - 4.0)
     weight = 9.81 * SHORT.rope.mass_per_length * s
     expected = np.hypot(-ends["left.fy"] - weight, ends["left.fx"])
@@ -82,14 +81,14 @@ def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
 @pytest.mark.parametrize("steps", [0, 130, 260, 480])
 def test_tension_summed_up_from_the_left_end_arrives_as_the_reaction_at_the_right(steps: int) -> None:
     rope = moved(SHORT, steps)
-    ends = signals(rope)
+    ends = rope.signals()
     # what Newton's method leaves over
     assert_allclose(along(rope, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], atol=1e-3)
 
 
 def test_torsion_at_rest_is_that_of_the_torque_all_along() -> None:
     hung = moved(SHORT, 0)
-    torque = abs(signals(hung)["right.swivel.torque"])
+    torque = abs(hung.signals()["right.swivel.torque"])
     assert torque > 0.4
     # the torque is what the elements' strains say; the swivel's is the reaction to theta
     assert_allclose(along(hung, "torsion"), 16 * torque / SECTION, rtol=1e-3)
@@ -108,7 +107,7 @@ def test_stress_in_the_middle_of_an_element_is_that_of_the_element() -> None:
 def test_stress_along_the_rope_reaches_its_largest_value_and_is_never_above(kind: str) -> None:
     for steps in (0, 130, 260):
         rope = moved(SHORT, steps)
-        values, largest = along(rope, kind), signals(rope)[f"stress.{kind}_max"]
+        values, largest = along(rope, kind), rope.signals()[f"stress.{kind}_max"]
         assert values.max() <= largest * (1 + 1e-12)
         # between points: the loop's are 0.2 m apart, a tenth of its bend
         assert values.max() > 0.98 * largest
@@ -118,14 +117,14 @@ def test_a_rung_without_torsion_has_none_along_the_rope_and_none_at_most() -> No
     for rung in LADDER[:-1]:
         rope = moved(SHORT, 100, rung)
         assert not along(rope, "torsion").any()
-        assert signals(rope)["stress.torsion_max"] == 0.0
+        assert rope.signals()["stress.torsion_max"] == 0.0
     assert along(moved(SHORT, 100, "torsional"), "torsion").min() > 1e4
 
 
 @pytest.mark.parametrize("steps", [100, 250])
 def test_rigid_rope_has_the_tension_of_its_ends_and_nearly_that_of_the_flexible_rope(steps: int) -> None:
     rigid, planar = (moved(UNCOUPLED, steps, rung) for rung in ("rigid", "planar"))
-    ends = signals(rigid)
+    ends = rigid.signals()
     assert_allclose(along(rigid, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], rtol=1e-9)
     # 5 % of 2 kN: the loop's own motion and its side force, which the rigid rope has not
     assert_allclose(along(rigid, "tension"), along(planar, "tension"), atol=100.0)
@@ -134,5 +133,5 @@ def test_rigid_rope_has_the_tension_of_its_ends_and_nearly_that_of_the_flexible_
 def test_all_values_along_the_rope_are_finite_on_every_rung() -> None:
     names = [name for name in SIGNALS if name.startswith("shape.")]
     for rung in LADDER:
-        values = signals(moved(UNCOUPLED, 100, rung))
+        values = moved(UNCOUPLED, 100, rung).signals()
         assert all(math.isfinite(values[name]) for name in names)

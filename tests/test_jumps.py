@@ -74,7 +74,7 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
     for k in range(1, round(motion.duration / H) + 1):
         status = rope.advance_to(k * H, *motion(k * H, height))
         assert status.valid, status
-        record.append([rope.signal(force) for force in FORCES])
+        record.append([*rope.signals(FORCES).values()])
         for event in rope.state.events:
             changes["model" if event.what.startswith("model") else event.what].append(k - 1)
     jumps = jumps_of(np.array(record))

@@ -50,7 +50,6 @@ from rope_model.simulation.signals import (
     group_of,
     loop_signals,
     shape_signals,
-    signals,
     stress_signals,
 )
 from rope_model.simulation.state import Counts, Ledger, RopeState
@@ -637,7 +636,8 @@ def test_signals_are_the_same(
 ) -> None:
     assume(hanging[-1] > 15 * hanging[3])
     rope = any_rope(hanging, seed, phases, modes, rung)
-    expected, ours = signals(rope), {}
+    computed = (function(rope) for function in GROUPS_OF_SIGNALS if function is not added_mass_signals)
+    expected, ours = {name: value for values in computed for name, value in values.items()}, {}
     for group in range(len(GROUPS_OF_SIGNALS)):
         values = group_values(parts, group, rope)
         ours |= {name: x for name, x in zip(SIGNALS, values, strict=True) if not np.isnan(x)}

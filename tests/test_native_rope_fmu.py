@@ -27,7 +27,7 @@ from fmu_src.native.export import export_native
 from fmu_src.native.table import FORCES
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
-from rope_model.simulation.signals import SHAPE_POINTS, signals
+from rope_model.simulation.signals import SHAPE_POINTS
 from rope_model.simulation.simulator import RopeSimulator
 
 pytest.importorskip("rope_model.native.build")
@@ -74,7 +74,7 @@ def test_fmu_equals_the_python_rope(host: Host) -> None:
     expected = []
     for k in range(250):
         rope.advance_to(k * H + H, *(EndMotion(**m) for m in motion((k + 1) * H)))
-        values = signals(rope)
+        values = rope.signals()
         expected.append([values[name] for name in COMPARED])
     assert rope.state.counts.transformations > 0
     assert host.get("count.transformations", "count.steps") == [

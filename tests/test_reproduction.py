@@ -16,6 +16,7 @@ from benchmarks.reproduction.tables import Tables, read, table, write
 from benchmarks.stability.entry import Measured
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
+from rope_model import RopeSimulator
 
 TABLES = read(DOCS / DATA)
 CLAIMS = [claim for section in SECTIONS for claim in section.claims(TABLES)]
@@ -105,9 +106,9 @@ def test_frequencies_come_out_as_in_the_file_on_either_side(height: float, toler
 
 def test_the_first_seconds_of_the_winding_come_out_as_in_the_file() -> None:
     until = 5.0
-    stresses_seen = windings.Stresses()
     reference = s_curve(Trip())
     scene, settle = windings.scene_of("coupled", windings.MESHES["TMN-ETM"]), until - reference.duration
+    stresses_seen = windings.Stresses(RopeSimulator(scene))
     run = wind(scene, reference, windings.TRAVEL, settle, windings.SAMPLE, watch=stresses_seen.watch)
     filed, places = TABLES["winding-coupled"], TABLES["stress-places"]
     n = len(run.t)

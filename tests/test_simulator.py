@@ -14,7 +14,7 @@ from rope_model.numerics.events import locate
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
 from rope_model.simulation.ends import EndMotion, EndPath
-from rope_model.simulation.signals import SIGNALS, added_mass_signals, signals
+from rope_model.simulation.signals import SIGNALS
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 
@@ -52,7 +52,7 @@ def wound(rope: RopeSimulator, first: int, last: int, step: float = H) -> list[d
     for k in range(first, last):
         status = rope.advance_to((k + 1) * step, *ends_at((k + 1) * step))
         assert status.valid, status.message
-        record.append(signals(rope))
+        record.append(rope.signals())
     return record
 
 
@@ -100,7 +100,7 @@ def test_moments_of_the_ends_balance_about_the_vertical() -> None:
     for elements in (60, 120, 240):
         rope = RopeSimulator(SHORT.with_(mesh=Mesh(kind="eem", elements=elements), solver=Solver(kernels="portable")))
         assert rope.initialize(0.0, EndMotion(z=0.3), EndMotion(y=4.0)).valid
-        s, q = signals(rope), rope.state.motion.q
+        s, q = rope.signals(), rope.state.motion.q
         arm = sum(
             q[node, 2] * s[f"{side}.fx"] - q[node, 0] * s[f"{side}.fz"] for side, node in (("left", 0), ("right", -1))
         )
@@ -279,7 +279,7 @@ def test_work_is_bounded() -> None:
 def test_every_signal_of_the_table_has_a_finite_value() -> None:
     rope = started()
     wound(rope, 0, 10)
-    values = signals(rope) | added_mass_signals(rope)
+    values = rope.signals(SIGNALS)
     assert set(values) == set(SIGNALS)
     assert all(math.isfinite(value) for value in values.values())
 
@@ -296,7 +296,7 @@ def test_added_mass_predicts_the_force_of_a_small_extra_acceleration() -> None:
     for motion in (left, pushed):
         rope.restore(data)
         assert rope.advance_to(1.01, motion, right).valid
-        forces.append(signals(rope)["left.fy"])
+        forces.append(rope.signals()["left.fy"])
     rope.restore(data)
     predicted = rope.added_mass()[0]
     # linearised one step earlier: the rope changes little in 10 ms
@@ -357,7 +357,7 @@ def test_swivel_without_any_friction_turns_freely_and_does_not_chatter() -> None
 
 def test_twist_is_what_torque_and_strain_ask_for() -> None:
     rope = started()
-    s, data = signals(rope), SHORT.rope
+    s, data = rope.signals(), SHORT.rope
     # M = Qc e + Qd tau at the right end, with e from the tension there (Qs tau is small against Qa e)
     strain = (-s["right.fy"] - data.Qb * s["right.twist"]) / data.Qa
     expected = (s["right.swivel.torque"] - data.Qc * strain) / data.Qd
@@ -368,4 +368,4 @@ def test_clearance_of_a_bulging_loop_is_that_of_its_suspension() -> None:
     # the legs of a loop wider than its suspension come closest where the lower one ends: 2 m less the diameter
     rope = RopeSimulator(SHORT)
     assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-    assert_allclose(signals(rope)["loop.clearance"], 2.0 - SHORT.rope.diameter, rtol=0, atol=1e-6)
+    assert_allclose(rope.signals()["loop.clearance"], 2.0 - SHORT.rope.diameter, rtol=0, atol=1e-6)

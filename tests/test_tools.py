@@ -25,7 +25,6 @@ from balance_rope import main
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
-from rope_model.simulation.signals import signals
 from rope_model.simulation.simulator import RopeSimulator
 
 WINDING = tool_driver.STEPS
@@ -67,7 +66,7 @@ def in_process(native: bool, tool: str, reading: str, steps: int, lift: float = 
             ends = [end.extrapolated(h) for end in motions(k * tool_driver.H, lift)]
         status = rope.advance_to(t + h, *ends)
         assert status.valid, status.message
-        values = signals(rope)
+        values = rope.signals()
         rows.append([values[name] for name in tool_driver.FORCES])
     assert rope.state.counts.transformations > 0
     return np.array(rows)

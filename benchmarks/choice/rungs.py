@@ -13,8 +13,8 @@ from benchmarks.kinematic import Winding, wind
 from benchmarks.robustness import LIMITS
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
-from rope_model.native.engine import rope_simulator
-from rope_model.parameters import Layout, Model, RungChoice, Scene, Swivel
+from rope_model import Layout, Model, Scene, Swivel, balance_rope
+from rope_model.parameters import RungChoice
 from rope_model.simulation.rungs import Travel, force_error, lean_error, longitudinal_error
 
 from .scenes import P120, P240, Case
@@ -38,10 +38,10 @@ class Taken:
 
 def first_choice(case: Case) -> tuple[str, str]:
     """Rung and reason at the start."""
-    rope = rope_simulator(case.scene)
+    rope = balance_rope(case.scene)
     status = rope.initialize(0.0, *case.ends(case.trip, case.travel, 0.0))
     assert status.valid, status.message
-    return rope.state.rung, rope.state.rung_reason
+    return rope.rung, rope.rung_reason
 
 
 def taken(case: Case) -> Taken:

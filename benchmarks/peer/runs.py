@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 from benchmarks.kinematic import ends_at
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
-from rope_model.native.engine import rope_simulator
-from rope_model.parameters import Mesh, Scene, Swivel, rope_120
+from rope_model import EndMotion, Mesh, Scene, Swivel, balance_rope, rope_120
 from rope_model.simulation.diagnostics import loop_bottom
-from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.rope_system import arc_lengths
 
 from .exudyn_rope import Method, PeerError, PeerRope
@@ -88,7 +86,7 @@ def swinging_ends(t: float) -> tuple[EndMotion, EndMotion]:
 
 def ours(group: str, label: str, scene: Scene, ends: Ends = winding_ends) -> Run:
     """One run of ours; the host's step is the largest step."""
-    step, rope = scene.solver.step_max, rope_simulator(scene)
+    step, rope = scene.solver.step_max, balance_rope(scene)
     status, cpu = rope.initialize(0.0, *ends(0.0)), 0.0
     count, every = round(DURATION / step), round(SAMPLE / step)
     force, bottom = np.full((count // every, 2), np.nan), np.full((count // every, 3), np.nan)
@@ -103,14 +101,14 @@ def ours(group: str, label: str, scene: Scene, ends: Ends = winding_ends) -> Run
             motion, row = rope.state.motion, k // every - 1
             force[row] = -motion.reaction[[0, -1], 1]
             bottom[row] = loop_bottom(motion.q, rope.state.partition.lengths).position
-    elements = rope.model.kernels.elements
+    elements = rope.elements
     return Run("ours", group, label, elements, step, cpu, force, bottom, "" if status.valid else status.message)
 
 
 @cache
 def hanging(scene: Scene, heights: tuple[float, float]) -> tuple[Array, Array]:
     """Arc lengths and nodes (n, 7) of our equilibrium between the heights: where Exudyn's search begins."""
-    rope = rope_simulator(scene.with_(mesh=Mesh(kind="eem", elements=600)))
+    rope = balance_rope(scene.with_(mesh=Mesh(kind="eem", elements=600)))
     status = rope.initialize(0.0, EndMotion(y=heights[0]), EndMotion(y=heights[1]))
     if not status.valid:
         raise RuntimeError(status.message)

@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 from benchmarks.kinematic import H, Winding, progress_bar, wind
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
-from rope_model.parameters import Scene, Swivel, rope_240
+from rope_model import BalanceRope, RopeSimulator, Scene, Swivel, rope_240
 from rope_model.physics.costello import torque
 from rope_model.simulation.ends import SIDES
 from rope_model.simulation.rope_system import ANGLE, POSITION, arc_lengths
-from rope_model.simulation.signals import end_signals
-from rope_model.simulation.simulator import RopeSimulator
 
 from .tables import Tables, table
 
@@ -25,29 +23,32 @@ RELEASE, END = 20.0, 45.0  # s
 FROM = 17.0  # s, start of the swivel's record
 INSTANTS = (10.0, 19.9, 20.2, 20.8, 22.0, 25.0, 30.0, 38.0)
 EVERY = 5  # samples per row of the table of the loop
+RIGHT = ("right.swivel.angle", "right.swivel.rate", "right.swivel.torque")
 SWIVEL = ("acceleration [rad/s^2]", "rate [rad/s]", "angle [rad]", "torque [N m]", "static limit [N m]")
 
 
 @dataclass
 class Watch:
-    """What is kept of every communication step."""
+    """What is kept of every communication step; ``python`` looks at the states that the rope comes to."""
 
+    python: RopeSimulator
     swivel: list[tuple[float, ...]] = field(default_factory=list)  # right one: SWIVEL
     yaw: list[float] = field(default_factory=list)  # rad
     shapes: list[tuple[float, ...]] = field(default_factory=list)  # t, s, x, y, z, theta
     twists: list[tuple[float, ...]] = field(default_factory=list)  # t, s, tau, torque
 
-    def __call__(self, rope: RopeSimulator) -> None:
+    def __call__(self, rope: BalanceRope) -> None:
         """Look at the rope."""
-        state, ends = rope.state, end_signals(rope)
-        m, limit = state.motion, rope.ends.friction(1, state.motion.reaction, kinetic=False)
-        angle, rate, on_rope = (ends[f"right.swivel.{name}"] for name in ("angle", "rate", "torque"))
+        state, python = rope.state, self.python
+        python.restore(state)
+        m, limit = state.motion, python.ends.friction(1, state.motion.reaction, kinetic=False)
+        angle, rate, on_rope = rope.signals(RIGHT).values()
         self.swivel.append((float(m.a[-1, ANGLE]), rate, angle, on_rope, limit))
-        self.yaw.append(rope.loop.yaw)
+        self.yaw.append(python.loop.yaw)
         if np.min(np.abs(m.t - np.array(INSTANTS))) < 0.5 * H:
             s = arc_lengths(state.partition.lengths)
             self.shapes += [(round(m.t, 3), *row) for row in np.column_stack((s, m.q[:, POSITION], m.q[:, ANGLE]))]
-            e, tau, *_ = rope.system.strains(m.q).T
+            e, tau, *_ = python.system.strains(m.q).T
             data = rope.scene.rope
             M = torque(data.Qs, data.Qk, data.Qd, e, tau)
             middle = 0.5 * (s[:-1] + s[1:])
@@ -56,7 +57,7 @@ class Watch:
 
 def followed(scene: Scene, name: str, until: float = END) -> tuple[Winding, Watch]:
     """The preset's winding up to ``until`` (s); RuntimeError when it fails."""
-    preset, watch = rope_240(), Watch()
+    preset, watch = rope_240(), Watch(RopeSimulator(scene))
     reference = s_curve(Trip(travel=preset.travel, speed=preset.speed))
     with progress_bar(name, until) as advance:
         run = wind(scene, reference, preset.travel, until - reference.duration, 1, advance, watch)

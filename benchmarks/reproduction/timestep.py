@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import Winding
-from rope_model.parameters import Mesh
+from rope_model import Mesh, RopeSimulator
 
 from .tables import Table, Tables, table
 from .windings import DEFAULT_MESH, Stresses, followed, scene_of
@@ -36,8 +36,9 @@ def measure() -> Tables:
     """Coupled windings at both steps: differences in pairs, and how even the torsional stress is."""
     runs, torsion = {}, {}
     for name, (mesh, step) in RUNS.items():
-        scene, seen = scene_of("coupled", mesh), Stresses()
+        scene = scene_of("coupled", mesh)
         scene = scene.with_(solver=replace(scene.solver, step_max=step))
+        seen = Stresses(RopeSimulator(scene))
         runs[name] = followed(scene, name, seen)
         torsion[name] = [values[1] for values in seen.values]
     pairs = []

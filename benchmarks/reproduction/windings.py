@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from benchmarks.kinematic import Winding, progress_bar, wind
 from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
-from rope_model.parameters import Mesh, Model, Scene, rope_120
+from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, rope_120
 from rope_model.simulation.mesh import suited
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.signals import nominal_stresses
-from rope_model.simulation.simulator import RopeSimulator
 
 from .tables import Table, Tables, table
 
@@ -44,18 +43,23 @@ def scene_of(coupling: str, mesh: Mesh) -> Scene:
 
 @dataclass
 class Stresses:
-    """Stress norms (Pa) and twist (rad/m) of the elements at every sample, and where the loop is."""
+    """Stress norms (Pa) and twist (rad/m) of the elements at every sample, and where the loop is.
 
+    ``python`` looks at the states that the rope comes to.
+    """
+
+    python: RopeSimulator
     bottom: list[float] = field(default_factory=list)  # m, arc length
     nodes: list[Array] = field(default_factory=list)  # m, arc lengths
     values: list[tuple[Array, ...]] = field(default_factory=list)
 
-    def watch(self, rope: RopeSimulator) -> None:
+    def watch(self, rope: BalanceRope) -> None:
         """Look at the rope."""
-        state = rope.state
-        self.bottom.append(rope.loop.s)
+        state, python = rope.state, self.python
+        python.restore(state)
+        self.bottom.append(python.loop.s)
         self.nodes.append(arc_lengths(state.partition.lengths))
-        strains = rope.system.strains(state.motion.q)
+        strains = python.system.strains(state.motion.q)
         self.values.append((*nominal_stresses(rope.scene.rope, strains, state.rung), np.abs(strains[:, 1])))
 
 
@@ -73,7 +77,7 @@ def followed(scene: Scene, name: str, stresses: Stresses | None = None) -> Windi
 def measure() -> Tables:
     """All runs, ROUNDS times and interleaved for the times; the first round's records become tables."""
     runs: dict[tuple[str, str], Winding] = {}
-    stresses = {name: Stresses() for name in MESHES}
+    stresses = {name: Stresses(RopeSimulator(scene_of("coupled", mesh))) for name, mesh in MESHES.items()}
     times: list[tuple[object, ...]] = []
     for k, coupling, name in product(range(ROUNDS), COUPLINGS, MESHES):
         watched = stresses[name] if k == 0 and coupling == "coupled" else None

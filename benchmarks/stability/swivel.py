@@ -14,9 +14,10 @@ from scipy.integrate import solve_ivp
 
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
+from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends import EndMotion, Phase, SwivelState
 from rope_model.simulation.rope_system import ANGLE
-from rope_model.simulation.simulator import RopeSimulator, Status
+from rope_model.simulation.simulator import RopeSimulator
 
 from .entry import Array, Curve, Entry, Figure, Finding, Measured
 

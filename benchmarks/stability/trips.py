@@ -11,8 +11,9 @@ from benchmarks.kinematic import ends_at
 from hoist_demo.parameters import Winding
 from hoist_demo.reference import Reference, s_curve
 from rope_model.parameters import Scene
+from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends import EndMotion
-from rope_model.simulation.simulator import RopeSimulator, Status
+from rope_model.simulation.simulator import RopeSimulator
 
 from .entry import Array
 

@@ -1,29 +1,28 @@
-"""The native rope behind the interface of RopeSimulator."""
+"""The native form of the rope: the C library behind the interface of BalanceRope."""
 
 from __future__ import annotations
 
 import ctypes
-import logging
 import os
 import struct
-import subprocess
+from collections.abc import Iterable
 from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_void_p
-from functools import cache
-from pathlib import Path
+from functools import cache, lru_cache
+from typing import cast
 
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
+from ..simulation.balance_rope import BalanceRope, Status
+from ..simulation.caveats import CAVEATS
 from ..simulation.ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, Phase, SwivelState
 from ..simulation.mesh import Partition
-from ..simulation.signals import SIGNALS
-from ..simulation.simulator import RopeSimulator, Status
+from ..simulation.rungs import RungName
+from ..simulation.signals import SIGNALS, checked_names
 from ..simulation.state import Counts, Event, Ledger, Powers, RopeState
 from .build import library
 from .structures import PathStructure, scene_structure
-
-log = logging.getLogger(__name__)
 
 _MESSAGE, _CHATTER_EVENTS, _LOGGED_EVENTS, _SEGMENTS = 512, 50, 128, 7
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
@@ -104,7 +103,12 @@ def _declared(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_retune": (c_int, (rope, c_void_p)),
         "rope_message": (c_char_p, (rope,)),
         "rope_is_initialized": (c_int, (rope,)),
-        "rope_signal": (c_double, (rope, c_int)),
+        "rope_time": (c_double, (rope,)),
+        "rope_elements": (c_int, (rope,)),
+        "rope_rung": (c_char_p, (rope,)),
+        "rope_rung_reason": (c_char_p, (rope,)),
+        "rope_caveat": (None, (rope, c_int, c_char_p)),
+        "rope_signals": (None, (rope, c_size_t, POINTER(c_int), POINTER(c_double))),
         "rope_derivative": (c_int, (rope, c_int, POINTER(c_double))),
         "rope_state_bytes": (c_size_t, (rope,)),
         "rope_save": (None, (rope, c_void_p)),
@@ -116,29 +120,59 @@ def _declared(lib: ctypes.CDLL) -> ctypes.CDLL:
     return lib
 
 
-class NativeRope(RopeSimulator):
-    """A RopeSimulator whose steps are made by the native rope: the same steps, several times as fast.
+class NativeRope(BalanceRope):
+    """The native form of the rope: the same steps as RopeSimulator's, several times as fast.
 
-    Raises as RopeSimulator does, and RuntimeError or CalledProcessError where the native
-    rope cannot be compiled.
+    Raises ValueError as RopeSimulator does, RuntimeError without a C compiler, and OSError or CalledProcessError when
+    the library does not load or the compiler fails.
     """
 
-    def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
-        super().__init__(scene, bundle)
+    def __init__(self, scene: Scene) -> None:
         self._lib = _loaded()
         memory = _memory()
         message = ctypes.create_string_buffer(_MESSAGE)
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), message)
         if not self._rope:
             raise ValueError(message.value.decode())
+        self._scene = scene
+        self._state: RopeState | None = None  # the present one, when it was asked for
 
     def __del__(self) -> None:
         if rope := self.__dict__.pop("_rope", None):
             self._lib.rope_destroy(rope)
 
     @property
+    def scene(self) -> Scene:
+        return self._scene
+
+    @property
     def form(self) -> str:
         return "native"
+
+    @property
+    def elements(self) -> int:
+        return int(self._lib.rope_elements(self._rope))
+
+    @property
+    def time(self) -> float:
+        self._require_state()
+        return float(self._lib.rope_time(self._rope))
+
+    @property
+    def rung(self) -> RungName:
+        self._require_state()
+        return cast(RungName, self._lib.rope_rung(self._rope).decode())
+
+    @property
+    def rung_reason(self) -> str:
+        self._require_state()
+        return str(self._lib.rope_rung_reason(self._rope).decode())
+
+    @property
+    def state(self) -> RopeState:
+        if self._state is None:
+            self._state = _unpacked(self.native_state())
+        return self._state
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         return self._done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
@@ -147,23 +181,35 @@ class NativeRope(RopeSimulator):
         self._require_state()
         return self._done(self._lib.rope_advance(self._rope, t, _ends(left, right), within))
 
-    def retune(self, scene: Scene) -> None:
-        if not (status := self._done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
-            raise ValueError(status.message)
-        super().retune(scene)
+    def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
+        self._require_state()
+        wanted = checked_names(names)
+        values = (c_double * len(wanted))()
+        self._lib.rope_signals(self._rope, len(wanted), _numbers(wanted), values)
+        return dict(zip(wanted, values[:], strict=True))
+
+    def added_mass(self) -> tuple[float, float]:
+        left, right = self.signals(("left.added_mass", "right.added_mass")).values()
+        return left, right
+
+    def warnings(self) -> dict[str, str]:
+        self._require_state()
+        told, text = {}, ctypes.create_string_buffer(_MESSAGE)
+        for number, caveat in enumerate(CAVEATS):
+            self._lib.rope_caveat(self._rope, number, text)
+            if text.value:
+                told[caveat.__name__] = text.value.decode()
+        return told
 
     def restore(self, data: bytes | RopeState) -> None:
         state = RopeState.from_bytes(data) if isinstance(data, bytes) else data
-        self._require_fitting(state)
         if not (status := self.restore_native(_packed(state))).valid:
             raise ValueError(status.message)
 
-    def added_mass(self) -> tuple[float, float]:
-        return self.signal("left.added_mass"), self.signal("right.added_mass")
-
-    def signal(self, name: str) -> float:
-        """One of SIGNALS, computed by the native rope."""
-        return float(self._lib.rope_signal(self._rope, _NUMBERS[name]))
+    def retune(self, scene: Scene) -> None:
+        if not (status := self._done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
+            raise ValueError(status.message)
+        self._scene = scene
 
     def derivative(self, side: int, name: str) -> list[float]:
         """Derivatives of left.fx ... left.mz, right.fx ... right.mz to an input of one side, as an FMU gives them."""
@@ -172,15 +218,6 @@ class NativeRope(RopeSimulator):
         if not self._lib.rope_derivative(self._rope, number, out):
             raise RuntimeError(self._message())
         return list(out)
-
-    @property
-    def state(self) -> RopeState:
-        if self._state is None:
-            self._require_state()
-            data = ctypes.create_string_buffer(self._lib.rope_state_bytes(self._rope))
-            self._lib.rope_save(self._rope, data)
-            self._state = _unpacked(data.raw)
-        return self._state
 
     def native_state(self) -> bytes:
         """The state as the native rope keeps it."""
@@ -199,21 +236,11 @@ class NativeRope(RopeSimulator):
 
     def _done(self, well: int) -> Status:
         if well:
-            self._state, self._system, self._loop = None, None, None
+            self._state = None
         return _VALID if well else Status(False, self._message())
 
     def _message(self) -> str:
         return str(self._lib.rope_message(self._rope).decode())
-
-
-def rope_simulator(scene: Scene, bundle: Path | None = None) -> RopeSimulator:
-    """The fastest rope that can be had here: native unless the scene asks for its kernels by name."""
-    if scene.solver.kernels == "auto":
-        try:
-            return NativeRope(scene, bundle)
-        except (RuntimeError, OSError, subprocess.CalledProcessError) as error:
-            log.info("the native rope cannot be had (%s)", error)
-    return RopeSimulator(scene, bundle)
 
 
 def _memory() -> _Memory:
@@ -222,7 +249,13 @@ def _memory() -> _Memory:
 
 
 _VALID = Status(True)
-_NUMBERS = {name: i for i, name in enumerate(SIGNALS)}
+_NUMBER = {name: i for i, name in enumerate(SIGNALS)}
+
+
+@lru_cache
+def _numbers(names: tuple[str, ...]) -> ctypes.Array[c_int]:
+    """The signals' numbers, kept because a host asks for the same ones again and again."""
+    return (c_int * len(names))(*(_NUMBER[name] for name in names))
 
 
 def _ends(left: EndMotion, right: EndMotion) -> bytes:

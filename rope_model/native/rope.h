@@ -110,6 +110,8 @@ void rope_caveat(Simulator *rope, int number, char *message);
 /* The value of an output, by its number in rope_model.simulation.signals.SIGNALS; booleans and integers are exact.
    Computed when first asked for after a change of state. */
 double rope_signal(Simulator *rope, int signal);
+/* The values of many outputs at once. */
+void rope_signals(Simulator *rope, size_t number, const int *signals, double *values);
 
 /* Derivative of the twelve forces and moments left.fx ... left.mz, right.fx ... right.mz to one of the 22 inputs
    (11 of EndMotion on the left, then on the right), held at the end of a step as long as the last. */

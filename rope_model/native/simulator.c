@@ -663,3 +663,10 @@ double rope_signal(Simulator *rope, int signal)
     }
     return rope->values[signal];
 }
+
+void rope_signals(Simulator *rope, size_t number, const int *signals, double *values)
+{
+    size_t k;
+    for (k = 0; k < number; ++k)
+        values[k] = rope_signal(rope, signals[k]);
+}

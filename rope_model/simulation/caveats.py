@@ -13,9 +13,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from .diagnostics import leg_clearance
+from ..parameters import Scene
+from .diagnostics import leg_clearance, loop_bottom
 from .rungs import carries_torque
-from .simulator import RopeSimulator
+from .state import RopeState
 
 #: rad: below, a turned loop brings no legs together
 TURNED_FAR = 0.5 * math.pi
@@ -26,10 +27,10 @@ _LEFT_OUT = {
 }
 
 
-def left_out(rope: RopeSimulator) -> str:
+def left_out(scene: Scene, state: RopeState) -> str:
     """'' where the rung computes all that the rope does; otherwise which outputs are 0 and no results."""
-    rung = rope.state.rung
-    if rung == "torsional" or (rung != "rigid" and not carries_torque(rope.scene)):
+    rung = state.rung
+    if rung == "torsional" or (rung != "rigid" and not carries_torque(scene)):
         return ""
     return (
         f"the {rung} rung computes no {'bending and no ' if rung == 'rigid' else ''}torsion: {_LEFT_OUT[rung]} are 0 "
@@ -37,10 +38,9 @@ def left_out(rope: RopeSimulator) -> str:
     )
 
 
-def tangled(rope: RopeSimulator) -> str:
+def tangled(scene: Scene, state: RopeState) -> str:
     """'' while the legs hang free of each other; otherwise how they do not."""
-    state, data = rope.state, rope.scene
-    q = state.motion.q
+    q, lengths = state.motion.q, state.partition.lengths
     across = q[-1] - q[0]
     yaw = state.loop_yaw - math.atan2(-across[2], across[0])
     cure = "contact is not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free"
@@ -51,7 +51,7 @@ def tangled(rope: RopeSimulator) -> str:
             f"and legs cross at half a turn; {cure}"
         )
     if abs(yaw) > TURNED_FAR:
-        clearance = leg_clearance(q, state.partition.lengths, rope.loop, data.rope.diameter, data.layout.spacing)
+        clearance = leg_clearance(q, lengths, loop_bottom(q, lengths), scene.rope.diameter, scene.layout.spacing)
         if clearance <= 0:
             return (
                 f"the rope's legs touch (loop.clearance = {clearance:.3g} m) with the loop yawed by {yaw:.3g} rad; "
@@ -61,4 +61,4 @@ def tangled(rope: RopeSimulator) -> str:
 
 
 #: each tells of one thing, in the order of rope_caveat in rope.h
-CAVEATS: tuple[Callable[[RopeSimulator], str], ...] = (left_out, tangled)
+CAVEATS: tuple[Callable[[Scene, RopeState], str], ...] = (left_out, tangled)

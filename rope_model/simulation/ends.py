@@ -68,14 +68,17 @@ class EndMotion:
 
     @property
     def position(self) -> tuple[float, float, float]:
+        """x, y, z, m."""
         return self.x, self.y, self.z
 
     @property
     def velocity(self) -> tuple[float, float, float]:
+        """Rates of x, y, z, m/s."""
         return self.vx, self.vy, self.vz
 
     @property
     def acceleration(self) -> tuple[float, float, float]:
+        """Second rates of x, y, z, m/s^2."""
         return self.ax, self.ay, self.az
 
 

@@ -6,20 +6,20 @@ The names are the FMU's output names too.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..parameters import Rope
+from ..parameters import Rope, Scene
 from ..physics.costello import torque
 from .adaptation import counted_on
-from .diagnostics import between_middles, leg_clearance, shape, shape_places, tension
-from .ends import SIDES, Phase
+from .diagnostics import LoopBottom, between_middles, leg_clearance, shape, shape_places, tension
+from .ends import SIDES, HangingEnds, Phase
 from .rigid import rigid_tension
-from .rope_system import ANGLE, POSITION, SLOPE, Array
+from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 from .rungs import RungName
-from .simulator import RopeSimulator
+from .state import RopeState
 
 SHAPE_POINTS = 81
 
@@ -97,13 +97,37 @@ def _table() -> Iterator[tuple[str, Signal]]:
 SIGNALS: dict[str, Signal] = dict(_table())
 
 
-def signals(rope: RopeSimulator) -> dict[str, float]:
-    """Values of all SIGNALS but the added masses, which cost as much as a step."""
-    groups = (end_signals, loop_signals, stress_signals, book_signals, shape_signals, along_signals)
-    return {name: value for group in groups for name, value in group(rope).items()}
+_CHEAP = tuple(name for name in SIGNALS if not name.endswith(".added_mass"))
 
 
-def group_of(name: str) -> Callable[[RopeSimulator], dict[str, float]]:
+def checked_names(names: Iterable[str] | None) -> tuple[str, ...]:
+    """The names of the signals asked for: without any, all but the added masses, which cost as much as a step."""
+    if names is None:
+        return _CHEAP
+    wanted = tuple(names)
+    for name in wanted:
+        if name not in SIGNALS:
+            raise ValueError(f"{name!r} is no signal of the rope; SIGNALS has their names, left.fy for one")
+    return wanted
+
+
+class Evaluated(Protocol):
+    """What the signals are computed from: simulation.simulator.RopeSimulator has it."""
+
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def state(self) -> RopeState: ...
+    @property
+    def ends(self) -> HangingEnds: ...
+    @property
+    def loop(self) -> LoopBottom: ...
+    @property
+    def system(self) -> RopeSystem: ...
+    def added_mass(self) -> tuple[float, float]: ...
+
+
+def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
     """The function that computes the signal ``name`` together with its kin."""
     if name.endswith(".added_mass"):
         return added_mass_signals
@@ -116,7 +140,7 @@ def group_of(name: str) -> Callable[[RopeSimulator], dict[str, float]]:
     return groups.get(name.partition(".")[0], end_signals)
 
 
-def end_signals(rope: RopeSimulator) -> dict[str, float]:
+def end_signals(rope: Evaluated) -> dict[str, float]:
     """Forces, moments and swivels of both ends."""
     state, m = rope.state, rope.state.motion
     ends = rope.ends
@@ -132,13 +156,13 @@ def end_signals(rope: RopeSimulator) -> dict[str, float]:
     return out
 
 
-def added_mass_signals(rope: RopeSimulator) -> dict[str, float]:
+def added_mass_signals(rope: Evaluated) -> dict[str, float]:
     """Added mass of both ends."""
     left, right = rope.added_mass()
     return {"left.added_mass": left, "right.added_mass": right}
 
 
-def loop_signals(rope: RopeSimulator) -> dict[str, float]:
+def loop_signals(rope: Evaluated) -> dict[str, float]:
     """Place, yaw and clearance of the loop."""
     state, scene = rope.state, rope.scene
     bottom = rope.loop
@@ -148,7 +172,7 @@ def loop_signals(rope: RopeSimulator) -> dict[str, float]:
     return out | {"loop.yaw": counted_on(bottom.yaw, state.loop_yaw), "loop.clearance": clearance}
 
 
-def stress_signals(rope: RopeSimulator) -> dict[str, float]:
+def stress_signals(rope: Evaluated) -> dict[str, float]:
     """Largest stress norms, and twist."""
     strains = rope.system.strains(rope.state.motion.q)
     bending, torsion = nominal_stresses(rope.scene.rope, strains, rope.state.rung)
@@ -163,7 +187,7 @@ def stress_signals(rope: RopeSimulator) -> dict[str, float]:
     }
 
 
-def book_signals(rope: RopeSimulator) -> dict[str, float]:
+def book_signals(rope: Evaluated) -> dict[str, float]:
     """Energies and counts."""
     ledger, counts = rope.state.ledger, rope.state.counts
     return {
@@ -173,14 +197,14 @@ def book_signals(rope: RopeSimulator) -> dict[str, float]:
     }
 
 
-def shape_signals(rope: RopeSimulator) -> dict[str, float]:
+def shape_signals(rope: Evaluated) -> dict[str, float]:
     """Points along the rope."""
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
     points = shape(q, lengths, rope.loop.s, SHAPE_POINTS)
     return {f"shape.{axis}[{i}]": float(x) for k, axis in enumerate("xyz") for i, x in enumerate(points[:, k], start=1)}
 
 
-def along_signals(rope: RopeSimulator) -> dict[str, float]:
+def along_signals(rope: Evaluated) -> dict[str, float]:
     """Tension and stresses at the points of the shape."""
     state, data, gravity = rope.state, rope.scene.rope, rope.scene.layout.gravity
     m, lengths = state.motion, state.partition.lengths

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,13 +21,16 @@ from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
 from .adaptation import in_good_frame, raised, transformed_if_due, with_good_pole, with_loop_yaw
+from .balance_rope import BalanceRope, Status
+from .caveats import CAVEATS
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
 from .mesh import LATEST, Partition, distance_to_due, misplaced, partition, suited
 from .model import RopeModel, ends_of, energies, powers
 from .rigid import rigid_added_mass, rigid_rope
 from .rope_system import Assessment, KernelShelf, RopeSystem
-from .rungs import chosen, outgrown
+from .rungs import RungName, chosen, outgrown
+from .signals import checked_names, group_of
 from .state import Counts, RopeState
 from .statics import StaticsError, find_equilibrium, hanging_guess
 from .switching import chatters, next_release, released, switched, switching_step
@@ -46,14 +50,6 @@ TWIST_STEP, MOST_POLES = 1.0, 20
 
 
 @dataclass(frozen=True)
-class Status:
-    """Whether the rope's state is valid; if not, the message names cause and cure."""
-
-    valid: bool
-    message: str = ""
-
-
-@dataclass(frozen=True)
 class _Accepted:
     """An accepted trial step, the step to try next, and whether it ends at the instant it was to reach."""
 
@@ -63,12 +59,11 @@ class _Accepted:
     reaches_stop: bool
 
 
-class RopeSimulator:
-    """A balance rope between two conveyances.
+class RopeSimulator(BalanceRope):
+    """The Python form of the rope; ``system``, ``ends`` and ``model`` are there for analysis.
 
-    ``initialize`` finds the hanging shape, ``advance_to`` follows the conveyances.  ``bundle`` is a folder with
-    prepared kernels, as inside an exported FMU.  Raises RuntimeError when compiled kernels are demanded in vain,
-    ValueError when the mesh does not fit the rope.
+    ``bundle`` is a folder with prepared kernels, as inside an exported FMU.  Raises RuntimeError when compiled
+    kernels are demanded in vain, ValueError when the mesh does not fit the rope.
     """
 
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
@@ -84,15 +79,14 @@ class RopeSimulator:
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
+        self._signals: dict[str, float] = {}  # of the present state, as far as they were asked for
 
     @property
     def scene(self) -> Scene:
-        """The data of the run."""
         return self.model.scene
 
     @property
     def state(self) -> RopeState:
-        """The present state; RuntimeError before ``initialize``."""
         if self._state is None:
             raise RuntimeError("the rope has no state yet; call initialize first")
         return self._state
@@ -106,8 +100,23 @@ class RopeSimulator:
 
     @property
     def form(self) -> str:
-        """How it computes: compiled or portable; native.engine.NativeRope: native."""
         return self.system.kernels.form
+
+    @property
+    def elements(self) -> int:
+        return self.model.kernels.elements
+
+    @property
+    def time(self) -> float:
+        return self.state.motion.t
+
+    @property
+    def rung(self) -> RungName:
+        return self.state.rung
+
+    @property
+    def rung_reason(self) -> str:
+        return self.state.rung_reason
 
     @property
     def loop(self) -> LoopBottom:
@@ -121,12 +130,18 @@ class RopeSimulator:
         """How the present state's ends are held."""
         return ends_of(self.system)
 
-    def save(self) -> bytes:
-        """The complete state."""
-        return self.state.to_bytes()
+    def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
+        wanted = checked_names(names)
+        for name in wanted:
+            if name not in self._signals:
+                self._signals |= group_of(name)(self)
+        return {name: self._signals[name] for name in wanted}
+
+    def warnings(self) -> dict[str, str]:
+        told = {caveat.__name__: caveat(self.scene, self.state) for caveat in CAVEATS}
+        return {subject: text for subject, text in told.items() if text}
 
     def restore(self, data: bytes | RopeState) -> None:
-        """Go on from a saved state; ValueError when it does not fit this scene."""
         state = RopeState.from_bytes(data) if isinstance(data, bytes) else data
         self._require_fitting(state)
         self._accept(state)
@@ -148,14 +163,9 @@ class RopeSimulator:
         return _pattern(partition(self._mesh, self.scene.rope.length, 0.5 * self.scene.rope.length))
 
     def retune(self, scene: Scene) -> None:
-        """Go on with other solver tolerances or swivel friction; nothing else of the scene may differ."""
-        self.model, self._system = replace(self.model, scene=scene), None
+        self.model, self._system, self._signals = replace(self.model, scene=scene), None, {}
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
-        """Hang the rope at rest between the ends' positions, untwisted but for the installed twist.
-
-        Accelerations play no part: the ends' paths begin at rest.
-        """
         scene, rope = self.scene, self.scene.rope
         if not abs(t) <= FARTHEST_START:
             return Status(
@@ -245,11 +255,6 @@ class RopeSimulator:
         )
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
-        """Follow the conveyances to their motions at ``t``.  On failure the state stays what it was.
-
-        Less than 1e-9 s ahead nothing moves; the time is not lost, the next step begins where this one did.  Motions
-        that are extrapolated are joined ``within`` as many seconds as the step before took, see EndPath.to.
-        """
         state = self.state
         start = state.motion.t
         if abs(t - start) < SHORTEST_INTERVAL:
@@ -296,11 +301,8 @@ class RopeSimulator:
         return Status(True)
 
     def added_mass(self) -> tuple[float, float]:
-        """kg: how much each end's downward force grows with an upward acceleration held over the last interval.
-
-        The rope is linearised about the present state; one generalized-alpha step of that length carries the
-        perturbation y = a h^2 / 2, v = a h.
-        """
+        # the rope is linearised about the present state; one generalized-alpha step of that length carries the
+        # perturbation y = a h^2 / 2, v = a h
         m, h, system = self.state.motion, self.state.last_interval, self.system
         if self.state.rung == "rigid":
             return rigid_added_mass(self.scene, self.state.paths, m.t, h)
@@ -421,7 +423,7 @@ class RopeSimulator:
         return stop
 
     def _accept(self, state: RopeState) -> None:
-        self._state, self._system, self._loop = state, None, None
+        self._state, self._system, self._loop, self._signals = state, None, None, {}
 
 
 def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:

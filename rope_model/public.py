@@ -1,0 +1,86 @@
+"""What a user of the rope needs, to be imported from ``rope_model``.
+
+rope        balance_rope makes a BalanceRope in a Form: auto, native or python; EndMotion goes in, Status and the
+            values of SIGNALS come out, each a Signal with unit and description
+data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model
+presets     rope_120 and rope_240 make a Preset (by name in PRESETS) at a Level: draft, standard or reference;
+            at_level puts any scene on one
+analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
+"""
+
+from __future__ import annotations
+
+import logging
+import subprocess
+from typing import Literal
+
+from .native.engine import NativeRope
+from .parameters import (
+    PRESETS,
+    Layout,
+    Level,
+    Mesh,
+    Model,
+    Preset,
+    Rope,
+    Scene,
+    Solver,
+    Swivel,
+    at_level,
+    rope_120,
+    rope_240,
+)
+from .simulation.balance_rope import BalanceRope, Status
+from .simulation.ends import EndMotion
+from .simulation.signals import SIGNALS, Signal
+from .simulation.simulator import RopeSimulator
+from .simulation.state import RopeState
+
+__all__ = [
+    "PRESETS",
+    "SIGNALS",
+    "BalanceRope",
+    "EndMotion",
+    "Form",
+    "Layout",
+    "Level",
+    "Mesh",
+    "Model",
+    "Preset",
+    "Rope",
+    "RopeSimulator",
+    "RopeState",
+    "Scene",
+    "Signal",
+    "Solver",
+    "Status",
+    "Swivel",
+    "at_level",
+    "balance_rope",
+    "rope_120",
+    "rope_240",
+]
+
+log = logging.getLogger(__name__)
+
+Form = Literal["auto", "native", "python"]
+
+
+def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
+    """A rope for the scene, not yet hung up.
+
+    ``auto`` takes the native form, or the Python form where that cannot be had or ``scene.solver.kernels`` asks for
+    kernels of the Python form by name.  Raises ValueError when the mesh does not fit the rope; with ``native``
+    RuntimeError without a C compiler, and OSError or CalledProcessError when that fails; with ``python`` RuntimeError
+    when compiled kernels are asked for by name and cannot be had.
+    """
+    if form not in ("auto", "native", "python"):
+        raise ValueError(f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the fastest to be had")
+    if form == "native":
+        return NativeRope(scene)
+    if form == "auto" and scene.solver.kernels == "auto":
+        try:
+            return NativeRope(scene)
+        except (RuntimeError, OSError, subprocess.CalledProcessError) as error:
+            log.info("the native rope cannot be had (%s)", error)
+    return RopeSimulator(scene)

@@ -1,0 +1,109 @@
+"""What every form of the rope can do: hang, follow its ends, be read, and go back to a saved state."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ..parameters import Scene
+from .ends import SHORTEST_AIM, EndMotion
+from .rungs import RungName
+from .state import RopeState
+
+
+@dataclass(frozen=True)
+class Status:
+    """Whether the rope's state is valid; if not, the message names cause and cure."""
+
+    valid: bool
+    message: str = ""
+
+
+class BalanceRope(ABC):
+    """A balance rope between two conveyances: ``initialize``, then ``advance_to`` as often as needed.
+
+    SI units.  Both forms, native and Python, take the same steps to the same numbers.  A start or a step that fails is
+    a ``Status`` that says why, and leaves the state as it was; whatever needs a state raises RuntimeError before
+    ``initialize``.  One rope may be used by one thread at a time.
+    """
+
+    @property
+    @abstractmethod
+    def scene(self) -> Scene:
+        """The data of the run."""
+
+    @property
+    @abstractmethod
+    def form(self) -> str:
+        """How it computes: native, or the Python form with kernels that are compiled or portable (interpreted)."""
+
+    @property
+    @abstractmethod
+    def elements(self) -> int:
+        """Number of elements."""
+
+    @property
+    @abstractmethod
+    def time(self) -> float:
+        """The present state's instant, s."""
+
+    @property
+    @abstractmethod
+    def rung(self) -> RungName:
+        """How much of the rope is computed now: torsional is all, then spatial, planar and rigid."""
+
+    @property
+    @abstractmethod
+    def rung_reason(self) -> str:
+        """Why it is this rung."""
+
+    @property
+    @abstractmethod
+    def state(self) -> RopeState:
+        """The present state for analysis: nodes, mesh, swivels, energies, events; it never changes."""
+
+    @abstractmethod
+    def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
+        """Hang the rope at rest at ``t`` (s) between the ends' positions, untwisted but for the installed twist.
+
+        Speeds must be zero.  Accelerations play no part: the ends' paths begin at rest.
+        """
+
+    @abstractmethod
+    def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
+        """Follow the conveyances to their motions at ``t`` (s).  On failure the state stays what it was.
+
+        Less than 1e-9 s ahead nothing moves; the time is not lost, the next step begins where this one did.  Motions
+        that are extrapolated are joined ``within`` as many seconds as the step before took, see EndPath.to.
+        """
+
+    @abstractmethod
+    def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
+        """Values by name, in the units of SIGNALS; ValueError for a name that is not among them.
+
+        Without ``names`` all but the added masses, which cost as much as a step: ask for those by name.
+        """
+
+    @abstractmethod
+    def added_mass(self) -> tuple[float, float]:
+        """kg, left and right: how much an end's downward force grows with an upward acceleration of that end.
+
+        The acceleration is held over an interval as long as the last, from the present state on.
+        """
+
+    @abstractmethod
+    def warnings(self) -> dict[str, str]:
+        """What to mind in a valid state, sentences by subject; empty when there is nothing."""
+
+    def save(self) -> bytes:
+        """The complete state, for ``restore`` of any form of the same scene, also in another process."""
+        return self.state.to_bytes()
+
+    @abstractmethod
+    def restore(self, data: bytes | RopeState) -> None:
+        """Go on from what ``save`` or ``state`` gave; ValueError, and no change, when it does not fit this scene."""
+
+    @abstractmethod
+    def retune(self, scene: Scene) -> None:
+        """Go on with other solver tolerances or swivel friction; nothing else of the scene may differ."""

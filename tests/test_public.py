@@ -1,0 +1,202 @@
+"""What a user imports from rope_model: documented, typed, quick to load, and the same for both forms of the rope."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from numpy.testing import assert_allclose
+
+import rope_model
+from rope_model import EndMotion, Mesh, Model, Rope, Scene, Solver, balance_rope, public
+from rope_model.native.build import library
+from rope_model.numerics.kernels import find_compiler
+
+ROOT = Path(__file__).resolve().parent.parent
+SCRIPT = Path(__file__).with_name("user_script.py")
+SMALL = Scene(rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable"))
+#: what has a docstring, like functions
+DESCRIBED = type, property, staticmethod
+#: N/m of rope_120
+WEIGHT = 8.0 * 9.81
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+
+def members(kind: type[Any]) -> Iterator[tuple[str, Any]]:
+    """What a class shows of its own: methods and properties."""
+    for name in vars(kind):
+        member = inspect.getattr_static(kind, name)
+        if not name.startswith("_") and (isinstance(member, DESCRIBED) or inspect.isfunction(member)):
+            yield f"{kind.__name__}.{name}", member
+
+
+def test_every_public_name_is_imported_from_the_package() -> None:
+    assert {*public.__all__} <= {*dir(rope_model)}
+    assert all(getattr(rope_model, name) is getattr(public, name) for name in public.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'rope_simulator'"):
+        rope_model.rope_simulator  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_every_public_name_has_a_docstring() -> None:
+    objects = {name: getattr(public, name) for name in public.__all__}
+    classes = {name: x for name, x in objects.items() if isinstance(x, type)}
+    objects |= {name: member for kind in classes.values() for name, member in members(kind)}
+    assert "RopeSimulator.advance_to" in objects
+    for name, value in objects.items():
+        if isinstance(value, DESCRIBED) or inspect.isfunction(value):
+            text = inspect.getdoc(value)
+            # a dataclass without a text shows its signature
+            assert text, name
+            assert not text.startswith(f"{name}("), name
+        else:
+            assert re.search(rf"\b{name}\b", public.__doc__ or ""), name
+
+
+def readme_example(folder: Path) -> Path:
+    """The example of README's section on Python as a script."""
+    section = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Use the rope in Python")[2]
+    block = re.search(r"```python\n(.*?)```", section, re.DOTALL)
+    assert block is not None
+    script = folder / "readme_example.py"
+    script.write_text(block[1], encoding="utf-8")
+    return script
+
+
+def lines_of(script: Path, cache: Path) -> list[str]:
+    """What a script prints that finds the libraries of the folder ``cache`` only."""
+    environment = os.environ | {"BALANCE_ROPE_CACHE": str(cache), "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, str(script)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=cache, env=environment)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout.splitlines()
+
+
+@pytest.fixture
+def cache(tmp_path: Path) -> Path:
+    """A folder with the native library and nothing else."""
+    folder = tmp_path / "cache"
+    folder.mkdir()
+    shutil.copy(library(), folder)
+    return folder
+
+
+@needs_compiler
+def test_readme_example_prints_the_weight_of_the_left_leg_and_compiles_nothing_but_the_native_rope(
+    cache: Path, tmp_path: Path
+) -> None:
+    force, unit = lines_of(readme_example(tmp_path), cache)[-1].split()
+    # the loop hangs at (120 - 90) / 2 m of the rope; its bend is even
+    assert_allclose(float(force), -15.0 * WEIGHT, rtol=1e-3)
+    assert unit == "N"
+    assert [file.name for file in cache.iterdir()] == [library().name]
+
+
+@needs_compiler
+def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_rope(cache: Path) -> None:
+    *told, at_rest, last = lines_of(SCRIPT, cache)
+    left, right = map(float, re.findall(r"'(?:left|right).fy': (-[\d.]+)", at_rest))
+    # half a metre of rope: waves still run through it
+    assert_allclose([left, right], [-25.0 * WEIGHT, -95.0 * WEIGHT], atol=0.5 * WEIGHT)
+    assert sum("again the same: True" in line for line in (*told, at_rest)) == 9
+    assert "533 signals" in last
+    assert "nothing to mind" in last
+    assert [file.name for file in cache.iterdir()] == [library().name]
+
+
+def test_strict_mypy_has_nothing_to_say_on_scripts_that_use_the_interface(tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text("from rope_model import EndMotion, no_such_name\n\nEndMotion(y='high')\n", encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "--strict", str(SCRIPT), str(readme_example(tmp_path)), str(wrong)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    errors = [line for line in done.stdout.splitlines() if "error:" in line]
+    # what it does say on a script that is wrong shows that it sees the types
+    assert ['"no_such_name"' in errors[0], 'incompatible type "str"' in errors[1]] == [True, True], done.stdout
+    assert len(errors) == 2, done.stdout
+
+
+@pytest.mark.parametrize(("module", "unloaded"), [("rope_model", "numpy"), ("rope_model.parameters", "casadi")])
+def test_importing_loads_no_more_than_it_needs(module: str, unloaded: str) -> None:
+    code = f"import sys, {module}; sys.exit({unloaded!r} in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False, cwd=ROOT).returncode == 0
+
+
+@pytest.fixture(params=[pytest.param("native", marks=needs_compiler), "python"])
+def form(request: pytest.FixtureRequest) -> public.Form:
+    chosen: public.Form = request.param
+    return chosen
+
+
+def test_a_rope_that_is_not_hung_up_has_no_state(form: public.Form) -> None:
+    rope = balance_rope(SMALL, form)
+    calls: tuple[Callable[[], object], ...] = (
+        lambda: rope.state,
+        lambda: rope.time,
+        lambda: rope.rung,
+        lambda: rope.rung_reason,
+        lambda: rope.signals(),
+        lambda: rope.added_mass(),
+        lambda: rope.warnings(),
+        lambda: rope.save(),
+        lambda: rope.advance_to(1.0, EndMotion(), EndMotion()),
+    )
+    for call in calls:
+        with pytest.raises(RuntimeError, match="call initialize first"):
+            call()
+    assert (rope.scene, rope.elements) == (SMALL, 20)
+
+
+def test_signals_are_read_by_name_in_the_order_asked_for(form: public.Form) -> None:
+    rope = balance_rope(SMALL, form)
+    assert rope.initialize(2.0, EndMotion(), EndMotion(y=10.0)).valid
+    assert (rope.time, rope.rung) == (2.0, "torsional")
+    every = rope.signals()
+    assert [*every] == [name for name in public.SIGNALS if not name.endswith("added_mass")]
+    names = ("right.fy", "left.added_mass", "count.steps")
+    some = rope.signals(names)
+    assert [*some] == [*names]
+    assert some["right.fy"] == every["right.fy"]
+    assert some["left.added_mass"] == rope.added_mass()[0]
+    with pytest.raises(ValueError, match=r"'left\.force' is no signal"):
+        rope.signals(["left.fy", "left.force"])
+    assert rope.advance_to(2.1, EndMotion(), EndMotion(y=10.0)).valid
+    assert rope.signals(names)["count.steps"] > some["count.steps"]
+
+
+@needs_compiler
+def test_both_forms_warn_of_the_same_in_the_same_words() -> None:
+    scene = SMALL.with_(model=Model("planar"))
+    told = []
+    for rope in (balance_rope(scene, "native"), balance_rope(scene, "python")):
+        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+        told.append(rope.warnings())
+    assert [*told[0]] == ["left_out"]
+    assert "the planar rung computes no torsion" in told[0]["left_out"]
+    assert told[0] == told[1]
+
+
+def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> None:
+    ends = EndMotion(), EndMotion()
+    choices = [SMALL, SMALL.with_(solver=Solver())] if find_compiler() else [SMALL]
+    ropes = [balance_rope(scene) for scene in choices]
+    assert all(rope.initialize(0.0, *ends).valid for rope in ropes)
+    assert [rope.form for rope in ropes] == ["portable", "native"][: len(ropes)]
+    with pytest.raises(ValueError, match="form = 'compiled' must be"):
+        balance_rope(SMALL, "compiled")  # type: ignore[arg-type]
+
+
+def test_auto_takes_the_python_form_where_the_native_one_cannot_be_had(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(scene: Scene) -> None:
+        raise RuntimeError("the native rope needs a C compiler; install one, or the ziglang package")
+
+    monkeypatch.setattr(public, "NativeRope", missing)
+    assert isinstance(balance_rope(SMALL.with_(solver=Solver())), public.RopeSimulator)
+    with pytest.raises(RuntimeError, match="needs a C compiler"):
+        balance_rope(SMALL, "native")
