@@ -31,6 +31,7 @@ from balance_rope import main
 from fmu_src.interface import scene_of, variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library, universal
 from fmu_src.native.export import export_native
+from fmu_src.profile import FULL
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import checked
 
@@ -49,7 +50,10 @@ def stand_in() -> dict[str, str]:
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     folder = tmp_path_factory.mktemp("native")
     here = (host_platform(),)
-    return {fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=here, rope=stand_in()) for fmi in VERSIONS}
+    return {
+        fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=here, rope=stand_in(), profile=FULL)
+        for fmi in VERSIONS
+    }
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +121,7 @@ def test_archive_is_sorted_deflated_relative_and_without_dates(fmi: int, fmus: d
 def test_same_sources_give_the_same_bytes_and_other_start_values_another_token(
     fmi: int, fmus: dict[int, Path], tmp_path: Path
 ) -> None:
-    again = export_native(tmp_path / "again.fmu", fmi=fmi, platforms=(host_platform(),), rope=stand_in())
+    again = export_native(tmp_path / "again.fmu", fmi=fmi, platforms=(host_platform(),), rope=stand_in(), profile=FULL)
     assert again.read_bytes() == fmus[fmi].read_bytes()
     long = export_native(tmp_path / "long.fmu", "rope-240", fmi=fmi, platforms=(host_platform(),), rope=stand_in())
     tokens = {fmpy.read_model_description(str(path)).guid for path in (again, long)}
