@@ -159,6 +159,29 @@ def test_values_beyond_min_and_max_of_a_parameter_are_refused_by_the_rope() -> N
                     scene_of(start | {v.name: type(v.start)(bound + beyond * size)})
 
 
+#: parameters that go along with another one's bound: static friction is no less than kinetic, and the like
+_ALONG = {
+    "rope.Qa": {"rope.Qb": 0.0, "rope.Qc": 0.0},
+    "rope.Qd": {"rope.Qb": 0.0, "rope.Qc": 0.0},
+    "left.swivel.mu_static": {"left.swivel.mu_kinetic": 0.0},
+    "right.swivel.mu_static": {"right.swivel.mu_kinetic": 0.0},
+    "solver.step_max": {"solver.step_min": 1e-15},
+    "solver.step_min": {"solver.step_max": 1.0},
+    **{f"mesh.counts[{i}]": {f"mesh.counts[{j}]": 0 for j in (1, 2, 4, 5)} for i in range(1, 6)},
+}
+
+
+def test_min_and_max_of_a_parameter_are_taken_by_the_rope() -> None:
+    table = variables(rope_120())
+    start = {v.name: v.start for v in table if v.start is not None}
+    for v in table:
+        if v.causality != "parameter" or v.kind == "Boolean":
+            continue
+        for bound in (v.minimum, v.maximum):
+            if bound is not None:
+                scene_of(start | _ALONG.get(v.name, {}) | {v.name: type(v.start)(bound)})
+
+
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
     position, speed, acceleration = inspect.signature(checked).parameters["limits"].default
     reach = {"m": position, "rad": position, "m/s": speed, "rad/s": speed, "m/s2": acceleration}
@@ -297,6 +320,16 @@ def test_arrays_and_enumerations_of_fmi_3(fmus: dict[int, Path], folders: dict[i
 
 
 # errors
+
+
+def test_a_read_that_fails_is_said_once(host: Host) -> None:
+    host.enter()
+    host.set(**{"rope.length": -1.0})
+    outputs = [v.valueReference for v in host.variables.values() if v.name.startswith(("left.f", "loop."))]
+    host.log.clear()
+    with pytest.raises(FMICallException):
+        getattr(host.fmu, "getReal" if host.fmi == 2 else "getFloat64")(outputs)
+    assert len([message for status, message in host.log if status == 3]) == 1
 
 
 @pytest.mark.parametrize(
@@ -690,12 +723,39 @@ def test_an_installed_scene_is_exported_by_its_name(tmp_path: Path, monkeypatch:
 
 
 @pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (["--outputs", "loop"], {"loop.x", "left.fy", "status.valid"}),
+        (["--outputs", "all"], {"shape.x", "mesh.counts", "energy.total", "left.fy"}),
+        (["--outputs", "all", "--scalar"], {"shape.x[81]", "mesh.counts[5]", "energy.total", "left.fy"}),
+    ],
+)
+def test_outputs_and_their_form_are_chosen_on_the_command_line(
+    options: list[str], named: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
+    path = tmp_path / "rope.fmu"
+    assert main(["export", "--native", "--fmi", "3", "--platform", "host", "--out", str(path), *options]) == 0
+    host = Host(path, fmpy.extract(str(path), str(tmp_path / "unzipped")))
+    known = {"shape.x", "shape.x[81]", "mesh.counts[5]", "energy.total", "loop.x", "left.fy", "status.valid"}
+    assert known & set(host.variables) >= named - {"mesh.counts"}
+    assert ("energy.total" in host.variables) == ("energy.total" in named)
+    assert ("shape.x" in host.variables) == ("shape.x" in named)
+    host.start()
+    host.run(0, 2)
+    for name in named:
+        value = host.get(name)[0]
+        assert len(value) == host.variables[name].dimensions[0].start if isinstance(value, list) else True
+    host.call("FreeInstance")
+
+
+@pytest.mark.parametrize(
     ("options", "words"),
     [
         (["--platform", "host"], "add --native"),
         (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
         (["--out", "file/x.fmu"], "file cannot be written to"),
-        (["--scene", "monopol-1000", "--ssp"], "export the rope without --ssp"),
+        (["--native", "--scalar"], "add --native --fmi 3"),
     ],
 )
 def test_an_export_that_cannot_be_meant_is_refused_before_anything_is_built(
