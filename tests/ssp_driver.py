@@ -23,6 +23,7 @@ from xml.etree import ElementTree
 
 import fmpy
 from fmpy.ssp.ssd import read_ssd
+from masters import remaining
 from native_host import Host
 
 H = 0.01
@@ -59,11 +60,7 @@ def to_the_end(ssp: str) -> Iterator[tuple[float, float]]:
     master, experiment = (root.find(f".//{{*}}{name}") for name in ("FixedStepMaster", "DefaultExperiment"))
     assert master is not None
     assert experiment is not None
-    t, step, stop = 0.0, float(master.get("stepSize", "")), float(experiment.get("stopTime", ""))
-    while t < stop:
-        h = min(step, stop - t)
-        yield t, h
-        t += h
+    return remaining(float(master.get("stepSize", "")), float(experiment.get("stopTime", "")))
 
 
 def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
