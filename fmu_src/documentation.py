@@ -69,8 +69,8 @@ motion by j H^3/6 at a jerk j. The next path makes that good; where the next ste
 the time H, else h would ask for accelerations of j H^3/h^2. With no step longer than H, in any order, the path stays
 within 0.27 j H^3, 0.62 j H^2 and 3.4 j H of the motion's position, speed and acceleration; even steps of H have
 0.26, 0.51 and 2.9. The end force errs by up to twice the leg's mass times the error of the acceleration. Inputs at the
-step's end (`inputs_at_step_end` = true) are met exactly, but for steps below 1e-5 s, which aim that far ahead, because within
-them the rounding of a position would ask for large accelerations (tests/test_masters.py).
+step's end (`inputs_at_step_end` = true) are met exactly, but for steps below 1e-5 s, which aim that far ahead, because
+within them the rounding of a position would ask for large accelerations (tests/test_masters.py).
 """
 _MINDED = """\
 `status.warning` tells what to mind in results that are valid, and stays while it is so; the log has each thing once
