@@ -42,6 +42,7 @@ sheave, head ropes, conveyances) is a CasADi model that exchanges end motions an
 EPILOG = """\
 first steps:
   balance-rope export                  write the rope to build/balance_rope.fmu
+  balance-rope export --outputs all    with the points along the rope that the demo draws
   balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
   balance-rope demo                    wind 90 m with it; figures, CSV and a report in out/demo
   balance-rope demo --quick            wind 10 m only, to see that all is in place
