@@ -15,10 +15,10 @@ from fmu_src.interface import Variable, variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
+from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
 from fmu_src.ssp import Component, export_ssp
 from hoist_demo.cli import add_demo
-from hoist_demo.drive_fmu.description import drive_model
-from hoist_demo.parameters import SETUPS
+from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.scenes import SCENES
 from hoist_demo.study.command import add_study
 from rope_model.parameters import LEVELS, rope_120
@@ -42,6 +42,7 @@ sheave, head ropes, conveyances) is a CasADi model that exchanges end motions an
 EPILOG = """\
 first steps:
   balance-rope export                  write the rope to build/balance_rope.fmu
+  balance-rope export --outputs all    with the points along the rope that the demo draws
   balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
   balance-rope demo                    wind 90 m with it; figures, CSV and a report in out/demo
   balance-rope demo --quick            wind 10 m only, to see that all is in place
@@ -127,7 +128,19 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help="accuracy against speed, see docs/chart.md (%(default)s)",
     )
     export.add_argument(
-        "--ssp", action="store_true", help="also hoist drive and rope (FMI 2.0) as one system, an .ssp beside the .fmu"
+        "--outputs",
+        nargs="+",
+        choices=("all", *GROUPS),
+        default=list(DEFAULT),
+        metavar="GROUP",
+        help=f"outputs that the FMU shows: all, or groups of {', '.join(GROUPS)} (all but shape, the points along the "
+        "rope, which the demo's report draws)",
+    )
+    export.add_argument(
+        "--scalar", action="store_true", help="FMI 3.0 without arrays: each element a variable, for tools without them"
+    )
+    export.add_argument(
+        "--ssp", action="store_true", help="also hoist drive and rope as one system, an .ssp beside the .fmu"
     )
     export.add_argument(
         "--out", type=Path, help=f"the .fmu to write; a folder where there is one, or several are written ({BUILD}/...)"
@@ -155,31 +168,30 @@ def _export(options: argparse.Namespace) -> int:
         if 2 not in options.fmi:
             raise ValueError("the Python flavour is FMI 2.0 only; FMI 3.0 comes with --native")
         wanted.insert(0, ("Python", 2))
-    if options.ssp and 2 not in options.fmi:
-        raise ValueError("the system (--ssp) is made of FMI 2.0 FMUs; add 2 to --fmi")
+    if options.scalar and ("native", 3) not in wanted:
+        raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
     if options.platform and not (options.native or options.ssp):
         raise ValueError("--platform is for compiled code, and the Python flavour has none to choose: add --native")
-    if options.ssp and options.scene not in SETUPS:
-        raise ValueError(
-            f"--ssp of {options.scene} cannot be made: the drive's FMU is made for {', '.join(SETUPS)}; export the "
-            "rope without --ssp"
-        )
     paths = _paths(options.out, wanted)
     scene = SCENES[options.scene]
     start = {**scene.rope, "right.y": abs(scene.winding.travel)}
+    groups = ALL if "all" in options.outputs else tuple(options.outputs)
+    profile = Profile(groups, arrays=not options.scalar, stop=duration(scene.winding))
     asked = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
         if flavour == "native":
             platforms = asked
-            export_native(path, level=options.level, fmi=fmi, platforms=platforms, start=start)
+            export_native(path, level=options.level, fmi=fmi, platforms=platforms, start=start, profile=profile)
         else:
             platforms = ["where Python, numpy and casadi are"]
-            export_fmu(path, level=options.level, start=start)
+            export_fmu(path, level=options.level, start=start, profile=profile)
         rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), f"{path.stat().st_size / 1e6:.2f} MB"))
-        if options.ssp and fmi == 2:
-            ssp = _system(path, options.scene, asked)
-            rows.append((str(ssp), f"{flavour} rope, native drive", "2.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB"))
+        if options.ssp:
+            ssp = _system(path, options.scene, asked, fmi)
+            rows.append(
+                (str(ssp), f"{flavour} rope, native drive", f"{fmi}.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB")
+            )
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
@@ -204,13 +216,22 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     return paths
 
 
-def _system(rope: Path, scene: str, platforms: Sequence[str] | None) -> Path:
+def _system(rope: Path, scene: str, platforms: Sequence[str], fmi: int) -> Path:
     """The rope's FMU and the hoist drive of its scene as one system, ``rope`` with the ending .ssp."""
-    drive = drive_model(SETUPS[scene])
+    drive = drive_model(SCENES[scene], SCENES[scene].gains)
     table = [Variable(*variable) for variable in drive.variables]
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "drive.fmu"
-        fmu = export_model(path, drive.name, drive.description, table, drive.sources, drive.attachments, platforms)
+        fmu = export_model(
+            Path(folder) / "drive.fmu",
+            drive.name,
+            drive.description,
+            table,
+            drive.sources,
+            drive.attachments,
+            platforms,
+            fmi,
+            drive.duration,
+        )
         # drive and rope step at the same time: the rope extrapolates the motion
         components = [Component("drive", fmu, {}), Component("rope", rope, {"inputs_at_step_end": False})]
         name, text = "FrictionHoist", drive.description

@@ -1,9 +1,9 @@
-"""The interface table with its arrays gathered: what FMI 3.0 shows of it."""
+"""Variables as FMI 3.0 shows them: arrays gathered, or each element a scalar."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from .interface import Value, Variable
@@ -31,10 +31,10 @@ class Array(NamedTuple):
         return len(self.starts)
 
 
-def arrays(table: Sequence[Variable]) -> list[Array]:
+def arrays(described: Mapping[int, Variable]) -> list[Array]:
     """``shape.x[1]``, ``shape.x[2]`` ... become ``shape.x`` with the first one's value reference."""
     found: list[Array] = []
-    for reference, variable in enumerate(table):
+    for reference, variable in described.items():
         match = re.fullmatch(r"(.+)\[(\d+)\]", variable.name)
         if match and match[2] != "1":
             found[-1] = found[-1]._replace(starts=(*found[-1].starts, variable.start))
@@ -43,3 +43,12 @@ def arrays(table: Sequence[Variable]) -> list[Array]:
             whole = variable._replace(description=DESCRIPTIONS.get(name, variable.description))
             found.append(Array(reference, name, whole, (variable.start,)))
     return found
+
+
+def scalars(described: Mapping[int, Variable]) -> list[Array]:
+    """Every element on its own, with its own value reference."""
+    return [Array(reference, v.name, v, (v.start,)) for reference, v in described.items()]
+
+
+#: how described variables are shown: ``arrays`` or ``scalars``
+Form = Callable[[Mapping[int, Variable]], list[Array]]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
-from collections.abc import Sequence
+from collections.abc import Collection
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -26,12 +26,12 @@ more slowly.  The native flavour of this FMU has no such needs: balance-rope exp
 """
 
 
-def attachments(table: Sequence[Variable], preset: Preset, fmi: int, native: bool) -> dict[str, bytes]:
+def attachments(described: Collection[Variable], preset: Preset, fmi: int, native: bool) -> dict[str, bytes]:
     """Path in the FMU -> contents."""
     files = {
-        "documentation/index.html": index_html(table, native).encode(),
+        "documentation/index.html": index_html(described, native).encode(),
         "documentation/licenses/license.txt": license_text().encode(),
-        "terminalsAndIcons/terminalsAndIcons.xml": xml_bytes(terminals_and_icons(table)),
+        "terminalsAndIcons/terminalsAndIcons.xml": xml_bytes(terminals_and_icons(described)),
     }
     for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
         files[f"terminalsAndIcons/{name}"] = (_HERE / "pictures" / name).read_bytes()
@@ -42,7 +42,8 @@ def attachments(table: Sequence[Variable], preset: Preset, fmi: int, native: boo
     else:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
-    return files | {f"{_EXTRA}/{name}": data for name, data in reference_files(preset, MODEL).items()}
+    results = reference_files(preset, MODEL, {v.name for v in described})
+    return files | {f"{_EXTRA}/{name}": data for name, data in results.items()}
 
 
 def license_text(package: str = "balance-rope") -> str:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import html
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator
 
 from rope_model.parameters import rope_120
 
 from .arrays import DESCRIPTIONS
 from .interface import Variable, variables
+from .profile import ALWAYS, DEFAULT, GROUPS
 
 _INTRODUCTION = """\
 FMI 2.0 co-simulation, or 3.0 (native flavour), start values of the 120 m scene. Units are SI; `1` marks a pure number.
@@ -33,7 +34,17 @@ _NATIVE = """\
 When a call fails it returns *error*, and its message, which `status.message` repeats, names value, bound and cure.
 After an error in a step, in initialisation or of a value to be set, restore a state or reset the FMU; the state is
 that before the step. Directional derivatives are those of end forces and moments at the end of a step to the inputs of
-that step, for a step as long as the last; with `inputs_at_step_end` = false the extrapolation is part of them.
+that step, for a step as long as the last (before the first one as long as `solver.step_max`); with
+`inputs_at_step_end` = false the extrapolation is part of them.
+"""
+_STRUCTURE = """\
+No output depends on an input of its instant: an input that is set after a step changes nothing before the next step has
+been made, and so there are no algebraic loops at communication points (the dependencies in ModelStructure are empty).
+Directional derivatives do not contradict this: they are those of the function that a step is, of the inputs it was made
+with. During initialisation all outputs follow all inputs and parameters at once.
+
+A tolerance that the host hands over at set-up is not used: it is a relative one, and the rope's error control knows
+lengths and angles. The parameter `solver.tolerance` has its place, and DefaultExperiment states its start value.
 """
 _ALONG = """\
 `shape.tension` follows from the balance of momentum between the left end and the point, so it meets the end forces and
@@ -86,9 +97,16 @@ _RUNGS = (
     ("`fz`, `mx`, `loop.z`, `loop.yaw`", "spatial: by motion out of plane; torsional: by torque, too"),
     ("`my`, `swivel`, `twist`, `stress.torsion_max`, `shape.torsion`", "torsional"),
 )
+_GROUPS = f"""\
+`balance-rope export --outputs GROUP ...` chooses the outputs that the model description shows, `all` of them or groups;
+{" and ".join(f"`{group}`" for group in ALWAYS)} are always there. Without the option it is all but
+{", ".join(f"`{group}`" for group in GROUPS if group not in DEFAULT)}, which the demo's report draws. Results and value
+references are the same: what is left out is not asked for, and so not computed.
+"""
 _SHAPES = """\
 FMI 3.0 has the arrays `shape.x` ... `shape.torsion` (81) and `mesh.counts` (5) as such and the choices as
-enumerations with the same codes; the other names, and all value references, are the same.
+enumerations with the same codes; the other names, and all value references, are the same. Exported with `--scalar` it
+has no arrays: their elements are variables with the names and value references of FMI 2.0.
 """
 #: docs/model.md in short
 _MODEL = """\
@@ -122,24 +140,28 @@ def interface_page() -> str:
     """The page; the numbered shape points are folded into one row per quantity."""
     table = variables(rope_120())
     lines = ["# The FMU's variables", "", _INTRODUCTION, "Python flavour: " + _PYTHON, "Native flavour: " + _NATIVE]
-    lines += [_SHAPES, _ALONG, _ADDED_MASS, "## Steps of any length\n", _STEPS, "## What to mind\n", _MINDED]
+    lines += [_STRUCTURE, _SHAPES, _ALONG, _ADDED_MASS]
+    lines += ["## Steps of any length\n", _STEPS, "## What to mind\n", _MINDED]
     lines += ["| outputs | rungs |", "|---|---|", *(f"| {outputs} | {rungs} |" for outputs, rungs in _RUNGS), ""]
+    lines += ["## Groups of outputs", "", _GROUPS, "| group | holds |", "|---|---|"]
+    lines += [f"| `{group}` | {holds} |" for group, holds in GROUPS.items()] + [""]
     for causality, title in _TITLES:
         lines += [f"## {title}", "", "| name | unit or type | start | |", "|---|---|---|---|"]
-        lines += [f"| {' | '.join(row)} |" for row in _rows([v for v in table if v.causality == causality])]
+        lines += [f"| {' | '.join(row)} |" for row in _rows(v for v in table if v.causality == causality)]
         lines.append("")
     return "\n".join(lines).rstrip() + "\n"
 
 
-def index_html(table: Sequence[Variable], native: bool) -> str:
+def index_html(described: Collection[Variable], native: bool) -> str:
     """documentation/index.html: how to use the FMU, the model, the variables."""
     parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _NATIVE if native else _PYTHON]
-    parts += [_SHAPES if native else "", _ALONG, _ADDED_MASS, _MINDED]
+    along = any(v.name.startswith("shape.") for v in described)
+    parts += [_STRUCTURE, _SHAPES if native and along else "", _ALONG if along else "", _ADDED_MASS, _MINDED]
     paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text)
     rungs = "".join(f"<tr><td>{_marked_up(outputs)}</td><td>{which}</td></tr>" for outputs, which in _RUNGS)
     body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{rungs}</table>", _MODEL]
     for causality, title in _TITLES:
-        rows = _rows([v for v in table if v.causality == causality])
+        rows = _rows(v for v in described if v.causality == causality)
         cells = ["".join(f"<td>{_marked_up(cell)}</td>" for cell in row) for row in rows]
         head = "".join(f"<th>{text}</th>" for text in ("name", "unit or type", "start", ""))
         body.append(f"<h2>{title}</h2>\n<table><tr>{head}</tr>\n" + "\n".join(f"<tr>{row}</tr>" for row in cells))
@@ -160,7 +182,7 @@ def _marked_up(text: str) -> str:
     return re.sub(r"(?<!\w)\*(\w[^*]*)\*", r"<em>\1</em>", text)
 
 
-def _rows(table: list[Variable]) -> Iterator[tuple[str, str, str, str]]:
+def _rows(table: Iterable[Variable]) -> Iterator[tuple[str, str, str, str]]:
     for v in table:
         if match := re.fullmatch(r"(shape\.\w+)\[(\d+)\]", v.name):
             if match[2] == "1":

@@ -27,6 +27,7 @@ from rope_model.simulation.rope_system import write_bundle
 from .archive import read_archive, write_archive
 from .attachments import attachments
 from .interface import NO_CHANGES, Value, preset_with, variables
+from .profile import Profile
 
 SOURCES = ("rope_model", "fmu_src")
 #: what the FMU needs not: parts of the export, and of the native flavour
@@ -39,6 +40,7 @@ def export_fmu(
     preset: str = "rope-120",
     level: Level = "standard",
     start: Mapping[str, Value] = NO_CHANGES,
+    profile: Profile = Profile(),  # noqa: B008  it is frozen
 ) -> Path:
     """Write the FMU with the start values of ``preset``, at a level of accuracy and with ``start``, to ``destination``.
 
@@ -46,26 +48,32 @@ def export_fmu(
     """
     data = preset_with(preset, level, start)
     scene = data.scene
+    described = profile.described(variables(data)).values()
     mesh = suited(scene.mesh, scene.rope, scene.layout)
     elements = partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"
         write_bundle(elements, kernels)
-        key = _build_key(f"{preset} {level} {sorted(start.items())}", kernels)
+        key = _build_key(f"{preset} {level} {sorted(start.items())} {profile}", kernels)
         package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
         _copy_package(package)
         slave = (_root() / "fmu_src" / "slave.py").read_text(encoding="utf-8")
         slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
         script.write_text(slave, encoding="utf-8")
         (stage / "build.json").write_text(
-            json.dumps(_build_facts(preset, level, key) | {"start": dict(start)}, indent=1), encoding="utf-8"
+            json.dumps(
+                _build_facts(preset, level, key)
+                | {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop},
+                indent=1,
+            ),
+            encoding="utf-8",
         )
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
         FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
         sys.path.remove(str(stage))  # the builder leaves it there
-        write_archive(destination, read_archive(draft) | attachments(variables(data), data, fmi=2, native=False))
+        write_archive(destination, read_archive(draft) | attachments(described, data, fmi=2, native=False))
     return destination
 
 

@@ -9,7 +9,7 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal, NamedTuple
 
-from rope_model.parameters import PRESETS, Layout, Level, Mesh, Model, Preset, Rope, Scene, Solver, Swivel
+from rope_model.parameters import LEAST, PRESETS, Layout, Level, Mesh, Model, Preset, Rope, Scene, Solver, Swivel
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
@@ -26,6 +26,27 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "mesh.kind": ("tmn", "eem", "auto"),
     "solver.kernels": ("auto", "compiled", "portable"),
     "model.rung": ("auto", "torsional", "spatial", "planar", "rigid"),
+}
+#: what each of the choices means
+MEANINGS: dict[str, tuple[str, ...]] = {
+    "swivel.mode": ("the end does not turn", "it turns without friction", "it turns against dry friction"),
+    "mesh.kind": (
+        "TMN-ETM: segments that follow the loop",
+        "EEM: elements of equal length",
+        "fitted to the rope: TMN-ETM, or EEM on a short or stiff rope",
+    ),
+    "solver.kernels": (
+        "compiled where there is a compiler",
+        "compiled, else an error",
+        "interpreted, everywhere the same",
+    ),
+    "model.rung": (
+        "the lowest rung that the scene needs",
+        "all: tension, torsion and lateral motion, coupled",
+        "lateral motion in space, without torsion",
+        "motion in the plane of the loop",
+        "end forces of an inextensible rope in closed form, without bending and waves",
+    ),
 }
 #: name of a field -> unit and description; the order is that of the interface
 _ROPE = {
@@ -81,16 +102,16 @@ _MODEL = {
     "force_tolerance": ("1", "relative error of the end forces that auto may trade for speed"),
 }
 _TUNABLE = {"step_max", "step_min", "tolerance", "newton_tolerance", "mu_static", "mu_kinetic", "seal_moment"}
-#: least and largest value that the rope takes; where it must be above the least, 0 is given
+#: least and largest value that the rope takes; FMI knows no bound that is itself refused
 _MINIMUM = {
+    **dict.fromkeys(("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "diameter", "spacing", "gravity"), LEAST),
+    **dict.fromkeys(("mean_diameter", "inertia", "coarse_length", "step_max", "step_min"), LEAST),
+    **dict.fromkeys(("tolerance", "newton_tolerance"), LEAST),
+    **dict.fromkeys(("beta_K", "mu_static", "mu_kinetic", "seal_moment", "leg_growth", "rho_inf"), 0.0),
+    "force_tolerance": 0.0,
     "installed_twist": -1e3,
-    **dict.fromkeys(("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "beta_K", "diameter"), 0.0),
-    **dict.fromkeys(("spacing", "gravity", "mean_diameter", "mu_static", "mu_kinetic", "seal_moment", "inertia"), 0.0),
-    **dict.fromkeys(("step_max", "step_min", "tolerance", "newton_tolerance", "rho_inf", "force_tolerance"), 0.0),
     "elements": 2,
-    "coarse_length": 0.0,
     "end_levels": 0,
-    "leg_growth": 0.0,
     "loop_error": 1e-5,
 }
 _MAXIMUM = {
@@ -103,6 +124,7 @@ _MAXIMUM = {
     "loop_error": 1.0,
     "step_max": 1.0,
     "step_min": 1.0,
+    "tolerance": 1.0,
     "newton_tolerance": 1e-3,
     "rho_inf": 1.0,
     "force_tolerance": 1.0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
@@ -14,57 +14,65 @@ DESCRIPTION = (
     "Balance rope of a friction hoist: coupled tension, torsion and lateral motion of a round wire rope hanging in a "
     "U below two conveyances, with swivels; time-varying mesh TMN-ETM"
 )
-EXPERIMENT = {"startTime": "0", "stopTime": "30", "stepSize": "0.01"}
+STEP = 0.01  # s, communication step of the default experiment
 LOG_CATEGORIES = {
     "logStatusError": "why a call failed, and what to do",
     "logStatusWarning": "what to mind in valid results, once",
     "logAll": "all messages",
 }
-#: outputs with directional derivatives: end forces and moments
-_FORCES = tuple(f"{side}.{kind}{axis}" for side in ("left", "right") for kind in "fm" for axis in "xyz")
 
 
 class Build(NamedTuple):
     """What the model description says of the FMU itself.
 
     ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make
-    the native flavour, none for the Python flavour. A model other than the rope gives its ``name`` and
-    ``description``, and says whether it has directional derivatives.
+    the native flavour, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the
+    model's own error control, where it has one. A model other than the rope gives its ``name`` and ``description``,
+    and says whether it has directional derivatives.
     """
 
     token: str
     version: str
     tool: str
     date: str
+    stop: float = 30.0
+    tolerance: float | None = None
     sources: tuple[str, ...] = ()
     name: str = MODEL
     description: str = DESCRIPTION
     derivatives: bool = True
 
 
-def model_description(table: Sequence[Variable], build: Build) -> Element:
-    """The root element."""
+def model_description(described: Mapping[int, Variable], build: Build) -> Element:
+    """The root element, of the variables by value reference.
+
+    Outputs depend on no input of their instant: a step alone changes them. While the model is initialised they follow
+    all inputs and parameters, which is what no list of dependencies means.
+    """
     root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": build.token, **facts(build)})
     _add_interface(root, build)
-    add_units(root, table)
+    add_units(root, described.values())
     types = SubElement(root, "TypeDefinitions")
-    for unit in units_of(table):
+    for unit in units_of(described.values()):
         SubElement(SubElement(types, "SimpleType", name=QUANTITIES[unit].name), "Real", quantity_attributes(unit))
     add_log_categories(root)
-    SubElement(root, "DefaultExperiment", EXPERIMENT)
+    SubElement(root, "DefaultExperiment", experiment(build))
     model_variables = SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(table):
+    for reference, variable in described.items():
         _add_variable(model_variables, reference, variable)
     structure = SubElement(root, "ModelStructure")
-    inputs = " ".join(str(index) for index, v in enumerate(table, start=1) if v.causality == "input")
-    for section in ("Outputs", "InitialUnknowns"):
-        node = SubElement(structure, section)
-        for index, variable in enumerate(table, start=1):
-            if variable.causality == "output":
-                unknown = SubElement(node, "Unknown", index=str(index))
-                if section == "Outputs":
-                    unknown.attrib |= dependencies(variable, inputs)
+    outputs, at_start = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+    for index, variable in enumerate(described.values(), start=1):
+        if variable.causality == "output":
+            SubElement(outputs, "Unknown", index=str(index), dependencies="")
+            SubElement(at_start, "Unknown", index=str(index))
     return root
+
+
+def experiment(build: Build) -> dict[str, str]:
+    """Attributes of ``DefaultExperiment``."""
+    out = {"startTime": "0", "stopTime": f"{build.stop:g}", "stepSize": f"{STEP:g}"}
+    return out if build.tolerance is None else out | {"tolerance": f"{build.tolerance:g}"}
 
 
 def facts(build: Build) -> dict[str, str]:
@@ -80,13 +88,6 @@ def facts(build: Build) -> dict[str, str]:
         "variableNamingConvention": "structured",
     }
     return out | ({"generationDateAndTime": build.date} if build.date else {})
-
-
-def dependencies(variable: Variable, inputs: str) -> dict[str, str]:
-    """End forces and moments depend on all motions of the step that ended; without attributes an output may on all."""
-    if variable.name not in _FORCES:
-        return {}
-    return {"dependencies": inputs, "dependenciesKind": " ".join("dependent" for _ in inputs.split())}
 
 
 def add_log_categories(root: Element) -> None:

@@ -1,18 +1,17 @@
-"""The interface table as modelDescription.xml of FMI 3.0 (native flavour): arrays, enumerations, the time."""
+"""Variables as modelDescription.xml of FMI 3.0 (native flavour): arrays, enumerations, the time."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
-from .arrays import Array, arrays
-from .interface import CHOICES, Variable, choices_of
+from .arrays import Array
+from .interface import CHOICES, MEANINGS, choices_of
 from .model_description import (
-    EXPERIMENT,
     Build,
     add_log_categories,
     common_attributes,
-    dependencies,
+    experiment,
     facts,
     type_attributes,
 )
@@ -28,8 +27,11 @@ _ENUMERATIONS = {
 }
 
 
-def model_description3(table: Sequence[Variable], build: Build) -> Element:
-    """The root element."""
+def model_description3(gathered: Sequence[Array], time: int, build: Build) -> Element:
+    """The root element; ``time`` is the value reference of the independent variable.
+
+    Dependencies as in FMI 2.0, see model_description.
+    """
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": build.token, **facts(build)})
     SubElement(
         root,
@@ -39,7 +41,7 @@ def model_description3(table: Sequence[Variable], build: Build) -> Element:
         canBeInstantiatedOnlyOncePerProcess="false",
         canGetAndSetFMUState="true",
         canSerializeFMUState="true",
-        providesDirectionalDerivatives="true",
+        providesDirectionalDerivatives=str(build.derivatives).lower(),
         providesAdjointDerivatives="false",
         providesPerElementDependencies="false",
         canHandleVariableCommunicationStepSize="true",
@@ -50,29 +52,29 @@ def model_description3(table: Sequence[Variable], build: Build) -> Element:
         hasEventMode="false",
         providesEvaluateDiscreteStates="false",
     )
-    add_units(root, table)
-    _add_types(root, table)
+    variables = [array.variable for array in gathered]
+    add_units(root, variables)
+    types = SubElement(root, "TypeDefinitions")
+    for unit in units_of(variables):
+        SubElement(types, "Float64Type", {"name": QUANTITIES[unit].name, **quantity_attributes(unit)})
+    for key in dict.fromkeys(_choice(v.name) for v in variables if choices_of(v.name)):
+        _add_enumeration(types, key)
     add_log_categories(root)
-    SubElement(root, "DefaultExperiment", EXPERIMENT)
-    variables, structure = SubElement(root, "ModelVariables"), SubElement(root, "ModelStructure")
-    time = {"name": "time", "valueReference": str(len(table)), "causality": "independent"}
-    SubElement(
-        variables, "Float64", time | {"description": "time", "variability": "continuous", "declaredType": "Time"}
-    )
-    gathered = arrays(table)
+    SubElement(root, "DefaultExperiment", experiment(build))
+    listed, structure = SubElement(root, "ModelVariables"), SubElement(root, "ModelStructure")
+    attributes = {"name": "time", "valueReference": str(time), "causality": "independent", "variability": "continuous"}
+    SubElement(listed, "Float64", attributes | {"description": "time", "declaredType": "Time"})
     for array in gathered:
-        _add_variable(variables, array)
-    outputs = [array for array in gathered if array.variable.causality == "output"]
-    inputs = " ".join(str(array.reference) for array in gathered if array.variable.causality == "input")
-    for array in outputs:
-        attributes = dependencies(array.variable, inputs)
-        SubElement(structure, "Output", {"valueReference": str(array.reference), **attributes})
-    for array in outputs:
-        SubElement(structure, "InitialUnknown", valueReference=str(array.reference))
+        _add_variable(listed, array)
+    outputs = [str(array.reference) for array in gathered if array.variable.causality == "output"]
+    for reference in outputs:
+        SubElement(structure, "Output", valueReference=reference, dependencies="")
+    for reference in outputs:
+        SubElement(structure, "InitialUnknown", valueReference=reference)
     return root
 
 
-def build_description(build: Build) -> Element:
+def build_description(build: Build, fmi: int) -> Element:
     """sources/buildDescription.xml: what ``fmpy compile`` and other tools need to compile the sources."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     files = SubElement(
@@ -80,19 +82,20 @@ def build_description(build: Build) -> Element:
     )
     for name in build.sources:
         SubElement(files, "SourceFile", name=name)
-    # the binary's functions have no prefix
-    SubElement(files, "PreprocessorDefinition", name="FMI3_OVERRIDE_FUNCTION_PREFIX", value="1")
+    if fmi == 3:  # the binary's functions have no prefix; those of FMI 2.0 have none anyway
+        SubElement(files, "PreprocessorDefinition", name="FMI3_OVERRIDE_FUNCTION_PREFIX", value="1")
     return root
 
 
-def _add_types(root: Element, table: Sequence[Variable]) -> None:
-    types = SubElement(root, "TypeDefinitions")
-    for unit in units_of(table):
-        SubElement(types, "Float64Type", {"name": QUANTITIES[unit].name, **quantity_attributes(unit)})
-    for key, name in _ENUMERATIONS.items():
-        enumeration = SubElement(types, "EnumerationType", name=name)
-        for code, word in enumerate(CHOICES[key]):
-            SubElement(enumeration, "Item", name=word, value=str(code))
+def _choice(name: str) -> str:
+    """Key of CHOICES."""
+    return ".".join(name.split(".")[-2:])
+
+
+def _add_enumeration(types: Element, key: str) -> None:
+    enumeration = SubElement(types, "EnumerationType", name=_ENUMERATIONS[key])
+    for code, (word, meaning) in enumerate(zip(CHOICES[key], MEANINGS[key], strict=True)):
+        SubElement(enumeration, "Item", name=word, value=str(code), description=meaning)
 
 
 def _add_variable(parent: Element, array: Array) -> None:
@@ -103,7 +106,7 @@ def _add_variable(parent: Element, array: Array) -> None:
         attributes |= type_attributes(v)
     else:
         kind = "Enumeration"
-        attributes["declaredType"] = _ENUMERATIONS[".".join(v.name.split(".")[-2:])]
+        attributes["declaredType"] = _ENUMERATIONS[_choice(v.name)]
     if v.start is not None:
         attributes["start"] = " ".join(
             str(start).lower() if v.kind == "Boolean" else str(start) for start in array.starts

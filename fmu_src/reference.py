@@ -5,7 +5,7 @@ Both ends move as in the first second of a slow trip; inputs are read as FMI doe
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 from rope_model.parameters import Preset
 
@@ -18,15 +18,16 @@ _OUTPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy"
 _OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
 
 
-def reference_files(preset: Preset, name: str) -> dict[str, bytes]:
-    """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt; RuntimeError when the run fails."""
+def reference_files(preset: Preset, name: str, described: Container[str]) -> dict[str, bytes]:
+    """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt of ``described`` outputs; RuntimeError when it fails."""
+    outputs = [key for key in _OUTPUTS if key in described]
     component = RopeComponent(preset, None, lambda message, severity: None)
     places = {v.name: i for i, v in enumerate(component.table)}
     start = {v.name: v.start for v in component.table if v.causality == "input" and isinstance(v.start, float)}
-    inputs, results = [("time", *start)], [("time", *_OUTPUTS)]
+    inputs, results = [("time", *start)], [("time", *outputs)]
 
     def output() -> list[float]:
-        return component.get([places[key] for key in _OUTPUTS], "Real")
+        return component.get([places[key] for key in outputs], "Real")
 
     component.enter_initialization()
     component.exit_initialization()

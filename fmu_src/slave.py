@@ -18,6 +18,7 @@ from pythonfmu.enums import Fmi2Status
 from fmu_src.component import RopeComponent, Severity
 from fmu_src.interface import preset_with
 from fmu_src.model_description import MODEL, Build, model_description
+from fmu_src.profile import Profile
 from fmu_src.wrapper_library import release_at_exit
 
 _LOGGED: dict[Severity, tuple[Fmi2Status, str]] = {
@@ -41,10 +42,10 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description from our own table: pythonfmu's has no units and no initial unknowns."""
-        build = self.build
-        return model_description(
-            self.component.table, Build(build["guid"], build["version"], build["tool"], build["date"])
-        )
+        build, table = self.build, self.component.table
+        tolerance = float(self.component.values["solver.tolerance"])
+        facts = Build(build["guid"], build["version"], build["tool"], build["date"], build["stop"], tolerance)
+        return model_description(Profile(tuple(build["outputs"])).described(table), facts)
 
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None

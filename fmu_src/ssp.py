@@ -19,12 +19,21 @@ SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
+OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
 _KINDS = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
+#: types of FMI 3.0 in the words of SSP 1.0
+_TYPES3 = {
+    "Float64": "Real",
+    "Int32": "Integer",
+    "Boolean": "Boolean",
+    "String": "String",
+    "Enumeration": "Enumeration",
+}
 
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU of FMI 2.0 in the system, and values for its parameters."""
+    """An FMU of the system, and values for its parameters."""
 
     name: str
     fmu: Path
@@ -47,11 +56,12 @@ def export_ssp(
 ) -> Path:
     """Write the system with its FMUs; stop time and communication step in s. Same FMUs, same bytes.
 
-    The step is an annotation that libcosim reads; SSP 1.0 itself has no place for it.
+    The step is an annotation, one that libcosim reads and one that OMSimulator asks for; SSP 1.0 itself has no place
+    for it, and knows the types of FMI 3.0 by the names of FMI 2.0.
     """
     described = {c.name: _read(c) for c in components}
     root = Element("ssd:SystemStructureDescription", {"version": "1.0", "name": name})
-    for prefix, uri in (("ssd", SSD), ("ssc", SSC), ("ssv", SSV), ("osp", OSP)):
+    for prefix, uri in (("ssd", SSD), ("ssc", SSC), ("ssv", SSV), ("osp", OSP), ("oms", OMS)):
         root.set(f"xmlns:{prefix}", uri)
     root.set("generationTool", "balance-rope")
     system = SubElement(root, "ssd:System", {"name": name, "description": description})
@@ -71,6 +81,7 @@ def export_ssp(
             endElement=end.component,
             endConnector=end.name,
         )
+    _add_master(system, step)
     _add_units(root, described.values(), {port.unit for port in connected} - {""})
     _add_experiment(root, stop, step)
     ElementTree.indent(root)
@@ -86,22 +97,27 @@ def _read(component: Component) -> Element:
     with zipfile.ZipFile(component.fmu) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     version = root.get("fmiVersion")
-    if version != "2.0":
+    if version not in ("2.0", "3.0"):
         raise ValueError(
-            f"FMU '{component.fmu}' has fmiVersion = {version}, but must have 2.0 in an SSP: export that one"
+            f"FMU '{component.fmu}' has fmiVersion = {version}, but must have 2.0 or 3.0: export one of these"
         )
-    known = {v.get("name") for v in root.iter("ScalarVariable") if v.get("causality") in ("parameter", "input")}
+    known = {v.get("name") for v in _variables(root) if v.get("causality") in ("parameter", "input")}
     if unknown := sorted(set(component.parameters) - known):
         raise ValueError(f"{component.name} has no parameter {', '.join(unknown)}: see its documentation for the names")
     return root
 
 
+def _variables(description: Element) -> list[Element]:
+    return list(description.find("ModelVariables") or ())
+
+
 def _ports(component: str, description: Element) -> list[_Port]:
     ports = []
-    for variable in description.iter("ScalarVariable"):
-        name, causality, kind = str(variable.get("name")), variable.get("causality"), variable[0]
+    for variable in _variables(description):
+        name, causality = str(variable.get("name")), str(variable.get("causality"))
+        kind = variable[0] if variable.tag == "ScalarVariable" else variable
         if causality in ("input", "output"):
-            ports.append(_Port(component, name, kind.tag, str(causality), kind.get("unit", "")))
+            ports.append(_Port(component, name, _TYPES3.get(kind.tag, kind.tag), causality, kind.get("unit", "")))
     return ports
 
 
@@ -146,6 +162,20 @@ def _add_component(parent: Element, component: Component, ports: Sequence[_Port]
     for name, value in component.parameters.items():
         text = str(value).lower() if isinstance(value, bool) else str(value)
         SubElement(SubElement(parameters, "ssv:Parameter", name=name), f"ssv:{_KINDS[type(value)]}", value=text)
+
+
+def _add_master(system: Element, step: float) -> None:
+    """The fixed-step master without which OMSimulator does not open a system; it steps all FMUs at once."""
+    annotation = SubElement(SubElement(system, "ssd:Annotations"), "ssc:Annotation", type="org.openmodelica")
+    information = SubElement(SubElement(annotation, "oms:Annotations"), "oms:SimulationInformation")
+    SubElement(
+        information,
+        "oms:FixedStepMaster",
+        description="oms-ma",
+        stepSize=repr(step),
+        absoluteTolerance="1e-4",
+        relativeTolerance="1e-4",
+    )
 
 
 def _add_units(root: Element, descriptions: Iterable[Element], used: set[str]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from xml.etree.ElementTree import Element, SubElement
 
 from .interface import Variable
@@ -12,7 +12,7 @@ _PLACES = {"left": (60.0, 104.0), "right": (140.0, 144.0)}
 _FORCE = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
-def terminals_and_icons(table: Sequence[Variable]) -> Element:
+def terminals_and_icons(described: Collection[Variable]) -> Element:
     """The root element; the members of a terminal are named as the variables without the side."""
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     picture = SubElement(root, "GraphicalRepresentation")
@@ -28,7 +28,7 @@ def terminals_and_icons(table: Sequence[Variable]) -> Element:
             matchingRule="plug",
             description=f"the {side} suspension point: motion of the conveyance, force and moment of the rope on it",
         )
-        for variable in table:
+        for variable in described:
             group, _, member = variable.name.rpartition(".")
             if group == side and (variable.causality == "input" or member in _FORCE):
                 SubElement(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -36,6 +36,9 @@ LAST_GOOD = "last_good.npz"
 """File in the output folder with the last good state of a run that stopped."""
 
 LEVELS = ("draft", "standard", "reference")
+
+_DRAWN = ("shape.", "loop.", "stress.", "energy.", "left.swivel.")
+"""Outputs that an FMU may have been exported without, and reports show."""
 
 _SCENE = "rope-120"
 
@@ -140,6 +143,8 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     except OSError as error:
         raise ValueError(f"--out {options.out} cannot be made a folder ({error.strerror}): choose another") from error
     rope = _rope(options)
+    if missing := _missing(rope.units()):
+        print(f"balance-rope: {missing}", file=sys.stderr)
     try:
         result = _run(Host(rope, hoist, winding, coupling, scene.gains), options.out / LAST_GOOD, resume)
         data = rope.data()
@@ -163,6 +168,17 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
             print(f"balance-rope: the last good state is in {result.saved}; see --resume", file=sys.stderr)
         return 1
     return 130 if interrupted() else 0
+
+
+def _missing(units: Mapping[str, str]) -> str:
+    """What a rope with these outputs leaves out of the reports, "" for nothing."""
+    groups = [f"{group}*" for group in _DRAWN if not any(name.startswith(group) for name in units)]
+    if not groups:
+        return ""
+    return (
+        f"the FMU was exported without the outputs {', '.join(groups)}: the reports leave out what they show; "
+        "`balance-rope export --outputs all` has them"
+    )
 
 
 def _scene_of(resume: Checkpoint, asked: str | None) -> str:
@@ -224,7 +240,7 @@ def _rope(options: argparse.Namespace) -> FmuRope | InProcessRope:
         )
     if not options.fmu.is_file():
         raise ValueError(
-            f"FMU '{options.fmu}' is missing: export it with `balance-rope export`, "
+            f"FMU '{options.fmu}' is missing: export it with `balance-rope export --outputs all`, "
             "give another file with --fmu, or run with --in-process"
         )
     kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
@@ -277,9 +293,11 @@ def _write(
     written: list[Path] = []
     pictures: list[Path] = []
     if result.recording.signals:
-        written = [directory / "signals.csv", directory / "shapes.csv"]
+        written = [directory / "signals.csv"]
         write_csv(result.recording, written[0])
-        write_shapes(result.recording, shape_rows(result.recording), written[1])
+        if result.recording.shape_at(0) is not None:
+            written.append(directory / "shapes.csv")
+            write_shapes(result.recording, shape_rows(result.recording), written[1])
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
     stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s"

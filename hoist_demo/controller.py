@@ -113,8 +113,5 @@ class SpeedController:
 
     def _loss(self, speed: float) -> float:
         """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""
-        hoist, guides = self._hoist, self._hoist.guides
-        coulomb, viscous = hoist.loss_coulomb, hoist.loss_viscous
-        if guides is not None:
-            coulomb, viscous = coulomb + 2.0 * guides.coulomb, viscous + 2.0 * guides.viscous
-        return coulomb * math.tanh(speed / hoist.loss_speed) + viscous * speed
+        coulomb, viscous = self._hoist.travel_loss
+        return coulomb * math.tanh(speed / self._hoist.loss_speed) + viscous * speed

@@ -125,7 +125,7 @@ def rope_data(parameters: Mapping[str, float], level: Level = "standard") -> Sce
         part = getattr(data, _PARTS.get(group, ""), None)
         if part is None or item not in {f.name for f in fields(part)}:
             raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/interface.md")
-        data = data.with_(**{_PARTS[group]: replace(part, **{item: _decoded(part, item, value)})})
+        data = data.with_(**{_PARTS[group]: replace(part, **{item: _decoded(part, name, value)})})
     return data
 
 
@@ -134,7 +134,12 @@ def _motion(end: EndMotion) -> RopeEndMotion:
     return RopeEndMotion(**asdict(end))
 
 
-def _decoded(part: Any, item: str, value: float) -> Any:
-    """A value as the field takes it: the word for the code of one that chooses."""
-    words = get_args(get_type_hints(type(part))[item])
-    return words[int(value)] if words else value
+def _decoded(part: Any, name: str, value: float) -> Any:
+    """A value as the field of this FMI name takes it: the word for the code of one that chooses."""
+    words = get_args(get_type_hints(type(part))[name.rpartition(".")[2]])
+    if not words:
+        return value
+    if value not in range(len(words)):
+        codes = ", ".join(f"{code} {word}" for code, word in enumerate(words))
+        raise ValueError(f"{name} = {value!r} is none of the choices: {codes}")
+    return words[int(value)]

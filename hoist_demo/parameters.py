@@ -124,6 +124,14 @@ class Hoist:
         return self.sheave_mass + self.mass_left + self.mass_right + ropes + tail
 
     @property
+    def travel_loss(self) -> tuple[float, float]:
+        """Coulomb [N] and viscous [N s/m] friction at the rim and along the guides of both conveyances."""
+        guides = self.guides
+        if guides is None:
+            return self.loss_coulomb, self.loss_viscous
+        return self.loss_coulomb + 2.0 * guides.coulomb, self.loss_viscous + 2.0 * guides.viscous
+
+    @property
     def imbalance_rate(self) -> float:
         """Change of the force that holds the hoist, per metre of travel of the left conveyance [N/m]."""
         return 2.0 * GRAVITY * (self.tail_mass - self.rope_mass)

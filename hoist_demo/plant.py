@@ -189,6 +189,16 @@ class HoistPlant:
 
         The conveyances hang in the middle of their guides, under the vertical forces of one balance rope [N].
         """
+        state = self.hanging(y_left, y_right, force_left, force_right)
+        if not abs(state.x[0]) <= self.hoist.torque_limit:
+            raise ValueError(
+                f"holding torque = {state.x[0]:.6g} N m must be within torque_limit = {self.hoist.torque_limit:g} N m: "
+                "lighten the payload, balance the ropes or take a stronger motor"
+            )
+        return state
+
+    def hanging(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
+        """As equilibrium, whatever torque that takes."""
         hoist = self.hoist
         lengths = (
             self._free_length("y_left", y_left, hoist.mass_left, force_left),
@@ -203,11 +213,6 @@ class HoistPlant:
             for side, length in zip(("left", "right"), lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
         x[0] = float(self._hold(x, *lengths))
-        if not abs(x[0]) <= hoist.torque_limit:
-            raise ValueError(
-                f"holding torque = {x[0]:.6g} N m must be within torque_limit = {hoist.torque_limit:g} N m: "
-                "lighten the payload, balance the ropes or take a stronger motor"
-            )
         if hoist.shaft is not None:
             x[self.state_names.index("twist")] = x[0] / hoist.shaft.stiffness
         return PlantState(x=x, work=np.zeros(len(WORK_NAMES)), free_lengths=lengths)

@@ -14,6 +14,9 @@ SwivelMode = Literal["locked", "free", "coulomb"]
 MeshKind = Literal["tmn", "eem", "auto"]
 RungChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 
+#: what must be above 0 is at least this, so that the bound can be told to tools, which know no open intervals
+LEAST = 1e-15
+
 
 def _require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
     if not ok:
@@ -46,8 +49,10 @@ class Rope:
     def __post_init__(self) -> None:
         _require_finite(self)
         for name in ("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "diameter"):
-            _require(getattr(self, name) > 0, name, getattr(self, name), "> 0", "check the rope's data sheet")
-        _require(self.diameter < 1.0, "diameter", self.diameter, "below 1 m", "give it in metres")
+            _require(
+                getattr(self, name) >= LEAST, name, getattr(self, name), "at least 1e-15", "check the rope's data sheet"
+            )
+        _require(self.diameter <= 1.0, "diameter", self.diameter, "at most 1 m", "give it in metres")
         _require(self.length <= 1e4, "length", self.length, "at most 1e4 m", "give it in metres")
         twist = self.installed_twist
         _require(abs(twist) <= 1e3, "installed_twist", twist, "within +-1000 rad", "give it in radians")
@@ -81,8 +86,14 @@ class Layout:
 
     def __post_init__(self) -> None:
         _require_finite(self)
-        _require(self.spacing > 0, "spacing", self.spacing, "> 0 m", "give the distance between the conveyances")
-        _require(self.gravity > 0, "gravity", self.gravity, "> 0 m/s^2", "the rope must hang")
+        _require(
+            self.spacing >= LEAST,
+            "spacing",
+            self.spacing,
+            "at least 1e-15 m",
+            "give the distance between the conveyances",
+        )
+        _require(self.gravity >= LEAST, "gravity", self.gravity, "at least 1e-15 m/s^2", "the rope must hang")
 
 
 @dataclass(frozen=True)
@@ -101,7 +112,13 @@ class Swivel:
         _require_finite(self)
         modes = ("locked", "free", "coulomb")
         _require(self.mode in modes, "swivel mode", self.mode, f"one of {modes}", "choose how the end is held")
-        _require(self.mean_diameter > 0, "mean_diameter", self.mean_diameter, "> 0 m", "take the bearing's d_m")
+        _require(
+            self.mean_diameter >= LEAST,
+            "mean_diameter",
+            self.mean_diameter,
+            "at least 1e-15 m",
+            "take the bearing's d_m",
+        )
         _require(self.mu_kinetic >= 0, "mu_kinetic", self.mu_kinetic, ">= 0", "friction takes energy, never gives")
         _require(
             self.mu_static >= self.mu_kinetic,
@@ -112,10 +129,10 @@ class Swivel:
         )
         _require(self.seal_moment >= 0, "seal_moment", self.seal_moment, ">= 0 N m", "friction takes energy")
         _require(
-            self.inertia > 0,
+            self.inertia >= LEAST,
             "inertia",
             self.inertia,
-            "> 0 kg m^2",
+            "at least 1e-15 kg m^2",
             "without inertia a release is a jump in spin: give the rotor's (0.05 is typical)",
         )
 
@@ -145,10 +162,10 @@ class Mesh:
         )
         _require(2 <= self.elements <= 20000, "elements", self.elements, "2 to 20000", "use fewer or more")
         _require(
-            math.isfinite(self.coarse_length) and self.coarse_length > 0,
+            math.isfinite(self.coarse_length) and self.coarse_length >= LEAST,
             "coarse_length",
             self.coarse_length,
-            "> 0 m",
+            "at least 1e-15 m",
             "2 m suits a 120 m rope",
         )
         _require(0 <= self.end_levels <= 8, "end_levels", self.end_levels, "0 to 8", "2 resolves the clamped ends")
@@ -187,14 +204,16 @@ class Solver:
 
     def __post_init__(self) -> None:
         _require_finite(self)
-        _require(0 < self.step_max <= 1, "step_max", self.step_max, "in (0, 1] s", "10 ms suits most ropes")
-        _require(0 < self.step_min <= self.step_max, "step_min", self.step_min, "in (0, step_max]", "use 1e-5 s")
-        _require(self.tolerance > 0, "tolerance", self.tolerance, "> 0", "1e-3 is a good start")
+        _require(LEAST <= self.step_max <= 1, "step_max", self.step_max, "in [1e-15, 1] s", "10 ms suits most ropes")
         _require(
-            0 < self.newton_tolerance <= 1e-3,
+            LEAST <= self.step_min <= self.step_max, "step_min", self.step_min, "in [1e-15, step_max]", "use 1e-5 s"
+        )
+        _require(LEAST <= self.tolerance <= 1, "tolerance", self.tolerance, "in [1e-15, 1]", "1e-3 is a good start")
+        _require(
+            LEAST <= self.newton_tolerance <= 1e-3,
             "newton_tolerance",
             self.newton_tolerance,
-            "in (0, 1e-3]",
+            "in [1e-15, 1e-3]",
             "1e-7 changes no digit that matters",
         )
         _require(0 <= self.rho_inf <= 1, "rho_inf", self.rho_inf, "in [0, 1]", "0.6 damps what the mesh cannot resolve")
@@ -219,10 +238,10 @@ class Model:
         rungs = ("auto", "torsional", "spatial", "planar", "rigid")
         _require(self.rung in rungs, "rung", self.rung, f"one of {rungs}", "'auto' takes the lowest that serves")
         _require(
-            0 <= self.force_tolerance < 1,
+            0 <= self.force_tolerance <= 1,
             "force_tolerance",
             self.force_tolerance,
-            "in [0, 1)",
+            "in [0, 1]",
             "0 allows only rungs that leave nothing out",
         )
 

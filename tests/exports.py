@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from fmu_src.export import export_fmu
@@ -12,6 +13,7 @@ from fmu_src.interface import Variable
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
+from fmu_src.profile import ALL, FULL, Profile
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import SETUPS
 
@@ -26,17 +28,21 @@ class Flavour:
     tolerance: float  # of a force, relative to its largest value
 
 
-FLAVOURS = {"python": Flavour(export_fmu, fmi=2, native=False, tolerance=1e-12)}
+FLAVOURS = {"python": Flavour(partial(export_fmu, profile=FULL), fmi=2, native=False, tolerance=1e-12)}
 #: whether the rope itself is there in C; else a stand-in takes its place in the archives
 NATIVE_ROPE = importlib.util.find_spec("rope_model.native.build") is not None
 
 
-def native(fmi: int, platforms: Sequence[str] | None = None) -> Callable[[Path], Path]:
+def native(
+    fmi: int,
+    platforms: Sequence[str] | None = None,
+    profile: Profile = FULL,
+) -> Callable[[Path], Path]:
     """Exports the native FMU; for all platforms that can be built here if None."""
 
     def export(destination: Path) -> Path:
         rope = None if NATIVE_ROPE else stand_in()
-        return export_native(destination, fmi=fmi, platforms=platforms, rope=rope)
+        return export_native(destination, fmi=fmi, platforms=platforms, rope=rope, profile=profile)
 
     return export
 
@@ -55,22 +61,29 @@ if NATIVE_ROPE and host_platform() in available_platforms():
     }
 
 
-def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),)) -> Path:
+def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),), fmi: int = 2) -> Path:
     """The hoist drive of the 120 m scene."""
     drive = drive_model(SETUPS["rope-120"])
     table = [Variable(*variable) for variable in drive.variables]
-    return export_model(destination, drive.name, drive.description, table, drive.sources, drive.attachments, platforms)
+    return export_model(
+        destination, drive.name, drive.description, table, drive.sources, drive.attachments, platforms, fmi
+    )
 
 
-def drive_everywhere(destination: Path) -> Path:
-    """The hoist drive for all platforms that can be built here."""
-    return export_drive(destination, available_platforms())
+def drive_everywhere(fmi: int) -> Callable[[Path], Path]:
+    """Exports the hoist drive for all platforms that can be built here."""
+    return lambda destination: export_drive(destination, available_platforms(), fmi)
 
 
 #: every kind of archive that is exported
 ARCHIVES: dict[str, Callable[[Path], Path]] = {
-    "python": export_fmu,
+    "python": FLAVOURS["python"].export,
+    "python-lean": export_fmu,
     "native-2": native(2),
+    "native-2-lean": native(2, (host_platform(),), Profile()),
     "native-3": native(3),
-    "drive": drive_everywhere,
+    "native-3-scalar": native(3, (host_platform(),), Profile(ALL, arrays=False)),
+    "native-3-least": native(3, (host_platform(),), Profile(())),
+    "drive-2": drive_everywhere(2),
+    "drive-3": drive_everywhere(3),
 }

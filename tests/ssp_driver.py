@@ -7,6 +7,8 @@ libcosim  opens SSP 1.0, the binding included, and takes the step from its own a
 fmpy      reads and validates SSP 1.0 (fmpy.ssp.ssd). Its simulate_ssp ignores the bindings inside, and before the first
           step all connectors are zero: the rope, hung up at 90 m, is told 0 m and refuses. So a loop of this file
           takes the structure that FMPy read, with values handed over during initialisation.
+master    the same loop as a fixed-step master runs it (OMSimulator's is not on the package index): with the step of
+          its annotation, adding it up to the stop time of the file, whatever rest that leaves for the last step.
 """
 
 from __future__ import annotations
@@ -14,13 +16,15 @@ from __future__ import annotations
 import json
 import shutil
 import sys
-from collections.abc import Callable
+import zipfile
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from xml.etree import ElementTree
 
 import fmpy
-from fmpy.fmi2 import FMU2Slave
 from fmpy.ssp.ssd import read_ssd
+from masters import remaining
+from native_host import Host
 
 H = 0.01
 SIGNALS = (
@@ -34,55 +38,63 @@ SIGNALS = (
 Rows = list[list[float]]
 
 
-def fmpy_rows(ssp: str, steps: int, adding: bool = True) -> Rows:
-    """Jacobi: all inputs set, all FMUs stepped, all outputs read; ``adding``: the clock of ecos, else of libcosim."""
+def adding(steps: int) -> Iterator[tuple[float, float]]:
+    """The clock of ecos: t and h of each step."""
+    t = 0.0
+    for _ in range(steps):
+        yield t, H
+        t += H
+
+
+def counting(steps: int) -> Iterator[tuple[float, float]]:
+    """The clock of libcosim, in nanoseconds."""
+    for k in range(steps):
+        t = k * 10_000_000 / 1e9
+        yield t, (k + 1) * 10_000_000 / 1e9 - t
+
+
+def to_the_end(ssp: str) -> Iterator[tuple[float, float]]:
+    """The clock of a fixed-step master, by the annotation and the stop time of the file."""
+    with zipfile.ZipFile(ssp) as archive:
+        root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+    master, experiment = (root.find(f".//{{*}}{name}") for name in ("FixedStepMaster", "DefaultExperiment"))
+    assert master is not None
+    assert experiment is not None
+    return remaining(float(master.get("stepSize", "")), float(experiment.get("stopTime", "")))
+
+
+def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
+    """Jacobi: all inputs set, all FMUs stepped, all outputs read."""
     system, folder = read_ssd(ssp).system, fmpy.extract(ssp)
-    fmus: dict[str, tuple[Any, dict[str, Any]]] = {}
+    parts: dict[str, Host] = {}
     folders = [folder]
     for component in system.elements:
-        path = str(Path(folder) / component.source)
-        description = fmpy.read_model_description(path)
-        folders.append(fmpy.extract(path))
-        slave = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=folders[-1],
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=component.name,
-        )
-        slave.instantiate()
-        fmus[component.name] = slave, {v.name: v for v in description.modelVariables}
+        path = Path(folder) / component.source
+        folders.append(fmpy.extract(str(path)))
+        parts[component.name] = part = Host(path, folders[-1])
         for parameter in (p for b in component.parameterBindings for p in b.parameterValues[0].parameters):
-            reference = [fmus[component.name][1][parameter.name].valueReference]
-            getattr(slave, f"set{parameter.type}")(reference, [parameter.value == "true"])
-        slave.setupExperiment(startTime=0.0)
-        slave.enterInitializationMode()
-
-    def get(component: str, name: str) -> float:
-        slave, variables = fmus[component]
-        return float(slave.getReal([variables[name].valueReference])[0])
+            part.set(**{parameter.name: parameter.value == "true"})
+        part.enter()
 
     def hand_over() -> None:
-        values = [get(c.startElement, c.startConnector) for c in system.connections]
+        values = [parts[c.startElement].get(c.startConnector)[0] for c in system.connections]
         for connection, value in zip(system.connections, values, strict=True):
-            slave, variables = fmus[connection.endElement]
-            slave.setReal([variables[connection.endConnector].valueReference], [value])
+            parts[connection.endElement].set(**{connection.endConnector: value})
 
     hand_over()
     hand_over()
-    for slave, _ in fmus.values():
-        slave.exitInitializationMode()
-    rows, t = [], 0.0
-    for k in range(steps):
-        t = t if adding else k * 10_000_000 / 1e9
+    for part in parts.values():
+        part.fmu.exitInitializationMode()
+    rows = []
+    for t, h in clock:
         hand_over()
-        h = H if adding else (k + 1) * 10_000_000 / 1e9 - t
-        for slave, _ in fmus.values():
-            slave.doStep(t, h)
-        t += H
-        rows.append([get(*signal) for signal in SIGNALS])
-    for slave, _ in fmus.values():
-        slave.terminate()
-        slave.freeInstance()
+        for name, part in parts.items():
+            if message := part.step(t, h):
+                raise RuntimeError(f"{name}, doStep({t!r}, {h!r}): {message}")
+        rows.append([float(parts[component].get(name)[0]) for component, name in SIGNALS])
+    for part in parts.values():
+        part.fmu.terminate()
+        part.fmu.freeInstance()
     for path in folders:
         shutil.rmtree(path, ignore_errors=True)
     return rows
@@ -127,8 +139,9 @@ def libcosim_rows(ssp: str, steps: int) -> Rows:
 TOOLS: dict[str, Callable[[str, int], Rows]] = {
     "ecos": ecos_rows,
     "libcosim": libcosim_rows,
-    "fmpy_adding": fmpy_rows,
-    "fmpy_counting": lambda ssp, steps: fmpy_rows(ssp, steps, adding=False),
+    "fmpy_adding": lambda ssp, steps: fmpy_rows(ssp, adding(steps)),
+    "fmpy_counting": lambda ssp, steps: fmpy_rows(ssp, counting(steps)),
+    "master": lambda ssp, steps: fmpy_rows(ssp, to_the_end(ssp)),
 }
 
 if __name__ == "__main__":

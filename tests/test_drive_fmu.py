@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fmu_src.arrays import scalars
 from fmu_src.interface import Variable
 from fmu_src.native.table import c_table
 from hoist_demo.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.drive_fmu.description import DriveModel, drive_model
-from hoist_demo.drive_fmu.interface import INPUTS, MOTIONS, rest_forces, start_heights
+from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces, start_heights
 from hoist_demo.parameters import SETUPS, Setup
 from hoist_demo.plant import HoistPlant, PlantInput
 from hoist_demo.reference import s_curve
@@ -24,6 +25,7 @@ from rope_model.numerics.kernels import find_compiler
 
 NATIVE = Path(__file__).parents[1] / "fmu_src" / "native"
 SETUP = SETUPS["rope-120"]
+MOTIONS = motions(SETUP.hoist)
 H = 0.01
 
 
@@ -81,7 +83,7 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> tuple[ctypes.CDLL, Dri
     if compiler is None:
         pytest.skip("no C compiler: pip install ziglang")
     folder, model = tmp_path_factory.mktemp("drive"), drive_model(SETUP)
-    sources = {**model.sources, "variables.c": c_table([Variable(*v) for v in model.variables], "token", 2)}
+    sources = {**model.sources, "variables.c": c_table([Variable(*v) for v in model.variables], scalars, "token", 2)}
     sources["model.h"] = (NATIVE / "model.h").read_text()
     for name, text in sources.items():
         (folder / name).write_text(text)

@@ -19,6 +19,7 @@ from numpy.testing import assert_allclose
 
 from fmu_src.documentation import interface_page
 from fmu_src.export import export_fmu
+from fmu_src.profile import FULL
 from rope_model.simulation.signals import SIGNALS
 
 DRIVER = Path(__file__).with_name("fmu_driver.py")
@@ -26,7 +27,7 @@ DRIVER = Path(__file__).with_name("fmu_driver.py")
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return export_fmu(tmp_path_factory.mktemp("fmu") / "balance_rope.fmu")
+    return export_fmu(tmp_path_factory.mktemp("fmu") / "balance_rope.fmu", profile=FULL)
 
 
 @pytest.fixture(scope="module")

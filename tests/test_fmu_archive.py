@@ -16,7 +16,12 @@ import pytest
 from exports import ARCHIVES
 from fmpy.validation import validate_fmu
 
-from fmu_src.native.build import PLATFORMS, available_platforms
+from fmu_src.interface import variables
+from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
+from fmu_src.profile import ALL, ALWAYS, DEFAULT, group_of
+from hoist_demo.drive_fmu.description import drive_model
+from hoist_demo.parameters import SETUPS
+from rope_model.parameters import rope_120
 
 HEADERS = Path(__file__).parents[1] / "fmu_src" / "native" / "include"
 #: what may lie in an archive, FMI 2.0.4 section 2.3 and FMI 3.0 section 2.5
@@ -160,21 +165,50 @@ def test_initial_unknowns_are_the_calculated_outputs_in_order(fmu: Archive) -> N
         assert [unknown.get(key) for unknown in fmu.structure(section)] == outputs, section
 
 
-def test_dependencies_name_known_variables_with_a_kind_each(fmu: Archive) -> None:
-    if fmu.fmi == 2:
-        known = {str(i) for i, v in enumerate(fmu.variables, start=1) if v["causality"] in ("input", "parameter")}
-    else:
-        known = {v["valueReference"] for v in fmu.variables if v["causality"] in ("input", "parameter", "independent")}
-    allowed = {"dependent", "constant", "fixed", "tunable", "discrete"}
-    for section in ("Outputs", "InitialUnknowns") if fmu.fmi == 2 else ("Output", "InitialUnknown"):
+def test_outputs_depend_on_nothing_at_their_instant_and_on_everything_while_initialising(fmu: Archive) -> None:
+    """That it is so is shown in test_dependencies."""
+    sections = ("Outputs", "InitialUnknowns") if fmu.fmi == 2 else ("Output", "InitialUnknown")
+    for section, dependencies in zip(sections, ("", None), strict=True):
         for unknown in fmu.structure(section):
-            on = unknown.get("dependencies", "").split()
-            kinds = unknown.get("dependenciesKind")
-            assert set(on) <= known, unknown.attrib
-            assert kinds is None or len(kinds.split()) == len(on), unknown.attrib
-            # at the start there is no kind but these two
-            least = {"dependent", "constant"} if section.startswith("Initial") else allowed
-            assert set((kinds or "").split()) <= least, unknown.attrib
+            assert unknown.get("dependencies") == dependencies, unknown.attrib
+            assert unknown.get("dependenciesKind") is None, unknown.attrib
+
+
+def test_variables_have_the_value_references_of_the_whole_table_whatever_is_described(fmu: Archive) -> None:
+    if fmu.kind.startswith("drive"):
+        table = drive_model(SETUPS["rope-120"]).variables
+        whole = [v.name for v in table]
+    else:
+        whole = [v.name for v in variables(rope_120())]
+    for v in fmu.variables:
+        name = v["name"] if v["name"] in whole else f"{v['name']}[1]"
+        expected = len(whole) if v["causality"] == "independent" else whole.index(name)
+        assert int(v["valueReference"]) == expected, v["name"]
+
+
+def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
+    if fmu.kind.startswith("drive"):
+        pytest.skip("the drive has one profile")
+    groups = {group_of(v["name"]) for v in fmu.variables if v["causality"] == "output"}
+    lean, least = {*DEFAULT}, {*ALWAYS}
+    expected = {"python-lean": lean, "native-2-lean": lean, "native-3-least": least}
+    assert groups == expected.get(fmu.kind, {*ALL})
+    arrays = [v.get("name") for v in fmu.root.iter() if v.find("Dimension") is not None]
+    assert bool(arrays) == (fmu.kind in ("native-3", "native-3-least"))
+    # nothing beside the description names what is not described
+    names = {v["name"] for v in fmu.variables}
+    terminals = ElementTree.fromstring(fmu.files["terminalsAndIcons/terminalsAndIcons.xml"])
+    assert {member.get("variableName") for member in terminals.iter("TerminalMemberVariable")} <= names
+    results = next(data for name, data in fmu.files.items() if name.endswith("_ref.csv"))
+    head = results.decode().partition("\n")[0]
+    assert set(re.findall(r'"([^"]+)"', head)) - {"time"} <= names | {head.partition(",")[0].strip('"')}
+    assert ("shape.tension" in fmu.files["documentation/index.html"].decode()) == ("shape" in groups)
+
+
+def test_choices_say_what_they_mean(fmu: Archive) -> None:
+    items = list(fmu.root.iter("Item"))
+    assert len(items) == (14 if fmu.fmi == 3 and not fmu.kind.startswith("drive") else 0)
+    assert all(item.get("description") for item in items)
 
 
 def test_reader_finds_documentation_licence_and_picture(fmu: Archive) -> None:
@@ -198,6 +232,8 @@ def test_default_experiment_and_build_are_stated(fmu: Archive) -> None:
     assert experiment is not None
     assert float(experiment.get("stopTime", "0")) > float(experiment.get("startTime", "0"))
     assert float(experiment.get("stepSize", "0")) > 0
+    tolerance = next((float(v["start"]) for v in fmu.variables if v["name"] == "solver.tolerance"), None)
+    assert experiment.get("tolerance") == (None if tolerance is None else f"{tolerance:g}")
     assert fmu.root.get("version")
     assert fmu.root.get("generationTool")
     assert re.fullmatch(r"[0-9a-f-]{36}", fmu.root.get("guid") or fmu.root.get("instantiationToken") or "")
@@ -208,7 +244,9 @@ def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) 
     binaries = {name: data for name, data in fmu.files.items() if name.startswith("binaries/")}
     assert {name.rpartition("/")[2].partition(".")[0] for name in binaries} == {identifier}
     if fmu.native:
-        folders = {PLATFORMS[p].folder2 if fmu.fmi == 2 else p for p in available_platforms()}
+        whole = fmu.kind in ("native-2", "native-3", "drive-2", "drive-3")
+        platforms = available_platforms() if whole else (host_platform(),)
+        folders = {PLATFORMS[p].folder2 if fmu.fmi == 2 else p for p in platforms}
         assert {name.split("/")[1] for name in binaries} == folders
     header = (HEADERS / f"fmi{fmu.fmi}Functions.h").read_text(encoding="utf-8")
     promised = set(re.findall(rf"^#define (fmi{fmu.fmi}\w+)\s+fmi{fmu.fmi}FullName", header, re.MULTILINE))
@@ -268,6 +306,8 @@ def test_sources_are_complete(fmu: Archive) -> None:
     assert files == {name.removeprefix("sources/") for name in fmu.files if re.fullmatch(r"sources/.+\.c", name)}
     if fmu.fmi == 2:
         assert {node.get("name") for node in fmu.interface.iter("File")} == files
+    definitions = {node.get("name") for node in listed.iter("PreprocessorDefinition")}
+    assert definitions == ({"FMI3_OVERRIDE_FUNCTION_PREFIX"} if fmu.fmi == 3 else set())
     for name, data in fmu.files.items():
         if name.startswith("sources/"):
             for header in re.findall(r'(?m)^#include "(.+)"', data.decode()):

@@ -198,4 +198,7 @@ def test_the_command_writes_its_files_and_says_how_it_went(fmu: Path, tmp_path: 
     assert "assumed" in done.stdout
     assert done.stdout.splitlines()[-1] == f"open in a browser: {tmp_path / 'report.html'}"
     names = {path.name for path in tmp_path.iterdir()}
-    assert {"signals.csv", "shapes.csv", "report.md", "report.html", "tracking.png", "forces.png"} <= names
+    assert {"signals.csv", "report.md", "report.html", "tracking.png", "forces.png"} <= names
+    # this FMU has forces and no shape
+    assert "exported without the outputs shape.*, loop.*" in done.stderr
+    assert "shapes.csv" not in names

@@ -31,6 +31,7 @@ from balance_rope import main
 from fmu_src.interface import scene_of, variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library, universal
 from fmu_src.native.export import export_native
+from fmu_src.profile import FULL
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import checked
 
@@ -49,7 +50,10 @@ def stand_in() -> dict[str, str]:
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     folder = tmp_path_factory.mktemp("native")
     here = (host_platform(),)
-    return {fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=here, rope=stand_in()) for fmi in VERSIONS}
+    return {
+        fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=here, rope=stand_in(), profile=FULL)
+        for fmi in VERSIONS
+    }
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +121,7 @@ def test_archive_is_sorted_deflated_relative_and_without_dates(fmi: int, fmus: d
 def test_same_sources_give_the_same_bytes_and_other_start_values_another_token(
     fmi: int, fmus: dict[int, Path], tmp_path: Path
 ) -> None:
-    again = export_native(tmp_path / "again.fmu", fmi=fmi, platforms=(host_platform(),), rope=stand_in())
+    again = export_native(tmp_path / "again.fmu", fmi=fmi, platforms=(host_platform(),), rope=stand_in(), profile=FULL)
     assert again.read_bytes() == fmus[fmi].read_bytes()
     long = export_native(tmp_path / "long.fmu", "rope-240", fmi=fmi, platforms=(host_platform(),), rope=stand_in())
     tokens = {fmpy.read_model_description(str(path)).guid for path in (again, long)}
@@ -153,6 +157,29 @@ def test_values_beyond_min_and_max_of_a_parameter_are_refused_by_the_rope() -> N
                 size = 1 if v.kind == "Integer" else 1e-9
                 with pytest.raises(ValueError, match=r".+"):
                     scene_of(start | {v.name: type(v.start)(bound + beyond * size)})
+
+
+#: parameters that go along with another one's bound: static friction is no less than kinetic, and the like
+_ALONG = {
+    "rope.Qa": {"rope.Qb": 0.0, "rope.Qc": 0.0},
+    "rope.Qd": {"rope.Qb": 0.0, "rope.Qc": 0.0},
+    "left.swivel.mu_static": {"left.swivel.mu_kinetic": 0.0},
+    "right.swivel.mu_static": {"right.swivel.mu_kinetic": 0.0},
+    "solver.step_max": {"solver.step_min": 1e-15},
+    "solver.step_min": {"solver.step_max": 1.0},
+    **{f"mesh.counts[{i}]": {f"mesh.counts[{j}]": 0 for j in (1, 2, 4, 5)} for i in range(1, 6)},
+}
+
+
+def test_min_and_max_of_a_parameter_are_taken_by_the_rope() -> None:
+    table = variables(rope_120())
+    start = {v.name: v.start for v in table if v.start is not None}
+    for v in table:
+        if v.causality != "parameter" or v.kind == "Boolean":
+            continue
+        for bound in (v.minimum, v.maximum):
+            if bound is not None:
+                scene_of(start | _ALONG.get(v.name, {}) | {v.name: type(v.start)(bound)})
 
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
@@ -293,6 +320,16 @@ def test_arrays_and_enumerations_of_fmi_3(fmus: dict[int, Path], folders: dict[i
 
 
 # errors
+
+
+def test_a_read_that_fails_is_said_once(host: Host) -> None:
+    host.enter()
+    host.set(**{"rope.length": -1.0})
+    outputs = [v.valueReference for v in host.variables.values() if v.name.startswith(("left.f", "loop."))]
+    host.log.clear()
+    with pytest.raises(FMICallException):
+        getattr(host.fmu, "getReal" if host.fmi == 2 else "getFloat64")(outputs)
+    assert len([message for status, message in host.log if status == 3]) == 1
 
 
 @pytest.mark.parametrize(
@@ -686,12 +723,39 @@ def test_an_installed_scene_is_exported_by_its_name(tmp_path: Path, monkeypatch:
 
 
 @pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (["--outputs", "loop"], {"loop.x", "left.fy", "status.valid"}),
+        (["--outputs", "all"], {"shape.x", "mesh.counts", "energy.total", "left.fy"}),
+        (["--outputs", "all", "--scalar"], {"shape.x[81]", "mesh.counts[5]", "energy.total", "left.fy"}),
+    ],
+)
+def test_outputs_and_their_form_are_chosen_on_the_command_line(
+    options: list[str], named: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
+    path = tmp_path / "rope.fmu"
+    assert main(["export", "--native", "--fmi", "3", "--platform", "host", "--out", str(path), *options]) == 0
+    host = Host(path, fmpy.extract(str(path), str(tmp_path / "unzipped")))
+    known = {"shape.x", "shape.x[81]", "mesh.counts[5]", "energy.total", "loop.x", "left.fy", "status.valid"}
+    assert known & set(host.variables) >= named - {"mesh.counts"}
+    assert ("energy.total" in host.variables) == ("energy.total" in named)
+    assert ("shape.x" in host.variables) == ("shape.x" in named)
+    host.start()
+    host.run(0, 2)
+    for name in named:
+        value = host.get(name)[0]
+        assert len(value) == host.variables[name].dimensions[0].start if isinstance(value, list) else True
+    host.call("FreeInstance")
+
+
+@pytest.mark.parametrize(
     ("options", "words"),
     [
         (["--platform", "host"], "add --native"),
         (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
         (["--out", "file/x.fmu"], "file cannot be written to"),
-        (["--scene", "monopol-1000", "--ssp"], "export the rope without --ssp"),
+        (["--native", "--scalar"], "add --native --fmi 3"),
     ],
 )
 def test_an_export_that_cannot_be_meant_is_refused_before_anything_is_built(

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
 from native_raw import ERROR, OK, SMALL, Instance, Library, resealed
 
+from fmu_src.arrays import arrays, scalars
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native, native_table, rope_sources, shell_sources
 from fmu_src.native.table import c_table
@@ -143,7 +144,11 @@ def test_the_library_asks_for_memory_only_where_the_standard_leaves_it_to_the_fm
 def compiled(folder: Path, fmi: int, *flags: str) -> Path:
     """The FMU's sources in ``folder``, compiled by cc with ``flags``."""
     table = native_table(rope_120())
-    files = rope_sources() | shell_sources(table, fmi) | {"variables.c": c_table(table, "token", fmi)}
+    files = (
+        rope_sources()
+        | shell_sources(table, fmi)
+        | {"variables.c": c_table(table, arrays if fmi == 3 else scalars, "token", fmi)}
+    )
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
     sources = sorted(name for name in files if name.endswith(".c"))

@@ -25,6 +25,7 @@ from test_native_fmu import RUNNERS, VERSIONS, lived
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.table import FORCES
+from fmu_src.profile import FULL
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.signals import SHAPE_POINTS
@@ -36,7 +37,10 @@ pytest.importorskip("rope_model.native.build")
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     folder = tmp_path_factory.mktemp("native")
-    return {fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=(host_platform(),)) for fmi in VERSIONS}
+    return {
+        fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=(host_platform(),), profile=FULL)
+        for fmi in VERSIONS
+    }
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,10 @@ import json
 import subprocess
 import sys
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -18,32 +20,39 @@ from exports import FLAVOURS, export_drive
 from fmpy.ssp.ssd import read_ssd
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from test_tools import environment, require
+from test_tools import IMPORTS, environment, require
 
-from fmu_src.ssp import Component, export_ssp
+from fmu_src.interface import Variable
+from fmu_src.native.build import host_platform
+from fmu_src.native.export import export_native
+from fmu_src.native.model_fmu import export_model
+from fmu_src.ssp import OMS, OSP, SSC, SSD, Component, export_ssp
+from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.host import Host
 from hoist_demo.inprocess_rope import rope_in_process
-from hoist_demo.parameters import Coupling
+from hoist_demo.parameters import SETUPS, Coupling
+from hoist_demo.scenes import SCENES
 
+STOP = duration(SETUPS["rope-120"].winding)
 STEPS = 2600  # the trip of 90 m and its arrival
 COUPLING = {"inputs_at_step_end": False}  # drive and rope step at the same time
 
 
 def system(folder: Path, rope: Path, drive: Path) -> Path:
     components = [Component("drive", drive, {}), Component("rope", rope, COUPLING)]
-    return export_ssp(folder / "balance_rope.ssp", "FrictionHoist", components, stop=35.0, step=ssp_driver.H)
+    return export_ssp(folder / "balance_rope.ssp", "FrictionHoist", components, stop=STOP, step=ssp_driver.H)
 
 
-@pytest.fixture(scope="module", params=sorted(name for name, flavour in FLAVOURS.items() if flavour.fmi == 2))
+@pytest.fixture(scope="module", params=sorted(FLAVOURS))
 def ssp(request: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("ssp")
-    return system(folder, FLAVOURS[request.param].export(folder / "rope.fmu"), export_drive(folder / "drive.fmu"))
+    folder, flavour = tmp_path_factory.mktemp(request.param), FLAVOURS[request.param]
+    return system(folder, flavour.export(folder / "rope.fmu"), export_drive(folder / "drive.fmu", fmi=flavour.fmi))
 
 
 @functools.cache
-def wound(tool: str, ssp: Path) -> NDArray[np.float64]:
+def wound(tool: str, ssp: Path, steps: int = STEPS) -> NDArray[np.float64]:
     """(steps, signals)."""
-    command = [sys.executable, str(Path(ssp_driver.__file__)), tool, str(ssp), str(STEPS)]
+    command = [sys.executable, str(Path(ssp_driver.__file__)), tool, str(ssp), str(steps)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment())
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
     assert line is not None, done.stdout[-2000:] + done.stderr[-2000:]
@@ -53,6 +62,8 @@ def wound(tool: str, ssp: Path) -> NDArray[np.float64]:
 @pytest.mark.parametrize(("tool", "oracle"), [("ecos", "fmpy_adding"), ("libcosim", "fmpy_counting")])
 def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(ssp: Path, tool: str, oracle: str) -> None:
     require(tool)
+    if ssp.parent.name.startswith("native-3") and 3 not in IMPORTS[tool]:
+        pytest.skip(f"{tool} does not import FMI 3")
     found, expected = wound(tool, ssp), wound(oracle, ssp)
     assert expected[-1, 0] == pytest.approx(90.0, abs=0.01)
     # the same calls in the same order
@@ -72,6 +83,44 @@ def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
     assert_allclose(found[:, 4:] / scale[4:], expected[:, 4:] / scale[4:], rtol=0.0, atol=5e-4)
 
 
+def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
+    """Whatever rest of a step adding up the steps leaves at the end."""
+    found, expected = wound("master", ssp), wound("fmpy_adding", ssp)
+    assert abs(len(found) - STOP / ssp_driver.H) <= 1
+    assert_allclose(found[:STEPS], expected, rtol=0.0, atol=0.0)
+
+
+@pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
+def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path: Path) -> None:
+    """Payload on one side, two balance ropes, shaft, head rope modes, guides and their play."""
+    name, travel, steps = "monopol-1000", 4.0, 700
+    scene = SCENES[name]
+    short = replace(scene, winding=replace(scene.winding, travel=travel))
+    drive = drive_model(short, scene.gains)
+    table = [Variable(*variable) for variable in drive.variables]
+    here = (host_platform(),)
+    export_model(
+        tmp_path / "drive.fmu", drive.name, drive.description, table, drive.sources, drive.attachments, here, 3
+    )
+    start = {**scene.rope, "right.y": scene.hoist.shaft_travel}
+    export_native(tmp_path / "rope.fmu", fmi=3, platforms=here, start=start)
+    found = wound("fmpy_adding", system(tmp_path, tmp_path / "rope.fmu", tmp_path / "drive.fmu"), steps)
+    recording = (
+        Host(
+            rope_in_process(name), scene.hoist, short.winding, Coupling(scheme="impulse-preserving"), gains=scene.gains
+        )
+        .run()
+        .recording
+    )
+    names = ["conveyance.left.y", "conveyance.right.y", "conveyance.left.vy", "drive.torque", "left.fy", "right.fy"]
+    expected = np.array([recording[name] for name in names]).T[1 : steps + 1]
+    assert np.ptp(found[:, 0]) > 0.99 * travel
+    scale = np.abs(expected).max(axis=0)
+    # as above: the jerk over a step of extrapolated motion, and the waves that it raises
+    assert_allclose(found[:, :4] / scale[:4], expected[:, :4] / scale[:4], rtol=0.0, atol=1e-5)
+    assert_allclose(found[:, 4:] / scale[4:], expected[:, 4:] / scale[4:], rtol=0.0, atol=5e-4)
+
+
 def test_structure_is_valid_ssp_and_connects_every_signal_of_both(ssp: Path) -> None:
     description = read_ssd(str(ssp))  # against the schema of SSP 1.0
     assert {c.startConnector for c in description.system.connections} == {
@@ -83,6 +132,22 @@ def test_structure_is_valid_ssp_and_connects_every_signal_of_both(ssp: Path) -> 
         assert archive.namelist() == ["SystemStructure.ssd", "resources/drive.fmu", "resources/rope.fmu"]
         text = archive.read("SystemStructure.ssd").decode()
     assert '<ssd:DefaultExperiment startTime="0.0" stopTime="35.0">' in text
+
+
+def test_step_and_master_are_annotated_as_the_tools_read_them(ssp: Path) -> None:
+    with zipfile.ZipFile(ssp) as archive:
+        root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+    annotations = {
+        str(one.get("type")): one
+        for where in ("System", "DefaultExperiment")
+        for one in root.findall(f"{{{SSD}}}{where}/{{{SSD}}}Annotations/{{{SSC}}}Annotation")
+    }
+    master = annotations["org.openmodelica"].find("Annotations/SimulationInformation/FixedStepMaster", {"": OMS})
+    algorithm = annotations["com.opensimulationplatform"].find("Algorithm/FixedStepAlgorithm", {"": OSP})
+    assert master is not None
+    assert algorithm is not None
+    assert (master.get("description"), float(master.get("stepSize", ""))) == ("oms-ma", ssp_driver.H)
+    assert float(algorithm.get("baseStepSize", "")) == ssp_driver.H
 
 
 def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:

@@ -138,7 +138,7 @@ def long_steps() -> Finding:
     """8 m/s on elements of 2 m with communication steps of 20 ms, which are the longest steps too."""
     reference, h = trip(40.0, 8.0, 2.0, 4.0), 0.02
     scene = Scene(rope=Rope(length=60.0), mesh=Mesh(kind="eem", elements=30), solver=Solver(step_max=h))
-    constant = Solver(step_max=h, step_min=h, tolerance=1e9)
+    constant = Solver(step_max=h, step_min=h, tolerance=1.0)
     twin, ours = (followed(hung(s, 0.0, 40.0), reference, 40.0, h) for s in (scene.with_(solver=constant), scene))
     counts = ours.rope.state.counts
     return Finding(

@@ -13,10 +13,12 @@ from pathlib import Path
 from rope_model.parameters import Level, Preset
 
 from ..archive import write_archive
+from ..arrays import arrays, scalars
 from ..attachments import attachments, xml_bytes
 from ..interface import NO_CHANGES, Value, Variable, preset_with, variables
 from ..model_description import MODEL, Build, model_description
 from ..model_description3 import build_description, model_description3
+from ..profile import Profile
 from .build import available_platforms, binaries
 from .table import c_places, c_table
 
@@ -32,6 +34,7 @@ def export_native(
     platforms: Sequence[str] | None = None,
     rope: Mapping[str, str] | None = None,
     start: Mapping[str, Value] = NO_CHANGES,
+    profile: Profile = Profile(),  # noqa: B008  it is frozen
 ) -> Path:
     """Write the native FMU with the start values of ``preset``, at a level of accuracy and with ``start``.
 
@@ -45,22 +48,26 @@ def export_native(
         raise ValueError("no platform to build for: install a C compiler, or the ziglang package")
     data = preset_with(preset, level, start)
     table = native_table(data)
+    form = arrays if fmi == 3 and profile.arrays else scalars
     sources = {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)}
-    token = _token(sources, f"{preset} {level} {fmi} {sorted(start.items())}")
-    sources["variables.c"] = c_table(table, token, fmi)
+    token = _token(sources, f"{preset} {level} {fmi} {sorted(start.items())} {profile}")
+    sources["variables.c"] = c_table(table, form, token, fmi)
     build = Build(
         token,
         importlib.metadata.version("balance-rope"),
         f"balance-rope {importlib.metadata.version('balance-rope')}, native",
         _date(),
+        profile.stop,
+        data.scene.solver.tolerance,
         tuple(sorted(name for name in sources if name.endswith(".c"))),
     )
-    describe = model_description if fmi == 2 else model_description3
-    files = {"modelDescription.xml": xml_bytes(describe(table, build))}
+    described = profile.described(table)
+    root = model_description(described, build) if fmi == 2 else model_description3(form(described), len(table), build)
+    files = {"modelDescription.xml": xml_bytes(root)}
     files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
-    files["sources/buildDescription.xml"] = xml_bytes(build_description(build))
+    files["sources/buildDescription.xml"] = xml_bytes(build_description(build, fmi))
     files |= binaries(sources, MODEL, fmi, chosen)
-    files |= attachments(table, data, fmi, native=True)
+    files |= attachments(described.values(), data, fmi, native=True)
     write_archive(destination, files)
     return destination
 

@@ -1,4 +1,5 @@
 /* FMI 2.0 for co-simulation, of any model: every function of the standard, each a few lines over component.h. */
+#include <math.h>
 #include <string.h>
 
 #include "component.h"
@@ -200,15 +201,16 @@ static fmi2Status get(Instance *i, const char *function, Kind kind, const fmi2Va
     int ok = 1;
     if (!may_access(i, function, ANY_MODE, vr, nvr, values)) return fmi2Error;
     for (k = 0; k < nvr; k++) {
-        double value = 0.0;
+        double value = kind == KIND_REAL ? NAN : 0.0;
         if (kind == KIND_STRING) ((fmi2String *)values)[k] = "";
-        if (!component_find(i->component, vr[k], kind, &first, &length))
-            ok = 0;
-        else if (kind == KIND_STRING)
-            ok &= component_get_text(i->component, first, (fmi2String *)values + k);
-        else
-            ok &= component_get(i->component, first, &value);
-        if (kind != KIND_STRING) put(values, k, kind, value);
+        /* once it has failed the rest is not tried: it is said once */
+        ok = ok && component_find(i->component, vr[k], kind, &first, &length);
+        if (kind == KIND_STRING)
+            ok = ok && component_get_text(i->component, first, (fmi2String *)values + k);
+        else {
+            ok = ok && component_get(i->component, first, &value);
+            put(values, k, kind, value);
+        }
     }
     return status(ok);
 }

@@ -1,6 +1,7 @@
 /* FMI 3.0 for co-simulation, of any model: every function of the standard, each a few lines over component.h.
 
    No event mode, no clocks, no intermediate update: those functions say so and return an error. */
+#include <math.h>
 #include <string.h>
 
 #include "component.h"
@@ -225,13 +226,17 @@ static fmi3Status get(Instance *i, const char *function, Kind kind, const fmi3Va
     if (!may_access(i, function, ANY_MODE, references, number, values)) return fmi3Error;
     for (k = 0; k < number; k++) {
         if (!found(i, references[k], kind, nValues - used, &first, &length)) return fmi3Error;
-        for (j = 0; j < length; j++, used++)
+        for (j = 0; j < length; j++, used++) {
+            value = kind == KIND_REAL ? NAN : 0.0;
+            if (kind == KIND_STRING) ((fmi3String *)values)[used] = "";
+            /* once it has failed the rest is not tried: it is said once */
             if (kind == KIND_STRING)
-                ok &= component_get_text(i->component, first + j, (fmi3String *)values + used);
+                ok = ok && component_get_text(i->component, first + j, (fmi3String *)values + used);
             else {
-                ok &= component_get(i->component, first + j, &value);
+                ok = ok && component_get(i->component, first + j, &value);
                 put(values, used, kind, value);
             }
+        }
     }
     return status(ok && exhausted(i, used, nValues));
 }

@@ -1,4 +1,4 @@
-"""Builds a native FMU (FMI 2.0) of any model that implements model.h, in the rope's shell."""
+"""Builds a native FMU (FMI 2.0 or 3.0) of any model that implements model.h, in the rope's shell."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..archive import write_archive
+from ..arrays import scalars
 from ..attachments import license_text, xml_bytes
 from ..interface import Variable
 from ..model_description import Build, model_description
-from ..model_description3 import build_description
+from ..model_description3 import build_description, model_description3
+from ..profile import Profile
 from .build import available_platforms, binaries
 from .table import c_table
 
 _HERE = Path(__file__).resolve().parent
-_SHELL = ("component.c", "component.h", "fmi2.c", "model.h", "snapshot.c", "snapshot.h")
+_SHELL = ("component.c", "component.h", "model.h", "snapshot.c", "snapshot.h")
 
 
 def export_model(
@@ -28,32 +30,46 @@ def export_model(
     model: Mapping[str, str],
     attachments: Mapping[str, bytes],
     platforms: Sequence[str] | None = None,
+    fmi: int = 2,
+    stop: float = Profile.stop,
 ) -> Path:
-    """Write the FMU of the C files ``model`` to ``destination``.
+    """Write the FMU of the C files ``model`` to ``destination``; ``stop`` is the time of its default run's end, s.
 
-    The model has no directional derivatives, and its outputs at an instant depend on no input of that instant (after
-    initialisation). ``attachments`` are further files by their paths in the archive; ``platforms`` as for the rope.
+    The model has no arrays and no directional derivatives, and its outputs at an instant depend on no input of that
+    instant (after initialisation). ``attachments`` are further files by their paths in the archive; ``platforms`` as
+    for the rope.
     """
     chosen = available_platforms() if platforms is None else tuple(platforms)
     if not chosen:
         raise ValueError("no platform to build for: install a C compiler, or the ziglang package")
-    sources = {**model, **{file: (_HERE / file).read_text(encoding="utf-8") for file in _SHELL}}
-    headers = sorted((_HERE / "include").glob("fmi2*.h"))
+    sources = {**model, **{file: (_HERE / file).read_text(encoding="utf-8") for file in (*_SHELL, f"fmi{fmi}.c")}}
+    headers = sorted((_HERE / "include").glob(f"fmi{fmi}*.h"))
     sources |= {path.name: path.read_text(encoding="utf-8") for path in headers}
-    token = _token(name, sources, c_table(table, "", 2))
-    sources["variables.c"] = c_table(table, token, 2)
+    token = _token(name, sources, c_table(table, scalars, "", fmi))
+    sources["variables.c"] = c_table(table, scalars, token, fmi)
     version = importlib.metadata.version("balance-rope")
     compiled = tuple(sorted(file for file in sources if file.endswith(".c")))
-    build = Build(token, version, f"balance-rope {version}, native", "", compiled, name, description, derivatives=False)
-    root = model_description(table, build)
-    for unknown in root.iterfind("ModelStructure/Outputs/Unknown"):
-        unknown.set("dependencies", "")
+    build = Build(
+        token,
+        version,
+        f"balance-rope {version}, native",
+        "",
+        stop,
+        sources=compiled,
+        name=name,
+        description=description,
+        derivatives=False,
+    )
+    described = dict(enumerate(table))
+    root = (
+        model_description(described, build) if fmi == 2 else model_description3(scalars(described), len(table), build)
+    )
     files = {"modelDescription.xml": xml_bytes(root), **attachments}
     files["documentation/licenses/license.txt"] = license_text().encode()
     files["documentation/licenses/fmi-headers.txt"] = (_HERE / "include" / "LICENSE.txt").read_bytes()
     files |= {f"sources/{file}": text.encode() for file, text in sources.items()}
-    files["sources/buildDescription.xml"] = xml_bytes(build_description(build))
-    files |= binaries(sources, name, 2, chosen)
+    files["sources/buildDescription.xml"] = xml_bytes(build_description(build, fmi))
+    files |= binaries(sources, name, fmi, chosen)
     write_archive(destination, files)
     return destination
 

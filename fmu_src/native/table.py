@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
-from ..arrays import arrays
+from ..arrays import Form
 from ..interface import Variable, choices_of
 
 #: end forces and moments, in the order of rope_derivative
@@ -24,10 +24,9 @@ _HEAD = """\
 """
 
 
-def c_table(table: Sequence[Variable], token: str, fmi: int) -> str:
-    """``variables.c``: the scalars with their start values; FMI 3 has arrays, enumerations and the time."""
-    lengths = {array.reference: array.length for array in arrays(table)} if fmi == 3 else {}
-    rows = [_row(v, fmi, lengths.get(i, 0) if fmi == 3 else 1) for i, v in enumerate(table)]
+def c_table(table: Sequence[Variable], form: Form, token: str, fmi: int) -> str:
+    """``variables.c``: the scalars with their start values, in arrays or not; FMI 3 has enumerations and the time."""
+    rows = [_row(v, fmi, length) for v, length in zip(table, lengths(table, form), strict=True)]
     if fmi == 3:
         rows.append('{"time", 0.0, NULL, 0, 1, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
     return "\n".join(
@@ -38,6 +37,12 @@ def c_table(table: Sequence[Variable], token: str, fmi: int) -> str:
             _array("const Variable MODEL_VARIABLES[]", rows),
         ]
     )
+
+
+def lengths(table: Sequence[Variable], form: Form) -> list[int]:
+    """Number of elements under each value reference; 0 within an array."""
+    known = {array.reference: array.length for array in form(dict(enumerate(table)))}
+    return [known.get(i, 0) for i in range(len(table))]
 
 
 def c_places(table: Sequence[Variable], fmi: int) -> str:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 
+from hoist_demo.controller import Gains
 from hoist_demo.drive_fmu.documentation import attachments
-from hoist_demo.drive_fmu.interface import INPUTS, Variable, plant_outputs, variables
+from hoist_demo.drive_fmu.interface import INPUTS, Variable, plant_outputs, side_forces, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
+from hoist_demo.equations import INPUT_NAMES
 from hoist_demo.parameters import Setup, Winding, require_trip_fits
 from hoist_demo.reference import s_curve
 
@@ -29,11 +32,22 @@ class DriveModel:
     duration: float  # s, of the trip with what waits before and after it
 
 
-def drive_model(setup: Setup) -> DriveModel:
-    """Hoist and trip of ``setup`` as C; the trip is part of the export."""
+def duration(winding: Winding) -> float:
+    """Of a trip with what waits before and after it, in whole seconds [s]."""
+    return float(math.ceil(s_curve(winding).duration + winding.settle))
+
+
+def drive_model(setup: Setup, gains: Gains | None = None) -> DriveModel:
+    """Hoist and trip of ``setup`` as C; the trip is part of the export.
+
+    The brake is left out: it is for emergency stops, which an exported trip has not got.
+    """
+    if setup.winding.emergency_at is not None:
+        raise ValueError(f"emergency_at = {setup.winding.emergency_at:g} s must be None: export a trip without a stop")
+    setup = Setup(replace(setup.hoist, brake=None), setup.winding)
     require_trip_fits(setup.hoist, setup.winding)
     generated = kernels(setup)
-    table = variables(setup, generated.step)
+    table = variables(setup, Gains() if gains is None else gains, generated.step)
     trip = f"{abs(setup.winding.travel):g} m {'up' if setup.winding.travel > 0.0 else 'down'} at up to"
     text = (
         "Drive of a friction hoist with motor, sheave, head ropes and two conveyances, S-curve reference and speed "
@@ -44,8 +58,7 @@ def drive_model(setup: Setup) -> DriveModel:
         "drive_kernels.c": generated.c,
         "drive_table.h": _table(setup, table, generated),
     }
-    duration = s_curve(setup.winding).duration + setup.winding.settle
-    return DriveModel(NAME, text, table, sources, attachments(text, table), duration)
+    return DriveModel(NAME, text, table, sources, attachments(text, table), duration(setup.winding))
 
 
 def _creep(winding: Winding) -> str:
@@ -59,7 +72,7 @@ def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
     """drive_table.h: sizes, places in the table and the trip."""
     names = [v.name for v in table]
     parameters = [v for v in table if v.causality == "parameter"]
-    shown = plant_outputs()
+    shown = plant_outputs(setup.hoist)
     # the delay before the trip is a parameter of its own
     reference = s_curve(replace(setup.winding, start_delay=0.0))
     trip = [
@@ -72,6 +85,9 @@ def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
         "INPUTS": generated.inputs,
         "PARAMETERS": len(parameters),
         "FORCE": names.index(INPUTS[0]),
+        "SIDE_FORCE": names.index(INPUTS[0]) + len(INPUTS),
+        "SIDE_FORCES": len(side_forces(setup.hoist)),
+        "SIDE_INPUT": INPUT_NAMES.index("fx_left"),
         "FIRST_OUTPUT": names.index(next(v.name for v in table if v.causality == "output")),
         "PLANT_OUTPUTS": len(shown),
         "OUTPUTS": len(shown) + controls,
@@ -84,7 +100,7 @@ def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
         "MOST_STEPS": MOST_STEPS,
         **dict(zip(("ARG", "RES", "IW", "W"), generated.work, strict=True)),
     }
-    bounds = [(v.minimum or 0.0, 1e9 if v.maximum is None else v.maximum) for v in parameters]
+    bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]
     lines = [
         "/* Generated: the drive's sizes, its places in the table of variables, and the trip. */",
         "#ifndef DRIVE_TABLE_H",
@@ -96,6 +112,7 @@ def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
         "",
         f"#define DRIVE_RADIUS {setup.hoist.sheave_radius!r}",
         f"#define DRIVE_LOWEST_FORCE ({generated.lowest_force!r})",
+        f"#define DRIVE_TORQUE_LIMIT {setup.hoist.torque_limit!r}",
         "",
         "/* lowest and highest value of each parameter */",
         f"static const double DRIVE_BOUNDS[][2] = {_rows(bounds)};",

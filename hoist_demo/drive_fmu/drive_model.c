@@ -72,10 +72,9 @@ static void control_outputs(State *s, const double *parameters) {
 static int read_parameters(double *parameters, const double *values, char *message) {
     int i;
     for (i = 0; i < DRIVE_PARAMETERS; i++) {
-        if (!(values[i] >= DRIVE_BOUNDS[i][0] && values[i] <= DRIVE_BOUNDS[i][1]) ||
-            (values[i] == 0.0 && i != DRIVE_TRIP_START)) {
-            snprintf(message, MODEL_MESSAGE, "%s = %.9g is out of range: it must be above %.9g and at most %.9g; give "
-                     "the value of the export, %.9g", MODEL_VARIABLES[i].name, values[i], DRIVE_BOUNDS[i][0],
+        if (!(values[i] >= DRIVE_BOUNDS[i][0] && values[i] <= DRIVE_BOUNDS[i][1])) {
+            snprintf(message, MODEL_MESSAGE, "%s = %.9g is out of range: it must be at least %.9g and at most %.9g; "
+                     "give the value of the export, %.9g", MODEL_VARIABLES[i].name, values[i], DRIVE_BOUNDS[i][0],
                      DRIVE_BOUNDS[i][1], MODEL_VARIABLES[i].start);
             return 0;
         }
@@ -120,9 +119,16 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
     m->res[0] = s->x;
     m->res[1] = s->free_lengths;
     drive_rest(m->arg, m->res, m->iw, m->w, 0);
+    if (!(fabs(s->x[0]) <= DRIVE_TORQUE_LIMIT)) {
+        snprintf(message, MODEL_MESSAGE, "holding torque = %.6g N m must be within +-%.6g N m, that of the motor: check "
+                 "the forces %s = %.9g N and %s = %.9g N at the start", s->x[0], DRIVE_TORQUE_LIMIT,
+                 MODEL_VARIABLES[DRIVE_FORCE].name, values[DRIVE_FORCE], MODEL_VARIABLES[DRIVE_FORCE + 1].name,
+                 values[DRIVE_FORCE + 1]);
+        return 0;
+    }
     s->u[0] = s->hold = s->x[0];
     s->u[1] = values[DRIVE_FORCE];
-    s->u[2] = values[DRIVE_FORCE + 1];
+    s->u[2] = values[DRIVE_FORCE + 1]; /* the sides come with the first step: the conveyances hang in the middle */
     plant_outputs(m, s);
     s->left_start = s->outputs[DRIVE_LEFT_Y];
     control_outputs(s, m->parameters);
@@ -182,6 +188,7 @@ int model_step(ModelInstance *m, double t, double h, const double *values, char 
     control(m, s, h);
     s->u[1] = values[DRIVE_FORCE];
     s->u[2] = values[DRIVE_FORCE + 1];
+    for (k = 0; k < DRIVE_SIDE_FORCES; k++) s->u[DRIVE_SIDE_INPUT + k] = values[DRIVE_SIDE_FORCE + k];
     for (k = 0; k < (long)steps; k++) {
         m->arg[0] = s->x;
         m->arg[1] = s->u;

@@ -1,22 +1,27 @@
 """The drive's FMI variables: forces of the balance rope in, motions of the conveyances and drive signals out.
 
 Names are those of the balance rope's FMU, so that equal names are connected. A variable's place in the table is its
-value reference: parameters, inputs, outputs, status.
+value reference: parameters, inputs, outputs, status. A hoist whose conveyances have play between their guides also
+takes the rope's horizontal forces and its moment about the vertical, and gives the motions that follow.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Literal, NamedTuple
 
 from hoist_demo.controller import Gains
-from hoist_demo.parameters import GRAVITY, Setup
-from hoist_demo.plant import PlantOutput
+from hoist_demo.parameters import GRAVITY, Hoist, Setup
+from hoist_demo.plant import SIDE_FORCES, PlantOutput
 
-INPUTS = ("left.fy_mean", "right.fy_mean")
-MOTIONS = {"left.y": "y_left", "left.vy": "v_left", "left.ay": "a_left"}
-MOTIONS |= {"right.y": "y_right", "right.vy": "v_right", "right.ay": "a_right"}
-"""Outputs that a balance rope takes in, and their fields of PlantOutput."""
+_SIDES = ("left", "right")
+INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
+_UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
+_LATERAL = ("x", "vx", "ax", "z", "vz", "az", "yaw", "yaw_rate")
+"""Inputs of the rope's ends, and what they are called in PlantOutput, but for the side."""
+_MOST = 1e9
+"""Largest value of a parameter that has no other bound."""
 
 #: field of PlantOutput -> name, unit and description of an output
 _DRIVE = {
@@ -39,6 +44,26 @@ _CONTROL = {
     "reference.speed": ("m/s", "its rate"),
     "reference.acceleration": ("m/s2", "its second derivative"),
     "drive.torque_command": ("N.m", "torque that the controller asked for in the last step"),
+}
+
+
+#: units and descriptions of motions and forces, "{}" stands for the side
+_MOTION_WORDS = {
+    "y": ("m", "height of the {} conveyance's rope suspension, up"),
+    "vy": ("m/s", "speed of the {} conveyance's rope suspension, up"),
+    "ay": ("m/s2", "acceleration of the {} conveyance's rope suspension, up"),
+    "yaw": ("rad", "yaw of the {} conveyance about the vertical"),
+    "yaw_rate": ("rad/s", "rate of {}.yaw"),
+    **{
+        f"{rate}{axis}": (unit, f"{what} of the {{}} conveyance between its guides, {where}")
+        for rate, unit, what in (("", "m", "position"), ("v", "m/s", "speed"), ("a", "m/s2", "acceleration"))
+        for axis, where in (("x", "in the plane of the loop"), ("z", "out of plane"))
+    },
+}
+_FORCE_WORDS = {
+    "fx": ("N", "force of the balance rope on the {} conveyance in the plane of the loop"),
+    "fz": ("N", "force of the balance rope on the {} conveyance out of plane"),
+    "my": ("N.m", "moment of the balance rope on the {} conveyance about the vertical"),
 }
 
 
@@ -65,53 +90,66 @@ def start_heights(setup: Setup) -> tuple[float, float]:
 def rest_forces(setup: Setup) -> tuple[float, float]:
     """Weight of the balance rope's legs on the conveyances at the start [N], negative: the bend's size neglected."""
     left, right = start_heights(setup)
-    weight = GRAVITY * setup.hoist.tail_rope_mass
+    weight = GRAVITY * setup.hoist.tail_rope_mass  # of one metre of one of the ropes
     middle = 0.5 * setup.hoist.tail_rope_length
     return -weight * (middle + 0.5 * (left - right)), -weight * (middle - 0.5 * (left - right))
 
 
-def plant_outputs() -> tuple[str, ...]:
+def motions(hoist: Hoist) -> dict[str, str]:
+    """Outputs that a balance rope takes in, and their fields of PlantOutput."""
+    found = {f"{side}.{name}": f"{field}_{side}" for side in _SIDES for name, field in _UPRIGHT.items()}
+    if hoist.play is not None:
+        found |= {f"{side}.{name}": f"{name}_{side}" for side in _SIDES for name in _LATERAL}
+    return found
+
+
+def side_forces(hoist: Hoist) -> tuple[str, ...]:
+    """Inputs beyond the vertical forces, in the order of the plant's."""
+    return SIDE_FORCES if hoist.play is not None else ()
+
+
+def plant_outputs(hoist: Hoist) -> tuple[str, ...]:
     """Fields of PlantOutput that are shown, in the order of the table."""
-    return (*MOTIONS.values(), *_DRIVE)
+    return (*motions(hoist).values(), *_DRIVE)
 
 
-def variables(setup: Setup, step: float) -> tuple[Variable, ...]:
+def variables(setup: Setup, gains: Gains, step: float) -> tuple[Variable, ...]:
     """The table; ``step`` is the largest internal step [s]."""
-    start = setup.winding.start_delay
-    table = [
-        Variable("trip.start", "parameter", "fixed", "Real", "s", start, "wait before the trip begins", 0.0),
-        Variable(
-            "solver.step_max",
-            "parameter",
-            "tunable",
-            "Real",
-            "s",
-            step,
-            "largest internal step, no longer than that of the export",
-            1e-6,
-            step,
-        ),
-    ]
-    gains = Gains()
-    for field in fields(Gains):
-        unit, text = _GAINS[field.name]
-        name = f"controller.{field.name}"
-        table.append(Variable(name, "parameter", "tunable", "Real", unit, getattr(gains, field.name), text, 0.0))
-    for side, force in zip(("left", "right"), rest_forces(setup), strict=True):
-        text = f"vertical force of the balance rope on the {side} conveyance, mean of a step, negative pulls down"
-        table.append(Variable(f"{side}.fy_mean", "input", "continuous", "Real", "N", force, text))
-    units = {"y": ("m", "height"), "v": ("m/s", "speed"), "a": ("m/s2", "acceleration")}
-    for name, field_name in MOTIONS.items():
-        unit, what = units[field_name[0]]
-        text = f"{what} of the {name.partition('.')[0]} conveyance's rope suspension, up"
-        table.append(Variable(name, "output", "continuous", "Real", unit, None, text))
-    for name, unit, text in _DRIVE.values():
-        table.append(Variable(name, "output", "continuous", "Real", unit, None, text))
-    for name, (unit, text) in _CONTROL.items():
-        table.append(Variable(name, "output", "continuous", "Real", unit, None, text))
-    table += [
+    outputs = [(name, *_words(_MOTION_WORDS, name)) for name in motions(setup.hoist)]
+    outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
+    assert {f.name for f in fields(PlantOutput)} >= set(plant_outputs(setup.hoist))
+    return (
+        *_parameters(setup, gains, step),
+        *_inputs(setup),
+        *(Variable(name, "output", "continuous", "Real", unit, None, text) for name, unit, text in outputs),
         Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded"),
         Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty"),
-    ]
-    assert {f.name for f in fields(PlantOutput)} >= set(plant_outputs())
-    return tuple(table)
+    )
+
+
+def _parameters(setup: Setup, gains: Gains, step: float) -> Iterator[Variable]:
+    start, wait = setup.winding.start_delay, "wait before the trip begins"
+    yield Variable("trip.start", "parameter", "fixed", "Real", "s", start, wait, 0.0, _MOST)
+    text = "largest internal step, no longer than that of the export"
+    yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
+    for field in fields(Gains):
+        unit, text = _GAINS[field.name]
+        least, most = (0.0, 1.0) if field.name == "feed_forward" else (1e-6, _MOST)
+        value = getattr(gains, field.name)
+        yield Variable(f"controller.{field.name}", "parameter", "tunable", "Real", unit, value, text, least, most)
+
+
+def _inputs(setup: Setup) -> Iterator[Variable]:
+    for side, force in zip(_SIDES, rest_forces(setup), strict=True):
+        text = f"vertical force of the balance rope on the {side} conveyance, mean of a step, negative pulls down"
+        yield Variable(f"{side}.fy_mean", "input", "continuous", "Real", "N", force, text)
+    for name in side_forces(setup.hoist):
+        unit, text = _words(_FORCE_WORDS, name)
+        yield Variable(name, "input", "continuous", "Real", unit, 0.0, text)
+
+
+def _words(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:
+    """Unit and description of an end's variable."""
+    side, _, rest = name.partition(".")
+    unit, text = table[rest]
+    return unit, text.format(side)

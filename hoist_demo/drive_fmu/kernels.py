@@ -64,7 +64,7 @@ def kernels(setup: Setup) -> Kernels:
 def _rest(plant: HoistPlant, setup: Setup, lowest: float) -> Any:
     """(F_left, F_right) -> x, l0 (2), at the start heights."""
     nodes = 0.5 * lowest * (1.0 - np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)))
-    states = [[plant.equilibrium(*start_heights(setup), float(f), float(g)) for g in nodes] for f in nodes]
+    states = [[plant.hanging(*start_heights(setup), float(f), float(g)) for g in nodes] for f in nodes]
     values = np.array([[[*s.x, *s.free_lengths] for s in row] for row in states])
     force = ca.SX.sym("F", 2)
     weights = [_lagrange(nodes, force[i]) for i in range(2)]
@@ -115,7 +115,9 @@ def _outputs(plant: HoistPlant) -> Any:
     x, u, l0 = _arguments(plant)
     names = [field.name for field in fields(PlantOutput)]
     shown = plant._outputs(x, u, l0[0], l0[1])
-    return ca.Function("drive_outputs", [x, u, l0], [ca.vertcat(*(shown[names.index(n)] for n in plant_outputs()))])
+    return ca.Function(
+        "drive_outputs", [x, u, l0], [ca.vertcat(*(shown[names.index(n)] for n in plant_outputs(plant.hoist)))]
+    )
 
 
 def _control(hoist: Hoist) -> Any:
@@ -126,7 +128,8 @@ def _control(hoist: Hoist) -> Any:
     k_v = gains["speed"]
     error = v + gains["position"] * (s - travel) - speed
     ahead = hoist.moving_mass * a + hoist.imbalance_rate * s
-    ahead += hoist.loss_coulomb * ca.tanh(v / hoist.loss_speed) + hoist.loss_viscous * v
+    coulomb, viscous = hoist.travel_loss
+    ahead += coulomb * ca.tanh(v / hoist.loss_speed) + viscous * v
     wanted = hold + hoist.sheave_radius * (gains["feed_forward"] * ahead + k_v * error + integral)
     limit: Any = hoist.torque_limit
     if hoist.power_limit is not None:
@@ -144,7 +147,7 @@ def _largest_step(plant: HoistPlant, setup: Setup, rest: Any) -> float:
     fastest = 0.0
     for force in (0.0, -GRAVITY * setup.hoist.tail_rope_mass * setup.hoist.tail_rope_length):
         for heights in (start_heights(setup), start_heights(setup)[::-1]):
-            state = plant.equilibrium(*heights, force, force)
+            state = plant.hanging(*heights, force, force)
             held = np.zeros(u.size1())
             held[:3] = state.x[0], force, force
             matrix = np.asarray(jacobian(state.x, held, list(state.free_lengths)))

@@ -6,6 +6,8 @@
 #include "core.h"
 #include "text.h"
 
+#define LEAST 1e-15 /* of what must be above 0 */
+
 typedef struct {
     const char *group;
     char *message;
@@ -47,9 +49,9 @@ static void rope_checked(const Rope *rope, const Check *check) {
     all_finite(check, names, values, 11);
     for (int k = 0; k < 7; k++) {
         int i = positive[k];
-        real(check, values[i] > 0, names[i], values[i], "> 0", "check the rope's data sheet");
+        real(check, values[i] >= LEAST, names[i], values[i], "at least 1e-15", "check the rope's data sheet");
     }
-    real(check, rope->diameter < 1.0, "diameter", rope->diameter, "below 1 m", "give it in metres");
+    real(check, rope->diameter <= 1.0, "diameter", rope->diameter, "at most 1 m", "give it in metres");
     real(check, rope->length <= 1e4, "length", rope->length, "at most 1e4 m", "give it in metres");
     real(check, fabs(rope->installed_twist) <= 1e3, "installed_twist", rope->installed_twist, "within +-1000 rad",
          "give it in radians");
@@ -62,8 +64,9 @@ static void rope_checked(const Rope *rope, const Check *check) {
 static void layout_checked(const Layout *layout, const Check *check) {
     static const char *const names[] = {"spacing", "gravity"};
     all_finite(check, names, (const double *)layout, 2);
-    real(check, layout->spacing > 0, "spacing", layout->spacing, "> 0 m", "give the distance between the conveyances");
-    real(check, layout->gravity > 0, "gravity", layout->gravity, "> 0 m/s^2", "the rope must hang");
+    real(check, layout->spacing >= LEAST, "spacing", layout->spacing, "at least 1e-15 m",
+         "give the distance between the conveyances");
+    real(check, layout->gravity >= LEAST, "gravity", layout->gravity, "at least 1e-15 m/s^2", "the rope must hang");
 }
 
 static void swivel_checked(const Swivel *swivel, const Check *check) {
@@ -72,14 +75,15 @@ static void swivel_checked(const Swivel *swivel, const Check *check) {
     char above[64];
     choice(check, "mode", swivel->mode, 3, "0 locked, 1 free, 2 coulomb");
     all_finite(check, names, (const double *)swivel, 6);
-    real(check, swivel->mean_diameter > 0, "mean_diameter", swivel->mean_diameter, "> 0 m", "take the bearing's d_m");
+    real(check, swivel->mean_diameter >= LEAST, "mean_diameter", swivel->mean_diameter, "at least 1e-15 m",
+         "take the bearing's d_m");
     real(check, swivel->mu_kinetic >= 0, "mu_kinetic", swivel->mu_kinetic, ">= 0",
          "friction takes energy, never gives");
     snprintf(above, sizeof above, ">= mu_kinetic = %s", EXACT(swivel->mu_kinetic));
     real(check, swivel->mu_static >= swivel->mu_kinetic, "mu_static", swivel->mu_static, above,
          "a swivel that slips more easily than it slides cannot stick");
     real(check, swivel->seal_moment >= 0, "seal_moment", swivel->seal_moment, ">= 0 N m", "friction takes energy");
-    real(check, swivel->inertia > 0, "inertia", swivel->inertia, "> 0 kg m^2",
+    real(check, swivel->inertia >= LEAST, "inertia", swivel->inertia, "at least 1e-15 kg m^2",
          "without inertia a release is a jump in spin: give the rotor's (0.05 is typical)");
 }
 
@@ -90,8 +94,8 @@ static void mesh_checked(const Mesh *mesh, const Check *check) {
          "5e-3 m suits most studies");
     whole(check, 2 <= mesh->elements && mesh->elements <= 20000, "elements", mesh->elements, "2 to 20000",
           "use fewer or more");
-    real(check, isfinite(mesh->coarse_length) && mesh->coarse_length > 0, "coarse_length", mesh->coarse_length,
-         "> 0 m", "2 m suits a 120 m rope");
+    real(check, isfinite(mesh->coarse_length) && mesh->coarse_length >= LEAST, "coarse_length", mesh->coarse_length,
+         "at least 1e-15 m", "2 m suits a 120 m rope");
     whole(check, 0 <= mesh->end_levels && mesh->end_levels <= 8, "end_levels", mesh->end_levels, "0 to 8",
           "2 resolves the clamped ends");
     real(check, 0 <= mesh->leg_growth && mesh->leg_growth <= 1e4, "leg_growth", mesh->leg_growth, "0 to 1e4 m",
@@ -116,13 +120,14 @@ static void mesh_checked(const Mesh *mesh, const Check *check) {
 static void solver_checked(const Solver *solver, const Check *check) {
     static const char *const names[] = {"step_max", "step_min", "tolerance", "newton_tolerance", "rho_inf"};
     all_finite(check, names, (const double *)solver, 5);
-    real(check, 0 < solver->step_max && solver->step_max <= 1, "step_max", solver->step_max, "in (0, 1] s",
+    real(check, LEAST <= solver->step_max && solver->step_max <= 1, "step_max", solver->step_max, "in [1e-15, 1] s",
          "10 ms suits most ropes");
-    real(check, 0 < solver->step_min && solver->step_min <= solver->step_max, "step_min", solver->step_min,
-         "in (0, step_max]", "use 1e-5 s");
-    real(check, solver->tolerance > 0, "tolerance", solver->tolerance, "> 0", "1e-3 is a good start");
-    real(check, 0 < solver->newton_tolerance && solver->newton_tolerance <= 1e-3, "newton_tolerance",
-         solver->newton_tolerance, "in (0, 1e-3]", "1e-7 changes no digit that matters");
+    real(check, LEAST <= solver->step_min && solver->step_min <= solver->step_max, "step_min", solver->step_min,
+         "in [1e-15, step_max]", "use 1e-5 s");
+    real(check, LEAST <= solver->tolerance && solver->tolerance <= 1, "tolerance", solver->tolerance, "in [1e-15, 1]",
+         "1e-3 is a good start");
+    real(check, LEAST <= solver->newton_tolerance && solver->newton_tolerance <= 1e-3, "newton_tolerance",
+         solver->newton_tolerance, "in [1e-15, 1e-3]", "1e-7 changes no digit that matters");
     real(check, 0 <= solver->rho_inf && solver->rho_inf <= 1, "rho_inf", solver->rho_inf, "in [0, 1]",
          "0.6 damps what the mesh cannot resolve");
 }
@@ -131,8 +136,8 @@ static void model_checked(const Model *model, const Check *check) {
     static const char *const names[] = {"force_tolerance"};
     choice(check, "rung", model->rung, 5, "0 auto, 1 torsional, 2 spatial, 3 planar, 4 rigid");
     all_finite(check, names, &model->force_tolerance, 1);
-    real(check, 0 <= model->force_tolerance && model->force_tolerance < 1, "force_tolerance", model->force_tolerance,
-         "in [0, 1)", "0 allows only rungs that leave nothing out");
+    real(check, 0 <= model->force_tolerance && model->force_tolerance <= 1, "force_tolerance", model->force_tolerance,
+         "in [0, 1]", "0 allows only rungs that leave nothing out");
 }
 
 void scene_checked(const Scene *scene, char *message) {
