@@ -81,6 +81,9 @@ stays true:
   default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is hung up. Beyond half a turn of
   `loop.yaw` against the line between the ends the legs have crossed; then `loop.clearance`, the distance of the present
   shape, is large again, and every result is that of a rope which a real one cannot become.
+- *The loop hangs yawed by more than 30 degrees at rest*, and which datum turns it most: the coupling `rope.Qb`,
+  `rope.Qc`, `rope.installed_twist`, or the ends. A real rope is made to turn less; the published coupling on a
+  rope of several hundred metres turns it that far.
 - *The rung leaves torsion out*, though the rope carries torque: what it does not compute is 0 (below).
 - *A communication step above 20 ms with extrapolated inputs*: in a winding the end forces were 8 % off at 50 ms.
 

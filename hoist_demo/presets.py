@@ -7,8 +7,8 @@ exactly. Deflection sheaves and what they change in wrap and length are left out
 and not that hoist, and no number computed with it may be used to judge the installation.
 
 The stiffnesses of a balance rope follow from the known one of 44 mm and 8 kg/m by geometric similarity, with its
-diameter d = 44 mm sqrt(m / 8): Qa ~ d^2, Qb and Qc ~ d^3, Qd, EI and rhoJ ~ d^4. Presets have the share COUPLING of
-Qb and Qc.
+diameter d = 44 mm sqrt(m / 8): Qa ~ d^2, Qb and Qc ~ d^3, Qd, EI and rhoJ ~ d^4. Of Qb and Qc a rope has a share that
+its lay decides; that of the presets is COUPLING.
 """
 
 from __future__ import annotations
@@ -58,15 +58,19 @@ class Preset:
     source: str
 
 
-def round_rope(length: float, mass_per_length: float, spacing: float) -> dict[str, float]:
-    """Parameters by FMI name of a rope similar to the known one, from length [m], mass [kg/m] and spacing [m]."""
+def round_rope(length: float, mass_per_length: float, spacing: float, coupling: float) -> dict[str, float]:
+    """Parameters by FMI name of a rope similar to the known one, from length [m], mass [kg/m] and spacing [m].
+
+    `coupling` is the share of the similar rope's Qb and Qc that this one has [-]: 1 keeps them, COUPLING suits deep
+    shafts, 0 makes a rope without torque. The yaw at rest grows with it and with the length.
+    """
     s = math.sqrt(mass_per_length / 8.0)
     return {
         "rope.length": length,
         "rope.mass_per_length": mass_per_length,
         "rope.Qa": 1.2e8 * s**2,
-        "rope.Qb": 2.336e5 * s**3,
-        "rope.Qc": 2.336e5 * s**3,
+        "rope.Qb": coupling * 2.336e5 * s**3,
+        "rope.Qc": coupling * 2.336e5 * s**3,
         "rope.Qd": 3.3e3 * s**4,
         "rope.EI": 300.0 * s**4,
         "rope.rhoJ": 1.94e-3 * s**4,
@@ -126,14 +130,13 @@ def _preset(
         guides=Guides(coulomb=0.005 * conveyance * GRAVITY, viscous=0.01 * payload),
         play=Play(),
     )
-    rope = round_rope(travel + TAIL_SPARE, tail_mass, spacing)
     return Preset(
         hoist=hoist,
         winding=Winding(
             travel=travel, speed=speed, acceleration=acceleration, jerk=0.5, settle=15.0, emergency_deceleration=2.0
         ),
         gains=Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5),
-        rope=rope | {name: COUPLING * rope[name] for name in ("rope.Qb", "rope.Qc")},
+        rope=round_rope(travel + TAIL_SPARE, tail_mass, spacing, COUPLING),
         published=published,
         source=source,
     )

@@ -6,17 +6,19 @@ import json
 import math
 import subprocess
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from caveat_driver import RUNS
 from exports import FLAVOURS
 
 import hoist_demo.rope_plant
-from hoist_demo.inprocess_rope import InProcessRope
+from hoist_demo.inprocess_rope import InProcessRope, rope_data
 from rope_model.parameters import Layout, Rope, rope_120
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 DRIVER = Path(__file__).with_name("caveat_driver.py")
@@ -33,12 +35,12 @@ def told(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return result
 
 
-def hung_up(**data: float) -> RopeSimulator:
-    """The 120 m rope at rest with other data of the rope; spacing is the layout's."""
-    scene = rope_120().scene
-    layout = replace(scene.layout, spacing=data.pop("spacing", scene.layout.spacing))
-    rope = RopeSimulator(scene.with_(rope=replace(scene.rope, **data), layout=layout))
-    assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
+def hung_up(run: str) -> RopeSimulator:
+    """The rope at rest with a run's parameters and start values."""
+    given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
+    ends = [{n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)} for side in SIDES]
+    rope = RopeSimulator(rope_data({n: v for n, v in given.items() if not n.startswith(SIDES)}))
+    assert rope.initialize(0.0, EndMotion(**ends[0]), EndMotion(**ends[1])).valid
     return rope
 
 
@@ -47,7 +49,10 @@ def test_where_nothing_is_to_be_minded_nothing_is_said(told: dict[str, Any], run
     assert (told[run]["warnings"], told[run]["status.warning"]) == ([], "")
 
 
-@pytest.mark.parametrize("run", ["passed", "touching", "spatial", "planar", "rigid", "long steps"])
+YAWED = ["yawed by its coupling", "yawed by its twist", "yawed by its ends"]
+
+
+@pytest.mark.parametrize("run", ["passed", "touching", *YAWED, "spatial", "planar", "rigid", "long steps"])
 def test_what_is_to_be_minded_is_said_once_and_stays_readable(told: dict[str, Any], run: str) -> None:
     (warning,) = told[run]["warnings"]
     # numbers in it may be those of another instant
@@ -55,18 +60,32 @@ def test_what_is_to_be_minded_is_said_once_and_stays_readable(told: dict[str, An
 
 
 @pytest.mark.parametrize(
-    ("run", "data", "words"),
+    ("run", "words"),
     [
-        ("passed", {"installed_twist": 7.0}, "passed through each other"),
-        ("touching", {"installed_twist": 5.5, "diameter": 0.9, "spacing": 1.0}, "legs touch"),
+        ("passed", "passed through each other"),
+        ("touching", "legs touch"),
+        ("yawed by its coupling", "the coupling Qb = 233600"),
+        ("yawed by its twist", "installed_twist = 3 rad"),
+        ("yawed by its ends", "twist the rope by 3.5 rad"),
     ],
 )
-def test_an_fmu_says_of_a_tangled_rope_what_the_rope_in_process_says(
-    told: dict[str, Any], run: str, data: dict[str, float], words: str
-) -> None:
-    expected = [*hung_up(**data).warnings().values()]
+def test_an_fmu_says_of_a_turned_loop_what_the_rope_in_process_says(told: dict[str, Any], run: str, words: str) -> None:
+    expected = [*hung_up(run).warnings().values()]
     assert told[run]["warnings"] == expected
     assert words in expected[0]
+
+
+def test_the_yaw_at_rest_is_told_of_ropes_at_rest(told: dict[str, Any]) -> None:
+    run = told["yawed, then wound"]
+    assert (len(run["warnings"]), run["status.warning"]) == (1, "")
+
+
+@pytest.mark.parametrize(("twist", "said"), [(1.5, False), (2.1, True)])
+def test_thirty_degrees_at_rest_are_the_bound(twist: float, said: bool) -> None:
+    scene = rope_120().scene
+    rope = RopeSimulator(scene.with_(rope=replace(scene.rope, installed_twist=twist)))
+    assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
+    assert (rope.state.loop_yaw > math.radians(30.0)) == said == bool(rope.warnings())
 
 
 def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(told: dict[str, Any]) -> None:
@@ -100,7 +119,7 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
 
 
 def test_rope_in_process_logs_each_thing_once(caplog: pytest.LogCaptureFixture) -> None:
-    rope = InProcessRope(hung_up(installed_twist=7.0).scene)
+    rope = InProcessRope(hung_up("passed").scene)
     left, right = hoist_demo.rope_plant.EndMotion(), hoist_demo.rope_plant.EndMotion(y=90.0)
     assert rope.initialize(0.0, left, right).valid
     assert all(rope.step(k * 0.01, 0.01, left, right).valid for k in range(3))

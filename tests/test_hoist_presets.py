@@ -48,7 +48,7 @@ def test_the_balance_rope_s_parameters_are_those_of_a_rope(preset: Preset) -> No
 
 
 def test_the_known_rope_is_similar_to_itself() -> None:
-    assert _rope_and_layout(round_rope(120.0, 8.0, 2.0)) == (Rope(), Layout())
+    assert _rope_and_layout(round_rope(120.0, 8.0, 2.0, coupling=1.0)) == (Rope(), Layout())
 
 
 @presets

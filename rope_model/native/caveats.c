@@ -6,6 +6,22 @@
 #include "text.h"
 
 #define TURNED_FAR (0.5 * PI)
+#define YAWED_FAR (PI / 6)
+#define REST_SPEED 1e-3
+
+/* yaw of the line from the left to the right end */
+static double direction(const Arrays *m)
+{
+    const double *left = end_row(m->q, m->nodes, LEFT), *right = end_row(m->q, m->nodes, RIGHT);
+    return atan2(left[2] - right[2], right[0] - left[0]);
+}
+
+/* of the loop against its ends */
+static double yaw_of(State *state)
+{
+    const Arrays m = state_arrays(state);
+    return state->loop_yaw - direction(&m);
+}
 
 static void left_out(Simulator *rope, char *message)
 {
@@ -27,9 +43,7 @@ static void tangled(Simulator *rope, char *message)
     static const char cure[] =
         "contact is not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free the "
         "swivels, or widen the spacing";
-    const Arrays m = state_arrays(rope->state);
-    const double *left = end_row(m.q, m.nodes, LEFT), *right = end_row(m.q, m.nodes, RIGHT);
-    const double yaw = rope->state->loop_yaw - atan2(left[2] - right[2], right[0] - left[0]);
+    const double yaw = yaw_of(rope->state);
     if (fabs(yaw) > PI)
         snprintf(message, MESSAGE,
                  "the rope's legs have passed through each other: the loop has yawed by %s rad against its ends, and "
@@ -44,6 +58,51 @@ static void tangled(Simulator *rope, char *message)
     }
 }
 
+/* twist of the rope from end to end by conveyances and swivels that have turned against the ends' line */
+static double end_twist(State *state)
+{
+    const Arrays m = state_arrays(state);
+    const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
+    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * direction(&m);
+}
+
+/* why (MESSAGE): what makes the largest torque, and its cure */
+static void turning(Simulator *rope, char *why)
+{
+    const Rope *data = &rope->scene.rope;
+    const double turned = end_twist(rope->state), coupling = rung_coupling_torque(data, rope->scene.layout.gravity);
+    const double installed = rung_twist_torque(data, data->installed_twist), ends = rung_twist_torque(data, turned);
+    if (coupling >= installed && coupling >= ends)
+        snprintf(why, MESSAGE,
+                 "the coupling Qb = %s, Qc = %s N m: give what was measured on this very rope, free the swivels",
+                 ROUNDED(data->Qb, 6), ROUNDED(data->Qc, 6));
+    else if (installed >= ends)
+        snprintf(why, MESSAGE, "installed_twist = %s rad: lower it, free the swivels",
+                 ROUNDED(data->installed_twist, 6));
+    else
+        snprintf(why, MESSAGE, "the ends, which twist the rope by %s rad: turn them back", ROUNDED(turned, 6));
+}
+
+static void yawed(Simulator *rope, char *message)
+{
+    const Rope *data = &rope->scene.rope;
+    State *state = rope->state;
+    const double rest = 0.5 * data->mass_per_length * data->length * (REST_SPEED * REST_SPEED), yaw = yaw_of(state);
+    char why[MESSAGE];
+    if (!(state->ledger.kinetic < rest) || state->rung != TORSIONAL || fabs(yaw) <= YAWED_FAR)
+        return;
+    tangled(rope, message);
+    if (message[0]) {
+        message[0] = '\0';
+        return;
+    }
+    turning(rope, why);
+    snprintf(message, MESSAGE,
+             "the loop hangs yawed by %s rad against its ends at rest (bound %s rad), turned mostly by %.300s, or widen "
+             "the spacing",
+             ROUNDED(yaw, 3), ROUNDED(YAWED_FAR, 3), why);
+}
+
 void rope_caveat(Simulator *rope, int number, char *message)
 {
     message[0] = '\0';
@@ -51,6 +110,8 @@ void rope_caveat(Simulator *rope, int number, char *message)
         return;
     if (number == 0)
         left_out(rope, message);
-    else
+    else if (number == 1)
         tangled(rope, message);
+    else
+        yawed(rope, message);
 }

@@ -104,7 +104,7 @@ const char *rope_rung(const Simulator *rope);        /* "torsional" ... */
 const char *rope_rung_reason(const Simulator *rope);
 
 /* What to mind in results that are valid, by its number below ROPE_CAVEATS: a sentence in message (MESSAGE bytes), or "". */
-enum { ROPE_CAVEATS = 2 };
+enum { ROPE_CAVEATS = 3 };
 void rope_caveat(Simulator *rope, int number, char *message);
 
 /* The value of an output, by its number in rope_model.simulation.signals.SIGNALS; booleans and integers are exact.

@@ -93,10 +93,17 @@ static double natural_width(const Scene *scene) {
     return NATURAL_WIDTH * cbrt(scene->rope.EI / (scene->rope.mass_per_length * scene->layout.gravity));
 }
 
+double rung_coupling_torque(const Rope *rope, double gravity) {
+    return fabs(rope->Qc / rope->Qa * rope->mass_per_length * gravity * 0.5 * rope->length);
+}
+
+double rung_twist_torque(const Rope *rope, double angle) {
+    return fabs((rope->Qd - rope->Qb * rope->Qc / rope->Qa) * angle / rope->length);
+}
+
 /* torque of a hanging rope whose ends were fastened unloaded */
 static double held_torque(const Rope *rope, double gravity) {
-    double coupled = rope->Qc / rope->Qa * rope->mass_per_length * gravity * 0.5 * rope->length;
-    return fabs(coupled) + fabs((rope->Qd - rope->Qb * rope->Qc / rope->Qa) * rope->installed_twist / rope->length);
+    return rung_coupling_torque(rope, gravity) + rung_twist_torque(rope, rope->installed_twist);
 }
 
 /* yaw of the loop under the torque of a held rope: legs like strings under their own weight */

@@ -2,6 +2,7 @@
 
     left out   the rung computes no torsion, and the rope carries torque; or it is the rigid one
     tangled    the legs touch, or have passed through each other: contact is not in the model
+    yawed      the loop hangs far out of its ends' plane at rest, by a torque that no rope of a shaft should carry
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn, and beyond it they have passed through each other.  Once through,
@@ -15,11 +16,16 @@ from collections.abc import Callable
 
 from ..parameters import Scene
 from .diagnostics import leg_clearance, loop_bottom
-from .rungs import carries_torque
+from .rope_system import ANGLE
+from .rungs import carries_torque, coupling_torque, twist_torque
 from .state import RopeState
 
 #: rad: below, a turned loop brings no legs together
 TURNED_FAR = 0.5 * math.pi
+#: rad: yaw at rest of a rope whose data should be looked at
+YAWED_FAR = math.pi / 6
+#: m/s: a rope with less kinetic energy than all of it has at this speed is at rest
+REST_SPEED = 1e-3
 _LEFT_OUT = {
     "spatial": "my, swivels, twists, stress.torsion_max and the yaw by torque",
     "planar": "fz, mx, my, swivels, twists, loop.z, loop.yaw and stress.torsion_max",
@@ -40,9 +46,7 @@ def left_out(scene: Scene, state: RopeState) -> str:
 
 def tangled(scene: Scene, state: RopeState) -> str:
     """'' while the legs hang free of each other; otherwise how they do not."""
-    q, lengths = state.motion.q, state.partition.lengths
-    across = q[-1] - q[0]
-    yaw = state.loop_yaw - math.atan2(-across[2], across[0])
+    q, lengths, yaw = state.motion.q, state.partition.lengths, _yaw(state)
     cure = "contact is not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free"
     cure += " the swivels, or widen the spacing"
     if abs(yaw) > math.pi:
@@ -60,5 +64,49 @@ def tangled(scene: Scene, state: RopeState) -> str:
     return ""
 
 
+def yawed(scene: Scene, state: RopeState) -> str:
+    """'' unless the loop hangs yawed at rest; then by how much, and which datum turns it."""
+    data = scene.rope
+    rests = state.ledger.kinetic < 0.5 * data.mass_per_length * data.length * REST_SPEED**2
+    if not rests or state.rung != "torsional" or abs(_yaw(state)) <= YAWED_FAR or tangled(scene, state):
+        return ""
+    return (
+        f"the loop hangs yawed by {_yaw(state):.3g} rad against its ends at rest (bound {YAWED_FAR:.3g} rad), turned "
+        f"mostly by {_turning(scene, state)}, or widen the spacing"
+    )
+
+
+def _turning(scene: Scene, state: RopeState) -> str:
+    """What makes the largest torque, and its cure."""
+    rope, turned = scene.rope, _end_twist(state)
+    causes = {
+        f"the coupling Qb = {rope.Qb:g}, Qc = {rope.Qc:g} N m: give what was measured on this very rope, free the "
+        "swivels": coupling_torque(rope, scene.layout.gravity),
+        f"installed_twist = {rope.installed_twist:g} rad: lower it, free the swivels": twist_torque(
+            rope, rope.installed_twist
+        ),
+        f"the ends, which twist the rope by {turned:g} rad: turn them back": twist_torque(rope, turned),
+    }
+    return max(causes, key=causes.__getitem__)
+
+
+def _direction(state: RopeState) -> float:
+    """Yaw (rad) of the line from the left to the right end."""
+    across = state.motion.q[-1] - state.motion.q[0]
+    return math.atan2(-across[2], across[0])
+
+
+def _yaw(state: RopeState) -> float:
+    """Yaw (rad) of the loop against its ends."""
+    return state.loop_yaw - _direction(state)
+
+
+def _end_twist(state: RopeState) -> float:
+    """Twist (rad) of the rope from end to end by conveyances and swivels that have turned against the ends' line."""
+    (left, right), q = state.offsets, state.motion.q
+    # a yaw about Y twists either end by itself, and both when the whole rope is turned
+    return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * _direction(state)
+
+
 #: each tells of one thing, in the order of rope_caveat in rope.h
-CAVEATS: tuple[Callable[[Scene, RopeState], str], ...] = (left_out, tangled)
+CAVEATS: tuple[Callable[[Scene, RopeState], str], ...] = (left_out, tangled, yawed)

@@ -174,8 +174,17 @@ def loop_yaw(scene: Scene) -> float:
 
 def held_torque(rope: Rope, gravity: float) -> float:
     """Torque (N m) of a hanging rope whose ends were fastened unloaded."""
-    coupled = rope.Qc / rope.Qa * rope.mass_per_length * gravity * 0.5 * rope.length
-    return abs(coupled) + abs((rope.Qd - rope.Qb * rope.Qc / rope.Qa) * rope.installed_twist / rope.length)
+    return coupling_torque(rope, gravity) + twist_torque(rope, rope.installed_twist)
+
+
+def coupling_torque(rope: Rope, gravity: float) -> float:
+    """Size of the torque (N m) that the weight of half the rope makes by the coupling."""
+    return abs(rope.Qc / rope.Qa * rope.mass_per_length * gravity * 0.5 * rope.length)
+
+
+def twist_torque(rope: Rope, angle: float) -> float:
+    """Size of the torque (N m) of a rope that is twisted by ``angle`` (rad) from end to end, at constant tension."""
+    return abs((rope.Qd - rope.Qb * rope.Qc / rope.Qa) * angle / rope.length)
 
 
 def longitudinal_error(scene: Scene, travel: Travel) -> float:
