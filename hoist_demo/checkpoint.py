@@ -8,17 +8,21 @@ from __future__ import annotations
 
 import json
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from hoist_demo.controller import ControllerState
 from hoist_demo.coupling.interface import Memory, Sample
+from hoist_demo.plain_data import decoded, encoded
 from hoist_demo.plant import PlantInput, PlantOutput, PlantState
 from hoist_demo.recording import Recording
 
 _FIELDS = ("force", "mean", "acceleration")
+
+CONTROLLER = "the controller's state"
+"""What messages call it."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,7 @@ class Checkpoint:
     sample: int  # number of the controller's sample, 0 at the start
     t: float  # s
     plant: PlantState
-    controller: ControllerState
+    controller: Any  # plain data
     input: PlantInput  # that acts on the drive
     at_rest: PlantOutput  # of the drive, at the start
     memory: Memory
@@ -38,7 +42,7 @@ class Checkpoint:
     cause: str  # for which the run stopped
 
     def write(self, path: Path) -> None:
-        """Write the file."""
+        """Write the file; ValueError, and no file, when the controller's state is no plain data."""
         memory, plant = self.memory, self.plant
         arrays = {f"sample.{name}": np.array([getattr(s, name) for s in memory.samples]) for name in _FIELDS}
         arrays |= {f"plant.{n}": getattr(plant, n) for n, v in vars(plant).items() if isinstance(v, np.ndarray)}
@@ -49,7 +53,7 @@ class Checkpoint:
         text = {
             "sample": self.sample,
             "t": self.t,
-            "controller": vars(self.controller),
+            "controller": encoded(self.controller, CONTROLLER),
             "input": vars(self.input),
             "at_rest": vars(self.at_rest),
             "free_lengths": plant.free_lengths,
@@ -76,11 +80,11 @@ class Checkpoint:
             samples = tuple(Sample(t, *values) for t, *values in rows)
             plant = {n.removeprefix("plant."): v for n, v in arrays.items() if n.startswith("plant.")}
             table = arrays.get("recording", np.zeros((0, 0)))
-            return Checkpoint(
+            kept = Checkpoint(
                 sample=x["sample"],
                 t=x["t"],
                 plant=PlantState(free_lengths=(x["free_lengths"][0], x["free_lengths"][1]), **plant),
-                controller=ControllerState(**x["controller"]),
+                controller=x["controller"],
                 input=PlantInput(**x["input"]),
                 at_rest=PlantOutput(**x["at_rest"]),
                 memory=Memory(samples, *x["memory"]),
@@ -91,3 +95,4 @@ class Checkpoint:
             )
         except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
             raise ValueError(f"'{path}' must be a checkpoint of a run, but: {error}: give another file") from error
+        return replace(kept, controller=decoded(kept.controller))

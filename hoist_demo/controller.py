@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from hoist_demo.emergency import BrakeState, EmergencyBrake
 from hoist_demo.parameters import Hoist
@@ -62,15 +62,20 @@ class Command:
 
     torque: float  # N m
     limited: bool
-    state: ControllerState
+    state: Any  # see Controller
     brake: float = 0.0  # -, fraction of the brake's full torque
 
 
 class Controller(Protocol):
-    """A control law that the host can sample; whatever it remembers is in the state."""
+    """A control law that the host can sample.
 
-    def command(self, reference: ReferencePoint, measured: Measurement, state: ControllerState, h: float) -> Command:
-        """Command for the step of length h [s] that begins now."""
+    Whatever it remembers from sample to sample is in the state of its command, and nowhere else: the host takes samples
+    back, and saves and restores them. The state is any plain data (`hoist_demo.plain_data` tells which), and the host
+    hands over a copy, which may be changed.
+    """
+
+    def command(self, reference: ReferencePoint, measured: Measurement, state: Any, h: float) -> Command:
+        """Command for the step of length h [s] that begins now; `state` is the last command's, None at first."""
         ...
 
 
@@ -86,8 +91,11 @@ class SpeedController:
         self._hoist = hoist
         self._emergency = EmergencyBrake(hoist, self._gains.speed, self._gains.integral_time)
 
-    def command(self, reference: ReferencePoint, measured: Measurement, state: ControllerState, h: float) -> Command:
+    def command(
+        self, reference: ReferencePoint, measured: Measurement, state: ControllerState | None, h: float
+    ) -> Command:
         """Torque command for the step of length h [s] that begins now."""
+        state = ControllerState() if state is None else state
         if reference.braking is not None:
             return self._brake(reference.braking, measured, state, h)
         k_v = self._gains.speed

@@ -13,18 +13,20 @@ import logging
 import math
 import re
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.controller import Command, Controller, ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.checkpoint import CONTROLLER, Checkpoint
+from hoist_demo.controller import Command, Controller, Gains, Measurement, SpeedController
 from hoist_demo.coupling.catalogue import scheme_named
 from hoist_demo.coupling.interface import Advance, Load, Memory, Pair
 from hoist_demo.coupling.stability import Outlook, measured_answer, outlook
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.partners import HangingPartner, HoistPartner, Stopwatch, input_of
+from hoist_demo.plain_data import encoded
 from hoist_demo.plant import (
     SIDE_FORCES,
     HoistPlant,
@@ -105,7 +107,7 @@ class _Run:
 
     drive: HoistPartner
     rope: HangingPartner
-    controller: ControllerState
+    controller: Any  # the controller's state
     memory: Memory
     at_rest: PlantOutput  # of the drive, at the start
     recorder: Recorder
@@ -123,7 +125,7 @@ class _Kept:
 
     k: int
     drive: tuple[PlantState, PlantInput]
-    controller: ControllerState
+    controller: Any
     memory: Memory
     rope: Any
 
@@ -163,16 +165,19 @@ class Host:
     @property
     def data(self) -> str:
         """What must be the same for a run to go on from a checkpoint; scheme and step may change."""
-        coupling = self.coupling
-        return repr((self.hoist, self.winding, self._gains, coupling.start, coupling.sample_time))
+        coupling, made = self.coupling, self._controller
+        controller = getattr(made.func if isinstance(made, partial) else made, "__qualname__", "")
+        data = (self.hoist, self.winding, self._gains, coupling.start, coupling.sample_time)
+        return f"{repr(data)[:-1]}, controller={controller})"
 
     def run(
         self, progress: Progress | None = None, save_to: Path | None = None, resume: Checkpoint | None = None
     ) -> Result:
         """Wind once; `progress` hears of every sample and may stop the run.
 
-        When the run stops before its end, its last good state is in the result and is written to `save_to`. With
-        `resume` the run goes on from such a state, with the same bits as if it had never stopped.
+        When the run stops before its end, its last good state is in the result and is written to `save_to`;
+        ValueError at the first sample for a controller whose state cannot be written. With `resume` the run goes on
+        from such a state, with the same bits as if it had never stopped.
         """
         H, T, start = self.coupling.step, self.coupling.sample_time, self.coupling.start
         samples = math.ceil((self.reference.duration + self.winding.settle) / T - 1e-9)
@@ -196,7 +201,9 @@ class Host:
             # sample and record
             reference, shown = self.reference.at(t - start), run.drive.output()
             measured = Measurement(shown.y_left - self.start_heights[0], self.hoist.sheave_radius * shown.rate)
-            command = controller.command(reference, measured, run.controller, T)
+            command = controller.command(reference, measured, deepcopy(run.controller), T)
+            if k == run.first and save_to is not None:
+                encoded(command.state, CONTROLLER)  # told now and not after a long run
             run.recorder.add(self._row(run, t, reference, command, shown))
             if k == samples:
                 break
@@ -219,13 +226,14 @@ class Host:
             progress(1.0, start + samples * T)
         checkpoint = self._checkpoint(run, kept, cause) if cause and kept is not None else None
         self.rope.free(kept.rope if kept is not None else None)
+        saved = None
         if checkpoint is not None and save_to is not None:
-            checkpoint.write(save_to)
-        return replace(
-            self._result(run.recorder, steps, samples, cause),
-            checkpoint=checkpoint,
-            saved=save_to if checkpoint is not None else None,
-        )
+            try:
+                checkpoint.write(save_to)
+                saved = save_to
+            except ValueError as error:  # the record of the run is worth more
+                cause += f"; {save_to} is not written: {error}"
+        return replace(self._result(run.recorder, steps, samples, cause), checkpoint=checkpoint, saved=saved)
 
     def _started(self, resume: Checkpoint | None) -> _Run | str:
         """A run at rest, or as it was when it stopped; the cause when the rope does not hang."""
@@ -242,7 +250,7 @@ class Host:
         drive = HoistPartner(self.plant, state, held, self.drive_clock)
         if self.hoist.play is not None:
             rope.beside = drive.ends
-        run = _Run(drive, rope, ControllerState(), Pair(drive, rope).start(start), drive.output(), recorder)
+        run = _Run(drive, rope, None, Pair(drive, rope).start(start), drive.output(), recorder)
         self.outlook = self._outlook(run)
         if resume is not None:
             drive.restore((resume.plant, resume.input))
@@ -316,8 +324,8 @@ class Host:
     def _require_resumable(self, resume: Checkpoint) -> None:
         if resume.data != self.data:
             raise ValueError(
-                f"the checkpoint at t = {resume.t:g} s must be of the same hoist, winding, gains and sample time, but "
-                f"{_differences(resume.data, self.data)}: give the scene and the options of that run"
+                f"the checkpoint at t = {resume.t:g} s must be of the same hoist, winding, controller, gains and "
+                f"sample time, but {_differences(resume.data, self.data)}: give the scene and the options of that run"
             )
         if not resume.rope:
             raise ValueError(

@@ -1,0 +1,108 @@
+"""What a controller may remember, as JSON and back, equal to the bit.
+
+None, bool, int, float, str, bytes; NumPy numbers and arrays; lists, tuples, dictionaries, data classes and named tuples
+of all these. Of a class only its name is written: it must be known by name where the text is read, and reading runs
+nothing but NumPy's own code.
+"""
+
+from __future__ import annotations
+
+import base64
+import sys
+from collections.abc import Callable
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+KINDS = "numbers, texts, bytes, NumPy arrays, and lists, tuples, dictionaries, data classes and named tuples of them"
+
+
+def encoded(value: Any, name: str) -> Any:
+    """The value as JSON can write it; ValueError with its place under `name` where it is no plain data."""
+    kind = type(value)
+    if value is None or kind in (bool, int, float, str):
+        return value
+    if kind is list:
+        return [encoded(x, f"{name}[{k}]") for k, x in enumerate(value)]
+    if kind is tuple:
+        return {"tuple": encoded(list(value), name)}
+    if kind is dict:
+        return {"dict": [[encoded(k, f"a key of {name}"), encoded(x, f"{name}[{k!r}]")] for k, x in value.items()]}
+    if kind is bytes:
+        return {"bytes": _text(value)}
+    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biufc":
+        shape = list(value.shape) if kind is np.ndarray else None
+        return {"array": [value.dtype.str, shape, _text(value.tobytes())]}
+    if (names := _fields(kind)) is not None and _class(kind.__module__, kind.__qualname__) is kind:
+        inside = {field: encoded(getattr(value, field), f"{name}.{field}") for field in names}
+        return {"class": [kind.__module__, kind.__qualname__, inside]}
+    at_top = ", and classes must stand at the top of their module" if names is not None else ""
+    raise ValueError(
+        f"{name} is a {kind.__qualname__}, which no checkpoint can keep: it must be plain data ({KINDS}){at_top}; keep "
+        "such data in the controller's state, and what never changes in the controller itself"
+    )
+
+
+def decoded(value: Any) -> Any:
+    """What `encoded` was given."""
+    if isinstance(value, list):
+        return [decoded(x) for x in value]
+    if not isinstance(value, dict):
+        return value
+    ((kind, content),) = value.items()
+    return _READERS[kind](content)
+
+
+def _fields(kind: type[Any]) -> tuple[str, ...] | None:
+    """Names of the values in a data class or named tuple; None for another class."""
+    if is_dataclass(kind):
+        return tuple(field.name for field in fields(kind))
+    names: tuple[str, ...] | None = getattr(kind, "_fields", None) if issubclass(kind, tuple) else None
+    return names
+
+
+def _class(module: str, name: str) -> Any:
+    """A loaded class by its name; None where there is none."""
+    found: Any = sys.modules.get(module)
+    for part in name.split("."):
+        found = getattr(found, part, None)
+    return found
+
+
+def _made(content: list[Any]) -> Any:
+    """A data class or named tuple with these values."""
+    module, name, inside = content
+    kind = _class(module, name)
+    names = _fields(kind) if isinstance(kind, type) else None
+    if names is None or set(names) != set(inside):
+        raise ValueError(
+            f"the checkpoint's controller remembers a {module}.{name} with {', '.join(inside) or 'nothing'}, which is "
+            "not known here: import that module, in the version that wrote it, before reading"
+        )
+    values = {field: decoded(x) for field, x in inside.items()}
+    if issubclass(kind, tuple):
+        return tuple.__new__(kind, (values[field] for field in names))
+    made = object.__new__(kind)
+    for field, x in values.items():
+        object.__setattr__(made, field, x)  # frozen ones too, and without __post_init__, which might change them
+    return made
+
+
+def _array(content: list[Any]) -> Any:
+    kind, shape, text = content
+    flat = np.frombuffer(base64.b64decode(text), dtype=kind)
+    return flat[0] if shape is None else flat.reshape(shape).copy()
+
+
+def _text(data: bytes) -> str:
+    return base64.b64encode(data).decode()
+
+
+_READERS: dict[str, Callable[[Any], Any]] = {
+    "tuple": lambda content: tuple(decoded(content)),
+    "dict": lambda content: {decoded(key): decoded(x) for key, x in content},
+    "bytes": base64.b64decode,
+    "array": _array,
+    "class": _made,
+}

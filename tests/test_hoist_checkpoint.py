@@ -1,0 +1,184 @@
+"""A controller with a memory of its own is stopped, saved, read and resumed as if it had never stopped."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_array_equal
+
+from hoist_demo.checkpoint import Checkpoint
+from hoist_demo.components import Brake
+from hoist_demo.controller import Command, Controller, Measurement, SpeedController
+from hoist_demo.host import Host, Result
+from hoist_demo.inprocess_rope import rope_in_process
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.plain_data import decoded, encoded
+from hoist_demo.reference import ReferencePoint
+
+TRIP = Winding(travel=0.5, settle=0.0, start_delay=0.0)
+
+
+class Filter(NamedTuple):
+    """A first-order lag of the speed."""
+
+    speed: float  # m/s
+
+
+@dataclass
+class Remembered:
+    """What Filtered carries from sample to sample."""
+
+    integral: float = 0.0  # N
+    filter: Filter = field(default_factory=lambda: Filter(0.0))
+    errors: list[float] = field(default_factory=list)  # m/s, the last three
+    seen: np.ndarray[Any, np.dtype[np.float64]] = field(default_factory=lambda: np.zeros(2))  # least and largest error
+
+
+class Filtered:
+    """Integrator on the mean of the last errors of a filtered speed; changes what it is handed."""
+
+    def __init__(self, hoist: Hoist, holding_torque: float) -> None:
+        self._hoist, self._holding_torque = hoist, holding_torque
+
+    def command(self, reference: ReferencePoint, measured: Measurement, state: Remembered | None, h: float) -> Command:
+        state = Remembered() if state is None else state
+        state.filter = Filter(state.filter.speed + h / 0.05 * (measured.speed - state.filter.speed))
+        state.errors.append(reference.speed - state.filter.speed)
+        del state.errors[:-3]
+        mean = sum(state.errors) / len(state.errors)
+        state.seen = np.array([min(state.seen[0], mean), max(state.seen[1], mean)])
+        state.integral += h * 2e5 * mean
+        wanted = self._hoist.moving_mass * reference.acceleration + 2e5 * mean + state.integral
+        return Command(self._holding_torque + self._hoist.sheave_radius * wanted, False, state)
+
+
+def wound(
+    controller: Callable[[Hoist, float], Controller],
+    stop_at: float = math.inf,
+    save_to: Path | None = None,
+    resume: Checkpoint | None = None,
+    hoist: Hoist | None = None,
+    winding: Winding = TRIP,
+) -> Result:
+    """A short trip with the draft rope, until `stop_at` [s]."""
+    rope = rope_in_process("rope-120", level="draft")
+    host = Host(rope, hoist or Hoist(), winding, controller=controller)
+    return host.run(lambda fraction, t: t < stop_at, save_to, resume)
+
+
+def assert_the_same(resumed: Result, whole: Result) -> None:
+    assert resumed.completed
+    for name, values in whole.recording.signals.items():
+        assert_array_equal(resumed.recording[name], values, name)
+
+
+@pytest.mark.parametrize("stop_at", [0.3, 1.1])
+def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(stop_at: float, tmp_path: Path) -> None:
+    whole = wound(Filtered)
+    stopped = wound(Filtered, stop_at, tmp_path / "kept.npz")
+    assert stopped.saved is not None
+    kept = Checkpoint.read(stopped.saved)
+    assert kept.controller.errors != [0.0, 0.0, 0.0]
+    assert_the_same(wound(Filtered, resume=kept), whole)
+    # resuming has not changed the checkpoint
+    assert_the_same(wound(Filtered, resume=kept), whole)
+
+
+def test_a_regulated_emergency_stop_resumes_in_its_midst(tmp_path: Path) -> None:
+    hoist = Hoist(brake=Brake())
+    stop: dict[str, Any] = {"emergency_at": 3.0, "emergency_law": "deceleration", "emergency_deceleration": 1.0}
+    winding = Winding(travel=20.0, settle=0.0, start_delay=0.0, **stop)
+    scene: dict[str, Any] = {"hoist": hoist, "winding": winding}
+    whole = wound(SpeedController, **scene)
+    stopped = wound(SpeedController, 4.0, tmp_path / "kept.npz", **scene)
+    assert stopped.saved is not None
+    kept = Checkpoint.read(stopped.saved)
+    assert kept.controller.brake is not None
+    assert_the_same(wound(SpeedController, resume=kept, **scene), whole)
+
+
+class Hoarder:
+    """Remembers its samples in a deque, at once or from the third one on."""
+
+    def __init__(self, begins: int) -> None:
+        self._begins = begins
+
+    def command(self, reference: ReferencePoint, measured: Measurement, state: Any, h: float) -> Command:
+        count = 0 if state is None else state["count"]
+        return Command(0.0, False, {"count": count + 1, "last": deque([1.0]) if count >= self._begins else None})
+
+
+def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"the controller's state\['last'\] is a deque.*plain data \(numbers"):
+        wound(lambda *_: Hoarder(0), save_to=tmp_path / "kept.npz")
+    # nothing is to be written without a file
+    assert wound(lambda *_: Hoarder(0), 0.1).checkpoint is not None
+
+
+def test_a_state_that_becomes_unsavable_costs_the_checkpoint_and_not_the_record(tmp_path: Path) -> None:
+    stopped = wound(lambda *_: Hoarder(2), 0.1, tmp_path / "kept.npz")
+    assert stopped.saved is None
+    assert not (tmp_path / "kept.npz").exists()
+    assert "kept.npz is not written: the controller's state['last'] is a deque" in stopped.cause
+    assert stopped.recording.time.size == 10
+
+
+def test_another_controller_does_not_go_on(tmp_path: Path) -> None:
+    stopped = wound(Filtered, 0.1)
+    with pytest.raises(ValueError, match="controller is Filtered there, controller is SpeedController here"):
+        wound(SpeedController, resume=stopped.checkpoint)
+
+
+plain = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text() | st.binary(),
+    lambda inside: (
+        st.lists(inside, max_size=3)
+        | st.lists(inside, max_size=3).map(tuple)
+        | st.dictionaries(st.text() | st.integers() | st.tuples(st.booleans(), st.integers()), inside, max_size=3)
+        | st.builds(Remembered, errors=inside, seen=inside)
+        | st.builds(Filter, inside)
+    ),
+    max_leaves=8,
+)
+
+
+@given(plain)
+def test_plain_data_come_back_equal_and_of_the_same_kind(value: Any) -> None:
+    back = decoded(json.loads(json.dumps(encoded(value, "x"))))
+    assert back == value
+    assert repr(back) == repr(value)
+
+
+@pytest.mark.parametrize(
+    "value", [np.float64(0.1), np.float32(math.nan), np.arange(6).reshape(2, 3)[:, ::2], np.array([True]), np.array(1j)]
+)
+def test_numbers_and_arrays_of_numpy_come_back_with_their_type(value: Any) -> None:
+    back = decoded(json.loads(json.dumps(encoded(value, "x"))))
+    assert (type(back), back.dtype, back.shape) == (type(value), value.dtype, value.shape)
+    assert back.tobytes() == value.tobytes()
+
+
+def test_a_class_that_cannot_be_found_again_is_refused_before_it_is_written() -> None:
+    @dataclass
+    class Local:
+        x: float = 0.0
+
+    with pytest.raises(ValueError, match=r"x\[1\] is a .*Local, .*must stand at the top of their module"):
+        encoded([0.0, Local()], "x")
+
+
+def test_a_class_that_has_changed_is_named() -> None:
+    text = encoded(Filter(1.0), "x")
+    text["class"][2]["rate"] = 0.0
+    with pytest.raises(ValueError, match=r"Filter with speed, rate, which is not known here: import"):
+        decoded(text)
