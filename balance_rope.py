@@ -82,8 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
     options = parser.parse_args(arguments)
     level = logging.INFO if options.verbose else logging.WARNING
-    logging.basicConfig(level=level, format="%(name)s: %(message)s")
-    logging.getLogger("balance_rope.progress").setLevel(logging.INFO)
+    logging.basicConfig(level=level, format=f"{'%(name)s' if options.verbose else 'balance-rope'}: %(message)s")
     try:
         code: int = options.run(options)
         return code

@@ -12,19 +12,23 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-from tqdm import tqdm
-
 from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.controller import Gains
 from hoist_demo.coupling.catalogue import SCHEMES
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host, Result
-from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw, Hoist, Winding
-from hoist_demo.recording import shape_rows, write_csv, write_shapes
+from hoist_demo.fmu_parameters import FmuParameter, read_outputs, read_parameters
+from hoist_demo.fmu_rope import NOT_READ, FmuRope
+from hoist_demo.host import DRIVE_UNITS, Host, Result
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw
+from hoist_demo.progress import progress_bar
+from hoist_demo.recording import matching, shape_rows, write_csv, write_shapes
 from hoist_demo.rope_data import Levels, RopeData
 from hoist_demo.rungs import computed, rungs_of
 from hoist_demo.scenes import SCENES
-from hoist_demo.summary import SummaryRow, render, summarize
+from hoist_demo.settings import settings
+from hoist_demo.study.catalogue import Catalogue, Value
+from hoist_demo.study.nested import changed
+from hoist_demo.study.probe import Probe
+from hoist_demo.study.run import RunData, build, fmu_part
+from hoist_demo.summary import CAUSE, WARNING, SummaryRow, render, summarize
 
 if TYPE_CHECKING:
     from hoist_demo.inprocess_rope import InProcessRope
@@ -60,6 +64,8 @@ examples:
   balance-rope demo --estop-at 12                emergency stop at 5 m/s^2 near full speed
   balance-rope demo --step 0.005 --out out/fine  a finer coupling, to see whether the results change
   balance-rope demo --scheme iterative-secant    each exchange iterated to convergence
+  balance-rope demo --set rope.EI=450 --set hoist.payload_left=4000    other data
+  balance-rope demo --signals left.fy right.fy "loop.*"    these columns of signals.csv only
   balance-rope demo --resume out/demo/last_good.npz  go on with a run that was interrupted or stopped
 
 exit code: 0 wound to the end, 1 the rope or the drive stopped the run (the cause is printed and what was recorded
@@ -129,24 +135,40 @@ def add_demo(
         choices=LEVELS,
         help="accuracy against speed of the rope in process (standard); an FMU has that of its export",
     )
+    demo.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a parameter of the rope by its name in docs/interface.md, or of the host as hoist.payload_left, in SI "
+        "units; may be repeated, and counts more than other options",
+    )
+    demo.add_argument(
+        "--signals",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)",
+    )
     demo.add_argument("--quick", action="store_true", help="10 m of travel and 2 s of settling: a check, not a result")
 
 
 def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     resume = Checkpoint.read(options.resume) if options.resume else None
-    options.scene = _scene_of(resume, options.scene) if resume else options.scene or _SCENE
-    scene, coupling = SCENES[options.scene], Coupling(step=options.step, scheme=options.scheme)
-    hoist = scene.hoist
-    winding = _winding(options)
+    chosen = settings(options.set, Catalogue(_parameters(options)))
+    hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
+    options.scene = _scene_of(resume, options.scene, hoist_values) if resume else options.scene or _SCENE
+    run = build(options.scene, _winding(options) | chosen)
     try:
         options.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ValueError(f"--out {options.out} cannot be made a folder ({error.strerror}): choose another") from error
-    rope = _rope(options)
+    rope, signals = _rope(options, run, bool(fmu_part(chosen)))
+    hoist, winding, coupling = run.hoist, run.winding, run.coupling
     if missing := _missing(rope.units()):
         print(f"balance-rope: {missing}", file=sys.stderr)
     try:
-        result = _run(Host(rope, hoist, winding, coupling, scene.gains), options.out / LAST_GOOD, resume)
+        result = _run(Host(rope, hoist, winding, coupling, run.gains), options.out / LAST_GOOD, resume)
         data = rope.data()
     finally:
         rope.close()
@@ -154,8 +176,9 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     rows = summarize(result, hoist, winding, coupling)
     before = set(options.out.iterdir())
     with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
-        written = _write(options, result, rows, (hoist, winding, coupling), scene.gains, (data, data.level(levels())))
-    print(render(rows))
+        written = _write(options, result, rows, run, (data, data.level(levels())), signals)
+    # warnings have been told when they arose, and the cause is told last
+    print(render([row for row in rows if row.quantity not in (WARNING, CAUSE)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if replaced := before.intersection(written):
@@ -181,11 +204,15 @@ def _missing(units: Mapping[str, str]) -> str:
     )
 
 
-def _scene_of(resume: Checkpoint, asked: str | None) -> str:
-    """The scene of an interrupted run, which its hoist tells."""
-    found = next((name for name, scene in SCENES.items() if resume.data.startswith(f"({scene.hoist!r},")), None)
+def _scene_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
+    """The scene of an interrupted run, which its hoist tells; `hoist` is what is set of it."""
+    hoists = {name: changed(scene.hoist, hoist) for name, scene in SCENES.items()}
+    found = next((name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")), None)
     if found is None:
-        raise ValueError("the run to go on with is of no scene's hoist: go on with it where it was begun")
+        raise ValueError(
+            "the run to go on with is of no scene's hoist: repeat its --set hoist..., or go on with it where it was "
+            "begun"
+        )
     if asked not in (None, found):
         raise ValueError(f"--scene {asked} must be {found}, that of the run to go on with: leave it out")
     return found
@@ -208,8 +235,8 @@ def _patient(doing: str) -> Iterator[Callable[[], bool]]:
         signal.signal(signal.SIGINT, before)
 
 
-def _winding(options: argparse.Namespace) -> Winding:
-    """The scene's trip; values given by hand count more than --quick."""
+def _winding(options: argparse.Namespace) -> dict[str, Value]:
+    """Trip and coupling by the names of a study; values given by hand count more than --quick."""
     if options.estop_law and options.estop_at is None:
         raise ValueError(f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T")
     chosen = {
@@ -224,32 +251,47 @@ def _winding(options: argparse.Namespace) -> Winding:
     winding = replace(SCENES[options.scene].winding, **((_QUICK if options.quick else {}) | given))
     if options.creep_speed is not None and not winding.creeps:
         raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
-    return winding
+    values = {f"winding.{name}": value for name, value in ((_QUICK if options.quick else {}) | given).items()}
+    return values | {"coupling.step": options.step, "coupling.scheme": options.scheme}
 
 
-def _rope(options: argparse.Namespace) -> FmuRope | InProcessRope:
+def _parameters(options: argparse.Namespace) -> dict[str, FmuParameter]:
+    """Those of the rope that can be set."""
     if options.in_process:
-        # only this plant needs rope_model; the FMU brings its own
-        from hoist_demo.inprocess_rope import rope_in_process
+        from hoist_demo.inprocess_rope import rope_parameters
 
-        return rope_in_process(options.scene, options.kernels, options.level or "standard")
-    if options.level:
-        raise ValueError(
-            f"--level {options.level} is for --in-process; an FMU has the level of its export: "
-            f"`balance-rope export --level {options.level}`"
-        )
+        return rope_parameters()
     if not options.fmu.is_file():
         raise ValueError(
             f"FMU '{options.fmu}' is missing: export it with `balance-rope export --outputs all`, "
             "give another file with --fmu, or run with --in-process"
         )
+    return read_parameters(options.fmu)
+
+
+def _rope(options: argparse.Namespace, run: RunData, asked: bool) -> tuple[FmuRope | InProcessRope, tuple[str, ...]]:
+    """The rope, and the signals to write (none: the usual); an FMU is `asked` whether it takes its parameters."""
+    rope: FmuRope | InProcessRope
+    if options.in_process:
+        # only this plant needs rope_model; the FMU brings its own
+        from hoist_demo.inprocess_rope import rope_in_process
+
+        rope = rope_in_process(options.scene, options.kernels, options.level or "standard", run.fmu)
+        return rope, matching(options.signals, [*DRIVE_UNITS, *rope.units()])
+    if options.level:
+        raise ValueError(
+            f"--level {options.level} is for --in-process; an FMU has the level of its export: "
+            f"`balance-rope export --level {options.level}`"
+        )
+    signals = matching(options.signals, [*DRIVE_UNITS, *read_outputs(options.fmu)])
+    if asked and (problems := Probe(options.fmu).rejected(run)):
+        raise ValueError("; ".join(problems))
     kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
-    return FmuRope(options.fmu, {**SCENES[options.scene].rope, **kernels})
+    return FmuRope(options.fmu, {**kernels, **run.fmu}, NOT_READ.difference(signals)), signals
 
 
 def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
-    """The run under a progress bar on stderr."""
-    layout = "winding {percentage:3.0f}% |{bar}| {desc} [{elapsed} < {remaining}]"
+    """The run under a progress bar, until it is interrupted."""
     stopped = False
 
     def stop(*_: object) -> None:
@@ -258,14 +300,8 @@ def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
 
     before = signal.signal(signal.SIGINT, stop)
     try:
-        with tqdm(total=100.0, bar_format=layout, file=sys.stderr, leave=False, disable=None) as bar:
-
-            def advance(fraction: float, t: float) -> bool:
-                bar.set_description_str(f"t = {t:6.2f} s", refresh=False)
-                bar.update(100.0 * fraction - bar.n)
-                return not stopped
-
-            return host.run(advance, save_to, resume)
+        with progress_bar() as progress:
+            return host.run(lambda fraction, t: progress(fraction, t) and not stopped, save_to, resume)
     finally:
         signal.signal(signal.SIGINT, before)
 
@@ -274,9 +310,9 @@ def _write(
     options: argparse.Namespace,
     result: Result,
     rows: Sequence[SummaryRow],
-    given: tuple[Hoist, Winding, Coupling],
-    gains: Gains,
+    run: RunData,
     rope: tuple[RopeData, str],
+    signals: Sequence[str],
 ) -> list[Path]:
     """All files of a run, report.html last; a run that stopped before its first row leaves the reports only."""
     # matplotlib loads slowly and is needed here only
@@ -286,22 +322,22 @@ def _write(
     from hoist_demo.html.run import run_report
     from hoist_demo.report import write_report
 
-    hoist, winding, coupling = given
-    more = [*tables({"Controller": gains}), *rope_tables(*rope, rungs_of(result.recording))]
+    hoist, winding, coupling = run.hoist, run.winding, run.coupling
+    more = [*tables({"Controller": run.gains}), *rope_tables(*rope, rungs_of(result.recording))]
     directory: Path = options.out
     directory.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
     pictures: list[Path] = []
     if result.recording.signals:
         written = [directory / "signals.csv"]
-        write_csv(result.recording, written[0])
+        write_csv(result.recording, written[0], signals)
         if result.recording.shape_at(0) is not None:
             written.append(directory / "shapes.csv")
             write_shapes(result.recording, shape_rows(result.recording), written[1])
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
     stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s"
-    title = f"Winding {winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}"
+    title = ", ".join([f"Winding {winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}", *options.set])
     reports = [
         write_report(
             directory / "report.md",

@@ -10,6 +10,8 @@ from zipfile import BadZipFile, ZipFile
 import fmpy
 from fmpy.model_description import ValidationError
 
+from hoist_demo.rungs import RUNG
+
 
 @dataclass(frozen=True)
 class FmuParameter:
@@ -45,8 +47,9 @@ def parameters_of(description: Any) -> dict[str, FmuParameter]:
 
 
 def read_outputs(path: Path) -> tuple[str, ...]:
-    """Names of all outputs of the FMU."""
-    return tuple(v.name for v in read_description(path).modelVariables if v.causality == "output")
+    """Names of all outputs of the FMU that are numbers, and of the rung, which is recorded by its code."""
+    outputs = [v for v in read_description(path).modelVariables if v.causality == "output"]
+    return tuple(v.name for v in outputs if v.type != "String" or v.name == RUNG)
 
 
 def read_description(path: Path) -> Any:

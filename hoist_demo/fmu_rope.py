@@ -29,7 +29,7 @@ from fmpy.fmi2 import (
 )
 
 from hoist_demo.fmu_parameters import parameters_of, read_description
-from hoist_demo.rope_data import RopeData, Value
+from hoist_demo.rope_data import RopeData, Value, stamped, unstamped
 from hoist_demo.rope_plant import REQUIRED_SIGNALS, EndMotion, RopeStatus
 from hoist_demo.rungs import RUNG, code_of
 
@@ -44,10 +44,7 @@ NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
 """Outputs left alone by default: the host does not use them, and a rope may compute them only when they are read."""
 
 _WARNING = 1
-_warned: set[bytes] = set()
-"""Warnings that this process has shown: a study winds the same rope many times."""
-
-_LEVELS = {0: logging.DEBUG, 1: logging.WARNING, 2: logging.WARNING, 3: logging.ERROR, 4: logging.CRITICAL}
+"""Status of a message that fails no call."""
 
 
 class FmuRope:
@@ -65,6 +62,8 @@ class FmuRope:
         """
         self._slave: Any = None
         self._started = False
+        self._warned: set[str] = set()  # what has been in the log
+        self._errors: list[str] = []  # what the FMU has said of the call that fails
         self._path = Path(path)
         self._description: Any = read_description(self._path)
         self._variables: dict[str, Any] = {v.name: v for v in self._description.modelVariables}
@@ -128,25 +127,24 @@ class FmuRope:
             "exported by": str(description.generationTool or "not said"),
             "FMI version": str(description.fmiVersion),
         }
-        values = {name: self._chosen.get(name, p.start) for name, p in parameters.items()}
-        return RopeData(model, values, {name: p.unit for name, p in parameters.items()}, self._reason())
+        return RopeData(model, self._parameters(), {name: p.unit for name, p in parameters.items()}, self._reason())
 
     def read(self, names: Iterable[str]) -> dict[str, float]:
         """Some Real outputs by name, in the order asked for."""
         wanted = [name for name in names if name in self._variables]
-        with _told():
+        with self._told():
             return dict(zip(wanted, self._slave.getReal([self._reference(name) for name in wanted]), strict=True))
 
     def save(self) -> Any:
         """A handle of the FMU's state; None when it cannot save."""
         if not self._description.coSimulation.canGetAndSetFMUstate:
             return None
-        with _told():
+        with self._told():
             return self._slave.getFMUState()
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a handle of this instance."""
-        with _told():
+        with self._told():
             self._slave.setFMUState(snapshot)
 
     def free(self, snapshot: Any) -> None:
@@ -157,8 +155,8 @@ class FmuRope:
 
     def to_bytes(self, snapshot: Any) -> bytes:
         """The FMU's serialized state."""
-        with _told():
-            return self._tag + bytes(self._slave.serializeFMUState(snapshot))
+        with self._told():
+            return self._tag + stamped(bytes(self._slave.serializeFMUState(snapshot)), self._parameters())
 
     def from_bytes(self, data: bytes) -> Any:
         """A handle from a serialized state."""
@@ -167,12 +165,12 @@ class FmuRope:
                 f"the state must be one of '{self._path.name}', {self._tag.decode().strip()}; it is of another rope: "
                 "go on with the one that wrote it (--fmu FILE or --in-process)"
             )
-        data = data.removeprefix(self._tag)
+        data = unstamped(data.removeprefix(self._tag), self._parameters())
         try:
             return self._slave.deSerializeFMUstate(data)
         except FMICallException as error:
             raise ValueError(
-                f"the FMU must know these {len(data)} bytes as a state of its own, but: {error}"
+                f"the FMU must know these {len(data)} bytes as a state of its own, but: {self._explained(error)}"
             ) from error
 
     def units(self) -> dict[str, str]:
@@ -189,6 +187,10 @@ class FmuRope:
             slave.freeInstance()
         shutil.rmtree(self._directory, ignore_errors=True)
 
+    def _parameters(self) -> dict[str, Value]:
+        """All parameters with the values they were given."""
+        return {name: self._chosen.get(name, p.start) for name, p in parameters_of(self._description).items()}
+
     def _instantiate(self) -> Any:
         slave = FMU2Slave(
             guid=self._description.guid,
@@ -198,7 +200,7 @@ class FmuRope:
         )
         # FMPy prints by default; the callbacks must live as long as the instance
         self._callbacks: Any = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(_log_message)
+        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._hear)
         self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         # formats C varargs where FMPy ships its proxy for this platform; without it the raw text is logged
@@ -211,9 +213,7 @@ class FmuRope:
             slave.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:  # FMPy raises the bare class here
             slave.freeLibrary()
-            raise ValueError(
-                f"the FMU must instantiate, but: {error} See its log messages, or export it anew"
-            ) from error
+            raise ValueError(f"the FMU must instantiate, but: {self._explained(error)}: export it anew") from error
         return slave
 
     def _reference(self, name: str) -> int:
@@ -268,11 +268,35 @@ class FmuRope:
         return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
     def _failed(self, error: FMICallException) -> RopeStatus:
-        """A failed call as a status, with the FMU's own words where it still speaks."""
-        message = ""
+        """A failed call as a status, with the FMU's own words where it still speaks; it need not be terminated."""
+        self._started, message = False, ""
         with suppress(FMICallException):
             message = self._message()
-        return RopeStatus(False, f"{message} ({error})" if message else str(error))
+        return RopeStatus(False, message or self._explained(error))
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """A failed call as RuntimeError, so that nobody else needs FMPy."""
+        try:
+            yield
+        except FMICallException as error:
+            raise RuntimeError(f"the FMU fails: {self._explained(error)}") from error
+
+    def _explained(self, error: Exception) -> str:
+        """What a call failed of, with what the FMU has said meanwhile."""
+        said, self._errors = "; ".join(dict.fromkeys(self._errors)), []
+        return f"{error} {said}" if said else str(error)
+
+    def _hear(self, component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+        """The FMU's logger: warnings are told, each once; an error comes back with the call that fails of it."""
+        text = message.decode("utf-8", errors="replace")
+        if status > _WARNING:
+            self._errors.append(text)
+        if status != _WARNING:
+            _log.debug("%s", text)
+        elif text not in self._warned:
+            self._warned.add(text)
+            _log.warning("%s", text)
 
     def _units_of_outputs(self) -> dict[str, str]:
         return {v.name: _unit(v) for variables in self._outputs.values() for v in variables}
@@ -288,15 +312,6 @@ def _numeric_outputs(description: Any, not_read: Collection[str]) -> dict[str, l
     return outputs
 
 
-@contextmanager
-def _told() -> Iterator[None]:
-    """An FMU's failed call as RuntimeError, so that nobody else needs FMPy."""
-    try:
-        yield
-    except FMICallException as error:
-        raise RuntimeError(f"the FMU fails: {error}; see its log messages") from error
-
-
 def _unit(variable: Any) -> str:
     declared = variable.declaredType
     return str(variable.unit or (declared.unit if declared is not None else None) or "")
@@ -308,11 +323,3 @@ def _item(variable: Any, value: str) -> int:
     if value not in items:
         raise ValueError(f"parameter {variable.name} = '{value}' must be one of {', '.join(items)}: choose one")
     return items[value]
-
-
-def _log_message(component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-    if status == _WARNING:
-        if message in _warned:
-            return
-        _warned.add(message)
-    _log.log(_LEVELS.get(status, logging.INFO), "%s", message.decode("utf-8", errors="replace"))

@@ -12,7 +12,8 @@ from dataclasses import asdict, fields, replace
 from importlib.metadata import version
 from typing import Any, Literal, get_args, get_type_hints
 
-from hoist_demo.rope_data import RopeData, Value
+from hoist_demo.fmu_parameters import FmuParameter
+from hoist_demo.rope_data import RopeData, Value, stamped, unstamped
 from hoist_demo.rope_plant import EndMotion, RopeStatus
 from hoist_demo.rungs import RUNG, code_of
 from hoist_demo.scenes import scene_named
@@ -66,11 +67,10 @@ class InProcessRope:
         values, units = dict[str, Value](), dict[str, str]()
         for group, part in _PARTS.items():
             data = getattr(self._rope.scene, part)
-            known = field_units(type(data))
-            for field in fields(data):
-                value, unit = getattr(data, field.name), known.get(field.name, "1")
-                values[f"{group}.{field.name}"] = str(value) if isinstance(value, tuple) else value
-                units[f"{group}.{field.name}"] = unit if isinstance(value, float) and unit in _UNITS else "1"
+            for item, unit in _units(data).items():
+                value = getattr(data, item)
+                values[f"{group}.{item}"] = str(value) if isinstance(value, tuple) else value
+                units[f"{group}.{item}"] = unit
         reason = ""
         with suppress(RuntimeError):  # a rope that could not be hung up has no state
             reason = self._rope.rung_reason
@@ -93,13 +93,13 @@ class InProcessRope:
 
     def to_bytes(self, snapshot: RopeState) -> bytes:
         """The state as bytes."""
-        return _TAG + snapshot.to_bytes()
+        return _TAG + stamped(snapshot.to_bytes(), self.data().parameters)
 
     def from_bytes(self, data: bytes) -> RopeState:
         """The state that these bytes hold."""
         if not data.startswith(_TAG):
             raise ValueError("the state must be that of a rope in process, it is of an FMU: give that with --fmu FILE")
-        return RopeState.from_bytes(data.removeprefix(_TAG))
+        return RopeState.from_bytes(unstamped(data.removeprefix(_TAG), self.data().parameters))
 
     def units(self) -> dict[str, str]:
         """Unit of each output."""
@@ -110,22 +110,55 @@ class InProcessRope:
 
 
 def rope_in_process(
-    scene: str, kernels: Literal["auto", "compiled", "portable"] = "auto", level: Level = "standard"
+    scene: str,
+    kernels: Literal["auto", "compiled", "portable"] = "auto",
+    level: Level = "standard",
+    parameters: Mapping[str, Value] | None = None,
 ) -> InProcessRope:
-    """The rope of a named scene at a level of accuracy."""
-    data = rope_data(scene_named(scene).rope, level)
+    """The rope of a named scene at a level of accuracy, with other parameters by FMI name."""
+    data = rope_data({**scene_named(scene).rope, **(parameters or {})}, level)
     return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
 
 
-def rope_data(parameters: Mapping[str, float], level: Level = "standard") -> Scene:
+def rope_parameters() -> dict[str, FmuParameter]:
+    """What can be set of a rope in process, as an FMU would state it; the data classes know the bounds."""
+    found = {}
+    for group, part in _PARTS.items():
+        data = getattr(Scene(), part)
+        units, hints = _units(data), get_type_hints(type(data))
+        for item, unit in units.items():
+            name, value, words = f"{group}.{item}", getattr(data, item), get_args(hints[item])
+            if isinstance(value, float):
+                found[name] = FmuParameter(name, unit, "Real", value, None, None)
+            elif isinstance(value, int):
+                found[name] = FmuParameter(name, unit, "Integer", value, None, None)
+            elif isinstance(value, str):
+                found[name] = FmuParameter(name, unit, "Integer", words.index(value), 0.0, len(words) - 1.0)
+    return found
+
+
+def _units(data: Any) -> dict[str, str]:
+    """FMI unit of each value of a part of the scene."""
+    known = field_units(type(data))
+    units = {field.name: known.get(field.name, "1") for field in fields(data)}
+    return {n: unit if isinstance(getattr(data, n), float) and unit in _UNITS else "1" for n, unit in units.items()}
+
+
+def rope_data(parameters: Mapping[str, Value], level: Level = "standard") -> Scene:
     """The rope's data at a level, with parameters by FMI name as an FMU takes them: choices by their code."""
     data = at_level(Scene(), level)
+    chosen: dict[str, dict[str, Any]] = {}
     for name, value in parameters.items():
         group, _, item = name.rpartition(".")
         part = getattr(data, _PARTS.get(group, ""), None)
         if part is None or item not in {f.name for f in fields(part)}:
             raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/interface.md")
-        data = data.with_(**{_PARTS[group]: replace(part, **{item: _decoded(part, name, value)})})
+        chosen.setdefault(group, {})[item] = _decoded(part, name, value)
+    for group, values in chosen.items():
+        try:
+            data = data.with_(**{_PARTS[group]: replace(getattr(data, _PARTS[group]), **values)})
+        except ValueError as error:
+            raise ValueError(f"{group}: {error}") from error
     return data
 
 
@@ -134,7 +167,7 @@ def _motion(end: EndMotion) -> RopeEndMotion:
     return RopeEndMotion(**asdict(end))
 
 
-def _decoded(part: Any, name: str, value: float) -> Any:
+def _decoded(part: Any, name: str, value: Value) -> Any:
     """A value as the field of this FMI name takes it: the word for the code of one that chooses."""
     words = get_args(get_type_hints(type(part))[name.rpartition(".")[2]])
     if not words:

@@ -7,8 +7,9 @@ of their own, at a few instants, because 486 columns would bury the rest.
 from __future__ import annotations
 
 import csv
+import difflib
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -84,9 +85,27 @@ class Recorder:
         return Recording(signals, {name: self._units.get(name, "") for name in self._names})
 
 
-def write_csv(recording: Recording, path: Path) -> None:
-    """All signals but the shape samples, one row per communication point, header `name [unit]`."""
-    names = [name for name in recording.signals if not _SHAPE.match(name)]
+def matching(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:
+    """The known signals that are asked for, in the order asked for; a `*` stands for any letters."""
+    found: dict[str, None] = {}
+    for pattern in patterns:
+        expression = re.compile(re.escape(pattern).replace(r"\*", ".*"))
+        names = [name for name in known if expression.fullmatch(name)]
+        if not names:
+            near = difflib.get_close_matches(pattern, known, n=3)
+            cure = f"did you mean {' or '.join(near)}?" if near else "see docs/interface.md"
+            raise ValueError(f"signals has {pattern!r}, which nothing shows: {cure}")
+        found |= dict.fromkeys(names)
+    return tuple(found)
+
+
+def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> None:
+    """The named signals with their time, one row per communication point, header `name [unit]`.
+
+    Without names all but the shape samples.
+    """
+    chosen = [name for name in names if name in recording and name != TIME]
+    names = [TIME, *chosen] if names else [name for name in recording.signals if not _SHAPE.match(name)]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([_header(name, recording.units.get(name, "")) for name in names])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -18,7 +19,39 @@ _CHOICES = {
 }
 """Words for the codes of FMI 2.0, by the last two parts of the name."""
 
+_FREE = "solver.kernels"
+"""What may differ when a run goes on."""
+
 _TORQUE = ("rope.Qb", "rope.Qc", "rope.installed_twist")
+
+
+def code(name: str, word: str) -> int | None:
+    """The code of a word that a parameter may have; None where it has no such word."""
+    words = _CHOICES.get(".".join(name.split(".")[-2:]), ())
+    return words.index(word) if word in words else None
+
+
+def stamped(state: bytes, parameters: Mapping[str, Value]) -> bytes:
+    """A rope's state behind a line with the parameters that it belongs to."""
+    return json.dumps(dict(parameters), sort_keys=True).encode() + b"\n" + state
+
+
+def unstamped(data: bytes, parameters: Mapping[str, Value]) -> bytes:
+    """The state that `stamped` was given; ValueError where it belongs to other parameters."""
+    stamp, _, state = data.partition(b"\n")
+    try:
+        there = json.loads(stamp)
+    except ValueError as error:
+        raise ValueError("the state must tell its rope's parameters: give a checkpoint of this version") from error
+    names = sorted({*there, *parameters} - {_FREE})
+    differences = [
+        f"{name} is {there.get(name)} there, {parameters.get(name)} here"
+        for name in names
+        if there.get(name) != parameters.get(name)
+    ]
+    if differences:
+        raise ValueError(f"the rope's parameters must be those of the state, but {', '.join(differences)}: set them so")
+    return state
 
 
 @dataclass(frozen=True)
@@ -50,5 +83,4 @@ class RopeData:
     def _coded(self, name: str) -> Value | None:
         """A parameter's value, a word as its code: a rope in process has words where an FMU has codes."""
         value = self.parameters.get(name)
-        words = _CHOICES.get(".".join(name.split(".")[-2:]), ())
-        return words.index(value) if isinstance(value, str) and value in words else value
+        return value if not isinstance(value, str) or (number := code(name, value)) is None else number

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,9 @@ SWING_WINDOW = 5.0
 
 WARNING = "warning"
 """Quantity of the rows that every report shows first."""
+
+CAUSE = "cause"
+"""Quantity of the row that tells why a run stopped."""
 
 LONG = 40
 """Characters from which a text has lines of its own in the table."""
@@ -62,7 +66,7 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
     return tuple(rows + _clock(result, coupling))
 
 
-def render(rows: tuple[SummaryRow, ...]) -> str:
+def render(rows: Sequence[SummaryRow]) -> str:
     """The table as plain text."""
     width = max((len(row.quantity) for row in rows), default=0)
     lines: list[str] = []
@@ -85,7 +89,7 @@ def _outcome(result: Result, coupling: Coupling) -> list[SummaryRow]:
         SummaryRow(group, "communication steps done", float(result.steps)),
     ]
     if result.cause:
-        rows.insert(1, SummaryRow(group, "cause", result.cause))
+        rows.insert(1, SummaryRow(group, CAUSE, result.cause))
     return rows + [SummaryRow(group, WARNING, text) for text in warnings(result)]
 
 

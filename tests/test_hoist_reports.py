@@ -273,9 +273,9 @@ def test_a_checkpoint_leads_back_to_its_scene_and_names_what_differs() -> None:
     rope = rope_in_process("rope-120", level="draft")
     stopped = Host(rope, scene.hoist, SHORT, gains=scene.gains).run(lambda fraction, t: t < 0.1)
     assert stopped.checkpoint is not None
-    assert _scene_of(stopped.checkpoint, None) == "rope-120"
+    assert _scene_of(stopped.checkpoint, None, {}) == "rope-120"
     with pytest.raises(ValueError, match="--scene rope-240 must be rope-120"):
-        _scene_of(stopped.checkpoint, "rope-240")
+        _scene_of(stopped.checkpoint, "rope-240", {})
     other = Host(rope, scene.hoist, replace(SHORT, travel=0.7), gains=scene.gains)
     with pytest.raises(ValueError, match=r"travel is 0\.5 there, travel is 0\.7 here: give the scene") as refused:
         other.run(resume=stopped.checkpoint)

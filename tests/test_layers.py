@@ -60,7 +60,7 @@ HOMES = {
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
     "fmpy": {"hoist_demo.fmu_rope", "hoist_demo.fmu_parameters"},
     "matplotlib": {"hoist_demo.figures"},
-    "tqdm": {"hoist_demo.cli", "hoist_demo.study.command"},
+    "tqdm": {"hoist_demo.progress", "hoist_demo.study.command"},
     "dask": {"hoist_demo.study.cluster"},
     "pandas": {"hoist_demo.html.study", "hoist_demo.study.store"},
     "pyarrow": {"hoist_demo.study.store"},

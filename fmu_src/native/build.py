@@ -84,7 +84,7 @@ def library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
     made = cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
     if not made.exists():
         made.parent.mkdir(parents=True, exist_ok=True)
-        progress.info("compiling %s for %s, some 10 s", identifier, name)
+        progress.warning("compiling %s for %s, some 10 s", identifier, name)
         with tempfile.TemporaryDirectory(dir=made.parent) as folder:
             _compile(command, sources, Path(folder), f"{identifier}{PLATFORMS[name].suffix}").replace(made)
     return made

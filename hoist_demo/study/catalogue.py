@@ -10,14 +10,13 @@ import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from hoist_demo.controller import Gains
 from hoist_demo.design.controllers import CONTROLLERS
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
-from hoist_demo.fmu_parameters import read_parameters
+from hoist_demo.fmu_parameters import FmuParameter
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.study.metrics import Arrival
 from hoist_demo.study.nested import leaves
@@ -77,15 +76,15 @@ class Parameter:
 
 
 class Catalogue:
-    """All parameters of a study with this FMU; without one those of the host only."""
+    """All parameters of runs with a rope that has these parameters; {} for those of the host only."""
 
-    def __init__(self, fmu: Path | None) -> None:
+    def __init__(self, rope: Mapping[str, FmuParameter]) -> None:
         self._parameters = {"controller": Parameter("controller", "1", "String", choices=CONTROLLERS)}
         for section, data in SECTIONS.items():
             for leaf in leaves(data):
                 key = f"{section}.{leaf.name}"
                 self._parameters[key] = Parameter(key, leaf.unit, leaf.kind)
-        for name, p in (read_parameters(fmu) if fmu is not None else {}).items():
+        for name, p in rope.items():
             if name not in RESERVED:
                 kind = "Integer" if p.kind == "Enumeration" else p.kind
                 self._parameters[name] = Parameter(name, spelled(p.unit), kind, p.minimum, p.maximum)

@@ -85,6 +85,9 @@ def _study(options: argparse.Namespace) -> int:
         kept = f"{store.directory}" if study.tuning else f"{write_what_is_there(study, store).table}"
         print(f"\ninterrupted: what is finished is kept in {kept}; the same command goes on", file=sys.stderr)
         return 130
+    for text, numbers in performed.warnings.items():
+        more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
+        print(f"run {numbers[0]}{more}: warning: {text}", file=sys.stderr)
     for run, cause in performed.causes.items():
         print(f"{run}: {cause}", file=sys.stderr)
     print(f"{performed.runs - len(performed.causes)} of {performed.runs} runs wound to the end: {performed.table}")

@@ -13,7 +13,6 @@ scale = "log". Later ones count: fixed, then case, then vary. All errors of a fi
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import math
 import tomllib
@@ -23,8 +22,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.fmu_parameters import read_outputs
+from hoist_demo.fmu_parameters import read_outputs, read_parameters
 from hoist_demo.host import DRIVE_UNITS
+from hoist_demo.recording import matching
 from hoist_demo.scenes import SCENES, scene_named
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
@@ -116,7 +116,7 @@ class _Reader:
     def __init__(self, path: Path, raw: dict[str, Any], fmu: Path | None) -> None:
         self.path, self.raw, self.fmu = path, raw, fmu
         self.problems: list[str] = []
-        self.catalogue, self.fmu_is_there = Catalogue(None), False
+        self.catalogue, self.fmu_is_there = Catalogue({}), False
 
     @contextmanager
     def _collect(self, where: str = "") -> Iterator[None]:
@@ -195,7 +195,7 @@ class _Reader:
 
     def _open(self, fmu: Path) -> None:
         try:
-            self.catalogue, self.fmu_is_there = Catalogue(fmu), True
+            self.catalogue, self.fmu_is_there = Catalogue(read_parameters(fmu)), True
         except ValueError as error:
             raise ValueError(f"{error}; until then nothing of this file that is the FMU's can be checked") from error
 
@@ -208,12 +208,7 @@ class _Reader:
         if not isinstance(names, list):
             raise ValueError(f'signals = {names!r} must be a list of names: write ["loop.yaw"]')
         if self.fmu_is_there:
-            known = [*DRIVE_UNITS, *read_outputs(fmu)]
-            for name in names:
-                if name not in known:
-                    near = difflib.get_close_matches(str(name), known, n=3)
-                    cure = f"did you mean {' or '.join(near)}?" if near else "see docs/interface.md"
-                    raise ValueError(f"signals has {name!r}, which nothing shows: {cure}")
+            return matching(map(str, names), [*DRIVE_UNITS, *read_outputs(fmu)])
         return tuple(map(str, names))
 
     def _best(self, head: dict[str, Any]) -> dict[str, str] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,9 @@ from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.store import Store
 
 Array = NDArray[np.float64]
+
+_NUMBER = re.compile(r"\d[\d.e+-]*")
+"""Warnings that differ in their numbers only are of one kind."""
 
 COST = "cost"
 """Column of a search: the weighted sum that it minimises, over all cases of the point."""
@@ -31,6 +35,7 @@ class Performed:
     table: Path  # results.parquet
     runs: int
     causes: Mapping[str, str]  # of the runs that did not complete, by number and key
+    warnings: Mapping[str, list[int]]  # numbers of the runs, by the first text of each kind
     best: Mapping[str, float | int | bool | str] | None  # values of a search
     judged: Mapping[str, str] | None  # by what column the best run is chosen, and in which sense
 
@@ -101,6 +106,7 @@ def _written(
 ) -> Performed:
     rows: list[dict[str, object]] = []
     causes: dict[str, str] = {}
+    warnings: dict[str, list[int]] = {}
     for number, (sample, key) in enumerate(zip(samples, keys, strict=True), 1):
         record = store.read(key)
         if record is None:
@@ -108,6 +114,9 @@ def _written(
         outcome = record["outcome"]
         if outcome["status"] != "completed":
             causes[f"run {number} ({key})"] = outcome["cause"]
+        for text in outcome.get("warnings", ()):
+            alike = next((first for first in warnings if _NUMBER.sub("", first) == _NUMBER.sub("", text)), text)
+            warnings.setdefault(alike, []).append(number)
         chosen = {name: sample.values.get(name) for name in study.units if name != "controller"}
         head = {"run": number, "key": key, "case": sample.case, "controller": sample.data.controller}
         result = {"status": outcome["status"], "cause": outcome["cause"], "rung": outcome.get("rung", "")}
@@ -116,4 +125,4 @@ def _written(
         rows.append(head | chosen | result | {name: outcome["metrics"].get(name, math.nan) for name in UNITS})
     table = store.write_table(rows, {**study.units, **UNITS, COST: "1"}, study.title)
     judged = {"metric": COST, "sense": "min"} if costs else study.best
-    return Performed(table, len(rows), causes, best, judged)
+    return Performed(table, len(rows), causes, warnings, best, judged)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import logging
 from collections.abc import Mapping
 from pathlib import Path
 
 from hoist_demo.fmu_rope import FmuRope
+from hoist_demo.progress import warnings_of
 from hoist_demo.rope_plant import EndMotion
 from hoist_demo.scenes import SCENES
 from hoist_demo.study.catalogue import Value
@@ -49,13 +49,9 @@ def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: 
         rope = FmuRope(fmu, parameters)
     except ValueError as error:
         return str(error)
-    log = logging.getLogger(FmuRope.__module__)
-    before = log.level
     try:
-        # what the FMU logs is its status' message, which becomes the answer
-        log.setLevel(logging.CRITICAL + 1)
-        status = rope.initialize(0.0, left, right)
+        with warnings_of(FmuRope.__module__):  # the runs tell them again
+            status = rope.initialize(0.0, left, right)
     finally:
-        log.setLevel(before)
         rope.close()
     return "" if status.valid else status.message or "the FMU does not initialize, without a message"

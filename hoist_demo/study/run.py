@@ -24,6 +24,7 @@ from hoist_demo.fmu_parameters import read_outputs
 from hoist_demo.fmu_rope import FmuRope
 from hoist_demo.host import Host, Result
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
+from hoist_demo.progress import warnings_of
 from hoist_demo.recording import TIME
 from hoist_demo.reference import s_curve
 from hoist_demo.rope_plant import RopePlant
@@ -87,6 +88,7 @@ class Outcome:
     clock: Mapping[str, float]  # s: wall time of the design, the rope, the drive and all; not a result
     units: Mapping[str, str] = field(default_factory=dict)  # of the signals
     rung: str = ""  # of the rope's model, that ran: why a metric may be missing
+    warnings: tuple[str, ...] = ()  # of coupling and rope
 
 
 def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
@@ -115,6 +117,12 @@ def fmu_part(values: Mapping[str, Value]) -> dict[str, Value]:
 
 def execute(run: RunData, fmu: Path) -> Outcome:
     """Design, wind and measure; whatever goes wrong is an outcome, with its cause."""
+    with warnings_of("hoist_demo") as warnings:
+        outcome = _outcome(run, fmu)
+    return replace(outcome, warnings=tuple(warnings))
+
+
+def _outcome(run: RunData, fmu: Path) -> Outcome:
     begin = time.perf_counter()
     try:
         wanted = ROPE_SIGNALS | set(run.signals)

@@ -65,7 +65,7 @@ class Store:
             table = pa.table([pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields))
             with _whole(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
-        said = {"status": outcome.status, "cause": outcome.cause, "rung": outcome.rung}
+        said = {"status": outcome.status, "cause": outcome.cause, "rung": outcome.rung, "warnings": outcome.warnings}
         kept = {**said, "metrics": dict(outcome.metrics)}
         record = {"key": key, "data": asdict(run), "outcome": kept, "clock": dict(outcome.clock), "worker": worker}
         with _whole(self._path(key)) as path:

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 KernelForm = Literal["auto", "compiled", "portable"]
 
 log = logging.getLogger(__name__)
-#: what takes long enough to be told; the console command shows it
+#: what takes so long that a host seems to hang: at the level WARNING, which Python shows on stderr by default
 progress = logging.getLogger("balance_rope.progress")
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
@@ -63,11 +63,12 @@ class Kernel:
 
 
 def prepare(
-    functions: Sequence[ca.Function], form: KernelForm = "auto", bundle: Path | None = None
+    functions: Sequence[ca.Function], form: KernelForm = "auto", bundle: Path | None = None, name: str = "kernels"
 ) -> tuple[list[ca.Function], str]:
     """The functions in the wanted form, and the form they have: ``compiled`` or ``portable``.
 
-    ``bundle`` is a library to try before the cache, made by ``build_library`` from these same functions.
+    ``bundle`` is a library to try before the cache, made by ``build_library`` from these same functions; ``name`` is
+    what a new one is called.
 
     Raises RuntimeError where ``compiled`` is asked for and cannot be had.
     """
@@ -84,7 +85,7 @@ def prepare(
     cause = "no C compiler found (tried CC, cc, gcc, clang and the ziglang package)"
     if (compiler := find_compiler()) is not None:
         try:
-            library = build_library(functions, compiler, cache_folder())
+            library = build_library(functions, compiler, cache_folder(), name)
             compiled = _load(functions, library)
             log.info("kernels: compiled, %s", library)
             return compiled, "compiled"
@@ -117,9 +118,11 @@ def cache_folder() -> Path:
         return Path(tempfile.gettempdir()) / "balance-rope"
 
 
-def build_library(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path) -> Path:
+def build_library(
+    functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str = "kernels"
+) -> Path:
     """Generate C, compile it into ``folder`` unless it is there already, and return the library's path."""
-    return compile_library({"kernels.c": generate_c(functions)}, compiler, folder, "kernels")
+    return compile_library({"kernels.c": generate_c(functions)}, compiler, folder, name)
 
 
 def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str) -> Path:
@@ -130,7 +133,7 @@ def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder:
     library = folder / f"{name}-{key}{LIBRARY_SUFFIX}"
     if not library.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        progress.info("compiling %s with %s, once on this machine: 5 to 20 s", name, Path(compiler[0]).name)
+        progress.warning("compiling %s with %s, once on this machine: 5 to 20 s", name, Path(compiler[0]).name)
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             for file, code in sources.items():
                 (Path(scratch) / file).write_text(code, encoding="utf-8")

@@ -55,7 +55,9 @@ class RopeKernels:
             functions = load_portable(portable)
         else:
             functions = list(rope_functions(elements, rung).all())
-        (solve, direction, assess, losses, strains), self.form = prepare(functions, form, library)
+        (solve, direction, assess, losses, strains), self.form = prepare(
+            functions, form, library, _name(rung, elements)
+        )
         nodes, balance = (elements + 1, NODE_DOF), (len(BALANCE),)
         self.elements, self.rung = elements, rung
         self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
@@ -89,9 +91,14 @@ def write_bundle(elements: int, folder: Path) -> list[Path]:
         save_portable(functions, portable)
         written.append(portable)
         if compiler is not None:
-            shutil.copyfile(build_library(functions, compiler, cache_folder()), library)
+            shutil.copyfile(build_library(functions, compiler, cache_folder(), _name(rung, elements)), library)
             written.append(library)
     return written
+
+
+def _name(rung: Rung, elements: int) -> str:
+    """Of a compiled library, in messages too."""
+    return f"kernels-{rung}-{elements}"
 
 
 def _bundle_files(folder: Path, elements: int, rung: Rung) -> tuple[Path, Path]:

@@ -1,0 +1,160 @@
+"""`demo --set` and `--signals`: values and columns by name, errors that name them, and every message once."""
+
+from __future__ import annotations
+
+import logging
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from balance_rope import main
+from hoist_demo.checkpoint import Checkpoint
+from hoist_demo.host import Host
+from hoist_demo.inprocess_rope import rope_in_process, rope_parameters
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.progress import progress_bar, warnings_of
+from hoist_demo.recording import matching, read_csv
+from hoist_demo.settings import settings
+from hoist_demo.study.catalogue import Catalogue
+from rope_model.numerics import kernels
+
+ROOT = Path(__file__).parents[1]
+CATALOGUE = Catalogue(rope_parameters())
+DEMO = ["demo", "--in-process", "--quick", "--travel", "0.5", "--level", "draft"]
+
+
+def test_values_have_their_parameters_type_and_choices_their_words() -> None:
+    given = ["rope.EI = 450", "left.swivel.mode=coulomb", "model.rung=1", "hoist.head_rope_number=6", "rope.Qb=-1e4"]
+    assert settings(given, CATALOGUE) == {
+        "rope.EI": 450.0,
+        "left.swivel.mode": 2,
+        "model.rung": 1,
+        "hoist.head_rope_number": 6,
+        "rope.Qb": -1e4,
+    }
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("rope.EI", r"--set rope\.EI must be NAME=VALUE"),
+        ("rope.EI=stiff", r"rope\.EI = 'stiff' must be a finite number: give it in N\.m2"),
+        ("rope.EI=nan", r"rope\.EI = nan must be a finite number"),
+        ("rope.IE=1", r"rope\.IE is not a parameter: did you mean rope\.EI"),
+        ("model.rung=7", r"model\.rung = 7\.0 must be within 0 and 4"),
+        ("hoist.head_rope_number=2.5", r"hoist\.head_rope_number = 2\.5 must be a whole number"),
+        ("shaper.kind=ZV", r"shaper\.kind is for studies"),
+        ("inputs_at_step_end=true", "inputs_at_step_end cannot be chosen"),
+    ],
+)
+def test_what_cannot_be_set_is_named(given: str, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        settings([given], CATALOGUE)
+
+
+def test_a_value_is_given_once() -> None:
+    with pytest.raises(ValueError, match=r"rope\.EI is 450\.0 already"):
+        settings(["rope.EI=450", "rope.EI=460"], CATALOGUE)
+
+
+def test_signals_are_found_by_name_and_by_star_in_the_order_asked_for() -> None:
+    known = ["left.fy", "loop.x", "loop.y", "shape.x[1]", "shape.x[2]"]
+    assert matching(["loop.*", "left.fy", "loop.x"], known) == ("loop.x", "loop.y", "left.fy")
+    assert matching(["shape.x[1]"], known) == ("shape.x[1]",)
+    with pytest.raises(ValueError, match=r"signals has 'loop\.z', which nothing shows: did you mean loop\.[xy]"):
+        matching(["loop.z"], known)
+
+
+def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path: Path) -> None:
+    # a rope of twice the mass per length pulls twice as much
+    pulls = []
+    for factor in (1, 2):
+        out = tmp_path / str(factor)
+        chosen = ["--set", f"rope.mass_per_length={8 * factor}", "--set", "hoist.payload_left=4000"]
+        assert main([*DEMO, *chosen, "--out", str(out), "--signals", "right.fy", "drive.torque"]) == 0
+        recording = read_csv(out / "signals.csv")
+        assert list(recording.signals) == ["time", "right.fy", "drive.torque"]
+        pulls.append(recording["right.fy"][0])
+        text = (out / "report.md").read_text(encoding="utf-8")
+        assert f"rope.mass_per_length={8 * factor}" in text.splitlines()[0]
+        assert "| payload left | 4000 | kg |" in text
+    assert pulls[1] == pytest.approx(2.0 * pulls[0], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("rope.EI=-4", "rope: EI = -4.0 is out of range"),
+        ("hoist.payload_left=-1", "payload_left = -1.0 must be"),
+        ("left.swivel.mu_static=1e-4", "left.swivel: mu_static = 0.0001"),
+    ],
+)
+def test_a_value_out_of_range_is_an_error_of_the_command(
+    given: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*DEMO, "--set", given, "--out", str(tmp_path)]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -> None:
+    trip = Winding(travel=0.5, settle=0.0, start_delay=0.0)
+    ropes = [rope_in_process("rope-120", level="draft", parameters={"rope.EI": EI}) for EI in (300.0, 450.0)]
+    stopped = Host(ropes[0], Hoist(), trip).run(lambda fraction, t: t < 0.1, tmp_path / "kept.npz")
+    assert stopped.saved is not None
+    with pytest.raises(ValueError, match=r"rope\.EI is 300\.0 there, 450\.0 here"):
+        Host(ropes[1], Hoist(), trip).run(resume=Checkpoint.read(stopped.saved))
+
+
+# each message once
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        (["--step", "0.06", "--scheme", "jacobi-2", "--travel", "10"], "the run will be unstable"),
+        (["--step", "0.06", "--scheme", "jacobi-2", "--travel", "10"], "do not fit together"),
+        ([], "the planar rung"),
+    ],
+)
+def test_a_demo_says_each_thing_once(options: list[str], text: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "balance_rope", *DEMO, *options, "--out", str(tmp_path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.stdout + done.stderr).count(text) == 1
+    # the report, which stays, has it as well
+    assert re.search(r"\| (warning|cause) \|", (tmp_path / "report.md").read_text(encoding="utf-8"))
+
+
+def test_a_first_compilation_is_told_where_nobody_has_set_up_logging(tmp_path: Path) -> None:
+    if (compiler := kernels.find_compiler()) is None:
+        pytest.skip("needs a C compiler")
+    code = "from rope_model.numerics.kernels import *; from pathlib import Path; import sys\n"
+    code += "compile_library({'x.c': 'int x;'}, sys.argv[2:], Path(sys.argv[1]), 'kernels-x')"
+    done = [
+        subprocess.run(
+            [sys.executable, "-c", code, str(tmp_path), *compiler], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        for _ in range(2)
+    ]
+    assert re.fullmatch(r"compiling kernels-x with .*, once on this machine: 5 to 20 s\n", done[0].stderr)
+    assert [one.stdout for one in done] == ["", ""]
+    assert done[1].stderr == ""
+
+
+def test_a_host_may_show_its_progress_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_bar() as progress:
+        assert progress(0.5, 1.0)
+    # no terminal, no bar
+    assert capsys.readouterr() == ("", "")
+
+
+def test_warnings_that_are_collected_are_not_shown_and_those_after_are(caplog: pytest.LogCaptureFixture) -> None:
+    log = logging.getLogger("hoist_demo.some")
+    with warnings_of("hoist_demo") as heard:
+        for text in ("one", "two", "one"):
+            log.warning(text)
+    log.warning("three")
+    assert heard == ["one", "two"]
+    assert [record.getMessage() for record in caplog.records] == ["three"]
