@@ -1,0 +1,116 @@
+"""docs/troubleshooting.md speaks of messages that there are, and leaves none of the rope's and the FMU's out."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "troubleshooting.md").read_text(encoding="utf-8")
+ENTRIES = re.findall(r"^#### `+ ?(.*?) ?`+$", PAGE, re.M)
+#: stands for a number, a name or another message
+GAP = "…"
+#: words from which on a text is taken for a message
+WORDS = 4
+CALLS = {"Status", "RopeStatus", "_fail_later", "warning"}
+#: texts of the core that are no messages, or say nothing by themselves
+NO_ENTRY = {
+    "no torque acts and nothing acts out of plane": "status.rung_reason, not a failure",
+    "rung errs by an estimated": "status.rung_reason",
+    "where the rope is hung up with its swivels held": "status.rung_reason",
+    "tension and torsion are coupled (Qb": "status.rung_reason",
+    "the rope is twisted by": "status.rung_reason",
+    "element count of segment": "the name of a value in 'is out of range'",
+    "while its swivels hold": "part of 'rung cannot follow'",
+    "it errs by an estimated": "part of 'rung cannot follow'",
+    "a rope that goes slack (tension": "part of 'rung cannot follow'",
+    "mesh.kind = auto takes them from": "an addition to the messages of the mesh",
+    "the coupling Qb": "part of 'hangs yawed'",
+    "installed_twist =": "part of 'hangs yawed'",
+    "the ends, which twist the rope by": "part of 'hangs yawed'",
+    "the local error": "part of 'a step of ... fails too'",
+    "use mesh.suited": "a programmer's: no host can cause it",
+    "holds kernels of another mesh size": "part of 'does not load here'",
+    "the licence is missing": "of a damaged installation; names its cure",
+    "the reference run fails": "of the export; the cause follows",
+}
+
+
+def python_messages(path: Path) -> list[str]:
+    """Texts of what is raised, of statuses and warnings, and sentences that functions return."""
+    found = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        parts: list[ast.expr] = []
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+            parts = node.exc.args
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) in CALLS:
+            parts = node.args
+        elif isinstance(node, ast.Return) and node.value is not None and path.parent.name == "simulation":
+            parts = [node.value]
+        found += [text for part in parts if (text := literal(part))]
+    return found
+
+
+def literal(node: ast.expr) -> str:
+    """The text of a string with gaps; '' for anything else."""
+    if isinstance(node, ast.Constant):
+        return re.sub(r"%[a-z]", GAP, node.value) if isinstance(node.value, str) else ""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(literal(x) if isinstance(x, ast.Constant) else GAP for x in node.values)
+    return ""
+
+
+def c_messages(path: Path) -> list[str]:
+    """Texts that are printed into a message, or with which a call is refused."""
+    text = path.read_text(encoding="utf-8")
+    found = re.findall(r'(?:snprintf|refuse)\s*\((?:[^"();]|\([^()]*\))*((?:"(?:[^"\\]|\\.)*"\s*)+)', text)
+    joined = ["".join(re.findall(r'"((?:[^"\\]|\\.)*)"', part)) for part in found]
+    return [re.sub(r"%[-.\d]*l?[a-z]", GAP, part).replace("%%", "%") for part in joined]
+
+
+def strings(path: Path) -> list[str]:
+    """All texts of a Python file but its docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    documentation = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    expressions = (node for node in ast.walk(tree) if isinstance(node, ast.expr) and id(node) not in documentation)
+    return [text for node in expressions if (text := literal(node))]
+
+
+def sources(suffix: str, *folders: str) -> list[Path]:
+    return [path for folder in folders for path in sorted((ROOT / folder).rglob(f"*{suffix}"))]
+
+
+C = [text for path in sources(".c", "rope_model", "fmu_src") for text in c_messages(path)]
+PYTHON = [text for path in sources(".py", "rope_model", "fmu_src") for text in python_messages(path)]
+CORE = sorted({text for text in C + PYTHON if len(re.findall(r"[A-Za-z]{2,}", text)) >= WORDS})
+ALL = C + [text for path in sources(".py", "rope_model", "fmu_src", "hoist_demo") for text in strings(path)]
+
+
+def speaks_of(entry: str, message: str) -> bool:
+    """Whether the parts of an entry's heading stand in the message, in their order."""
+    return re.search(".*".join(map(re.escape, filter(None, entry.split(GAP)))), message, re.S) is not None
+
+
+def test_the_messages_of_both_languages_are_found() -> None:
+    for text in ("the loop hangs yawed by", "cannot advance from t =", "is an output and cannot be set"):
+        assert any(text in message for message in CORE)
+    assert any("goes beyond the stop time" in message for message in CORE)  # C only
+
+
+@pytest.mark.parametrize("entry", ENTRIES)
+def test_an_entry_speaks_of_a_message_that_there_is(entry: str) -> None:
+    assert len(re.findall(r"[A-Za-z]+", entry)) >= 3
+    assert any(speaks_of(entry, text) for text in ALL)
+
+
+@pytest.mark.parametrize("message", CORE)
+def test_a_message_of_the_core_has_an_entry_or_a_reason_why_not(message: str) -> None:
+    assert any(speaks_of(entry, message) for entry in ENTRIES) or any(text in message for text in NO_ENTRY), message
+
+
+@pytest.mark.parametrize("text", NO_ENTRY)
+def test_what_has_no_entry_is_still_there(text: str) -> None:
+    assert any(text in message for message in CORE)
