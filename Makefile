@@ -36,7 +36,7 @@ reproduce: $(READY)
 	$(BIN)/python -m benchmarks.reproduce
 
 chart: $(READY)
-	$(BIN)/balance-rope chart
+	$(BIN)/python -m benchmarks.chart
 
 peer: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[peer]'
