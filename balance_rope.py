@@ -138,7 +138,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
 
 def _levels() -> dict[str, dict[str, float]]:
     """By what a report tells the level of a rope: numbers and choices of mesh, solver and model, by FMI name."""
-    numbers = {}
+    numbers = dict[str, dict[str, float]]()
     for level in LEVELS:
         table = [v for v in variables(rope_120(level)) if v.causality == "parameter"]
         numbers[level] = {

@@ -19,10 +19,10 @@ from fmu_src.native.export import native_table, rope_sources, shell_sources
 from fmu_src.native.model_fmu import model_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
-from hoist_demo.drive_fmu.description import drive_model
+from hoist_demo.drive_fmu.description import drive_model, without_brake
 from hoist_demo.drive_fmu.kernels import generated as drive_kernels
 from hoist_demo.drive_fmu.kernels import kernels_file
-from hoist_demo.parameters import SETUPS
+from hoist_demo.scenes import SCENES, SceneData
 from rope_model.native.build import NAME, generated, generated_file, sources
 from rope_model.native.platforms import prebuilt_file
 from rope_model.parameters import rope_120
@@ -39,8 +39,8 @@ def libraries() -> Iterator[Library]:
     """Those of FMUs."""
     for fmi in (2, 3):
         yield _rope(fmi)
-    for name in SETUPS:
-        yield _drive(name)
+        for scene in SCENES.values():
+            yield _drive(scene, fmi)
 
 
 def _rope(fmi: int) -> Library:
@@ -49,16 +49,18 @@ def _rope(fmi: int) -> Library:
     return Library(shared, MODEL)
 
 
-def _drive(name: str) -> Library:
-    drive = drive_model(SETUPS[name])
+def _drive(scene: SceneData, fmi: int) -> Library:
+    drive = drive_model(scene, scene.gains)
     table = [Variable(*variable) for variable in drive.variables]
-    return Library(without_start(model_sources(table, drive.sources), len(start_values(table, 2))), drive.name)
+    shared = without_start(model_sources(table, drive.sources, fmi), len(start_values(table, fmi)))
+    return Library(shared, drive.name)
 
 
 def add_prebuilt(root: Path) -> None:
     """Write what the packages below ``root``, copies of ours, are to bring."""
     _write(generated_file(root / "rope_model"), generated())
-    for setup in SETUPS.values():
+    for scene in SCENES.values():
+        setup = without_brake(scene)
         _write(kernels_file(root / "hoist_demo", setup), asdict(drive_kernels(setup)))
     for name in PLATFORMS:
         rope = prebuilt_file(root / "rope_model" / "native", sources(), NAME, name)

@@ -6,6 +6,7 @@ Writes chart.md, images/chart and data/chart in --out, and the table of levels i
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from .command import run
@@ -13,7 +14,7 @@ from .command import run
 DOCS, QUICK = Path("docs"), Path("out") / "chart"
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """The command line."""
     parser = argparse.ArgumentParser("python -m benchmarks.chart", description=__doc__)
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"where to ({DOCS}; with --quick {QUICK})")
@@ -21,7 +22,7 @@ def main() -> None:
     parser.add_argument(
         "--only", metavar="FAMILY", help="measure one family, or depth, anew and keep the rest; draw: none"
     )
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     for path in run(options.out or (QUICK if options.quick else DOCS), options.only, options.quick):
         print(path)
 
