@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 import json
+import sys
 import tomllib
 import zipfile
 from pathlib import Path
@@ -14,6 +15,7 @@ import pytest
 import fmu_src
 import hoist_demo
 import rope_model
+from balance_rope import main
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import PLATFORMS
 from fmu_src.native.export import native_table, rope_sources, shell_sources
@@ -40,6 +42,15 @@ def test_no_part_of_the_product_is_imported_from_what_is_not_installed() -> None
         text = path.read_text(encoding="utf-8")
         assert "from benchmarks" not in text, path
         assert "from release" not in text, path
+
+
+def test_a_study_without_its_packages_names_the_extra(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "dask.distributed", None)
+    monkeypatch.delitem(sys.modules, "hoist_demo.study.cluster", raising=False)
+    assert main(["study", str(tmp_path / "study.toml")]) == 2
+    assert "a study needs dask.distributed: pip install 'balance-rope[study]'" in capsys.readouterr().err
 
 
 def test_the_bill_names_every_file_with_its_hash_and_every_package_that_is_needed(tmp_path: Path) -> None:
