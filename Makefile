@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling studies throughput fuzz fmu clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling studies throughput fuzz fmu wheels wheel-test release clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -36,7 +36,7 @@ reproduce: $(READY)
 	$(BIN)/python -m benchmarks.reproduce
 
 chart: $(READY)
-	$(BIN)/balance-rope chart
+	$(BIN)/python -m benchmarks.chart
 
 peer: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[peer]'
@@ -73,6 +73,15 @@ throughput: $(READY)
 fmu: $(READY)
 	$(BIN)/balance-rope export --outputs all
 
+wheels: $(READY)
+	$(BIN)/python -m release.wheels build/wheels
+
+wheel-test: wheels
+	$(BIN)/python -m release.trial build/wheels/*.whl
+
+release: $(READY)
+	$(BIN)/python -m release dist
+
 $(READY): pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; run make PYTHON=python3.12 demo" if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv $(VENV)
@@ -81,4 +90,4 @@ $(READY): pyproject.toml
 	touch $@
 
 clean:
-	rm -rf $(VENV) build out *.egg-info
+	rm -rf $(VENV) build dist out *.egg-info

@@ -7,12 +7,11 @@ import logging
 import sys
 import tempfile
 from collections.abc import Sequence
-from importlib.metadata import version
 from pathlib import Path
 
 from fmu_src.export import export_fmu
 from fmu_src.interface import Variable, variables
-from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
+from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
 from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
@@ -21,6 +20,7 @@ from hoist_demo.cli import add_demo
 from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.scenes import SCENES
 from hoist_demo.study.command import add_study
+from rope_model import __version__
 from rope_model.parameters import LEVELS, rope_120
 
 BUILD = Path("build")
@@ -31,7 +31,6 @@ NAMES = {
     ("native", 3): "balance_rope_native_fmi3.fmu",
 }
 DEFAULT_FMU = BUILD / NAMES["Python", 2]
-DOCS, QUICK = Path("docs"), Path("out") / "chart"
 
 DESCRIPTION = """\
 The balance rope of a friction (Koepe) hoist, as an FMU and in a winding.
@@ -48,7 +47,6 @@ first steps:
   balance-rope demo --quick            wind 10 m only, to see that all is in place
   balance-rope demo --in-process       the same rope without the FMU
   balance-rope study STUDY.toml        wind many times, with parameters over grids, samples or a search
-  balance-rope chart                   measure accuracy against speed; page, figures and data in docs
   balance-rope COMMAND --help          what a command can do
 """
 
@@ -57,25 +55,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; returns the exit code."""
     raw = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser("balance-rope", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw)
-    parser.add_argument("--version", action="version", version=f"balance-rope {version('balance-rope')}")
+    parser.add_argument("--version", action="version", version=f"balance-rope {__version__}")
     parser.add_argument("-v", "--verbose", action="store_true", help="log what the solver does")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_export(commands)
     add_demo(commands, DEFAULT_FMU, _levels)
     add_study(commands)
-    chart = commands.add_parser(
-        "chart",
-        help="measure accuracy against speed",
-        description="Wind the 120 m rope with many meshes, steps and models, and chart error over processor time: "
-        "chart.md, images/chart and data/chart in --out, and the table of levels in the README beside it. Some ten "
-        "minutes.",
-    )
-    chart.add_argument("--out", type=Path, metavar="DIR", help=f"where to ({DOCS}; with --quick {QUICK})")
-    chart.add_argument("--quick", action="store_true", help="a few points on 1 m of travel: a check, not a result")
-    chart.add_argument(
-        "--only", metavar="FAMILY", help="measure one family, or depth, anew and keep the rest; draw: none"
-    )
-    chart.set_defaults(run=_chart)
     for command in commands.choices.values():  # -v is understood behind the command as well
         command.add_argument(
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
@@ -100,11 +85,14 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help="write the rope as an FMU",
         description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) needs Python with "
         "numpy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is self-contained C and needs "
-        "nothing. Both have the same variables; every parameter can still be set before initialisation. The first "
-        "export compiles: the native flavour takes some 10 s per platform and version of FMI, 100 s for all.",
+        "nothing. Both have the same variables; every parameter can still be set before initialisation. An installed "
+        "wheel brings the libraries; in a checkout the first export of the native flavour compiles, some 10 s per "
+        "platform and version of FMI, 100 s for all.",
     )
     export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
-    export.add_argument("--native", action="store_true", help="the native flavour; needs a C compiler or ziglang here")
+    export.add_argument(
+        "--native", action="store_true", help="the native flavour; in a checkout it needs a C compiler or ziglang"
+    )
     export.add_argument("--fmi", type=int, nargs="+", choices=(2, 3), default=[2], help="version of FMI (2)")
     export.add_argument(
         "--platform",
@@ -149,7 +137,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
 
 def _levels() -> dict[str, dict[str, float]]:
     """By what a report tells the level of a rope: numbers and choices of mesh, solver and model, by FMI name."""
-    numbers = {}
+    numbers = dict[str, dict[str, float]]()
     for level in LEVELS:
         table = [v for v in variables(rope_120(level)) if v.causality == "parameter"]
         numbers[level] = {
@@ -194,6 +182,8 @@ def _export(options: argparse.Namespace) -> int:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+    if (options.native or options.ssp) and not options.platform and (missing := missing_platforms()):
+        print(f"left out: {missing}")
     return 0
 
 
@@ -235,15 +225,6 @@ def _system(rope: Path, scene: str, platforms: Sequence[str], fmi: int) -> Path:
         components = [Component("drive", fmu, {}), Component("rope", rope, {"inputs_at_step_end": False})]
         name, text = "FrictionHoist", drive.description
         return export_ssp(rope.with_suffix(".ssp"), name, components, drive.duration, 0.01, text)
-
-
-def _chart(options: argparse.Namespace) -> int:
-    # the benchmarks are needed here only, and bring matplotlib
-    from benchmarks.chart.command import run
-
-    for path in run(options.out or (QUICK if options.quick else DOCS), options.only, options.quick):
-        print(path)
-    return 0
 
 
 if __name__ == "__main__":

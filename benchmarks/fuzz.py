@@ -19,9 +19,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from fmu_src.arrays import arrays, scalars
 from fmu_src.native.export import native_table, rope_sources, shell_sources
-from fmu_src.native.table import c_table
+from fmu_src.native.start import Start, c_start
+from fmu_src.native.table import start_values
 from rope_model.parameters import rope_120
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -51,11 +51,8 @@ class Outcome(NamedTuple):
 def build(fmi: int, folder: Path, name: str, flags: Sequence[str]) -> None:
     """The fuzz target as ``name`` in ``folder``, compiled with more ``flags``."""
     table = native_table(rope_120())
-    files = (
-        rope_sources()
-        | shell_sources(table, fmi)
-        | {"variables.c": c_table(table, arrays if fmi == 3 else scalars, "fuzz", fmi)}
-    )
+    files = rope_sources() | shell_sources(table, fmi)
+    files["start.c"] = c_start(Start("fuzz", start_values(table, fmi)))
     files |= {path: (TARGETS / path).read_text(encoding="utf-8") for path in ("fuzz.h", f"fuzz_fmi{fmi}.c")}
     folder.mkdir(parents=True, exist_ok=True)
     for path, text in files.items():

@@ -8,3 +8,5 @@ export                builds the .fmu of the Python flavour
 native                the same in C, for every platform
 attachments           what lies beside in both: documentation, licences, icons, terminals, reference results
 """
+
+from rope_model import __version__ as __version__

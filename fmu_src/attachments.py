@@ -42,7 +42,7 @@ def attachments(described: Collection[Variable], preset: Preset, fmi: int, nativ
     else:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
-    results = reference_files(preset, MODEL, {v.name for v in described})
+    results = reference_files(preset, MODEL, frozenset(v.name for v in described))
     return files | {f"{_EXTRA}/{name}": data for name, data in results.items()}
 
 

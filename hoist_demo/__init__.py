@@ -8,3 +8,7 @@ see there. `settings` and `progress` serve the commands.
 Signs. Heights and vertical forces are positive upwards; a positive travel, sheave angle and torque lift the left
 conveyance. Forces of the balance rope are those on the conveyance, so that a hanging rope has `fy` < 0. SI units.
 """
+
+from importlib.metadata import version
+
+__version__ = version("balance-rope")

@@ -23,6 +23,8 @@ Layers, imports point down only
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from .version import __version__ as __version__
+
 if TYPE_CHECKING:
     from .public import *  # noqa: F403
 else:

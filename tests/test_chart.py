@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from balance_rope import main
 from benchmarks.chart import depth
+from benchmarks.chart.__main__ import main
 from benchmarks.chart.command import DATA, IMAGES, run
 from benchmarks.chart.figures import FIGURES
 from benchmarks.chart.front import cheapest, cost_at, pareto
@@ -87,7 +87,7 @@ def test_every_communication_step_meets_every_sample() -> None:
 def test_the_quick_command_writes_every_file(tmp_path: Path) -> None:
     (tmp_path / "README.md").write_text(f"before\n{BEGIN}\n{END}\nafter\n", encoding="utf-8")
     out = tmp_path / "docs"
-    assert main(["chart", "--quick", "--out", str(out)]) == 0
+    main(["--quick", "--out", str(out)])
     assert {p.name for p in (out / DATA).iterdir()} == {"points.csv", "machine.csv", "depth.csv"}
     assert {p.stem for p in (out / IMAGES).iterdir()} == set(FIGURES)
     assert (out / "chart.md").read_text(encoding="utf-8") == page(tables := read(out / DATA))

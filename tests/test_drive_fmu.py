@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fmu_src.arrays import scalars
 from fmu_src.interface import Variable
-from fmu_src.native.table import c_table
+from fmu_src.native.start import Start, c_start
+from fmu_src.native.table import c_table, start_values
 from hoist_demo.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.drive_fmu.description import DriveModel, drive_model
 from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces, start_heights
@@ -83,7 +83,9 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> tuple[ctypes.CDLL, Dri
     if compiler is None:
         pytest.skip("no C compiler: pip install ziglang")
     folder, model = tmp_path_factory.mktemp("drive"), drive_model(SETUP)
-    sources = {**model.sources, "variables.c": c_table([Variable(*v) for v in model.variables], scalars, "token", 2)}
+    table = [Variable(*v) for v in model.variables]
+    sources = {**model.sources, "variables.c": c_table(table, 2)}
+    sources["start.c"] = c_start(Start("token", start_values(table, 2)))
     sources["model.h"] = (NATIVE / "model.h").read_text()
     for name, text in sources.items():
         (folder / name).write_text(text)

@@ -29,8 +29,9 @@ from native_host import H, Host
 
 from balance_rope import main
 from fmu_src.interface import scene_of, variables
-from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library, universal
+from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library
 from fmu_src.native.export import export_native
+from fmu_src.native.mach_o import universal
 from fmu_src.profile import FULL
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import checked

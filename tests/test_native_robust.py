@@ -19,10 +19,10 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
 from native_raw import ERROR, OK, SMALL, Instance, Library, resealed
 
-from fmu_src.arrays import arrays, scalars
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native, native_table, rope_sources, shell_sources
-from fmu_src.native.table import c_table
+from fmu_src.native.start import Start, c_start
+from fmu_src.native.table import start_values
 from rope_model.parameters import rope_120
 
 if not available_platforms():
@@ -144,11 +144,8 @@ def test_the_library_asks_for_memory_only_where_the_standard_leaves_it_to_the_fm
 def compiled(folder: Path, fmi: int, *flags: str) -> Path:
     """The FMU's sources in ``folder``, compiled by cc with ``flags``."""
     table = native_table(rope_120())
-    files = (
-        rope_sources()
-        | shell_sources(table, fmi)
-        | {"variables.c": c_table(table, arrays if fmi == 3 else scalars, "token", fmi)}
-    )
+    files = rope_sources() | shell_sources(table, fmi)
+    files["start.c"] = c_start(Start("token", start_values(table, fmi)))
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
     sources = sorted(name for name in files if name.endswith(".c"))

@@ -49,7 +49,7 @@ def block(tables: Tables) -> str:
     form = "compiled" if "compiled" in tables["points"]["kernels"] else "interpreted"
     return (
         f"{BEGIN}\n{levels(tables)}\n\nErrors and {form} real-time factors of the 90 m winding, in process, from "
-        f"`balance-rope chart`; [docs/chart.md](docs/chart.md) shows what else was tried.\n{END}"
+        f"`make chart`; [docs/chart.md](docs/chart.md) shows what else was tried.\n{END}"
     )
 
 

@@ -22,8 +22,7 @@ ASKED += [(LOOP, bound, f"{1e3 * bound:g} mm loop") for bound in PLACES]
 
 HEAD = """# Accuracy against speed
 
-This page is written by `balance-rope chart` (or `make chart`); edit the generator, `benchmarks/chart`, and not the
-page.
+This page is written by `make chart`; edit the generator, `benchmarks/chart`, and not the page.
 
 The scene is the 120 m rope on its winding of 90 m at up to 8 m/s, coupled, and uncoupled (Qb = Qc = 0). Without
 coupling nothing twists the rope or moves it out of plane; the planar rung of the model is then exact, and 'auto' takes

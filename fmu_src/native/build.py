@@ -1,7 +1,8 @@
 """C sources to the binaries of an FMU, for all platforms from any one machine with the ziglang package.
 
-Without ziglang the host's own C compiler builds for the host.  Binaries are cached under the hash of all that goes
-into them, and are the same bytes for the same sources, compiler and target.
+Without ziglang the host's own C compiler builds for the host.  An installed package brings libraries of its own, for
+all platforms.  Others are cached under the hash of all that goes into them.  The same sources, compiler and target make
+the same bytes.
 """
 
 from __future__ import annotations
@@ -9,53 +10,55 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import logging
-import platform
-import struct
 import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
+from rope_model.native.platforms import PLATFORMS as PLATFORMS
+from rope_model.native.platforms import host_platform as host_platform
+from rope_model.native.platforms import prebuilt_file, prebuilt_platforms
 from rope_model.numerics.kernels import cache_folder, find_compiler
+
+from .mach_o import universal
 
 progress = logging.getLogger("balance_rope.progress")
 
-FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-s")
+_PACKAGE = Path(__file__).resolve().parent
+CURE = "ziglang builds for all: pip install 'balance-rope[compiler]'"
 
-
-class Platform(NamedTuple):
-    """Name of the target for ziglang, of its folder in FMI 2.0, and ending of its libraries."""
-
-    target: str
-    folder2: str
-    suffix: str
-
-
-#: FMI 3.0's names of the platforms.  FMI 2.0 has none for aarch64: on Linux the name of FMI 3.0 serves there too, on
-#: macOS the two processors share one library
-PLATFORMS: dict[str, Platform] = {
-    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "linux64", ".so"),
-    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),
-    "x86_64-windows": Platform("x86_64-windows-gnu", "win64", ".dll"),
-    "x86_64-darwin": Platform("x86_64-macos", "darwin64", ".dylib"),
-    "aarch64-darwin": Platform("aarch64-macos", "darwin64", ".dylib"),
-}
-_PROCESSORS = {"amd64": "x86_64", "arm64": "aarch64"}
-
-
-def host_platform() -> str:
-    """FMI 3.0's name of the platform that this Python runs on."""
-    processor = platform.machine().lower()
-    return f"{_PROCESSORS.get(processor, processor)}-{'windows' if sys.platform == 'win32' else sys.platform}"
+FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-shared", "-s")
+#: of an FMU nothing is seen but the functions of FMI
+_HIDDEN = "-fvisibility=hidden"
 
 
 def available_platforms() -> tuple[str, ...]:
-    """What can be built here: all with ziglang, the host's with another C compiler, else nothing."""
+    """What can be had here: all with ziglang, the host's with another C compiler, and what the package brings."""
+    return tuple(name for name in PLATFORMS if name in _compilable() | prebuilt_platforms(_PACKAGE))
+
+
+def _compilable() -> set[str]:
     if importlib.util.find_spec("ziglang") is not None:
-        return tuple(PLATFORMS)
-    return (host_platform(),) if find_compiler() and host_platform() in PLATFORMS else ()
+        return set(PLATFORMS)
+    return {host_platform()} if find_compiler() else set()
+
+
+def chosen_platforms(asked: Sequence[str] | None) -> tuple[str, ...]:
+    """Those that are asked for, all that can be had if None; ValueError when there is none."""
+    chosen = available_platforms() if asked is None else tuple(asked)
+    if not chosen:
+        raise ValueError(f"no platform to build for: install a C compiler; {CURE}")
+    return chosen
+
+
+def missing_platforms() -> str:
+    """Which platforms cannot be had here, and why; '' when all can."""
+    if not (missing := [name for name in PLATFORMS if name not in available_platforms()]):
+        return ""
+    compiler = find_compiler()
+    why = f"{Path(compiler[0]).name} builds for this machine only" if compiler else "there is no C compiler here"
+    return f"{', '.join(missing)}: {why}; {CURE}"
 
 
 def binaries(sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]) -> dict[str, bytes]:
@@ -70,14 +73,24 @@ def binaries(sources: Mapping[str, str], identifier: str, fmi: int, platforms: S
 
 
 def library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
-    """The compiled library for the platform ``name``; ValueError when it cannot be built here."""
-    if name not in available_platforms():
+    """The library of an FMU for the platform ``name``: the package's, the cache's, or compiled.
+
+    ValueError when it cannot be had here.
+    """
+    brought = prebuilt_file(_PACKAGE, sources, identifier, name)
+    return brought if brought.exists() else _made(sources, identifier, name, _HIDDEN)
+
+
+def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
+    """As ``library``, but for ctypes: all functions of the sources are seen."""
+    return _made(sources, identifier, name)
+
+
+def _made(sources: Mapping[str, str], identifier: str, name: str, *flags: str) -> Path:
+    if name not in PLATFORMS or name not in _compilable():
         could = ", ".join(available_platforms()) or "none, without a C compiler"
-        raise ValueError(
-            f"the platform {name!r} cannot be built here; can be: {could}. "
-            "The ziglang package builds for all: pip install ziglang"
-        )
-    command = _compiler(name)
+        raise ValueError(f"the platform {name!r} cannot be built here; can be: {could}. {CURE}")
+    command = _command(name, *flags)
     version = subprocess.run([*command[:3], "--version"], capture_output=True, text=True, check=False).stdout
     parts = [identifier, version, *command[1:], *(f"{key}\0{text}" for key, text in sorted(sources.items()))]
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
@@ -86,13 +99,13 @@ def library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
         made.parent.mkdir(parents=True, exist_ok=True)
         progress.warning("compiling %s for %s, some 10 s", identifier, name)
         with tempfile.TemporaryDirectory(dir=made.parent) as folder:
-            _compile(command, sources, Path(folder), f"{identifier}{PLATFORMS[name].suffix}").replace(made)
+            _compile(Path(folder), command, sources, f"{identifier}{PLATFORMS[name].suffix}").replace(made)
     return made
 
 
-def _compiler(name: str) -> list[str]:
-    """The command that compiles for the platform, without the files."""
-    flags = list(FLAGS)
+def _command(name: str, *more: str) -> list[str]:
+    """The command that compiles for the platform with ``more`` flags, without the files."""
+    flags = [*FLAGS, *more]
     if not name.endswith("windows"):
         flags.append("-fPIC")
     if name.endswith("linux"):
@@ -102,7 +115,8 @@ def _compiler(name: str) -> list[str]:
     return [*(find_compiler() or ()), *flags]
 
 
-def _compile(command: Sequence[str], sources: Mapping[str, str], folder: Path, name: str) -> Path:
+def _compile(folder: Path, command: Sequence[str], sources: Mapping[str, str], name: str) -> Path:
+    """The library ``name`` in ``folder``, where its sources come to lie, too; RuntimeError when the compiler fails."""
     for file, text in sources.items():
         (folder / file).write_text(text, encoding="utf-8", newline="\n")
     files = sorted(file for file in sources if file.endswith(".c"))
@@ -114,15 +128,3 @@ def _compile(command: Sequence[str], sources: Mapping[str, str], folder: Path, n
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)} failed: {done.stderr[-2000:]}")
     return folder / name
-
-
-def universal(libraries: Sequence[bytes]) -> bytes:
-    """One macOS library of several processors' (fat Mach-O: a table of offsets, then the libraries)."""
-    page = 1 << 14
-    table, body, offset = struct.pack(">II", 0xCAFEBABE, len(libraries)), b"", page
-    for code in libraries:
-        cpu, subtype = struct.unpack_from("<II", code, 4)
-        table += struct.pack(">IIIII", cpu, subtype, offset, len(code), 14)
-        padded = code + bytes(-len(code) % page)
-        body, offset = body + padded, offset + len(padded)
-    return table.ljust(page, b"\0") + body

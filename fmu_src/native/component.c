@@ -12,7 +12,7 @@
 #define SHORTEST_STEP 1e-9
 /* what has been entered since the model was set up */
 enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
-enum { TOKEN = 64, NUMBER = 32, STATE_VERSION = 2 };
+enum { NUMBER = 32, STATE_VERSION = 2 };
 
 struct Component {
     Allocator allocator;
@@ -37,7 +37,7 @@ typedef struct {
     uint32_t version;
     int32_t mode, valid, started;
     double start, time;
-    char token[TOKEN], status[MODEL_MESSAGE];
+    char token[MODEL_TOKEN], status[MODEL_MESSAGE];
 } StateHeader;
 
 static const char MAGIC[8] = "FMUSTATE";
@@ -245,18 +245,29 @@ void component_reset(Component *c) {
     c->start = c->stop = c->time = 0.0;
     c->valid = 1;
     c->status[0] = c->message[0] = '\0';
-    for (i = 0; i < MODEL_SCALARS; i++) c->values[i] = MODEL_VARIABLES[i].start;
+    for (i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i);
 }
 
 /* values */
 
+/* the variable's scalars; 0 for one that is in the array of another */
+static size_t length_of(unsigned reference) {
+    return model_has_arrays() ? MODEL_VARIABLES[reference].length : 1;
+}
+
 int component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length) {
     static const char *const names[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
-    if (reference >= MODEL_SCALARS || MODEL_VARIABLES[reference].kind != kind || !MODEL_VARIABLES[reference].length)
+    if (reference >= MODEL_SCALARS || MODEL_VARIABLES[reference].kind != kind || !length_of(reference))
         return refuse(c, "there is no %s variable with value reference %u", names[kind], reference);
     *first = reference;
-    *length = MODEL_VARIABLES[reference].length;
+    *length = length_of(reference);
     return 1;
+}
+
+int component_has_token(const char *token) {
+    char own[MODEL_TOKEN];
+    model_token(own);
+    return token && !strcmp(token, own);
 }
 
 int component_get(Component *c, size_t scalar, double *value) {
@@ -387,7 +398,7 @@ void component_save(const Component *c, void *to) {
     header.started = model_bytes(c) != 0;
     header.start = c->start;
     header.time = c->time;
-    strncpy(header.token, MODEL_TOKEN, TOKEN - 1);
+    model_token(header.token);
     strcpy(header.status, c->status);
     memcpy(entries, c->values, MODEL_SCALARS * sizeof(double));
     if (model_bytes(c)) model_save(c->model, rest);
@@ -400,10 +411,11 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
     const double *values = (const double *)(header + 1);
     size_t least = sizeof *header + MODEL_SCALARS * sizeof(double), i;
-    char why[MODEL_MESSAGE];
+    char why[MODEL_MESSAGE], own[MODEL_TOKEN];
+    model_token(own);
     if (bytes < sizeof *header || memcmp(header->magic, MAGIC, sizeof MAGIC))
         return refuse(c, "these %lu bytes are not a state of this FMU", (unsigned long)bytes);
-    if (header->version != STATE_VERSION || strncmp(header->token, MODEL_TOKEN, TOKEN - 1))
+    if (header->version != STATE_VERSION || memcmp(header->token, own, MODEL_TOKEN))
         return refuse(c, "the state is none of this FMU's: it is another build's; restore it there");
     if (bytes < least || header->bytes != bytes || header->checksum != state_checksum(from, bytes))
         return refuse(c, "these %lu bytes are a damaged state: length or checksum do not fit; save it anew",

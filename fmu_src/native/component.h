@@ -42,6 +42,9 @@ double component_time(const Component *c);
 void component_terminate(Component *c);
 void component_reset(Component *c);
 
+/* whether `token` is this FMU's; NULL is not */
+int component_has_token(const char *token);
+
 /* the scalars of the variable `reference` of `kind`: *length from *first on */
 int component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length);
 int component_get(Component *c, size_t scalar, double *value);

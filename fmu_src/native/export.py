@@ -19,8 +19,9 @@ from ..interface import NO_CHANGES, Value, Variable, preset_with, variables
 from ..model_description import MODEL, Build, model_description
 from ..model_description3 import build_description, model_description3
 from ..profile import Profile
-from .build import available_platforms, binaries
-from .table import c_places, c_table
+from .build import chosen_platforms
+from .start import Start, binaries_with, c_start
+from .table import c_places, c_table, start_values
 
 _HERE = Path(__file__).resolve().parent
 _COMMON = ("component.c", "component.h", "model.h", "snapshot.c", "snapshot.h", "rope_model.c", "rope_table.h")
@@ -43,17 +44,17 @@ def export_native(
     """
     if fmi not in (2, 3):
         raise ValueError(f"there is no FMI version {fmi}; choose 2 or 3")
-    chosen = available_platforms() if platforms is None else tuple(platforms)
-    if not chosen:
-        raise ValueError("no platform to build for: install a C compiler, or the ziglang package")
+    chosen = chosen_platforms(platforms)
     data = preset_with(preset, level, start)
     table = native_table(data)
     form = arrays if fmi == 3 and profile.arrays else scalars
     sources = {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)}
-    token = _token(sources, f"{preset} {level} {fmi} {sorted(start.items())} {profile}")
-    sources["variables.c"] = c_table(table, form, token, fmi)
+    what = f"{preset} {level} {fmi} {sorted(start.items())} {profile}"
+    own = Start(_token(sources, what), start_values(table, fmi), form is arrays)
+    code = binaries_with(own, sources, MODEL, fmi, chosen)
+    sources["start.c"] = c_start(own)
     build = Build(
-        token,
+        own.token,
         importlib.metadata.version("balance-rope"),
         f"balance-rope {importlib.metadata.version('balance-rope')}, native",
         _date(),
@@ -66,7 +67,7 @@ def export_native(
     files = {"modelDescription.xml": xml_bytes(root)}
     files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     files["sources/buildDescription.xml"] = xml_bytes(build_description(build, fmi))
-    files |= binaries(sources, MODEL, fmi, chosen)
+    files |= code
     files |= attachments(described.values(), data, fmi, native=True)
     write_archive(destination, files)
     return destination
@@ -83,10 +84,11 @@ def native_table(preset: Preset) -> tuple[Variable, ...]:
 
 
 def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:
-    """Everything between rope.h and the FMI functions but the table of variables."""
+    """Everything between rope.h and the FMI functions but start.c."""
     out = {name: (_HERE / name).read_text(encoding="utf-8") for name in (*_COMMON, f"fmi{fmi}.c")}
     headers = sorted((_HERE / "include").glob(f"fmi{fmi}*.h"))
     out |= {path.name: path.read_text(encoding="utf-8") for path in headers}
+    out["variables.c"] = c_table(table, fmi)
     out["places.c"] = c_places(table, fmi)
     return out
 

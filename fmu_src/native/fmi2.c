@@ -89,7 +89,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         wrong = "the instance has no name; give one";
     else if (fmuType != fmi2CoSimulation)
         wrong = "this FMU is for co-simulation only; instantiate it with fmi2CoSimulation";
-    else if (!fmuGUID || strcmp(fmuGUID, MODEL_TOKEN))
+    else if (!component_has_token(fmuGUID))
         wrong = "the GUID is not that of this FMU; read it from the modelDescription.xml beside this binary";
     else if (!functions->allocateMemory || !functions->freeMemory)
         wrong = "the callbacks allocateMemory and freeMemory are missing; this FMU needs them";

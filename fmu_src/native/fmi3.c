@@ -77,7 +77,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     (void)requiredIntermediateVariables, (void)intermediateUpdate;
     if (!instanceName || !*instanceName)
         wrong = "the instance has no name; give one";
-    else if (!instantiationToken || strcmp(instantiationToken, MODEL_TOKEN))
+    else if (!component_has_token(instantiationToken))
         wrong = "the instantiation token is not that of this FMU; read it from the modelDescription.xml beside it";
     else if (eventModeUsed)
         wrong = "this FMU has no event mode (hasEventMode is false); instantiate it with eventModeUsed = false";

@@ -20,7 +20,6 @@ typedef enum { FROM_ENTRY, FROM_MODEL, FROM_STATUS_VALID, FROM_STATUS_MESSAGE, F
    number of them in `length`, the others have length 0 and no value reference of their own. */
 typedef struct {
     const char *name;
-    double start;        /* of entries; integers and booleans are exact */
     const char *choices; /* of entries that choose one of a few: "0 locked, 1 free, 2 coulomb"; else NULL */
     unsigned number;     /* of choices */
     unsigned length;
@@ -29,8 +28,15 @@ typedef struct {
 
 extern const Variable MODEL_VARIABLES[];
 extern const size_t MODEL_SCALARS;
-/* checked at instantiation: the GUID of FMI 2, the instantiation token of FMI 3 */
-extern const char MODEL_TOKEN[];
+
+/* What one export has and another has not (start.c).  It is written into the finished library, too: one library serves
+   all exports.  The token is checked at instantiation: the GUID of FMI 2, the instantiation token of FMI 3. */
+enum { MODEL_TOKEN = 64 };
+void model_token(char token[MODEL_TOKEN]);
+/* of entries; integers and booleans are exact */
+double model_start(size_t scalar);
+/* whether arrays are one variable; if not, each of their scalars is a variable of its own */
+int model_has_arrays(void);
 
 /* as calloc and free */
 typedef struct {

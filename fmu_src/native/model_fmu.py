@@ -15,8 +15,9 @@ from ..interface import Variable
 from ..model_description import Build, model_description
 from ..model_description3 import build_description, model_description3
 from ..profile import Profile
-from .build import available_platforms, binaries
-from .table import c_table
+from .build import chosen_platforms
+from .start import Start, binaries_with, c_start
+from .table import c_table, start_values
 
 _HERE = Path(__file__).resolve().parent
 _SHELL = ("component.c", "component.h", "model.h", "snapshot.c", "snapshot.h")
@@ -39,18 +40,15 @@ def export_model(
     instant (after initialisation). ``attachments`` are further files by their paths in the archive; ``platforms`` as
     for the rope.
     """
-    chosen = available_platforms() if platforms is None else tuple(platforms)
-    if not chosen:
-        raise ValueError("no platform to build for: install a C compiler, or the ziglang package")
-    sources = {**model, **{file: (_HERE / file).read_text(encoding="utf-8") for file in (*_SHELL, f"fmi{fmi}.c")}}
-    headers = sorted((_HERE / "include").glob(f"fmi{fmi}*.h"))
-    sources |= {path.name: path.read_text(encoding="utf-8") for path in headers}
-    token = _token(name, sources, c_table(table, scalars, "", fmi))
-    sources["variables.c"] = c_table(table, scalars, token, fmi)
+    sources = model_sources(table, model, fmi)
+    values = start_values(table, fmi)
+    start = Start(_token(name, sources, values), values)
+    code = binaries_with(start, sources, name, fmi, chosen_platforms(platforms))
+    sources["start.c"] = c_start(start)
     version = importlib.metadata.version("balance-rope")
     compiled = tuple(sorted(file for file in sources if file.endswith(".c")))
     build = Build(
-        token,
+        start.token,
         version,
         f"balance-rope {version}, native",
         "",
@@ -69,14 +67,22 @@ def export_model(
     files["documentation/licenses/fmi-headers.txt"] = (_HERE / "include" / "LICENSE.txt").read_bytes()
     files |= {f"sources/{file}": text.encode() for file, text in sources.items()}
     files["sources/buildDescription.xml"] = xml_bytes(build_description(build, fmi))
-    files |= binaries(sources, name, fmi, chosen)
+    files |= code
     write_archive(destination, files)
     return destination
 
 
-def _token(name: str, sources: Mapping[str, str], table: str) -> str:
+def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int) -> dict[str, str]:
+    """The C files ``model`` with everything between model.h and the FMI functions but start.c."""
+    sources = {**model, **{file: (_HERE / file).read_text(encoding="utf-8") for file in (*_SHELL, f"fmi{fmi}.c")}}
+    headers = sorted((_HERE / "include").glob(f"fmi{fmi}*.h"))
+    sources |= {path.name: path.read_text(encoding="utf-8") for path in headers}
+    return sources | {"variables.c": c_table(table, fmi)}
+
+
+def _token(name: str, sources: Mapping[str, str], values: Sequence[float]) -> str:
     """GUID: the same for the same sources and start values."""
-    digest = hashlib.sha256(f"{name}\0{table}".encode())
+    digest = hashlib.sha256(f"{name}\0{values}".encode())
     for file, text in sorted(sources.items()):
         digest.update(f"\0{file}\0{text}".encode())
     return str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope {digest.hexdigest()}"))

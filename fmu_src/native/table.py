@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
-from ..arrays import Form
+from ..arrays import arrays, scalars
 from ..interface import Variable, choices_of
 
 #: end forces and moments, in the order of rope_derivative
@@ -24,25 +24,31 @@ _HEAD = """\
 """
 
 
-def c_table(table: Sequence[Variable], form: Form, token: str, fmi: int) -> str:
-    """``variables.c``: the scalars with their start values, in arrays or not; FMI 3 has enumerations and the time."""
-    rows = [_row(v, fmi, length) for v, length in zip(table, lengths(table, form), strict=True)]
+def c_table(table: Sequence[Variable], fmi: int) -> str:
+    """``variables.c``: the scalars; FMI 3 has arrays, enumerations and the time."""
+    rows = [_row(v, fmi, length) for v, length in zip(table, lengths(table, fmi), strict=True)]
     if fmi == 3:
-        rows.append('{"time", 0.0, NULL, 0, 1, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
+        rows.append('{"time", NULL, 0, 1, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
     return "\n".join(
         [
             _HEAD,
-            f'const char MODEL_TOKEN[] = "{token}";',
             f"const size_t MODEL_SCALARS = {len(rows)};",
             _array("const Variable MODEL_VARIABLES[]", rows),
         ]
     )
 
 
-def lengths(table: Sequence[Variable], form: Form) -> list[int]:
-    """Number of elements under each value reference; 0 within an array."""
+def lengths(table: Sequence[Variable], fmi: int) -> list[int]:
+    """Number of elements of the array under each value reference; 0 within an array."""
+    form = arrays if fmi == 3 else scalars
     known = {array.reference: array.length for array in form(dict(enumerate(table)))}
     return [known.get(i, 0) for i in range(len(table))]
+
+
+def start_values(table: Sequence[Variable], fmi: int) -> tuple[float, ...]:
+    """The start value of each scalar, 0 where it has none; FMI 3 has the time."""
+    starts = [float(v.start) if isinstance(v.start, int | float) else 0.0 for v in table]
+    return tuple(starts + [0.0] * (fmi == 3))
 
 
 def c_places(table: Sequence[Variable], fmi: int) -> str:
@@ -61,9 +67,8 @@ def _row(v: Variable, fmi: int, length: int) -> str:
     choices = "NULL" if words is None else '"' + ", ".join(f"{i} {word}" for i, word in enumerate(words)) + '"'
     kind = "ENUMERATION" if words is not None and fmi == 3 else v.kind.upper()
     source = "FROM_ENTRY" if v.causality != "output" else _SOURCES.get(v.name, "FROM_MODEL")
-    start = repr(float(v.start)) if isinstance(v.start, int | float) else "0.0"
     return (
-        f'{{"{v.name}", {start}, {choices}, {len(words or ())}, {length}, KIND_{kind}, '
+        f'{{"{v.name}", {choices}, {len(words or ())}, {length}, KIND_{kind}, '
         f"CAUSALITY_{v.causality.upper()}, VARIABILITY_{v.variability.upper()}, {source}}}"
     )
 

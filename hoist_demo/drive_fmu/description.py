@@ -44,7 +44,7 @@ def drive_model(setup: Setup, gains: Gains | None = None) -> DriveModel:
     """
     if setup.winding.emergency_at is not None:
         raise ValueError(f"emergency_at = {setup.winding.emergency_at:g} s must be None: export a trip without a stop")
-    setup = Setup(replace(setup.hoist, brake=None), setup.winding)
+    setup = without_brake(setup)
     require_trip_fits(setup.hoist, setup.winding)
     generated = kernels(setup)
     table = variables(setup, Gains() if gains is None else gains, generated.step)
@@ -59,6 +59,11 @@ def drive_model(setup: Setup, gains: Gains | None = None) -> DriveModel:
         "drive_table.h": _table(setup, table, generated),
     }
     return DriveModel(NAME, text, table, sources, attachments(text, table), duration(setup.winding))
+
+
+def without_brake(setup: Setup) -> Setup:
+    """Hoist and trip as they are exported."""
+    return Setup(replace(setup.hoist, brake=None), setup.winding)
 
 
 def _creep(winding: Winding) -> str:

@@ -75,7 +75,7 @@ static int read_parameters(double *parameters, const double *values, char *messa
         if (!(values[i] >= DRIVE_BOUNDS[i][0] && values[i] <= DRIVE_BOUNDS[i][1])) {
             snprintf(message, MODEL_MESSAGE, "%s = %.9g is out of range: it must be at least %.9g and at most %.9g; "
                      "give the value of the export, %.9g", MODEL_VARIABLES[i].name, values[i], DRIVE_BOUNDS[i][0],
-                     DRIVE_BOUNDS[i][1], MODEL_VARIABLES[i].start);
+                     DRIVE_BOUNDS[i][1], model_start(i));
             return 0;
         }
     }

@@ -9,8 +9,11 @@ against the stiffness EA of the head ropes, and DEGREE is chosen for (force / EA
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
@@ -40,8 +43,31 @@ class Kernels:
     work: tuple[int, int, int, int]  # sizes of arg, res, iw and w
 
 
+_HOST = Path(__file__).resolve().parent.parent
+
+
 def kernels(setup: Setup) -> Kernels:
-    """C functions drive_rest, drive_step, drive_outputs and drive_control."""
+    """C functions drive_rest, drive_step, drive_outputs and drive_control; the installed package brings some."""
+    brought = kernels_file(_HOST, setup)
+    if not brought.exists():
+        return generated(setup)
+    data = json.loads(brought.read_text(encoding="utf-8"))
+    return Kernels(**data | {"work": tuple(data["work"])})
+
+
+def kernels_file(package: Path, setup: Setup) -> Path:
+    """Where the kernels of ``setup`` are as JSON, if ``package``, a folder hoist_demo, brings them for its Python text.
+
+    Made anew elsewhere, they differ in rounding and in the words of another CasADi.
+    """
+    digest = hashlib.sha256(repr(setup).encode())
+    for path in sorted(package.rglob("*.py")):
+        digest.update(f"{path.relative_to(package).as_posix()}\0{path.read_text(encoding='utf-8')}\0".encode())
+    return package / "drive_fmu" / "prebuilt" / f"kernels-{digest.hexdigest()[:20]}.json"
+
+
+def generated(setup: Setup) -> Kernels:
+    """The kernels, made anew."""
     plant = HoistPlant(setup.hoist)
     lowest = -2.0 * GRAVITY * setup.hoist.tail_rope_mass * setup.hoist.tail_rope_length
     rest = _rest(plant, setup, lowest)

@@ -54,7 +54,7 @@ def _study(options: argparse.Namespace) -> int:
         from hoist_demo.study.perform import perform, write_what_is_there
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
-        raise ValueError(f"a study needs {error.name}: `pip install -e '.[study]'` in this repository") from error
+        raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
     from hoist_demo.study.definition import read_study
 
     if options.workers is not None and options.workers < 1:

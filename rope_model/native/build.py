@@ -1,15 +1,22 @@
-"""The native rope's C sources, complete, and the library they make."""
+"""The native rope's C sources, complete, and the library they make.
+
+An installed package brings the library for each platform, and the generated sources: another version of CasADi writes
+them in other words.
+"""
 
 from __future__ import annotations
 
+import json
 from functools import cache
 from pathlib import Path
 
 from ..numerics.kernels import cache_folder, compile_library, find_compiler
 from .elements import element_code
+from .platforms import host_platform, prebuilt_file, text_hash
 from .tables import signal_numbers
 
 _FOLDER = Path(__file__).resolve().parent
+NAME = "rope"
 
 
 @cache
@@ -18,15 +25,30 @@ def sources() -> dict[str, str]:
     written = {
         p.name: p.read_text(encoding="utf-8") for p in sorted(_FOLDER.iterdir()) if p.suffix in (".c", ".h", ".inc")
     }
-    return written | {"elements.inc": element_code(), "signal_numbers.h": signal_numbers()}
+    brought = generated_file(_FOLDER.parent)
+    return written | (json.loads(brought.read_text(encoding="utf-8")) if brought.exists() else generated())
+
+
+def generated() -> dict[str, str]:
+    """The generated files, made anew."""
+    return {"elements.inc": element_code(), "signal_numbers.h": signal_numbers()}
+
+
+def generated_file(package: Path) -> Path:
+    """Where the generated files are as JSON, if ``package``, a folder rope_model, brings them for its Python text."""
+    return package / "native" / "prebuilt" / f"generated-{text_hash(package)}.json"
 
 
 @cache
 def library() -> Path:
-    """The compiled library, from the cache of kernels when it is there.
+    """The compiled library: the package's, or from the cache of kernels, or compiled.
 
     Raises RuntimeError without a C compiler, CalledProcessError when that fails.
     """
+    if (brought := prebuilt_file(_FOLDER, sources(), NAME, host_platform())).exists():
+        return brought
     if (compiler := find_compiler()) is None:
-        raise RuntimeError("the native rope needs a C compiler; install one, or the ziglang package")
-    return compile_library(sources(), compiler, cache_folder(), "rope")
+        raise RuntimeError(
+            "the native rope needs a C compiler; install one, or ziglang: pip install 'balance-rope[compiler]'"
+        )
+    return compile_library(sources(), compiler, cache_folder(), NAME)

@@ -11,7 +11,9 @@ static void log_message(fmi2ComponentEnvironment environment, fmi2String name, f
 
 static Instance api_new(void) {
     static const fmi2CallbackFunctions callbacks = {log_message, fuzz_take, fuzz_give_back, NULL, NULL};
-    return fmi2Instantiate("rope", fmi2CoSimulation, MODEL_TOKEN, "", &callbacks, fmi2False, fmi2False);
+    char token[MODEL_TOKEN];
+    model_token(token);
+    return fmi2Instantiate("rope", fmi2CoSimulation, token, "", &callbacks, fmi2False, fmi2False);
 }
 
 static void api_free(Instance c) { fmi2FreeInstance(c); }

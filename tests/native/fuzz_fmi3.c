@@ -10,8 +10,10 @@ static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, 
 }
 
 static Instance api_new(void) {
-    return fmi3InstantiateCoSimulation("rope", MODEL_TOKEN, "", fmi3False, fmi3False, fmi3False, fmi3False, NULL, 0,
-                                       NULL, log_message, NULL);
+    char token[MODEL_TOKEN];
+    model_token(token);
+    return fmi3InstantiateCoSimulation("rope", token, "", fmi3False, fmi3False, fmi3False, fmi3False, NULL, 0, NULL,
+                                       log_message, NULL);
 }
 
 static void api_free(Instance c) { fmi3FreeInstance(c); }

@@ -1,0 +1,112 @@
+"""What one export has and another has not, as ``start.c`` of the sources and written into finished libraries.
+
+Token, start values and the way that arrays are shown lie in one block of the library, behind MAGIC.  It is read at run
+time (volatile), so it can be written after the compiler is done: one library per platform and version of FMI serves
+every export.  It is the same, byte by byte, as one compiled from the export's own sources, but for the linker's mark of
+its contents (the time stamp of Windows' libraries, macOS's UUID).
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from .build import binaries
+from .mach_o import parts, with_page_hashes
+
+MAGIC = b"FMU start values"
+TOKEN_ROOM = 64
+_HEAD = struct.Struct(f"<16s{TOKEN_ROOM}sii")
+
+_TEXT = """\
+/* Generated: what this export has and another has not. */
+#include "model.h"
+
+struct ModelStart {{
+    char magic[16], token[MODEL_TOKEN];
+    int scalars, arrays;
+    double values[{scalars}];
+}};
+
+/* volatile: an exporter writes into the finished library, and finds the place by the magic */
+extern const volatile struct ModelStart MODEL_START;
+const volatile struct ModelStart MODEL_START = {{
+    "{magic}",
+    "{token}",
+    {scalars},
+    {arrays:d},
+    {{
+{values}
+    }},
+}};
+
+void model_token(char token[MODEL_TOKEN]) {{
+    int i;
+    for (i = 0; i < MODEL_TOKEN; i++) token[i] = MODEL_START.token[i];
+    token[MODEL_TOKEN - 1] = '\\0';
+}}
+
+double model_start(size_t scalar) {{ return MODEL_START.values[scalar]; }}
+
+int model_has_arrays(void) {{ return MODEL_START.arrays; }}
+"""
+
+
+class Start(NamedTuple):
+    """GUID or instantiation token, start value of every scalar, and whether arrays are one variable."""
+
+    token: str
+    values: tuple[float, ...]
+    arrays: bool = True
+
+    def block(self) -> bytes:
+        """As it lies in a library."""
+        token = self.token.encode()
+        if len(token) >= TOKEN_ROOM:
+            raise ValueError(f"the token {self.token} has {len(token)} bytes: it must have less than {TOKEN_ROOM}")
+        head = _HEAD.pack(MAGIC, token, len(self.values), self.arrays)
+        return head + struct.pack(f"<{len(self.values)}d", *self.values)
+
+
+def c_start(start: Start) -> str:
+    """The text of start.c."""
+    values = "\n".join(f"        {value!r}," for value in start.values)
+    return _TEXT.format(
+        magic=MAGIC.decode(), token=start.token, scalars=len(start.values), arrays=start.arrays, values=values
+    )
+
+
+def without_start(sources: Mapping[str, str], scalars: int) -> dict[str, str]:
+    """The C files that every export of a model shares: ``sources`` and a start.c of zeros."""
+    return {**sources, "start.c": c_start(Start("", (0.0,) * scalars))}
+
+
+def binaries_with(
+    start: Start, sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]
+) -> dict[str, bytes]:
+    """Path in the FMU -> library with ``start``, of the C files and headers in ``sources`` and start.c."""
+    shared = without_start(sources, len(start.values))
+    made = binaries(shared, identifier, fmi, platforms)
+    return {path: with_start(library, start) for path, library in made.items()}
+
+
+def with_start(library: bytes, start: Start) -> bytes:
+    """The library with token, values and arrays of ``start``; those of macOS are signed anew.
+
+    Raises RuntimeError when the library has no place for them, or one for another number of scalars.
+    """
+    out = bytearray(library)
+    for begin, end in parts(library):
+        place = library.find(MAGIC, begin, end)
+        if place < 0 or library.find(MAGIC, place + 1, end) >= 0:
+            raise RuntimeError(f"the library has no one place for start values ({MAGIC!r}); delete it and export anew")
+        scalars = _HEAD.unpack_from(library, place)[2]
+        if scalars != len(start.values):
+            raise RuntimeError(
+                f"the library takes {scalars} start values, not {len(start.values)}; delete it and export anew"
+            )
+        block = start.block()
+        out[place : place + len(block)] = block
+        out[begin:end] = with_page_hashes(bytes(out[begin:end]))
+    return bytes(out)

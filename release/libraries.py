@@ -1,0 +1,77 @@
+"""The compiled code that the wheel brings, for every platform, and the generated sources that it is made of.
+
+A further library is one more line in ``libraries``.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import NamedTuple
+
+from fmu_src.interface import Variable
+from fmu_src.model_description import MODEL
+from fmu_src.native.build import PLATFORMS, library, open_library
+from fmu_src.native.export import native_table, rope_sources, shell_sources
+from fmu_src.native.model_fmu import model_sources
+from fmu_src.native.start import without_start
+from fmu_src.native.table import start_values
+from hoist_demo.drive_fmu.description import drive_model, without_brake
+from hoist_demo.drive_fmu.kernels import generated as drive_kernels
+from hoist_demo.drive_fmu.kernels import kernels_file
+from hoist_demo.scenes import SCENES, SceneData
+from rope_model.native.build import NAME, generated, generated_file, sources
+from rope_model.native.platforms import prebuilt_file
+from rope_model.parameters import rope_120
+
+
+class Library(NamedTuple):
+    """C text by file name, and the name that an FMU knows the library by."""
+
+    sources: Mapping[str, str]
+    identifier: str
+
+
+def libraries() -> Iterator[Library]:
+    """Those of FMUs."""
+    for fmi in (2, 3):
+        yield _rope(fmi)
+        for scene in SCENES.values():
+            yield _drive(scene, fmi)
+
+
+def _rope(fmi: int) -> Library:
+    table = native_table(rope_120())
+    shared = without_start({**rope_sources(), **shell_sources(table, fmi)}, len(start_values(table, fmi)))
+    return Library(shared, MODEL)
+
+
+def _drive(scene: SceneData, fmi: int) -> Library:
+    drive = drive_model(scene, scene.gains)
+    table = [Variable(*variable) for variable in drive.variables]
+    shared = without_start(model_sources(table, drive.sources, fmi), len(start_values(table, fmi)))
+    return Library(shared, drive.name)
+
+
+def add_prebuilt(root: Path) -> None:
+    """Write what the packages below ``root``, copies of ours, are to bring."""
+    _write(generated_file(root / "rope_model"), generated())
+    for scene in SCENES.values():
+        setup = without_brake(scene)
+        _write(kernels_file(root / "hoist_demo", setup), asdict(drive_kernels(setup)))
+    for name in PLATFORMS:
+        rope = prebuilt_file(root / "rope_model" / "native", sources(), NAME, name)
+        shutil.copyfile(open_library(sources(), NAME, name), rope)
+    (root / "fmu_src" / "native" / "prebuilt").mkdir()
+    for one in libraries():
+        for name in PLATFORMS:
+            to = prebuilt_file(root / "fmu_src" / "native", one.sources, one.identifier, name)
+            shutil.copyfile(library(one.sources, one.identifier, name), to)
+
+
+def _write(path: Path, data: Mapping[str, object]) -> None:
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(json.dumps(data), encoding="utf-8")

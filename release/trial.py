@@ -1,0 +1,136 @@
+"""The wheel as a user meets it: python -m release.trial WHEEL.
+
+A fresh virtual environment with nothing but the wheel and what it needs, no C compiler on the PATH, no ziglang, an
+empty cache, another folder.  Each step is done and timed; nothing may be compiled, and the FMUs must be those of this
+checkout, byte by byte.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from balance_rope import main as balance_rope
+
+ROOT = Path(__file__).resolve().parent.parent
+NAMES = {2: "balance_rope_native.fmu", 3: "balance_rope_native_fmi3.fmu"}
+SYSTEM = "balance_rope_native.ssp"
+
+STUDY = """\
+[study]
+title = "Four windings"
+fmu = "build/balance_rope_native.fmu"
+scene = "rope-120"
+
+[fixed]
+winding.travel = { value = 10, unit = "m" }
+
+[sample]
+method = "grid"
+
+[vary]
+rope.EI = { values = [100, 1000], unit = "N.m2" }
+winding.jerk = { values = [0.5, 2], unit = "m/s3" }
+"""
+
+NATIVE = """\
+from pathlib import Path
+from rope_model.native.build import library
+assert library().parent.name == "prebuilt" and Path.cwd() not in library().parents
+"""
+
+
+class Step(NamedTuple):
+    """What was done, in how many seconds, and what it printed."""
+
+    what: str
+    seconds: float
+    said: str
+
+
+def try_wheel(wheel: Path, told: Callable[[Step], None] = lambda step: None) -> list[Step]:
+    """All steps; RuntimeError for the first that fails."""
+    with tempfile.TemporaryDirectory(prefix="trial_") as folder:
+        trial = _Trial(Path(folder), told)
+        trial.install(wheel)
+        trial.use()
+        trial.compare()
+        return trial.steps
+
+
+class _Trial:
+    def __init__(self, folder: Path, told: Callable[[Step], None]) -> None:
+        self.folder, self.told, self.steps = folder, told, list[Step]()
+        self.bin, self.work, self.cache = folder / "venv" / "bin", folder / "work", folder / "cache"
+        self.work.mkdir()
+
+    def install(self, wheel: Path) -> None:
+        subprocess.run([sys.executable, "-m", "venv", str(self.folder / "venv")], check=True)
+        self._do("pip install 'balance_rope-*.whl[study]'", "python", "-m", "pip", "install", "-q", f"{wheel}[study]")
+        if found := [name for name in ("cc", "gcc", "clang", "zig") if shutil.which(name, path=str(self.bin))]:
+            raise RuntimeError(f"the environment has a compiler: {', '.join(found)}")
+
+    def use(self) -> None:
+        for what, code in (("README: the rope in Python", _example("Use the rope in Python")), ("is native", NATIVE)):
+            self._python(what, code)
+        self._command("export", "--native", "--fmi", "2", "3", "--ssp")
+        self._command("export")
+        self._python("README: the FMU from Python", _example("Use the FMU"))
+        self._command("demo", "--quick")
+        self._command("demo", "--out", "out/native", "--fmu", f"build/{NAMES[2]}")
+        self._command("demo", "--quick", "--in-process", "--out", "out/in-process")
+        (self.work / "study.toml").write_text(STUDY, encoding="utf-8")
+        self._command("study", "study.toml", "--workers", "2")
+        if self.cache.exists():
+            raise RuntimeError(f"compiled at first use: {', '.join(path.name for path in self.cache.iterdir())}")
+
+    def compare(self) -> None:
+        """The same exports from this checkout, which compiles them."""
+        here = self.folder / "here"
+        here.mkdir()
+        balance_rope(["export", "--native", "--fmi", "2", "3", "--ssp", "--out", str(here)])
+        for name in (*NAMES.values(), SYSTEM):
+            if (here / name).read_bytes() != (self.work / "build" / name).read_bytes():
+                raise RuntimeError(f"{name} of the wheel is not that of the checkout")
+
+    def _command(self, *arguments: str) -> None:
+        self._do("balance-rope " + " ".join(arguments), "balance-rope", *arguments)
+
+    def _python(self, what: str, code: str) -> None:
+        self._do(what, "python", "-c", code)
+
+    def _do(self, what: str, program: str, *arguments: str) -> None:
+        environment = {"PATH": str(self.bin), "HOME": str(self.folder), "BALANCE_ROPE_CACHE": str(self.cache)}
+        begin = time.monotonic()
+        command = [str(self.bin / program), *arguments]
+        done = subprocess.run(
+            command, cwd=self.work, env=environment, capture_output=True, text=True, timeout=1800, check=False
+        )
+        step = Step(what, time.monotonic() - begin, done.stdout + done.stderr)
+        if done.returncode:
+            raise RuntimeError(f"{what} failed:\n{step.said[-3000:]}")
+        self.steps.append(step)
+        self.told(step)
+
+
+def _example(section: str) -> str:
+    """The first Python block of a section of the README."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    found = re.search(rf"\n## {section}\n.*?```python\n(.*?)```", readme, re.DOTALL)
+    if found is None:
+        raise RuntimeError(f"README.md has no Python code under '{section}'")
+    return found[1]
+
+
+if __name__ == "__main__":
+    (path,) = sys.argv[1:]
+    print(f"{path}: {Path(path).stat().st_size / 1e6:.2f} MB")
+    try_wheel(Path(path).resolve(), lambda step: print(f"{step.seconds:7.1f} s  {step.what}", flush=True))
+    print("nothing was compiled; native FMUs and system are those of this checkout, byte by byte")

@@ -1,0 +1,58 @@
+"""The source distribution, and the wheel with libraries for all platforms: python -m release.wheels [FOLDER].
+
+Built in a copy of the packages: a checkout has nothing prebuilt.  SOURCE_DATE_EPOCH, if it is not set, is the time of
+the last commit, so that the same commit makes the same bytes.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from .libraries import add_prebuilt
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
+FILES = ("balance_rope.py", "pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff")
+
+
+def build(out: Path) -> list[Path]:
+    """Source distribution and wheel, in ``out``."""
+    installed = {one.name for one in importlib.metadata.distributions()}
+    if missing := {"ziglang", "build"} - installed:
+        raise RuntimeError(f"wheels need {' and '.join(sorted(missing))}: pip install -e '.[dev]'")
+    with tempfile.TemporaryDirectory() as folder:
+        stage, made = Path(folder) / "stage", Path(folder) / "made"
+        for package in PACKAGES:
+            shutil.copytree(ROOT / package, stage / package, ignore=shutil.ignore_patterns("__pycache__", "prebuilt"))
+        for name in FILES:
+            shutil.copyfile(ROOT / name, stage / name)
+        _build("sdist", stage, made)
+        add_prebuilt(stage)
+        _build("wheel", stage, made)
+        out.mkdir(parents=True, exist_ok=True)
+        return [Path(shutil.copy2(path, out)) for path in sorted(made.iterdir())]
+
+
+def _build(kind: str, stage: Path, out: Path) -> None:
+    command = [sys.executable, "-m", "build", f"--{kind}", "--outdir", str(out), str(stage)]
+    # not in this folder: its build/ would be taken for the module
+    done = subprocess.run(command, cwd=stage, env=_dated(), capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"the {kind} cannot be built:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
+
+
+def _dated() -> dict[str, str]:
+    command = ["git", "log", "-1", "--format=%ct"]
+    committed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+    return ({"SOURCE_DATE_EPOCH": committed} if committed else {}) | os.environ
+
+
+if __name__ == "__main__":
+    for path in build(Path(sys.argv[1] if len(sys.argv) > 1 else "dist")):
+        print(f"{path}  {path.stat().st_size / 1e6:.2f} MB")

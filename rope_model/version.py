@@ -1,0 +1,10 @@
+"""The package's version, as pyproject.toml has it."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+
+try:
+    __version__ = version("balance-rope")
+except PackageNotFoundError:  # this is the copy in an FMU, whose description tells the version
+    __version__ = "unknown"

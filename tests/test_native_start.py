@@ -1,0 +1,229 @@
+"""Start values and token written into finished libraries, macOS's signature, and libraries that a package brings."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import fmpy
+import pytest
+from exports import stand_in
+from native_host import Host
+
+from balance_rope import main
+from fmu_src.native import build
+from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library, missing_platforms
+from fmu_src.native.export import export_native, native_table, shell_sources
+from fmu_src.native.mach_o import parts, universal, with_page_hashes
+from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
+from fmu_src.native.table import start_values
+from rope_model.native import build as rope_build
+from rope_model.native.platforms import prebuilt_file
+from rope_model.parameters import rope_120
+
+pytestmark = pytest.mark.skipif(host_platform() not in available_platforms(), reason="needs a C compiler")
+SOURCES = {
+    "model.h": "#include <stddef.h>\nenum { MODEL_TOKEN = 64 };\ndouble model_start(size_t scalar);\n",
+    "seen.c": '#include "model.h"\n#ifdef _WIN32\n__declspec(dllexport)\n#else\n'
+    '__attribute__((visibility("default")))\n#endif\ndouble seen(int i) { return model_start(i); }\n',
+}
+EVERYWHERE = [pytest.param(name, marks=() if name in available_platforms() else pytest.mark.skip) for name in PLATFORMS]
+
+
+def small(start: Start, name: str = host_platform()) -> bytes:
+    """A library that reads start values."""
+    return library(SOURCES | {"start.c": c_start(start)}, "start", name).read_bytes()
+
+
+def filled(start: Start, name: str = host_platform()) -> bytes:
+    """The library of zeros, then ``start`` written into it."""
+    shared = without_start(SOURCES, len(start.values))
+    return with_start(library(shared, "start", name).read_bytes(), start)
+
+
+START = Start("{0b0d8ab1-6e23-5ba9-8b62-1d3d6a1b8e05}", (1.5, -0.0, 1e300, 5e-324), arrays=False)
+
+
+@pytest.mark.parametrize("name", [n for n in EVERYWHERE if "linux" in str(n.values[0])])
+def test_a_library_written_into_is_the_one_that_its_own_sources_make(name: str) -> None:
+    assert filled(START, name) == small(START, name) != small(Start("", (0.0,) * 4), name)
+
+
+@pytest.mark.parametrize("name", EVERYWHERE)
+def test_every_platform_has_one_place_for_start_values_and_takes_them(name: str) -> None:
+    made = filled(START, name)
+    place = made.index(START.block())
+    assert made.count(MAGIC) == 1
+    assert with_start(made, Start("", (0.0,) * 4)) == filled(Start("", (0.0,) * 4), name)
+    assert place % 8 == 0  # as the doubles need it
+
+
+def test_other_numbers_of_start_values_and_long_tokens_are_refused() -> None:
+    with pytest.raises(RuntimeError, match=r"takes 4 start values, not 3; delete it"):
+        with_start(filled(START), Start("", (0.0,) * 3))
+    with pytest.raises(RuntimeError, match="no one place"):
+        with_start(filled(START) + START.block(), START)
+    with pytest.raises(ValueError, match="65 bytes"):
+        with_start(filled(START), START._replace(token=65 * "x"))
+
+
+def signature(library: bytes) -> tuple[int, int, int, int, int]:
+    """Place of the code directory, of its first hash, their number, the code limit and the size of a page."""
+    at = library.index(struct.pack(">I", 0xFADE0C02), library.index(struct.pack(">I", 0xFADE0CC0)))
+    hashes, _, _, slots, limit = struct.unpack_from(">5I", library, at + 16)
+    return at, at + hashes, slots, limit, 1 << library[at + 39]
+
+
+def page_hashes(library: bytes) -> tuple[bytes, bytes]:
+    """All page hashes as they should be, and as they are."""
+    _, first, slots, limit, page = signature(library)
+    code = library[:limit]
+    right = b"".join(hashlib.sha256(code[k : k + page]).digest() for k in range(0, limit, page))
+    return right, library[first : first + 32 * slots]
+
+
+needs_zig = pytest.mark.skipif("aarch64-darwin" not in available_platforms(), reason="needs ziglang")
+
+
+@needs_zig
+def test_the_linkers_own_page_hashes_are_computed_again() -> None:
+    made = small(START, "aarch64-darwin")
+    _, first, slots, _, _ = signature(made)
+    right, there = page_hashes(made)
+    assert right == there
+    spoilt = made[:first] + bytes(32 * slots) + made[first + 32 * slots :]
+    assert with_page_hashes(spoilt) == made
+
+
+@needs_zig
+def test_what_is_written_into_is_signed_anew_alone_and_in_a_universal_library() -> None:
+    shared = without_start(SOURCES, 4)
+    pair = [library(shared, "start", name).read_bytes() for name in ("x86_64-darwin", "aarch64-darwin")]
+    whole = with_start(universal(pair), START)
+    intel, arm = (whole[begin:end] for begin, end in parts(whole))
+    assert (intel, arm) == (with_start(pair[0], START), with_start(pair[1], START))
+    right, there = page_hashes(arm)
+    assert right == there != page_hashes(pair[1])[1]
+
+
+def test_a_signature_of_another_kind_is_refused() -> None:
+    if "aarch64-darwin" not in available_platforms():
+        pytest.skip("needs ziglang")
+    made = bytearray(small(START, "aarch64-darwin"))
+    made[signature(bytes(made))[0] + 37] = 1  # SHA-1
+    with pytest.raises(RuntimeError, match="kind 1"):
+        with_page_hashes(bytes(made))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_exports_with_other_start_values_compile_once(
+    fmi: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path / "cache"))
+    tokens = set()
+    for length in (120.0, 130.0):
+        path = tmp_path / f"{length}.fmu"
+        export_native(path, fmi=fmi, platforms=(host_platform(),), rope=stand_in(), start={"rope.length": length})
+        host = Host(path, fmpy.extract(str(path), str(tmp_path / str(length))))
+        assert host.get("rope.length") == [length]
+        host.call("FreeInstance")
+        tokens.add(host.description.guid if fmi == 2 else host.description.instantiationToken)
+        with zipfile.ZipFile(path) as archive:
+            assert f"        {length!r},\n" in archive.read("sources/start.c").decode()
+    assert len(tokens) == 2
+    assert len(list((tmp_path / "cache").glob("fmu-*"))) == 1
+
+
+def test_without_arrays_every_scalar_of_one_is_a_variable(tmp_path: Path) -> None:
+    path, table = tmp_path / "rope.fmu", native_table(rope_120())
+    export_native(path, fmi=3, platforms=(host_platform(),), rope=stand_in())
+    names = [v.name for v in table]
+    second = names.index("mesh.counts[2]")
+    for arrays in (True, False):
+        folder = tmp_path / str(arrays)
+        fmpy.extract(str(path), str(folder))
+        binary = next((folder / "binaries").rglob(f"*{PLATFORMS[host_platform()].suffix}"))
+        binary.write_bytes(with_start(binary.read_bytes(), Start("token", start_values(table, 3), arrays)))
+        host = Host(path, str(folder), token="token")
+        if arrays:
+            with pytest.raises(fmpy.fmi1.FMICallException):
+                host.fmu.getInt32([second])
+        else:
+            host.fmu.setInt32([second], [7])
+            assert list(host.fmu.getInt32([second - 1, second])) == [int(table[second - 1].start or 0), 7]
+        host.call("FreeInstance")
+
+
+# what a package brings
+
+
+@pytest.fixture
+def no_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """A package folder without anything prebuilt, on a machine without a compiler."""
+    monkeypatch.setattr(build, "_PACKAGE", tmp_path)
+    monkeypatch.setattr(build, "_compilable", lambda: set[str]())
+    monkeypatch.setattr(build, "find_compiler", lambda: None)
+    return tmp_path
+
+
+def test_a_library_of_the_package_is_taken_for_its_own_sources_only(no_compiler: Path) -> None:
+    sources = {"a.c": "int a;"}
+    path = prebuilt_file(no_compiler, sources, "rope", "x86_64-windows")
+    path.parent.mkdir()
+    path.write_bytes(b"MZ")
+    assert library(sources, "rope", "x86_64-windows").read_bytes() == b"MZ"
+    assert available_platforms() == ("x86_64-windows",)
+    for other in ({"a.c": "int b;"}, {"b.c": "int a;"}):
+        with pytest.raises(ValueError, match=r"'x86_64-windows' cannot be built here.*'balance-rope\[compiler\]'"):
+            library(other, "rope", "x86_64-windows")
+
+
+def test_without_compiler_and_libraries_the_cure_is_named(no_compiler: Path) -> None:
+    with pytest.raises(ValueError, match=r"no platform.*pip install 'balance-rope\[compiler\]'"):
+        export_native(no_compiler / "rope.fmu", rope=stand_in())
+
+
+def test_the_export_tells_which_platforms_it_left_out_and_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
+    monkeypatch.setattr(build, "_compilable", lambda: {host_platform()})
+    monkeypatch.setattr(build, "find_compiler", lambda: ("/usr/bin/cc",))
+    options = ["export", "--native", "--out", str(tmp_path / "rope.fmu")]
+    assert main(options) == 0
+    others = ", ".join(name for name in PLATFORMS if name != host_platform())
+    said = f"left out: {others}: cc builds for this machine only; ziglang builds for all: pip install"
+    assert said in capsys.readouterr().out
+    assert main([*options, "--platform", "host"]) == 0
+    assert "left out" not in capsys.readouterr().out
+    monkeypatch.setattr(build, "_compilable", lambda: set(PLATFORMS))
+    assert missing_platforms() == ""
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], Path]:
+    """A rope that would have to be compiled, without a compiler, in a package folder of its own."""
+    monkeypatch.setattr(rope_build, "_FOLDER", tmp_path)
+    monkeypatch.setattr(rope_build, "find_compiler", lambda: None)
+    monkeypatch.setattr(rope_build, "sources", lambda: {"rope.c": "int rope;"})
+    return rope_build.library.__wrapped__
+
+
+def test_the_rope_in_process_is_the_packages_where_it_fits(package: Callable[[], Path], tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match=r"pip install 'balance-rope\[compiler\]'"):
+        package()
+    path = prebuilt_file(tmp_path, {"rope.c": "int rope;"}, "rope", host_platform())
+    path.parent.mkdir()
+    path.write_bytes(b"")
+    assert package() == path
+
+
+def test_the_shell_knows_no_start_values() -> None:
+    """Else each export would have its own library."""
+    other = native_table(rope_120("draft"))
+    assert start_values(other, 3) != start_values(native_table(rope_120()), 3)
+    for fmi in (2, 3):
+        assert shell_sources(other, fmi) == shell_sources(native_table(rope_120()), fmi)
