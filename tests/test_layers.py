@@ -36,7 +36,7 @@ MAY_IMPORT = {
         "rope_model.native",
         "fmu_src",
     },
-    "fmu_src": {"rope_model.parameters", "rope_model.simulation"},
+    "fmu_src": {"rope_model.parameters", "rope_model.simulation", "rope_model.version"},
     "hoist_demo": {"rope_model"},
 }
 #: library -> modules or packages in which it may be imported; numpy is welcome everywhere
