@@ -71,7 +71,7 @@ throughput: $(READY)
 	$(BIN)/python -m benchmarks.throughput
 
 fmu: $(READY)
-	$(BIN)/balance-rope export
+	$(BIN)/balance-rope export --platform host
 
 $(READY): pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; run make PYTHON=python3.12 demo" if sys.version_info < (3, 11) else 0)'

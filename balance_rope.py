@@ -100,18 +100,19 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help="write the rope as an FMU",
         description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) needs Python with "
         "numpy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is self-contained C and needs "
-        "nothing. Both have the same variables; every parameter can still be set before initialisation. The first "
-        "export compiles: the native flavour takes some 10 s per platform and version of FMI, 100 s for all.",
+        "nothing. Both have the same variables, and the same C code answers the tool; every parameter can still be set "
+        "before initialisation. An export needs a C compiler or ziglang here. The first one compiles, some 10 s per "
+        "platform and version of FMI: 100 s for all of the native flavour; --platform host makes it short.",
     )
     export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
-    export.add_argument("--native", action="store_true", help="the native flavour; needs a C compiler or ziglang here")
+    export.add_argument("--native", action="store_true", help="the native flavour")
     export.add_argument("--fmi", type=int, nargs="+", choices=(2, 3), default=[2], help="version of FMI (2)")
     export.add_argument(
         "--platform",
         nargs="+",
         choices=("host", *PLATFORMS),
         metavar="NAME",
-        help=f"platforms of the native flavour: host, {', '.join(PLATFORMS)} (all that can be built here)",
+        help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built here)",
     )
     export.add_argument(
         "--scene",
@@ -157,8 +158,6 @@ def _export(options: argparse.Namespace) -> int:
         wanted.insert(0, ("Python", 2))
     if options.ssp and 2 not in options.fmi:
         raise ValueError("the system (--ssp) is made of FMI 2.0 FMUs; add 2 to --fmi")
-    if options.platform and not (options.native or options.ssp):
-        raise ValueError("--platform is for compiled code, and the Python flavour has none to choose: add --native")
     if options.ssp and options.scene not in SETUPS:
         raise ValueError(
             f"--ssp of {options.scene} cannot be made: the drive's FMU is made for {', '.join(SETUPS)}; export the "
@@ -171,12 +170,10 @@ def _export(options: argparse.Namespace) -> int:
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
         if flavour == "native":
-            platforms = asked
-            export_native(path, level=options.level, fmi=fmi, platforms=platforms, start=start)
+            export_native(path, level=options.level, fmi=fmi, platforms=asked, start=start)
         else:
-            platforms = ["where Python, numpy and casadi are"]
-            export_fmu(path, level=options.level, start=start)
-        rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), f"{path.stat().st_size / 1e6:.2f} MB"))
+            export_fmu(path, level=options.level, start=start, platforms=asked)
+        rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), f"{path.stat().st_size / 1e6:.2f} MB"))
         if options.ssp and fmi == 2:
             ssp = _system(path, options.scene, asked)
             rows.append((str(ssp), f"{flavour} rope, native drive", "2.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB"))

@@ -1,7 +1,10 @@
-"""Builds the FMU; ``balance-rope export`` on the command line.
+"""Builds the FMU of the Python flavour; ``balance-rope export`` on the command line.
 
-The FMU holds copies of rope_model and fmu_src, the interpreted kernels for every platform and the compiled ones for
-the exporting platform.  The importing host needs Python with numpy and casadi.
+pythonfmu's builder makes the FMU: it asks the class in slave.py for the model description and packs the resources,
+which are copies of rope_model and fmu_src, the interpreted kernels for every platform and the compiled ones for the
+exporting platform.  Its library is replaced: pythonfmu's answers all calls but doStep with OK, whatever became of them,
+and has no way to do otherwise.  Ours is the native flavour's, with Python behind it (native/python_model.c).  The
+importing host needs Python with numpy and casadi.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ import sys
 import tempfile
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
@@ -27,6 +30,10 @@ from rope_model.simulation.rope_system import write_bundle
 from .archive import read_archive, write_archive
 from .attachments import attachments
 from .interface import NO_CHANGES, Value, preset_with, variables
+from .model_description import MODEL
+from .native.build import available_platforms, binaries
+from .native.shell import shell
+from .native.table import c_table
 
 SOURCES = ("rope_model", "fmu_src")
 #: what the FMU needs not: parts of the export, and of the native flavour
@@ -39,11 +46,16 @@ def export_fmu(
     preset: str = "rope-120",
     level: Level = "standard",
     start: Mapping[str, Value] = NO_CHANGES,
+    platforms: Sequence[str] | None = None,
 ) -> Path:
     """Write the FMU with the start values of ``preset``, at a level of accuracy and with ``start``, to ``destination``.
 
-    The folder is made if needed.  Two exports of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
+    The folder is made if needed.  ``platforms`` are names of FMI 3.0, all that can be built here if None.  Two exports
+    of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
     """
+    chosen = available_platforms() if platforms is None else tuple(platforms)
+    if not chosen:
+        raise ValueError("no platform to build for: install a C compiler, or the ziglang package")
     data = preset_with(preset, level, start)
     scene = data.scene
     mesh = suited(scene.mesh, scene.rope, scene.layout)
@@ -58,15 +70,22 @@ def export_fmu(
         slave = (_root() / "fmu_src" / "slave.py").read_text(encoding="utf-8")
         slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
         script.write_text(slave, encoding="utf-8")
-        (stage / "build.json").write_text(
-            json.dumps(_build_facts(preset, level, key) | {"start": dict(start)}, indent=1), encoding="utf-8"
-        )
+        facts = _build_facts(preset, level, key)
+        (stage / "build.json").write_text(json.dumps(facts | {"start": dict(start)}, indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
         FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
         sys.path.remove(str(stage))  # the builder leaves it there
-        write_archive(destination, read_archive(draft) | attachments(variables(data), data, fmi=2, native=False))
+        files = {name: code for name, code in read_archive(draft).items() if not name.startswith("binaries/")}
+    table = variables(data)
+    files |= binaries(_library_sources() | {"variables.c": c_table(table, facts["guid"], 2)}, MODEL, 2, chosen)
+    write_archive(destination, files | attachments(table, data, fmi=2, native=False))
     return destination
+
+
+def _library_sources() -> dict[str, str]:
+    """The C files but for the table of variables."""
+    return shell(2, "python_model.c")
 
 
 def _build_facts(preset: str, level: Level, key: str) -> dict[str, str]:
@@ -89,6 +108,8 @@ def _build_key(start_values: str, kernels: Path) -> str:
         digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
     for path in sorted([*_sources(), *kernels.iterdir()]):
         digest.update(path.name.encode() + path.read_bytes())
+    for name, text in sorted(_library_sources().items()):
+        digest.update(f"{name}{text}".encode())
     return digest.hexdigest()[:12]
 
 

@@ -8,8 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rope_model.parameters import Preset
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.signals import group_of
+from rope_model.simulation.simulator import RopeSimulator
 
-from .component import RopeComponent
+from .interface import MOTION, variables
+from .steps import step
 
 H, STEPS = 0.01, 100
 #: m and s of the whole trip
@@ -20,29 +24,31 @@ _OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
 
 def reference_files(preset: Preset, name: str) -> dict[str, bytes]:
     """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt; RuntimeError when the run fails."""
-    component = RopeComponent(preset, None, lambda message, severity: None)
-    places = {v.name: i for i, v in enumerate(component.table)}
-    start = {v.name: v.start for v in component.table if v.causality == "input" and isinstance(v.start, float)}
+    rope, table = RopeSimulator(preset.scene), variables(preset)
+    start = {v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)}
     inputs, results = [("time", *start)], [("time", *_OUTPUTS)]
-
-    def output() -> list[float]:
-        return component.get([places[key] for key in _OUTPUTS], "Real")
-
-    component.enter_initialization()
-    component.exit_initialization()
+    groups = {group_of(name) for name in _OUTPUTS}
+    motion, status = start, rope.initialize(0.0, *_ends(start))
     for k in range(STEPS + 1):
+        if k > 0:
+            status = step(rope, (k - 1) * H, H, *_ends(motion), at_step_end=False)
+        if not status.valid:
+            raise RuntimeError(f"the reference run fails: {status.message}")
         motion = start | _motion(k * H, start["right.y"])
-        component.set([places[key] for key in motion], list(motion.values()), "Real")
+        values = {key: value for group in groups for key, value in group(rope).items()}
         inputs.append((_text(k * H), *map(_text, motion.values())))
-        results.append((_text(k * H), *map(_rounded, output())))
-        if k < STEPS and not component.do_step(k * H, H):
-            raise RuntimeError(f"the reference run fails: {component.status.message}")
+        results.append((_text(k * H), *(_rounded(values[key]) for key in _OUTPUTS)))
     options = f"StartTime, 0\nStopTime, {_text(H * STEPS)}\nStepSize, {_text(H)}\nRelTol, 1e-6\n"
     return {
         f"{name}_in.csv": "\n".join(_lines(inputs)).encode(),
         f"{name}_ref.csv": "\n".join(_lines(results)).encode(),
         f"{name}_ref.opt": options.encode(),
     }
+
+
+def _ends(motion: dict[str, float]) -> tuple[EndMotion, EndMotion]:
+    left, right = (EndMotion(*(motion[name] for name in names)) for names in MOTION.values())
+    return left, right
 
 
 def _motion(t: float, height: float) -> dict[str, float]:

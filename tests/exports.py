@@ -26,9 +26,14 @@ class Flavour:
     tolerance: float  # of a force, relative to its largest value
 
 
-FLAVOURS = {"python": Flavour(export_fmu, fmi=2, native=False, tolerance=1e-12)}
+FLAVOURS: dict[str, Flavour] = {}
 #: whether the rope itself is there in C; else a stand-in takes its place in the archives
 NATIVE_ROPE = importlib.util.find_spec("rope_model.native.build") is not None
+
+
+def python(destination: Path) -> Path:
+    """Exports the Python flavour for this platform."""
+    return export_fmu(destination, platforms=(host_platform(),))
 
 
 def native(fmi: int, platforms: Sequence[str] | None = None) -> Callable[[Path], Path]:
@@ -48,6 +53,8 @@ def stand_in() -> dict[str, str]:
     return {path.name: path.read_text(encoding="utf-8") for path in files}
 
 
+if host_platform() in available_platforms():
+    FLAVOURS["python"] = Flavour(python, fmi=2, native=False, tolerance=1e-12)
 if NATIVE_ROPE and host_platform() in available_platforms():
     FLAVOURS |= {
         f"native-{fmi}": Flavour(native(fmi, (host_platform(),)), fmi=fmi, native=True, tolerance=1e-9)

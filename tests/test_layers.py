@@ -30,6 +30,7 @@ MAY_IMPORT = {
         "rope_model.native",
         "fmu_src",
     },
+    "fmu_src.export": {"rope_model.parameters", "rope_model.simulation", "fmu_src", "fmu_src.native"},
     "fmu_src": {"rope_model.parameters", "rope_model.simulation"},
     "hoist_demo": {"rope_model.parameters", "rope_model.simulation", "rope_model.native"},
 }

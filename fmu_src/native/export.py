@@ -18,10 +18,8 @@ from ..interface import NO_CHANGES, Value, Variable, preset_with, variables
 from ..model_description import MODEL, Build, model_description
 from ..model_description3 import build_description, model_description3
 from .build import available_platforms, binaries
+from .shell import shell
 from .table import c_places, c_table
-
-_HERE = Path(__file__).resolve().parent
-_COMMON = ("component.c", "component.h", "model.h", "snapshot.c", "snapshot.h", "rope_model.c", "rope_table.h")
 
 
 def export_native(
@@ -77,11 +75,7 @@ def native_table(preset: Preset) -> tuple[Variable, ...]:
 
 def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:
     """Everything between rope.h and the FMI functions but the table of variables."""
-    out = {name: (_HERE / name).read_text(encoding="utf-8") for name in (*_COMMON, f"fmi{fmi}.c")}
-    headers = sorted((_HERE / "include").glob(f"fmi{fmi}*.h"))
-    out |= {path.name: path.read_text(encoding="utf-8") for path in headers}
-    out["places.c"] = c_places(table, fmi)
-    return out
+    return {**shell(fmi, "rope_model.c", "rope_table.h"), "places.c": c_places(table, fmi)}
 
 
 def rope_sources() -> dict[str, str]:

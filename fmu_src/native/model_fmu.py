@@ -14,10 +14,10 @@ from ..interface import Variable
 from ..model_description import Build, model_description
 from ..model_description3 import build_description
 from .build import available_platforms, binaries
+from .shell import shell
 from .table import c_table
 
 _HERE = Path(__file__).resolve().parent
-_SHELL = ("component.c", "component.h", "fmi2.c", "model.h", "snapshot.c", "snapshot.h")
 
 
 def export_model(
@@ -37,9 +37,7 @@ def export_model(
     chosen = available_platforms() if platforms is None else tuple(platforms)
     if not chosen:
         raise ValueError("no platform to build for: install a C compiler, or the ziglang package")
-    sources = {**model, **{file: (_HERE / file).read_text(encoding="utf-8") for file in _SHELL}}
-    headers = sorted((_HERE / "include").glob("fmi2*.h"))
-    sources |= {path.name: path.read_text(encoding="utf-8") for path in headers}
+    sources = {**model, **shell(2)}
     token = _token(name, sources, c_table(table, "", 2))
     sources["variables.c"] = c_table(table, token, 2)
     version = importlib.metadata.version("balance-rope")
