@@ -13,7 +13,7 @@ from rope_model.simulation.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator
 
 from .interface import MOTION, variables
-from .steps import step
+from .steps import advance_extrapolated
 
 H, STEPS = 0.01, 100
 #: m and s of the whole trip
@@ -31,7 +31,7 @@ def reference_files(preset: Preset, name: str) -> dict[str, bytes]:
     motion, status = start, rope.initialize(0.0, *_ends(start))
     for k in range(STEPS + 1):
         if k > 0:
-            status = step(rope, (k - 1) * H, H, *_ends(motion), at_step_end=False)
+            status = advance_extrapolated(rope, (k - 1) * H, H, *_ends(motion))
         if not status.valid:
             raise RuntimeError(f"the reference run fails: {status.message}")
         motion = start | _motion(k * H, start["right.y"])

@@ -23,7 +23,7 @@ from pythonfmu import Fmi2Slave
 
 from fmu_src.interface import MOTION, Value, preset_with, scene_of, variables
 from fmu_src.model_description import MODEL, Build, model_description
-from fmu_src.steps import step
+from fmu_src.steps import advance_extrapolated
 from rope_model.parameters import Scene
 from rope_model.simulation.caveats import CAVEATS
 from rope_model.simulation.ends import EndMotion
@@ -96,8 +96,11 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     @_told
     def do_step(self, current_time: float, step_size: float) -> None:
         """Advanced by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
-        left, right = self._motions()
-        _require(step(self._rope, current_time, step_size, left, right, self._at_step_end()))
+        if self._at_step_end():
+            status = self._rope.advance_to(current_time + step_size, *self._motions())
+        else:
+            status = advance_extrapolated(self._rope, current_time, step_size, *self._motions())
+        _require(status)
 
     @_told
     def retune(self) -> None:
@@ -173,8 +176,10 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
                 values[v.name] = int(value) if v.kind == "Integer" else value
         return scene_of(values)
 
-    def _motions(self) -> list[EndMotion]:
-        return [EndMotion(*(self._values[self._places[name]] for name in names)) for names in MOTION.values()]
+    def _motions(self) -> tuple[EndMotion, EndMotion]:
+        values, places = self._values, self._places
+        left, right = (EndMotion(*(values[places[name]] for name in names)) for names in MOTION.values())
+        return left, right
 
     def _at_step_end(self) -> bool:
         return self._values[self._places["inputs_at_step_end"]] != 0.0
