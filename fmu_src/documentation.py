@@ -30,7 +30,7 @@ After an error in a step, in initialisation or of a value to be set, restore a s
 that before the step. After a failed initialisation the real outputs are NaN.
 """
 _DERIVATIVES = """\
-Directional derivatives (native flavour) are those of end forces and moments at the end of a step to the inputs of
+Directional derivatives are those of end forces and moments at the end of a step to the inputs of
 that step, for a step as long as the last; with `inputs_at_step_end` = false the extrapolation is part of them.
 """
 _ALONG = """\
@@ -43,7 +43,7 @@ tension of its closed form, and the bending of its half circle.
 _ADDED_MASS = """\
 `added_mass` is for hosts that want to step heavy coupling implicitly: how much the end's pull grows with an upward
 acceleration a held over the last communication step H, with the speed a H and the way a H^2/2 that belong to it. In
-directional derivatives at the step's end (native flavour, `inputs_at_step_end` = true) it is
+directional derivatives at the step's end (`inputs_at_step_end` = true) it is
 -(dfy/day + H dfy/dvy + H^2/2 dfy/dy); dfy/day alone holds `y` and `vy` and is far smaller. With
 `inputs_at_step_end` = false dfy/day has the extrapolation in it and is -added_mass.
 """
@@ -131,7 +131,7 @@ def interface_page() -> str:
 def index_html(table: Sequence[Variable], native: bool) -> str:
     """documentation/index.html: how to use the FMU, the model, the variables."""
     parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _ERRORS]
-    parts += [_DERIVATIVES + "\n\n" + _SHAPES if native else "", _ALONG, _ADDED_MASS, _MINDED]
+    parts += [_DERIVATIVES, _SHAPES if native else "", _ALONG, _ADDED_MASS, _MINDED]
     paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text)
     rungs = "".join(f"<tr><td>{_marked_up(outputs)}</td><td>{which}</td></tr>" for outputs, which in _RUNGS)
     body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{rungs}</table>", _MODEL]

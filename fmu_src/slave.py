@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec
 from xml.etree.ElementTree import Element
 
+import numpy as np
 from pythonfmu import Fmi2Slave
 
 from fmu_src.interface import MOTION, Value, preset_with, scene_of, variables
@@ -26,7 +27,8 @@ from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.steps import advance_extrapolated
 from rope_model.parameters import Scene
 from rope_model.simulation.caveats import CAVEATS
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.sensitivity import LOADS, load_derivative
 from rope_model.simulation.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator, Status
 from rope_model.simulation.state import RopeState
@@ -77,15 +79,15 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description from our own table: pythonfmu's has no units and no initial unknowns."""
         build = self._build
-        facts = Build(build["guid"], build["version"], build["tool"], build["date"], derivatives=False)
-        return model_description(self._table, facts)
+        return model_description(self._table, Build(build["guid"], build["version"], build["tool"], build["date"]))
 
     # life
 
     @_told
-    def create(self, values: memoryview, outputs: memoryview, known: memoryview) -> None:
+    def create(self, values: memoryview, outputs: memoryview, known: memoryview, derivatives: memoryview) -> None:
         """A rope with the parameters among ``values``; the arrays are the library's, and live as long as this."""
-        self._values, self._outputs, self._known = values.cast("d"), outputs.cast("d"), known
+        self._values, self._outputs, self._derivatives = (x.cast("d") for x in (values, outputs, derivatives))
+        self._known = known
         self._rope = RopeSimulator(self._scene(), self._resources / "kernels")
 
     @_told
@@ -150,6 +152,15 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
             "the motion at the end of each step"
         )
 
+    @_told
+    def derive(self, scalar: int, seed: float) -> None:
+        """Seed times the derivatives of the end loads to this input, into the library's array; NaN of others."""
+        side, _, name = self._table[scalar].name.partition(".")
+        parts = {name: 1.0} if self._at_step_end() else _extrapolated(name, self._rope.state.last_interval)
+        loads = sum(seed * part * load_derivative(self._rope, SIDES.index(side), name) for name, part in parts.items())
+        for load, value in zip(LOADS, np.asarray(loads).tolist(), strict=True):
+            self._derivatives[self._places[load]] = value
+
     # states
 
     def state(self) -> bytes:
@@ -183,6 +194,15 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     def _at_step_end(self) -> bool:
         return self._values[self._places["inputs_at_step_end"]] != 0.0
+
+
+def _extrapolated(name: str, h: float) -> dict[str, float]:
+    """Derivatives of the motion at a step's end to ``name`` at its start: what is extrapolated from it moves, too."""
+    if name.startswith("a"):
+        return {name: 1.0, f"v{name[1:]}": h, name[1:]: 0.5 * h * h}
+    if name.startswith("v"):
+        return {name: 1.0, name[1:]: h}
+    return {name: 1.0, "yaw": h} if name == "yaw_rate" else {name: 1.0}
 
 
 def _require(status: Status) -> None:

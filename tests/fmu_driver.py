@@ -21,6 +21,7 @@ from native_host import Host
 
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.signals import signals
 from rope_model.simulation.simulator import RopeSimulator
 
@@ -286,6 +287,39 @@ def foreign_state(path: str) -> Any:
         out["kept"] = other.get("rope.mass_per_length")[0]
         out["next"] = other.step(H)
         for host in (heavy, other):
+            host.fmu.terminate()
+            host.fmu.freeInstance()
+    return out
+
+
+def derivatives(path: str) -> Any:
+    """By reading of the inputs and name: directional derivatives of all loads, and differences of a step's."""
+    out = {}
+    with extracted(path) as folder:
+        for at_end in (True, False):
+            host = Host(Path(path), folder)
+            host.start(inputs_at_step_end=at_end)
+
+            def stepped(k: int, host: Host = host, at_end: bool = at_end, **changes: float) -> None:
+                for side, values in zip(("left", "right"), motion((k + at_end) * H), strict=True):
+                    host.set(**{f"{side}.{key}": value for key, value in values.items()})
+                for name, change in changes.items():
+                    host.set(**{name: host.get(name)[0] + change})
+                assert host.step(k * H) == ""
+
+            for k in range(30):
+                stepped(k)
+            state = host.state()
+            for name, size in {"left.y": 1e-7, "right.vy": 1e-5, "left.ay": 1e-3, "right.ax": 1e-3}.items():
+                forces = []
+                for change in (-size, size):
+                    host.restore(state)
+                    stepped(30, **{name: change})
+                    forces.append(host.get(*LOADS))
+                host.restore(state)
+                stepped(30)
+                differences = [(b - a) / (2 * size) for a, b in zip(*forces, strict=True)]
+                out[f"{at_end} {name}"] = [[host.derivative(load, name) for load in LOADS], differences]
             host.fmu.terminate()
             host.fmu.freeInstance()
     return out

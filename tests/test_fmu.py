@@ -162,6 +162,12 @@ def test_tunable_parameter_takes_effect_in_the_run(fmu: Path) -> None:
     assert after - before >= 4 * 10
 
 
+def test_directional_derivatives_are_those_of_a_step(fmu: Path) -> None:
+    for name, (analytic, differences) in drive("derivatives", fmu).items():
+        # the step is one of Newton's method and of several internal steps; the derivative is of one, linearised
+        assert_allclose(analytic, differences, atol=0.05 * np.abs(differences).max(), err_msg=name)
+
+
 def test_portable_kernels_travel_inside(fmu: Path) -> None:
     with zipfile.ZipFile(fmu) as archive:
         assert any(name.endswith(".casadi") for name in archive.namelist())

@@ -106,6 +106,18 @@ def unsupported(name: str) -> Callable[[Instance], int]:
     return lambda rope: rope.call(name, *[ctypes.c_size_t(0)] * 5)
 
 
+def derived(unknown: str, known: str) -> Callable[[Instance], int]:
+    def make(rope: Instance) -> int:
+        table = rope.library.variables
+        of, to = (ctypes.byref(ctypes.c_uint(table[name].valueReference)) for name in (unknown, known))
+        seed, value = ctypes.byref(ctypes.c_double(1.0)), ctypes.byref(ctypes.c_double())
+        if rope.library.fmi == 2:
+            return rope.call("GetDirectionalDerivative", of, _ONE, to, _ONE, seed, value)
+        return rope.call("GetDirectionalDerivative", of, _ONE, to, _ONE, seed, _ONE, value, _ONE)
+
+    return make
+
+
 #: FMI 2.0.4, section 4.2.4, and FMI 3.0, section 4.2.1: what the state machines allow, and what this FMU can do
 TABLE: dict[str, Call] = {
     "setupExperiment": Call(set_up(0.0, STOP), "OEEEE", (2,)),
@@ -150,6 +162,9 @@ TABLE: dict[str, Call] = {
     "getIntegerStatus": Call(asked("GetIntegerStatus", 0), "EDDDD", (2,)),
     "getBooleanStatus, terminated": Call(asked("GetBooleanStatus", 3), "EOOOO", (2,)),
     "getStringStatus, pending": Call(asked("GetStringStatus", 1), "EDDDD", (2,)),
+    "getDirectionalDerivative": Call(derived("left.fy", "left.ay"), "EOOOO"),
+    "getDirectionalDerivative of another output": Call(derived("loop.x", "left.ay"), "EEEEE"),
+    "getDirectionalDerivative to a parameter": Call(derived("left.fy", "rope.EI"), "EEEEE"),
     "cancelStep": Call(unsupported("CancelStep"), "EEEEE", (2,)),
     "setRealInputDerivatives": Call(unsupported("SetRealInputDerivatives"), "EEEEE", (2,)),
     "getRealOutputDerivatives": Call(unsupported("GetRealOutputDerivatives"), "EEEEE", (2,)),

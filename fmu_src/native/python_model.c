@@ -4,8 +4,8 @@
    stays until the process ends, because numpy cannot be loaded a second time.  Only functions of Python's stable ABI are
    used, by name, so that one library serves every Python from 3.11 on and needs no header of it.
 
-   Object and library share three arrays by scalar: the entries of the last call, the outputs, and which of these are
-   known since the last change; a question for one that is not makes Python compute it with all of its kin. */
+   Object and library share arrays by scalar: the entries of the last call, the outputs, which of these are known since
+   the last change, and derivatives.  A question for an output that is not known makes Python compute it with its kin. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -54,7 +54,8 @@ struct ModelInstance {
     PyObject *object;
     void (*give_back)(void *);
     char failure[MODEL_MESSAGE]; /* of an output, for the next step: an output cannot refuse */
-    double *values, *outputs;    /* MODEL_SCALARS each */
+    /* MODEL_SCALARS each */
+    double *values, *outputs, *derivatives;
     unsigned char *known;
 };
 
@@ -226,7 +227,7 @@ int model_open(const char *resources, char *message) {
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
     size_t room = MODEL_SCALARS * sizeof(double);
-    ModelInstance *model = allocator->take(1, sizeof *model + 2 * room + MODEL_SCALARS);
+    ModelInstance *model = allocator->take(1, sizeof *model + 3 * room + MODEL_SCALARS);
     int gil, ok;
     if (!model) {
         snprintf(message, MODEL_MESSAGE, "no memory for the model; free other instances first");
@@ -236,18 +237,20 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     model->failure[0] = '\0';
     model->values = (double *)(model + 1);
     model->outputs = model->values + MODEL_SCALARS;
-    model->known = (unsigned char *)(model->outputs + MODEL_SCALARS);
+    model->derivatives = model->outputs + MODEL_SCALARS;
+    model->known = (unsigned char *)(model->derivatives + MODEL_SCALARS);
     memcpy(model->values, values, room);
-    memset(model->outputs, 0, room + MODEL_SCALARS);
+    memset(model->outputs, 0, 2 * room + MODEL_SCALARS);
     gil = python.PyGILState_Ensure();
     model->object = python.PyObject_CallFunction(make, NULL);
     if (model->object)
         ok = succeeded(model->object,
                        python.PyObject_CallMethod(
-                           model->object, "create", "NNN",
+                           model->object, "create", "NNNN",
                            python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
                            python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
-                           python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE)),
+                           python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
+                           python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE)),
                        message);
     else {
         report(message);
@@ -350,10 +353,22 @@ int model_warning(ModelInstance *model, int number, char *message) {
 
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
                      double *sum, char *message) {
-    (void)model, (void)known, (void)seed, (void)unknown, (void)number, (void)sum;
-    snprintf(message, MODEL_MESSAGE,
-             "this FMU has no directional derivatives (providesDirectionalDerivative is false); its native flavour has");
-    return 0;
+    int gil = python.PyGILState_Ensure(), ok;
+    size_t i;
+    for (i = 0; i < MODEL_SCALARS; i++) model->derivatives[i] = NAN;
+    ok = succeeded(model->object,
+                   python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed), message);
+    python.PyGILState_Release(gil);
+    for (i = 0; ok && i < number; i++) {
+        if (isnan(model->derivatives[unknown[i]])) {
+            snprintf(message, MODEL_MESSAGE,
+                     "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
+                     MODEL_VARIABLES[unknown[i]].name);
+            return 0;
+        }
+        sum[i] += model->derivatives[unknown[i]];
+    }
+    return ok;
 }
 
 size_t model_state_bytes(const ModelInstance *model) {
