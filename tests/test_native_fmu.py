@@ -688,7 +688,6 @@ def test_an_installed_scene_is_exported_by_its_name(tmp_path: Path, monkeypatch:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--platform", "host"], "add --native"),
         (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
         (["--out", "file/x.fmu"], "file cannot be written to"),
         (["--scene", "monopol-1000", "--ssp"], "export the rope without --ssp"),
