@@ -50,6 +50,8 @@ def _told(call: Callable[Concatenate[Any, P], None]) -> Callable[Concatenate[Any
             return True
         except (ValueError, RuntimeError) as error:
             self.message = str(error)
+        except KeyboardInterrupt:
+            self.message = "interrupted from the keyboard"
         except Exception as error:
             self.message = f"internal error, please report it: {error!r}"
             log.exception("internal error")

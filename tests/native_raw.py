@@ -72,7 +72,7 @@ class Instance:
             self.pointer = library.dll.fmi3InstantiateCoSimulation(
                 b"rope", self._token, library.resources, *[False] * 4, None, _SIZE(0), None, self._log, None
             )
-        assert self.pointer
+        assert self.pointer, self.said[-1]
 
     def _heard(self, status: int, message: bytes) -> None:
         if status >= ERROR:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import ctypes
 import math
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -177,6 +179,20 @@ def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     folder: Path = tmp_path_factory.mktemp(request.param)
     path = FLAVOURS[request.param].export(folder / "rope.fmu")
     return Library(path, fmpy.extract(str(path), str(folder / "unzipped")))
+
+
+def test_python_flavour_without_its_code_is_not_instantiated_and_says_why(library: Library) -> None:
+    if "python" not in str(library.path):
+        pytest.skip("the native flavour's code is all in its library")
+    elsewhere = copy.copy(library)
+    # a library of its own: the one that has instances has its code already
+    elsewhere.path = Path(shutil.copy(library.path, library.path.with_name("unused.so")))
+    elsewhere.dll = ctypes.CDLL(str(elsewhere.path))
+    elsewhere.dll.fmi2Instantiate.restype = ctypes.c_void_p
+    for location in (b"", b"file:///nowhere/at%20all", "file:///nowhere/Förderseil".encode() * 20):
+        elsewhere.resources = location
+        with pytest.raises(AssertionError, match="cannot be loaded: it needs Python 3"):
+            Instance(elsewhere)
 
 
 @pytest.mark.parametrize("state", STATES)

@@ -1,11 +1,11 @@
-/* A model written in Python: the functions of model.h hand over to an object of the class that the FMU's resources hold.
+/* A model written in Python: the functions of model.h hand over to an object of a class in the FMU's resources.
 
    The interpreter is the process's own; where there is none (a tool that is not Python) a libpython is loaded, and
-   stays until the process ends, because numpy cannot be loaded a second time.  Only functions of Python's stable ABI are
-   used, by name, so that one library serves every Python from 3.11 on and needs no header of it.
+   stays until the process ends, because numpy cannot be loaded a second time.  Only functions of Python's stable ABI
+   are used, by name, so that one library serves every Python from 3.11 on and needs no header of it.
 
-   Object and library share arrays by scalar: the entries of the last call, the outputs, which of these are known since
-   the last change, and derivatives.  A question for an output that is not known makes Python compute it with its kin. */
+   Object and library share arrays by scalar: the entries of the last call, the outputs, which of these are known
+   since the last change, and derivatives.  An output that is not known makes Python compute it with its kin. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -80,7 +80,10 @@ static const char LOAD[] =
     "    kind = next(v for v in vars(module).values() if isinstance(v, type) and v.__module__ == name)\n"
     "    make = functools.partial(kind, instance_name=kind.__name__, resources=folder)\n"
     "except Exception as error:\n"
-    "    wrong = f'{type(error).__name__}: {error}'\n";
+    "    wrong = (\n"
+    "        'this FMU runs Python code, which cannot be loaded: it needs Python 3.11 or newer with numpy and '\n"
+    "        f'casadi; or take its native flavour ({type(error).__name__}: {error}; resources: {location})'\n"
+    "    )\n";
 
 /* finding Python */
 
@@ -135,8 +138,8 @@ static int have_python(char *message) {
     for (i = 0; i < sizeof entries / sizeof *entries; i++) {
         void *found = symbol(from, entries[i].name);
         if (!found) {
-            snprintf(message, MODEL_MESSAGE, "the Python of this process has no %s; this FMU needs Python 3.%d or newer",
-                     entries[i].name, OLDEST);
+            snprintf(message, MODEL_MESSAGE, "the Python of this process has no %s; this FMU needs Python 3.%d or "
+                     "newer", entries[i].name, OLDEST);
             return 0;
         }
         memcpy(entries[i].place, &found, sizeof found);
@@ -159,7 +162,7 @@ static void copy(const char *text, char *message) {
     message[length] = '\0';
 }
 
-/* an exception that no Python code caught, or '' */
+/* an exception that no Python code caught */
 static void report(char *message) {
     python.PyErr_WriteUnraisable(NULL);
     copy("internal error in Python, please report it; its standard error has the traceback", message);
@@ -197,32 +200,22 @@ static double as_number(PyObject *answer) {
 /* the functions of model.h */
 
 int model_open(const char *resources, char *message) {
-    int gil, ok = 0;
+    int gil;
     PyObject *scope, *builtins, *done;
+    if (make) return 1;
     if (!have_python(message)) return 0;
     gil = python.PyGILState_Ensure();
-    if (make) {
-        python.PyGILState_Release(gil);
-        return 1;
-    }
     builtins = python.PyImport_ImportModule("builtins");
     scope = python.Py_BuildValue("{s:s}", "location", resources ? resources : "");
     done = builtins && scope ? python.PyObject_CallMethod(builtins, "exec", "sO", LOAD, scope) : NULL;
-    if (done) {
-        const char *wrong = python.PyUnicode_AsUTF8AndSize(python.PyDict_GetItemString(scope, "wrong"), NULL);
-        make = python.PyDict_GetItemString(scope, "make"); /* scope is never given back */
-        ok = make != NULL;
-        if (!ok)
-            snprintf(message, MODEL_MESSAGE,
-                     "the Python code in the FMU's resources '%.200s' cannot be loaded (%.200s); it needs Python 3.%d or "
-                     "newer with numpy and casadi, or take the native flavour of this FMU",
-                     resources ? resources : "", wrong, OLDEST);
-    } else
+    if (!done)
         report(message);
+    else if (!(make = python.PyDict_GetItemString(scope, "make"))) /* scope is never given back */
+        copy(python.PyUnicode_AsUTF8AndSize(python.PyDict_GetItemString(scope, "wrong"), NULL), message);
     python.Py_DecRef(done);
     python.Py_DecRef(builtins);
     python.PyGILState_Release(gil);
-    return ok;
+    return make != NULL;
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
