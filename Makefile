@@ -71,7 +71,7 @@ throughput: $(READY)
 	$(BIN)/python -m benchmarks.throughput
 
 fmu: $(READY)
-	$(BIN)/balance-rope export --outputs all
+	$(BIN)/balance-rope export --outputs all --platform host
 
 wheels: $(READY)
 	$(BIN)/python -m release.wheels build/wheels

@@ -163,7 +163,8 @@ def main(scene: str = SCENE) -> None:
     cases = [case for case in CASES if scene == SCENE or case[1] == "native"]
     found: dict[tuple[str, str], list[Measured]] = {case: [] for case in cases}
     with tempfile.TemporaryDirectory() as folder:
-        python, native = export_fmu(Path(folder) / "python.fmu"), Path(folder) / "native.fmu"
+        python, native = Path(folder) / "python.fmu", Path(folder) / "native.fmu"
+        export_fmu(python, platforms=(host_platform(),))
         export_native(native, platforms=(host_platform(),))
         paths = {form: native if form == "native" else python for form in WINDOW}
         for _ in tqdm(range(ROUNDS), desc="rounds", leave=False):

@@ -19,7 +19,9 @@ _HERE = Path(__file__).resolve().parent
 _EXTRA = "extra/org.balance-rope.reference"
 _DEPENDENCIES = """\
 This FMU runs Python code: the importing process must be, or be able to load, a CPython 3.11 or newer in which the
-packages numpy and casadi (3.6.5 or newer) can be imported.  Outside of a Python process on Linux, preload libpython.
+packages numpy and casadi (3.6.5 or newer) can be imported.  In a process that is not Python the FMU's library loads
+libpython3.x (python3.dll on Windows), which the dynamic linker must find, and PYTHONPATH must name the folder of the
+two packages; of several Pythons, preload the right one.
 
 The kernels inside are compiled for the platform of the export; elsewhere CasADi's virtual machine computes the same,
 more slowly.  The native flavour of this FMU has no such needs: balance-rope export --native.
@@ -37,9 +39,8 @@ def attachments(described: Collection[Variable], preset: Preset, fmi: int, nativ
         files[f"terminalsAndIcons/{name}"] = (_HERE / "pictures" / name).read_bytes()
     if fmi == 2:
         files["model.png"] = files["terminalsAndIcons/icon.png"]
-    if native:
-        files["documentation/licenses/fmi-headers.txt"] = (_HERE / "native" / "include" / "LICENSE.txt").read_bytes()
-    else:
+    files["documentation/licenses/fmi-headers.txt"] = (_HERE / "native" / "include" / "LICENSE.txt").read_bytes()
+    if not native:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
     results = reference_files(preset, MODEL, frozenset(v.name for v in described))

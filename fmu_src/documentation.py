@@ -25,17 +25,12 @@ rope's tangent, which is -Y at the left end and +Y at the right end. Forces and 
 conveyance. A run starts from rest. Give `y`, `vy` and `ay` of one smooth motion: an end that would have to
 accelerate by more than 100 m/s^2 within a step is refused.
 """
-_PYTHON = """\
-When a call fails, doStep returns *discard* (FMPy's `simulate_fmu` then ends early without an error), `status.valid` is
-false and `status.message` names value, bound and cure; the state is that before the step, which may be tried again.
-After a failed initialisation the real outputs are NaN.
-"""
-_NATIVE = """\
+_ERRORS = """\
 When a call fails it returns *error*, and its message, which `status.message` repeats, names value, bound and cure.
 After an error in a step, in initialisation or of a value to be set, restore a state or reset the FMU; the state is
-that before the step. Directional derivatives are those of end forces and moments at the end of a step to the inputs of
-that step, for a step as long as the last (before the first one as long as `solver.step_max`); with
-`inputs_at_step_end` = false the extrapolation is part of them.
+that before the step. After a failed initialisation the real outputs are NaN. Directional derivatives are those of end
+forces and moments at the end of a step to the inputs of that step, for a step as long as the last (before the first one
+as long as `solver.step_max`); with `inputs_at_step_end` = false the extrapolation is part of them.
 """
 _STRUCTURE = """\
 No output depends on an input of its instant: an input that is set after a step changes nothing before the next step has
@@ -56,7 +51,7 @@ tension of its closed form, and the bending of its half circle.
 _ADDED_MASS = """\
 `added_mass` is for hosts that want to step heavy coupling implicitly: how much the end's pull grows with an upward
 acceleration a held over the last communication step H, with the speed a H and the way a H^2/2 that belong to it. In
-directional derivatives at the step's end (native flavour, `inputs_at_step_end` = true) it is
+directional derivatives at the step's end (`inputs_at_step_end` = true) it is
 -(dfy/day + H dfy/dvy + H^2/2 dfy/dy); dfy/day alone holds `y` and `vy` and is far smaller. With
 `inputs_at_step_end` = false dfy/day has the extrapolation in it and is -added_mass.
 """
@@ -74,8 +69,7 @@ within them the rounding of a position would ask for large accelerations (tests/
 """
 _MINDED = """\
 `status.warning` tells what to mind in results that are valid, and stays while it is so; the log has each thing once
-(category logStatusWarning; in the Python flavour with debug logging on only, in the native one always). `status.valid`
-stays true:
+(category logStatusWarning). `status.valid` stays true:
 
 - *The legs touch or have passed through each other.* Contact is not in the model. At rest, too: a long rope with the
   default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is hung up. Beyond half a turn of
@@ -142,7 +136,7 @@ _TITLES = (("parameter", "Parameters"), ("input", "Inputs"), ("output", "Outputs
 def interface_page() -> str:
     """The page; the numbered shape points are folded into one row per quantity."""
     table = variables(rope_120())
-    lines = ["# The FMU's variables", "", _INTRODUCTION, "Python flavour: " + _PYTHON, "Native flavour: " + _NATIVE]
+    lines = ["# The FMU's variables", "", _INTRODUCTION, _ERRORS]
     lines += [_STRUCTURE, _SHAPES, _ALONG, _ADDED_MASS]
     lines += ["## Steps of any length\n", _STEPS, "## What to mind\n", _MINDED]
     lines += ["| outputs | rungs |", "|---|---|", *(f"| {outputs} | {rungs} |" for outputs, rungs in _RUNGS), ""]
@@ -157,7 +151,7 @@ def interface_page() -> str:
 
 def index_html(described: Collection[Variable], native: bool) -> str:
     """documentation/index.html: how to use the FMU, the model, the variables."""
-    parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _NATIVE if native else _PYTHON]
+    parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _ERRORS]
     along = any(v.name.startswith("shape.") for v in described)
     parts += [_STRUCTURE, _SHAPES if native and along else "", _ALONG if along else "", _ADDED_MASS, _MINDED]
     paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text)

@@ -1,7 +1,10 @@
-"""Builds the FMU; ``balance-rope export`` on the command line.
+"""Builds the FMU of the Python flavour; ``balance-rope export`` on the command line.
 
-The FMU holds copies of rope_model and fmu_src, the interpreted kernels for every platform and the compiled ones for
-the exporting platform.  The importing host needs Python with numpy and casadi.
+pythonfmu's builder makes the FMU: it asks the class in slave.py for the model description and packs the resources,
+which are copies of rope_model and fmu_src, the interpreted kernels for every platform and the compiled ones for the
+exporting platform.  Its library is replaced: pythonfmu's answers all calls but doStep with OK, whatever became of them,
+and has no way to do otherwise.  Ours is the native flavour's, with Python behind it (native/python_model.c).  The
+importing host needs Python with numpy and casadi.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ import sys
 import tempfile
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
@@ -26,7 +29,12 @@ from rope_model.simulation.rope_system import write_bundle
 
 from .archive import read_archive, write_archive
 from .attachments import attachments
-from .interface import NO_CHANGES, Value, preset_with, variables
+from .interface import NO_CHANGES, Value, Variable, preset_with, variables
+from .model_description import MODEL
+from .native.build import chosen_platforms
+from .native.shell import shell
+from .native.start import Start, binaries_with
+from .native.table import c_table, start_values
 from .profile import Profile
 
 SOURCES = ("rope_model", "fmu_src")
@@ -41,40 +49,45 @@ def export_fmu(
     level: Level = "standard",
     start: Mapping[str, Value] = NO_CHANGES,
     profile: Profile = Profile(),  # noqa: B008  it is frozen
+    platforms: Sequence[str] | None = None,
 ) -> Path:
     """Write the FMU with the start values of ``preset``, at a level of accuracy and with ``start``, to ``destination``.
 
-    The folder is made if needed.  Two exports of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
+    The folder is made if needed.  ``platforms`` are names of FMI 3.0, all that can be built here if None.  Two exports
+    of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
     """
+    chosen = chosen_platforms(platforms)
     data = preset_with(preset, level, start)
-    scene = data.scene
-    described = profile.described(variables(data)).values()
+    scene, table = data.scene, variables(data)
     mesh = suited(scene.mesh, scene.rope, scene.layout)
     elements = partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"
         write_bundle(elements, kernels)
-        key = _build_key(f"{preset} {level} {sorted(start.items())} {profile}", kernels)
+        key = _build_key(f"{preset} {level} {sorted(start.items())} {profile}", kernels, library_sources(table))
         package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
         _copy_package(package)
         slave = (_root() / "fmu_src" / "slave.py").read_text(encoding="utf-8")
         slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
         script.write_text(slave, encoding="utf-8")
-        (stage / "build.json").write_text(
-            json.dumps(
-                _build_facts(preset, level, key)
-                | {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop},
-                indent=1,
-            ),
-            encoding="utf-8",
-        )
+        facts = _build_facts(preset, level, key)
+        given = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
+        (stage / "build.json").write_text(json.dumps(facts | given, indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
         FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
         sys.path.remove(str(stage))  # the builder leaves it there
-        write_archive(destination, read_archive(draft) | attachments(described, data, fmi=2, native=False))
+        files = {name: code for name, code in read_archive(draft).items() if not name.startswith("binaries/")}
+    files |= binaries_with(Start(facts["guid"], start_values(table, 2)), library_sources(table), MODEL, 2, chosen)
+    described = profile.described(table).values()
+    write_archive(destination, files | attachments(described, data, fmi=2, native=False))
     return destination
+
+
+def library_sources(table: Sequence[Variable]) -> dict[str, str]:
+    """The C files of the library but start.c."""
+    return {**shell(2, "python_model.c"), "variables.c": c_table(table, 2)}
 
 
 def _build_facts(preset: str, level: Level, key: str) -> dict[str, str]:
@@ -90,13 +103,15 @@ def _build_facts(preset: str, level: Level, key: str) -> dict[str, str]:
     }
 
 
-def _build_key(start_values: str, kernels: Path) -> str:
+def _build_key(start_values: str, kernels: Path, library: Mapping[str, str]) -> str:
     """Hash of everything that decides how the FMU behaves."""
     digest = hashlib.sha256(start_values.encode())
     for name in ("casadi", "numpy", "pythonfmu"):
         digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
     for path in sorted([*_sources(), *kernels.iterdir()]):
         digest.update(path.name.encode() + path.read_bytes())
+    for name, text in sorted(library.items()):
+        digest.update(f"{name}{text}".encode())
     return digest.hexdigest()[:12]
 
 

@@ -137,7 +137,7 @@ _REACH = {"m": 1e4, "rad": 1e4, "m/s": 60.0, "rad/s": 60.0, "m/s2": 100.0}
 _NOT_NEGATIVE = ("count.", "stress.", "shape.bending", "shape.torsion", "energy.kinetic")
 _INPUT_UNIT = {"": "m", "v": "m/s", "a": "m/s2"}
 #: names of the inputs of each side in the order of EndMotion
-_MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
+MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
 SEGMENTS = ("II", "III", "IV", "V", "VI")
 
 
@@ -280,8 +280,3 @@ def scene_of(values: dict[str, Value]) -> Scene:
         solver=part("solver", Solver),
         model=part("model", Model),
     )
-
-
-def motion_of(side: str, values: dict[str, Value]) -> EndMotion:
-    """The motion that the inputs of ``side`` describe."""
-    return EndMotion(*(float(values[name]) for name in _MOTION[side]))

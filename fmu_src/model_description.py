@@ -26,9 +26,9 @@ class Build(NamedTuple):
     """What the model description says of the FMU itself.
 
     ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make
-    the native flavour, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the
+    a native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the
     model's own error control, where it has one. A model other than the rope gives its ``name`` and ``description``,
-    and says whether it has directional derivatives.
+    and one without directional derivatives says so.
     """
 
     token: str
@@ -119,23 +119,22 @@ def type_attributes(variable: Variable) -> dict[str, str]:
 
 
 def _add_interface(root: Element, build: Build) -> None:
-    native = bool(build.sources)
     interface = SubElement(
         root,
         "CoSimulation",
         modelIdentifier=build.name,
-        needsExecutionTool=_xml(not native),
+        needsExecutionTool="false",
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs="false",
         maxOutputDerivativeOrder="0",
         canRunAsynchronuously="false",
         canBeInstantiatedOnlyOncePerProcess="false",
-        canNotUseMemoryManagementFunctions=_xml(not native),
+        canNotUseMemoryManagementFunctions="false",
         canGetAndSetFMUstate="true",
         canSerializeFMUstate="true",
-        providesDirectionalDerivative=_xml(native and build.derivatives),
+        providesDirectionalDerivative=_xml(build.derivatives),
     )
-    if native:
+    if build.sources:
         files = SubElement(interface, "SourceFiles")
         for name in build.sources:
             SubElement(files, "File", name=name)

@@ -10,8 +10,11 @@ from dataclasses import replace
 from functools import cache
 
 from rope_model.parameters import Preset
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.simulator import RopeSimulator
 
-from .component import RopeComponent
+from .interface import MOTION, variables
+from .steps import advance_extrapolated
 
 H, STEPS = 0.01, 100
 #: m and s of the whole trip
@@ -26,29 +29,29 @@ def reference_files(preset: Preset, name: str, described: frozenset[str]) -> Map
     outputs = [key for key in _OUTPUTS if key in described]
     # the form of the kernels that every machine has, and that needs no compiler
     scene = preset.scene.with_(solver=replace(preset.scene.solver, kernels="portable"))
-    component = RopeComponent(replace(preset, scene=scene), None, lambda message, severity: None)
-    places = {v.name: i for i, v in enumerate(component.table)}
-    start = {v.name: v.start for v in component.table if v.causality == "input" and isinstance(v.start, float)}
+    rope, table = RopeSimulator(scene), variables(preset)
+    start = {v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)}
     inputs, results = [("time", *start)], [("time", *outputs)]
-
-    def output() -> list[float]:
-        return component.get([places[key] for key in outputs], "Real")
-
-    component.enter_initialization()
-    component.exit_initialization()
+    motion, status = start, rope.initialize(0.0, *_ends(start))
     for k in range(STEPS + 1):
+        if k > 0:
+            status = advance_extrapolated(rope, (k - 1) * H, H, *_ends(motion))
+        if not status.valid:
+            raise RuntimeError(f"the reference run fails: {status.message}")
         motion = start | _motion(k * H, start["right.y"])
-        component.set([places[key] for key in motion], list(motion.values()), "Real")
         inputs.append((_text(k * H), *map(_text, motion.values())))
-        results.append((_text(k * H), *map(_rounded, output())))
-        if k < STEPS and not component.do_step(k * H, H):
-            raise RuntimeError(f"the reference run fails: {component.status.message}")
+        results.append((_text(k * H), *map(_rounded, rope.signals(outputs).values())))
     options = f"StartTime, 0\nStopTime, {_text(H * STEPS)}\nStepSize, {_text(H)}\nRelTol, 1e-6\n"
     return {
         f"{name}_in.csv": "\n".join(_lines(inputs)).encode(),
         f"{name}_ref.csv": "\n".join(_lines(results)).encode(),
         f"{name}_ref.opt": options.encode(),
     }
+
+
+def _ends(motion: dict[str, float]) -> tuple[EndMotion, EndMotion]:
+    left, right = (EndMotion(*(motion[name] for name in names)) for names in MOTION.values())
+    return left, right
 
 
 def _motion(t: float, height: float) -> dict[str, float]:

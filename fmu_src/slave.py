@@ -1,103 +1,218 @@
-"""The class that pythonfmu loads: every callback handed on to RopeComponent.
+"""The rope as native/python_model.c calls it: the functions of model.h, over RopeSimulator.
+
+The FMI functions, and all rules about values, modes and states, are those of the native flavour (native/fmi2.c and
+native/component.c).  What is left here is the model: entries to scene and end motions, signals to outputs.  Entries
+come as finite numbers, choices in range.  A method that returns False leaves the rope as it was, and tells why in
+``message``.
 
 The export copies this file into the FMU under a name that carries the build's hash, and the packages it imports
-under another, because modules of the same name from two FMUs would be one module in the host's process.  pythonfmu
-finds the class by its text, which must read ``class Name(Fmi2Slave):``.
+under another, because modules of the same name from two FMUs would be one module in the host's process.  It must
+define one class, which pythonfmu's builder and python_model.c both find by that.
 """
 
 from __future__ import annotations
 
 import json
+import logging
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec
 from xml.etree.ElementTree import Element
 
+import numpy as np
 from pythonfmu import Fmi2Slave
-from pythonfmu.enums import Fmi2Status
 
-from fmu_src.component import RopeComponent, Severity
-from fmu_src.interface import preset_with
+from fmu_src.interface import MOTION, Value, preset_with, scene_of, variables
 from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
-from fmu_src.wrapper_library import release_at_exit
+from fmu_src.steps import advance_extrapolated
+from rope_model.parameters import Scene
+from rope_model.simulation.balance_rope import Status
+from rope_model.simulation.caveats import CAVEATS
+from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.sensitivity import LOADS, load_derivative
+from rope_model.simulation.signals import group_of
+from rope_model.simulation.simulator import RopeSimulator
+from rope_model.simulation.state import RopeState
 
-_LOGGED: dict[Severity, tuple[Fmi2Status, str]] = {
-    "note": (Fmi2Status.ok, "logAll"),
-    "warning": (Fmi2Status.warning, "logStatusWarning"),
-    "error": (Fmi2Status.error, "logStatusError"),
-}
+log = logging.getLogger(__name__)
+
+#: s: steps beyond it are too long for extrapolated inputs
+LONGEST_EXTRAPOLATION = 0.02
+
+P = ParamSpec("P")
+
+
+def _told(call: Callable[Concatenate[Any, P], None]) -> Callable[Concatenate[Any, P], bool]:
+    """``call`` as a method that returns whether it went well, with the text of what it raised as ``message``."""
+
+    def method(self: Any, /, *arguments: P.args, **named: P.kwargs) -> bool:
+        try:
+            call(self, *arguments, **named)
+            return True
+        except (ValueError, RuntimeError) as error:
+            self.message = str(error)
+        except KeyboardInterrupt:
+            self.message = "interrupted from the keyboard"
+        except Exception as error:
+            self.message = f"internal error, please report it: {error!r}"
+            log.exception("internal error")
+        return False
+
+    return method
 
 
 class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     """A balance rope for co-simulation."""
 
+    #: number of what is to be minded
+    warnings = len(CAVEATS) + 1
+
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        resources = Path(kwargs["resources"])
-        release_at_exit(resources.parent / "binaries" / "linux64" / f"{MODEL}.so")
         self.modelName = MODEL
-        self.build = json.loads((resources / "build.json").read_text(encoding="utf-8"))
-        preset = preset_with(self.build["preset"], self.build["level"], self.build["start"])
-        self.component = RopeComponent(preset, resources / "kernels", self._log)
+        self._resources = Path(kwargs["resources"])
+        self._build = json.loads((self._resources / "build.json").read_text(encoding="utf-8"))
+        preset = preset_with(self._build["preset"], self._build["level"], self._build["start"])
+        self._table = variables(preset)
+        self._places = {v.name: i for i, v in enumerate(self._table)}
+        self._texts: dict[int, str] = {}  # by scalar: the library hands out their addresses
+        self._packed: tuple[RopeState | None, bytes] = (None, b"")
+        self.message = ""
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description from our own table: pythonfmu's has no units and no initial unknowns."""
-        build, table = self.build, self.component.table
-        tolerance = float(self.component.values["solver.tolerance"])
+        build = self._build
+        tolerance = next(float(v.start or 0.0) for v in self._table if v.name == "solver.tolerance")
         facts = Build(build["guid"], build["version"], build["tool"], build["date"], build["stop"], tolerance)
-        return model_description(Profile(tuple(build["outputs"])).described(table), facts)
+        return model_description(Profile(tuple(build["outputs"])).described(self._table), facts)
 
-    def setup_experiment(
-        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
-    ) -> None:
-        self.component.setup(start_time)
+    # life
 
-    def enter_initialization_mode(self) -> None:
-        self.component.enter_initialization()
+    @_told
+    def create(self, values: memoryview, outputs: memoryview, known: memoryview, derivatives: memoryview) -> None:
+        """A rope with the parameters among ``values``; the arrays are the library's, and live as long as this."""
+        self._values, self._outputs, self._derivatives = (x.cast("d") for x in (values, outputs, derivatives))
+        self._known = known
+        self._rope = RopeSimulator(self._scene(), self._resources / "kernels")
 
-    def exit_initialization_mode(self) -> None:
-        self.component.exit_initialization()
+    @_told
+    def initialize(self, t: float) -> None:
+        """Hung up at the time ``t`` between the ends' positions."""
+        _require(self._rope.initialize(t, *self._motions()))
 
-    def do_step(self, current_time: float, step_size: float) -> bool:
-        return self.component.do_step(current_time, step_size)
+    @_told
+    def do_step(self, current_time: float, step_size: float) -> None:
+        """Advanced by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
+        if self._at_step_end():
+            status = self._rope.advance_to(current_time + step_size, *self._motions())
+        else:
+            status = advance_extrapolated(self._rope, current_time, step_size, *self._motions())
+        _require(status)
 
-    def get_real(self, vrs: list[int]) -> list[float]:
-        return self.component.get(vrs, "Real")
+    @_told
+    def retune(self) -> None:
+        """On with other tunable parameters."""
+        self._rope.retune(self._scene())
 
-    def get_integer(self, vrs: list[int]) -> list[int]:
-        return self.component.get(vrs, "Integer")
+    def time(self) -> float:
+        """The instant that the rope is at, s."""
+        return self._rope.state.motion.t
 
-    def get_boolean(self, vrs: list[int]) -> list[bool]:
-        return self.component.get(vrs, "Boolean")
+    # results
 
-    def get_string(self, vrs: list[int]) -> list[str]:
-        return self.component.get(vrs, "String")
+    @_told
+    def compute(self, scalar: int) -> None:
+        """This output and its kin, into the library's array."""
+        for name, value in group_of(self._table[scalar].name)(self._rope).items():
+            if (place := self._places.get(name)) is not None:
+                self._outputs[place], self._known[place] = value, 1
 
-    def set_real(self, vrs: list[int], values: list[float]) -> None:
-        self.component.set(vrs, values, "Real")
+    def text(self, scalar: int) -> str:
+        """An output that is a text."""
+        name = self._table[scalar].name.removeprefix("status.")
+        if name == "warning":
+            text = "\n".join(filter(None, map(self.warning, range(self.warnings))))
+        else:
+            text = str(getattr(self._rope.state, name))
+        self._texts[scalar] = text
+        return text
 
-    def set_integer(self, vrs: list[int], values: list[int]) -> None:
-        self.component.set(vrs, values, "Integer")
+    def note(self) -> str:
+        """What was set up, for the log."""
+        state, kernels = self._rope.state, self._rope.model.kernels
+        return f"model: {state.rung}, {kernels.elements} elements, {state.rung_reason}; kernels: {self._rope.form}"
 
-    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
-        self.component.set(vrs, values, "Boolean")
+    def warning(self, number: int) -> str:
+        """What to mind now of the thing ``number``, or ''."""
+        if number == len(CAVEATS):
+            return self._long_step()
+        return CAVEATS[number](self._rope.scene, self._rope.state)
 
-    def set_string(self, vrs: list[int], values: list[str]) -> None:
-        self.component.set(vrs, values, "String")
+    def _long_step(self) -> str:
+        state = self._rope.state
+        h, moved = state.last_interval, state.counts.steps > 0
+        if self._at_step_end() or not moved or h <= LONGEST_EXTRAPOLATION * (1 + 1e-9):
+            return ""
+        return (
+            f"a communication step of {h:.6g} s is too long for inputs that are extrapolated: forces err by percents "
+            f"beyond {LONGEST_EXTRAPOLATION:.6g} s; communicate more often, or set inputs_at_step_end = true and give "
+            "the motion at the end of each step"
+        )
 
-    def _get_fmu_state(self) -> dict[str, Any]:
-        return self.component.get_state()
+    @_told
+    def derive(self, scalar: int, seed: float) -> None:
+        """Seed times the derivatives of the end loads to this input, into the library's array; NaN of others."""
+        side, _, name = self._table[scalar].name.partition(".")
+        parts = {name: 1.0} if self._at_step_end() else _extrapolated(name, self._rope.state.last_interval)
+        loads = sum(seed * part * load_derivative(self._rope, SIDES.index(side), name) for name, part in parts.items())
+        for load, value in zip(LOADS, np.asarray(loads).tolist(), strict=True):
+            self._derivatives[self._places[load]] = value
 
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
-        self.component.set_state(state)
+    # states
 
-    @staticmethod
-    def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
-        return RopeComponent.state_to_bytes(state)
+    def state(self) -> bytes:
+        """The rope's complete state."""
+        if self._packed[0] is not self._rope.state:
+            self._packed = self._rope.state, self._rope.state.to_bytes()
+        return self._packed[1]
 
-    @staticmethod
-    def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
-        return RopeComponent.state_from_bytes(state)
+    def state_bytes(self) -> int:
+        """Length of ``state``."""
+        return len(self.state())
 
-    def _log(self, message: str, severity: Severity) -> None:
-        self.log(message, *_LOGGED[severity])
+    @_told
+    def restore(self, state: memoryview) -> None:
+        """Back to a state of this rope, or of one with the same parameters."""
+        self._rope.restore(bytes(state))
+
+    # entries
+
+    def _scene(self) -> Scene:
+        values: dict[str, Value] = {}
+        for v, value in zip(self._table, self._values, strict=False):
+            if v.causality == "parameter":
+                values[v.name] = int(value) if v.kind == "Integer" else value
+        return scene_of(values)
+
+    def _motions(self) -> tuple[EndMotion, EndMotion]:
+        values, places = self._values, self._places
+        left, right = (EndMotion(*(values[places[name]] for name in names)) for names in MOTION.values())
+        return left, right
+
+    def _at_step_end(self) -> bool:
+        return self._values[self._places["inputs_at_step_end"]] != 0.0
+
+
+def _extrapolated(name: str, h: float) -> dict[str, float]:
+    """Derivatives of the motion at a step's end to ``name`` at its start: what is extrapolated from it moves, too."""
+    if name.startswith("a"):
+        return {name: 1.0, f"v{name[1:]}": h, name[1:]: 0.5 * h * h}
+    if name.startswith("v"):
+        return {name: 1.0, name[1:]: h}
+    return {name: 1.0, "yaw": h} if name == "yaw_rate" else {name: 1.0}
+
+
+def _require(status: Status) -> None:
+    if not status.valid:
+        raise ValueError(status.message)

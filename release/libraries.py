@@ -12,7 +12,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import NamedTuple
 
-from fmu_src.interface import Variable
+from fmu_src.export import library_sources
+from fmu_src.interface import Variable, variables
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import PLATFORMS, library, open_library
 from fmu_src.native.export import native_table, rope_sources, shell_sources
@@ -37,6 +38,8 @@ class Library(NamedTuple):
 
 def libraries() -> Iterator[Library]:
     """Those of FMUs."""
+    table = variables(rope_120())
+    yield Library(without_start(library_sources(table), len(start_values(table, 2))), MODEL)
     for fmi in (2, 3):
         yield _rope(fmi)
         for scene in SCENES.values():

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from fmu_src.export import export_fmu
@@ -28,9 +27,14 @@ class Flavour:
     tolerance: float  # of a force, relative to its largest value
 
 
-FLAVOURS = {"python": Flavour(partial(export_fmu, profile=FULL), fmi=2, native=False, tolerance=1e-12)}
+FLAVOURS: dict[str, Flavour] = {}
 #: whether the rope itself is there in C; else a stand-in takes its place in the archives
 NATIVE_ROPE = importlib.util.find_spec("rope_model.native.build") is not None
+
+
+def python(destination: Path) -> Path:
+    """Exports the Python flavour for this platform."""
+    return export_fmu(destination, profile=FULL, platforms=(host_platform(),))
 
 
 def native(
@@ -54,6 +58,8 @@ def stand_in() -> dict[str, str]:
     return {path.name: path.read_text(encoding="utf-8") for path in files}
 
 
+if host_platform() in available_platforms():
+    FLAVOURS["python"] = Flavour(python, fmi=2, native=False, tolerance=1e-12)
 if NATIVE_ROPE and host_platform() in available_platforms():
     FLAVOURS |= {
         f"native-{fmi}": Flavour(native(fmi, (host_platform(),)), fmi=fmi, native=True, tolerance=1e-9)

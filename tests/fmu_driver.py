@@ -9,16 +9,19 @@ import json
 import math
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import fmpy
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
+from native_host import Host
 
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.simulator import RopeSimulator
 
 H = 0.01
@@ -206,48 +209,48 @@ def bad_calls(path: str) -> Any:
     """Messages after wrong values and calls in the wrong order; the instance must stay usable."""
     out: dict[str, Any] = {}
     with extracted(path) as folder:
-        fmu = Fmu(path, folder)
-        out["before initialisation"] = fmu.step(0.0)
-        fmu.start(inputs_at_step_end=True)
-        fmu.run(0, 5)
-        good = motion(0.06)[0]
-        for name, values in {
-            "nan": {"left.vy": math.nan},
-            "inf": {"left.y": math.inf},
-            "range": {"left.vy": 1e4},
-            "jump": {"left.y": 5.0},
-        }.items():
-            fmu.move(0.06)
-            fmu.set(**values)
-            out[name] = fmu.step(0.05)
-            fmu.set(**{f"left.{key}": value for key, value in good.items()})
-        out["wrong time"] = fmu.step(0.5)
-        out["zero step"] = fmu.step(0.05, 0.0)
-        out["negative step"] = fmu.step(0.05, -0.01)
-        out["nan step"] = fmu.step(0.05, math.nan)
-        fmu.set(rope__EI=100.0)
-        out["fixed parameter"] = fmu.step(0.05)
-        fmu.set(left__fy=0.0)
-        out["output set"] = fmu.step(0.05)
-        fmu.slave.setReal([99999], [1.0])
-        out["unknown reference"] = fmu.step(0.05)
-        out["bytes"] = "accepted"
-        fmu.slave.setFMUState(fmu.slave.deSerializeFMUstate(b"{}"))
-        out["bytes"] = fmu.get("status.message")[0]
-        fmu.run(5, 8)
-        out["usable"] = fmu.get("status.valid")[0]
-        fmu.slave.reset()
-        fmu.start(inputs_at_step_end=True)
-        fmu.run(0, 3)
-        out["after reset"] = fmu.get("status.valid")[0]
-        fmu.close()
+        host = Host(Path(path), folder)
 
+        def said(call: Callable[[], Any]) -> str:
+            try:
+                call()
+            except FMICallException:
+                return host.error()
+            return "accepted"
+
+        def step(t: float, h: float = H, **values: float) -> str:
+            return said(lambda: (host.set(**values), host.fmu.doStep(t, h)))
+
+        out["before initialisation"] = step(0.0)
+        host.start(inputs_at_step_end=True)
+        state = host.state()
+        for name, call in {
+            "nan": lambda: step(0.0, left__vy=math.nan),
+            "inf": lambda: step(0.0, left__y=math.inf),
+            "range": lambda: step(0.0, left__vy=1e4),
+            "jump": lambda: step(0.0, left__y=5.0),
+            "wrong time": lambda: step(0.5),
+            "zero step": lambda: step(0.0, 0.0),
+            "negative step": lambda: step(0.0, -0.01),
+            "nan step": lambda: step(0.0, math.nan),
+            "fixed parameter": lambda: step(0.0, rope__EI=100.0),
+            "output set": lambda: step(0.0, left__fy=0.0),
+            "unknown reference": lambda: said(lambda: host.fmu.setReal([99999], [1.0])),
+            "bytes": lambda: said(lambda: host.deserialized(b"{}")),
+        }.items():
+            out[name] = call()
+            host.restore(state)
+            assert host.step(0.0) == ""
+            host.restore(state)
         for name, value in {"rope__EI": -1.0, "left__swivel__mode": 7, "layout__spacing": 500.0}.items():
-            fmu = Fmu(path, folder)
-            fmu.start(**{name: value})
-            out[name] = fmu.get("status.message")[0]
-            out[f"{name} step"] = fmu.step(0.0)
-            fmu.close()
+            host.fmu.reset()
+            out[name] = said(lambda name=name, value=value: host.start(**{name: value}))
+            out[f"{name} step"] = step(0.0)
+        host.fmu.reset()
+        host.start()
+        out["after reset"] = host.step(0.0)
+        host.fmu.terminate()
+        host.fmu.freeInstance()
     return out
 
 
@@ -269,19 +272,55 @@ def initialization(path: str) -> Any:
 def foreign_state(path: str) -> Any:
     """A heavier rope's state, on another mesh, taken over by an instance; then bytes that are no state."""
     with extracted(path) as folder:
-        heavy, other = Fmu(path, folder, "heavy"), Fmu(path, folder, "other")
-        heavy.start(inputs_at_step_end=True, rope__mass_per_length=16.0, mesh__kind=1, mesh__elements=60)
-        other.start(inputs_at_step_end=True)
-        heavy.run(0, 3)
-        other.slave.setFMUstate(heavy.slave.getFMUstate())
-        out = {"weight": sum(other.get("left.fy_mean", "right.fy_mean")), "kept": 0.0}
-        other.slave.setFMUstate(other.slave.deSerializeFMUstate(b"x"))
-        out["message"] = other.get("status.message")[0]
+        heavy, other = Host(Path(path), folder), Host(Path(path), folder)
+        heavy.start(rope__mass_per_length=16.0, mesh__kind=1, mesh__elements=60)
+        other.start()
+        assert heavy.step(0.0) == ""
+        other.restore(heavy.state())
+        out: dict[str, Any] = {"weight": sum(other.get("left.fy_mean", "right.fy_mean"))}
+        try:
+            other.deserialized(b"x")
+            out["message"] = "accepted"
+        except FMICallException:
+            out["message"] = other.error()
         out["kept"] = other.get("rope.mass_per_length")[0]
-        other.move(0.04)
-        out["next"] = other.step(0.03)
-        heavy.close()
-        other.close()
+        out["next"] = other.step(H)
+        for host in (heavy, other):
+            host.fmu.terminate()
+            host.fmu.freeInstance()
+    return out
+
+
+def derivatives(path: str) -> Any:
+    """By reading of the inputs and name: directional derivatives of all loads, and differences of a step's."""
+    out = {}
+    with extracted(path) as folder:
+        for at_end in (True, False):
+            host = Host(Path(path), folder)
+            host.start(inputs_at_step_end=at_end)
+
+            def stepped(k: int, host: Host = host, at_end: bool = at_end, **changes: float) -> None:
+                for side, values in zip(("left", "right"), motion((k + at_end) * H), strict=True):
+                    host.set(**{f"{side}.{key}": value for key, value in values.items()})
+                for name, change in changes.items():
+                    host.set(**{name: host.get(name)[0] + change})
+                assert host.step(k * H) == ""
+
+            for k in range(30):
+                stepped(k)
+            state = host.state()
+            for name, size in {"left.y": 1e-7, "right.vy": 1e-5, "left.ay": 1e-3, "right.ax": 1e-3}.items():
+                forces = []
+                for change in (-size, size):
+                    host.restore(state)
+                    stepped(30, **{name: change})
+                    forces.append(host.get(*LOADS))
+                host.restore(state)
+                stepped(30)
+                differences = [(b - a) / (2 * size) for a, b in zip(*forces, strict=True)]
+                out[f"{at_end} {name}"] = [[host.derivative(load, name) for load in LOADS], differences]
+            host.fmu.terminate()
+            host.fmu.freeInstance()
     return out
 
 

@@ -1,4 +1,4 @@
-"""A host for the native FMU: one instance of FMI 2.0 or 3.0, variables by name, the log kept."""
+"""A host for the rope's FMUs: one instance of FMI 2.0 or 3.0, variables by name, the log kept."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The native FMU's C functions as they are: any call in any order, what it said and how long it took."""
+"""The C functions of the rope's FMUs as they are: any call in any order, what it said and how long it took."""
 
 from __future__ import annotations
 
@@ -43,6 +43,8 @@ class Library:
         self.fmi, self.token = int(description.fmiVersion[0]), description.guid
         self.variables = {v.name: v for v in description.modelVariables}
         self.path = next(p for p in (Path(folder) / "binaries").rglob("BalanceRope.*"))
+        resources = Path(folder).resolve() / "resources"
+        self.resources = (resources.as_uri() if self.fmi == 2 else str(resources)).encode()
         self.dll = ctypes.CDLL(str(self.path))
         for name in ("fmi2Instantiate", "fmi3InstantiateCoSimulation"):
             if hasattr(self.dll, name):
@@ -63,14 +65,14 @@ class Instance:
             addresses = (ctypes.cast(f, _POINTER) for f in self._memory)
             self._callbacks = _Callbacks(self._log, *addresses)
             self.pointer = library.dll.fmi2Instantiate(
-                b"rope", 1, self._token, b"", ctypes.byref(self._callbacks), 0, 0
+                b"rope", 1, self._token, library.resources, ctypes.byref(self._callbacks), 0, 0
             )
         else:
             self._log = _LOG3(lambda _e, status, _c, message: self._heard(status, message))
             self.pointer = library.dll.fmi3InstantiateCoSimulation(
-                b"rope", self._token, b"", False, False, False, False, None, _SIZE(0), None, self._log, None
+                b"rope", self._token, library.resources, *[False] * 4, None, _SIZE(0), None, self._log, None
             )
-        assert self.pointer
+        assert self.pointer, self.said[-1]
 
     def _heard(self, status: int, message: bytes) -> None:
         if status >= ERROR:

@@ -36,6 +36,13 @@ MAY_IMPORT = {
         "rope_model.native",
         "fmu_src",
     },
+    "fmu_src.export": {
+        "rope_model.parameters",
+        "rope_model.simulation",
+        "rope_model.version",
+        "fmu_src",
+        "fmu_src.native",
+    },
     "fmu_src": {"rope_model.parameters", "rope_model.simulation", "rope_model.version"},
     "hoist_demo": {"rope_model"},
 }

@@ -22,6 +22,7 @@ from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, RungChoice, Scene, Solver, Swivel, rope_120, rope_240
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.sensitivity import load_derivative
 from rope_model.simulation.signals import SIGNALS
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
@@ -311,6 +312,24 @@ def test_derivatives_are_those_of_a_step(name: str, side: int) -> None:
         )
     differences = (np.array(forces[0]) - np.array(forces[1])) / (2 * size)
     assert_allclose(derivative, differences, rtol=2e-3, atol=2e-3 * np.abs(differences).max())
+
+
+@pytest.mark.parametrize("rung", ["torsional", "planar", "rigid"])
+@pytest.mark.parametrize("side", [0, 1])
+def test_derivatives_are_those_of_the_python_rope(side: int, rung: RungChoice) -> None:
+    twist = 1.0 if rung == "torsional" else 0.0
+    scene = Scene(rope=Rope(length=60.0, installed_twist=twist), model=Model(rung))
+    ropes = RopeSimulator(scene), NativeRope(scene)
+    for rope in ropes:
+        assert rope.initialize(0.0, EndMotion(), EndMotion(y=10.0)).valid
+        for k in range(1, 4):
+            t = 0.01 * k
+            lowered = EndMotion(y=10.0 - 0.5 * t**3, vy=-1.5 * t**2, ay=-3.0 * t)
+            assert rope.advance_to(t, EndMotion(), lowered).valid
+    for name in EndMotion.__dataclass_fields__:
+        found, expected = load_derivative(ropes[0], side, name), np.array(ropes[1].derivative(side, name))
+        # differences over sizes that are small: rounding of 1e-5 N over 1e-7 m, against 1e6 N/m
+        assert_allclose(found, expected, rtol=1e-3, atol=1e-3 * np.abs(expected).max() + 1e-9, err_msg=name)
 
 
 def test_added_mass_is_the_derivative_along_an_acceleration_held_over_the_last_step() -> None:

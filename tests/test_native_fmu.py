@@ -753,7 +753,6 @@ def test_outputs_and_their_form_are_chosen_on_the_command_line(
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--platform", "host"], "add --native"),
         (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
         (["--out", "file/x.fmu"], "file cannot be written to"),
         (["--native", "--scalar"], "add --native --fmi 3"),

@@ -24,10 +24,10 @@ from test_native_fmu import RUNNERS, VERSIONS, lived
 
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
-from fmu_src.native.table import FORCES
 from fmu_src.profile import FULL
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.signals import SHAPE_POINTS
 from rope_model.simulation.simulator import RopeSimulator
 
@@ -180,12 +180,12 @@ def test_directional_derivatives_are_those_of_a_step(host: Host) -> None:
             moved(host, 31 * H)
             host.set(**{name: start + change})
             assert host.step(30 * H) == ""
-            forces.append(host.get(*FORCES))
+            forces.append(host.get(*LOADS))
         host.restore(state)
         moved(host, 31 * H)
         assert host.step(30 * H) == ""
         difference = (np.array(forces[1]) - forces[0]) / (2 * size)
-        analytic = [host.derivative(force, name) for force in FORCES]
+        analytic = [host.derivative(force, name) for force in LOADS]
         host.restore(state)
         host.free(state)
         # the step is one of Newton's method and of several internal steps; the derivative is of one, linearised

@@ -21,6 +21,7 @@ from dask.distributed import Client
 from exports import FLAVOURS
 
 from fmu_src.export import export_fmu
+from fmu_src.native.build import host_platform
 from hoist_demo.controller import Gains
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
@@ -50,7 +51,7 @@ arrival.window = 0.2
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return export_fmu(tmp_path_factory.mktemp("fmu") / "rope.fmu", "rope-120", "draft")
+    return export_fmu(tmp_path_factory.mktemp("fmu") / "rope.fmu", "rope-120", "draft", platforms=(host_platform(),))
 
 
 @pytest.fixture

@@ -128,7 +128,7 @@ def simulated_without_python(flavour: Flavour, fmu: Path, folder: Path, *preload
     program.chmod(0o755)
     where, libraries = environment(), [str(library) for library in preloaded]
     if not flavour.native:
-        # pythonfmu's library leaves Python's symbols open: it loads only where libpython is loaded already
+        # of several on this machine, the one that the packages are for
         library = ctypes.util.find_library(f"python{sys.version_info.major}.{sys.version_info.minor}")
         if library is None:
             pytest.skip("the Python FMU needs libpython preloaded, and this Python has no shared library")

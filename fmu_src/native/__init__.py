@@ -1,8 +1,10 @@
-"""The native FMU: C99 between the FMI functions and the rope simulator in C.
+"""The FMUs in C99: between the FMI functions and the rope simulator, in C or in Python.
 
 fmi2.c, fmi3.c        the shells: every function of the standards
 component.c           values, rules of causality and variability, status, states; of any model
 rope_model.c          the rope as such a model
+python_model.c        a model in Python: of the Python flavour
+shell                 the files that every FMU has
 table                 the interface table as C
 build                 compiles for every platform
 """

@@ -121,9 +121,10 @@ def _compile(folder: Path, command: Sequence[str], sources: Mapping[str, str], n
         (folder / file).write_text(text, encoding="utf-8", newline="\n")
     files = sorted(file for file in sources if file.endswith(".c"))
     more = [f"-Wl,-install_name,@rpath/{name}"] if name.endswith(".dylib") else []
+    loader = ["-ldl"] if name.endswith(".so") and any("<dlfcn.h>" in text for text in sources.values()) else []
     # in the folder, by relative names: no path of this machine gets into the library
     done = subprocess.run(
-        [*command, *more, *files, "-o", name, "-lm"], cwd=folder, capture_output=True, text=True, check=False
+        [*command, *more, *files, "-o", name, "-lm", *loader], cwd=folder, capture_output=True, text=True, check=False
     )
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)} failed: {done.stderr[-2000:]}")

@@ -20,11 +20,9 @@ from ..model_description import MODEL, Build, model_description
 from ..model_description3 import build_description, model_description3
 from ..profile import Profile
 from .build import chosen_platforms
+from .shell import shell
 from .start import Start, binaries_with, c_start
 from .table import c_places, c_table, start_values
-
-_HERE = Path(__file__).resolve().parent
-_COMMON = ("component.c", "component.h", "model.h", "snapshot.c", "snapshot.h", "rope_model.c", "rope_table.h")
 
 
 def export_native(
@@ -85,12 +83,8 @@ def native_table(preset: Preset) -> tuple[Variable, ...]:
 
 def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:
     """Everything between rope.h and the FMI functions but start.c."""
-    out = {name: (_HERE / name).read_text(encoding="utf-8") for name in (*_COMMON, f"fmi{fmi}.c")}
-    headers = sorted((_HERE / "include").glob(f"fmi{fmi}*.h"))
-    out |= {path.name: path.read_text(encoding="utf-8") for path in headers}
-    out["variables.c"] = c_table(table, fmi)
-    out["places.c"] = c_places(table, fmi)
-    return out
+    written = shell(fmi, "rope_model.c", "rope_table.h")
+    return {**written, "variables.c": c_table(table, fmi), "places.c": c_places(table, fmi)}
 
 
 def rope_sources() -> dict[str, str]:

@@ -83,7 +83,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     Allocator allocator = none;
     Instance *i;
     const char *wrong = NULL;
-    (void)fmuResourceLocation, (void)visible;
+    char why[MODEL_MESSAGE];
+    (void)visible;
     if (!functions) return NULL;
     if (!instanceName || !*instanceName)
         wrong = "the instance has no name; give one";
@@ -93,6 +94,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         wrong = "the GUID is not that of this FMU; read it from the modelDescription.xml beside this binary";
     else if (!functions->allocateMemory || !functions->freeMemory)
         wrong = "the callbacks allocateMemory and freeMemory are missing; this FMU needs them";
+    else if (!model_open(fmuResourceLocation, why))
+        wrong = why;
     if (!wrong) {
         allocator.take = functions->allocateMemory;
         allocator.give_back = functions->freeMemory;

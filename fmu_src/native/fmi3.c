@@ -73,7 +73,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     static const Allocator allocator = {calloc, free};
     Instance *i;
     const char *wrong = NULL;
-    (void)resourcePath, (void)visible, (void)earlyReturnAllowed;
+    char why[MODEL_MESSAGE];
+    (void)visible, (void)earlyReturnAllowed;
     (void)requiredIntermediateVariables, (void)intermediateUpdate;
     if (!instanceName || !*instanceName)
         wrong = "the instance has no name; give one";
@@ -83,6 +84,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         wrong = "this FMU has no event mode (hasEventMode is false); instantiate it with eventModeUsed = false";
     else if (nRequiredIntermediateVariables)
         wrong = "this FMU has no intermediate values (providesIntermediateUpdate is false); require none";
+    else if (!model_open(resourcePath, why))
+        wrong = why;
     if (!wrong) {
         i = allocator.take(1, sizeof *i);
         if (i) {

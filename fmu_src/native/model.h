@@ -1,7 +1,9 @@
 /* What a model gives to the component: a table of scalars, and a handful of functions.
 
-   fmi2.c or fmi3.c (the shell) -> component.c (values, rules, states) -> one model: rope_model.c, or another one.
-   An FMU holds one model, linked in; all that it changes lives in its ModelInstance. */
+   fmi2.c or fmi3.c (the shell) -> component.c (values, rules, states) -> one model: rope_model.c, python_model.c, or
+   another one.
+   An FMU holds one model, linked in; all that it changes lives in its
+   ModelInstance, but for what is loaded once. */
 #ifndef MODEL_H
 #define MODEL_H
 
@@ -50,6 +52,9 @@ typedef struct ModelInstance ModelInstance;
    range, integers whole.  Functions that return int return 1 when all is well; 0 when not, then `message`
    (MODEL_MESSAGE bytes) names value, bound and cure, and the model is what it was before. */
 
+/* Whether models can be made in this process: before the first, and as often as wanted. `resources` is the FMU's folder of
+   that name, a URI in FMI 2.0, a path in 3.0; the model may need nothing of it. */
+int model_open(const char *resources, char *message);
 /* With these parameters; takes all memory it will ever need.  NULL when that cannot be. */
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message);
 void model_destroy(ModelInstance *model); /* NULL: nothing to do */

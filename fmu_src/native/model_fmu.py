@@ -16,11 +16,11 @@ from ..model_description import Build, model_description
 from ..model_description3 import build_description, model_description3
 from ..profile import Profile
 from .build import chosen_platforms
+from .shell import shell
 from .start import Start, binaries_with, c_start
 from .table import c_table, start_values
 
 _HERE = Path(__file__).resolve().parent
-_SHELL = ("component.c", "component.h", "model.h", "snapshot.c", "snapshot.h")
 
 
 def export_model(
@@ -74,10 +74,7 @@ def export_model(
 
 def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int) -> dict[str, str]:
     """The C files ``model`` with everything between model.h and the FMI functions but start.c."""
-    sources = {**model, **{file: (_HERE / file).read_text(encoding="utf-8") for file in (*_SHELL, f"fmi{fmi}.c")}}
-    headers = sorted((_HERE / "include").glob(f"fmi{fmi}*.h"))
-    sources |= {path.name: path.read_text(encoding="utf-8") for path in headers}
-    return sources | {"variables.c": c_table(table, fmi)}
+    return {**model, **shell(fmi), "variables.c": c_table(table, fmi)}
 
 
 def _token(name: str, sources: Mapping[str, str], values: Sequence[float]) -> str:

@@ -6,14 +6,13 @@ import dataclasses
 import re
 from collections.abc import Iterable, Iterator, Sequence
 
-from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.signals import SIGNALS
 
 from ..arrays import arrays, scalars
 from ..interface import Variable, choices_of
 
-#: end forces and moments, in the order of rope_derivative
-FORCES = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
 _TEXTS = {"status.rung": "RUNG_NAME", "status.rung_reason": "RUNG_REASON", "status.warning": "WARNING"}
 #: fields of struct Scene whose names differ from the interface's
@@ -75,7 +74,7 @@ def _row(v: Variable, fmi: int, length: int) -> str:
 
 def _place(v: Variable) -> str:
     where, offset = _home(v)
-    derivative = FORCES.index(v.name) if v.name in FORCES else -1
+    derivative = LOADS.index(v.name) if v.name in LOADS else -1
     return f"{{{where}, {offset}, {derivative}}}"
 
 

@@ -124,21 +124,21 @@ def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float
 
 def rigid_added_mass(scene: Scene, paths: tuple[EndPath, EndPath], t: float, h: float) -> tuple[float, float]:
     """kg: how much each end's pull grows with an upward acceleration held over ``h``, by differences."""
-    size = 1e-3
+    size, masses = 1e-3, []
+    before = moved_tensions(scene, paths, t, np.zeros((2, 3, 3)))
+    for side in (0, 1):
+        change = np.zeros((2, 3, 3))
+        change[side, :, 1] = 0.5 * h * h * size, h * size, size
+        masses.append(float(moved_tensions(scene, paths, t, change)[side] - before[side]) / size)
+    return masses[0], masses[1]
 
-    def tensions(moved: int | None) -> tuple[float, float]:
-        x, v, a = (np.array([path(t)[k] for path in paths]) for k in range(3))
-        if moved is not None:
-            x[moved, 1], v[moved, 1], a[moved, 1] = (
-                x[moved, 1] + 0.5 * h * h * size,
-                v[moved, 1] + h * size,
-                a[moved, 1] + size,
-            )
-        ends = nominal_points(scene.layout.spacing) + x[:, :3]
-        return _pull(scene, ends, (float(v[0, 1]), float(v[1, 1])), (float(a[0, 1]), float(a[1, 1]))).tensions
 
-    before = tensions(None)
-    return (tensions(0)[0] - before[0]) / size, (tensions(1)[1] - before[1]) / size
+def moved_tensions(scene: Scene, paths: tuple[EndPath, EndPath], t: float, change: Array) -> Array:
+    """(2,) N, of ends with ``change`` (ends; position, speed, acceleration; axes) added to their motions."""
+    x, v, a = (np.array([path(t)[k][:3] for path in paths]) + change[:, k] for k in range(3))
+    ends = nominal_points(scene.layout.spacing) + x
+    pull = _pull(scene, ends, (float(v[0, 1]), float(v[1, 1])), (float(a[0, 1]), float(a[1, 1])))
+    return np.array(pull.tensions)
 
 
 def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Motion:

@@ -28,7 +28,7 @@ from .ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, HangingEnds, Phase, S
 from .mesh import LATEST, Partition, distance_to_due, misplaced, partition, suited
 from .model import RopeModel, ends_of, energies, powers
 from .rigid import rigid_added_mass, rigid_rope
-from .rope_system import Assessment, KernelShelf, RopeSystem
+from .rope_system import Array, Assessment, KernelShelf, RopeSystem
 from .rungs import RungName, chosen, outgrown
 from .signals import checked_names, group_of
 from .state import Counts, RopeState
@@ -80,6 +80,7 @@ class RopeSimulator(BalanceRope):
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
         self._signals: dict[str, float] = {}  # of the present state, as far as they were asked for
+        self._unmoved: tuple[RopeSystem, Array, Array] | None = None  # what `answer` compares with
 
     @property
     def scene(self) -> Scene:
@@ -301,23 +302,33 @@ class RopeSimulator(BalanceRope):
         return Status(True)
 
     def added_mass(self) -> tuple[float, float]:
-        # the rope is linearised about the present state; one generalized-alpha step of that length carries the
-        # perturbation y = a h^2 / 2, v = a h
-        m, h, system = self.state.motion, self.state.last_interval, self.system
+        # one step of that length carries the change y = a h^2 / 2, v = a h
+        m, h, size = self.state.motion, self.state.last_interval, 1e-3
         if self.state.rung == "rigid":
             return rigid_added_mass(self.scene, self.state.paths, m.t, h)
-        c = self.model.method.newton(h)
-        unperturbed, rest = system.direction(m.q, m.v, m.a, m.reaction, c)
-        size, masses = 1e-3, []
-        for node in (0, -1):
-            q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
-            q[node, 1] += 0.5 * h * h * size
-            v[node, 1] += h * size
-            a[node, 1] += size
-            x = system.direction(q, v, a, m.reaction, c)[0] - unperturbed
-            reaction = system.assess(q + x, v + c[1] * x, a + c[2] * x, m.reaction).reaction
-            masses.append(float(reaction[node, 1] - rest[node, 1]) / size)
+        held, none, masses = np.array([0.5 * h * h, h, 1.0]), np.zeros(3), []
+        for side, node in enumerate((0, -1)):
+            before, after = (self.answer(side, 1, change)[1][node, 1] for change in (none, size * held))
+            masses.append(float(after - before) / size)
         return masses[0], masses[1]
+
+    def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]:
+        """q and reactions when a coordinate of an end is moved by ``change`` in q, q_t, q_tt at the last step's end.
+
+        The rest of the rope answers as its equations are linear in that step.
+        """
+        m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
+        if self._unmoved is None or self._unmoved[0] is not system:
+            self._unmoved = system, *system.direction(m.q, m.v, m.a, m.reaction, c)
+        _, unperturbed, reaction = self._unmoved
+        if not change.any():
+            return m.q, reaction
+        q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
+        for x, dx in zip((q, v, a), change, strict=True):
+            x[-side, dof] += dx
+        y = system.direction(q, v, a, m.reaction, c)[0] - unperturbed
+        q += y
+        return q, system.assess(q, v + c[1] * y, a + c[2] * y, m.reaction).reaction
 
     # one step, and what may end it
 

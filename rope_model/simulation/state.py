@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import json
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -92,7 +92,7 @@ class RopeState(NamedTuple):
     counts: Counts = Counts()
 
     def to_bytes(self) -> bytes:
-        """The state as bytes that depend on nothing but the state."""
+        """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
         m = self.motion
         arrays = {name: getattr(m, name) for name in ("q", "v", "a", "b", "a_rate", "reaction")}
         arrays |= {"pole": self.pole, "lengths": self.partition.lengths}
@@ -118,18 +118,22 @@ class RopeState(NamedTuple):
             "powers": self.powers._asdict(),
             "counts": self.counts._asdict(),
         }
-        arrays["scalars"] = np.frombuffer(json.dumps(scalars).encode(), dtype=np.uint8)
-        out = io.BytesIO()
-        np.savez(out, **arrays)
-        return out.getvalue()
+        scalars["shapes"] = {name: x.shape for name, x in arrays.items()}
+        head = json.dumps(scalars).encode()
+        numbers = (np.asarray(x, dtype="<f8").tobytes() for x in arrays.values())
+        return b"".join((len(head).to_bytes(8, "little"), head, *numbers))
 
     @staticmethod
     def from_bytes(data: bytes) -> RopeState:
         """The state that ``to_bytes`` wrote; ValueError for anything else."""
         try:
-            with np.load(io.BytesIO(data), allow_pickle=False) as file:
-                x = {name: file[name] for name in file.files}
-            s = json.loads(x["scalars"].tobytes())
+            place = 8 + int.from_bytes(data[:8], "little")
+            s, x = json.loads(data[8:place]), {}
+            for name, shape in s["shapes"].items():
+                x[name] = np.frombuffer(data, "<f8", math.prod(shape), place).reshape(shape).astype(np.float64)
+                place += x[name].nbytes
+            if place != len(data):
+                raise ValueError(f"{len(data) - place} of them too many")
             return RopeState(
                 motion=Motion(s["t"], x["q"], x["v"], x["a"], x["b"], x["a_rate"], s["h"], x["reaction"]),
                 partition=Partition(

@@ -1,0 +1,397 @@
+/* A model written in Python: the functions of model.h hand over to an object of a class in the FMU's resources.
+
+   The interpreter is the process's own; where there is none (a tool that is not Python) a libpython is loaded, and
+   stays until the process ends, because numpy cannot be loaded a second time.  Only functions of Python's stable ABI
+   are used, by name, so that one library serves every Python from 3.11 on and needs no header of it.
+
+   Object and library share arrays by scalar: the entries of the last call, the outputs, which of these are known
+   since the last change, and derivatives.  An output that is not known makes Python compute it with its kin. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#ifdef _WIN32
+#include <windows.h>
+#else
+#include <dlfcn.h>
+#endif
+
+#include "model.h"
+
+typedef struct PyObject PyObject;
+
+#define PYTHON_FUNCTIONS(F) \
+    F(int, Py_IsInitialized, (void)) \
+    F(void, Py_InitializeEx, (int signals)) \
+    F(void *, PyEval_SaveThread, (void)) \
+    F(int, PyGILState_Ensure, (void)) \
+    F(void, PyGILState_Release, (int)) \
+    F(void, Py_DecRef, (PyObject *)) \
+    F(void, PyErr_WriteUnraisable, (PyObject *)) \
+    F(int, PyObject_IsTrue, (PyObject *)) \
+    F(PyObject *, PyObject_GetAttrString, (PyObject *, const char *)) \
+    F(PyObject *, PyObject_CallFunction, (PyObject *, const char *format, ...)) \
+    F(PyObject *, PyObject_CallMethod, (PyObject *, const char *name, const char *format, ...)) \
+    F(PyObject *, PyImport_ImportModule, (const char *)) \
+    F(PyObject *, Py_BuildValue, (const char *format, ...)) \
+    F(PyObject *, PyDict_GetItemString, (PyObject *, const char *)) \
+    F(PyObject *, PyMemoryView_FromMemory, (char *, ptrdiff_t, int access)) \
+    F(const char *, PyUnicode_AsUTF8AndSize, (PyObject *, ptrdiff_t *)) \
+    F(double, PyFloat_AsDouble, (PyObject *)) \
+    F(int, PyBytes_AsStringAndSize, (PyObject *, char **, ptrdiff_t *))
+
+#define POINTER(type, name, arguments) type(*name) arguments;
+#define ENTRY(type, name, arguments) {#name, (void **)&python.name},
+
+static struct { PYTHON_FUNCTIONS(POINTER) } python;
+/* makes an object of the model's class; NULL until the package has been loaded */
+static PyObject *make;
+
+enum { READ = 0x100, WRITE = 0x200 }; /* access to a memoryview */
+enum { OLDEST = 11, NEWEST = 29 };    /* Python 3.x that is tried */
+
+struct ModelInstance {
+    PyObject *object;
+    void (*give_back)(void *);
+    char failure[MODEL_MESSAGE]; /* of an output, for the next step: an output cannot refuse */
+    /* MODEL_SCALARS each */
+    double *values, *outputs, *derivatives;
+    unsigned char *known;
+};
+
+/* The module that pythonfmu's builder names, from the folder that the host names, and the class that it defines. */
+static const char LOAD[] =
+    "import functools, importlib, pathlib, sys, urllib.request\n"
+    "wrong = ''\n"
+    "try:\n"
+    "    folder = location\n"
+    "    if folder.startswith('file:'):\n"
+    "        folder = folder.removeprefix('file:')\n"
+    "        if folder.startswith('//'):\n"
+    "            folder = folder[folder.index('/', 2):]\n"
+    "        folder = urllib.request.url2pathname(folder)\n"
+    "    name = pathlib.Path(folder, 'slavemodule.txt').read_text(encoding='utf-8').strip()\n"
+    "    importlib.invalidate_caches()\n"
+    "    sys.path.insert(0, folder)\n"
+    "    try:\n"
+    "        module = importlib.import_module(name)\n"
+    "    finally:\n"
+    "        sys.path.remove(folder)\n"
+    "    kind = next(v for v in vars(module).values() if isinstance(v, type) and v.__module__ == name)\n"
+    "    make = functools.partial(kind, instance_name=kind.__name__, resources=folder)\n"
+    "except Exception as error:\n"
+    "    wrong = (\n"
+    "        'this FMU runs Python code, which cannot be loaded: it needs Python 3.11 or newer with numpy and '\n"
+    "        f'casadi; or take its native flavour ({type(error).__name__}: {error}; resources: {location})'\n"
+    "    )\n";
+
+/* finding Python */
+
+#ifdef _WIN32
+
+/* the forwarder to whichever python3x.dll is beside it */
+static HMODULE library(void) {
+    HMODULE found = GetModuleHandleA("python3.dll");
+    return found ? found : LoadLibraryA("python3.dll");
+}
+
+static void *symbol(HMODULE from, const char *name) { return (void *)GetProcAddress(from, name); }
+
+#else
+
+#ifdef __APPLE__
+static const char NAME[] = "libpython3.%d.dylib";
+#else
+static const char NAME[] = "libpython3.%d.so.1.0";
+#endif
+
+/* the process's own, or a library whose symbols numpy's and casadi's libraries will see, too */
+static void *library(void) {
+    void *found = dlopen(NULL, RTLD_LAZY);
+    char name[sizeof NAME];
+    int minor;
+    if (found && dlsym(found, "Py_IsInitialized")) return found;
+    for (minor = OLDEST; minor <= NEWEST; minor++) {
+        snprintf(name, sizeof name, NAME, minor);
+        if ((found = dlopen(name, RTLD_LAZY | RTLD_GLOBAL))) return found;
+    }
+    return NULL;
+}
+
+static void *symbol(void *from, const char *name) { return dlsym(from, name); }
+
+#endif
+
+static int have_python(char *message) {
+    static const struct {
+        const char *name;
+        void **place;
+    } entries[] = {PYTHON_FUNCTIONS(ENTRY)};
+    size_t i;
+    void *from = (void *)library();
+    if (!from) {
+        snprintf(message, MODEL_MESSAGE,
+                 "this FMU runs Python code, and there is neither a Python in this process nor a libpython to load; "
+                 "preload one or put it on the library path, or take the native flavour of this FMU");
+        return 0;
+    }
+    for (i = 0; i < sizeof entries / sizeof *entries; i++) {
+        void *found = symbol(from, entries[i].name);
+        if (!found) {
+            snprintf(message, MODEL_MESSAGE, "the Python of this process has no %s; this FMU needs Python 3.%d or "
+                     "newer", entries[i].name, OLDEST);
+            return 0;
+        }
+        memcpy(entries[i].place, &found, sizeof found);
+    }
+    if (!python.Py_IsInitialized()) {
+        python.Py_InitializeEx(0);  /* signals stay the host's */
+        python.PyEval_SaveThread(); /* each call takes the interpreter's lock */
+    }
+    return 1;
+}
+
+/* what Python answered */
+
+/* all of a message that fits, cut between two characters */
+static void copy(const char *text, char *message) {
+    size_t length = strlen(text);
+    if (length >= MODEL_MESSAGE)
+        for (length = MODEL_MESSAGE - 1; (text[length] & 0xC0) == 0x80;) length--;
+    memcpy(message, text, length);
+    message[length] = '\0';
+}
+
+/* an exception that no Python code caught */
+static void report(char *message) {
+    python.PyErr_WriteUnraisable(NULL);
+    copy("internal error in Python, please report it; its standard error has the traceback", message);
+}
+
+/* copies a string and lets go of it */
+static void take_text(PyObject *text, char *message) {
+    const char *found = text ? python.PyUnicode_AsUTF8AndSize(text, NULL) : NULL;
+    if (found)
+        copy(found, message);
+    else
+        report(message);
+    python.Py_DecRef(text);
+}
+
+/* whether a method succeeded; else why, from the object's message */
+static int succeeded(PyObject *object, PyObject *answer, char *message) {
+    int ok = answer ? python.PyObject_IsTrue(answer) : -1;
+    python.Py_DecRef(answer);
+    if (ok < 0)
+        report(message);
+    else if (!ok)
+        take_text(python.PyObject_GetAttrString(object, "message"), message);
+    return ok > 0;
+}
+
+static double as_number(PyObject *answer) {
+    double value = answer ? python.PyFloat_AsDouble(answer) : NAN;
+    char message[MODEL_MESSAGE];
+    if (!answer) report(message);
+    python.Py_DecRef(answer);
+    return value;
+}
+
+/* the functions of model.h */
+
+int model_open(const char *resources, char *message) {
+    int gil;
+    PyObject *scope, *builtins, *done;
+    if (make) return 1;
+    if (!have_python(message)) return 0;
+    gil = python.PyGILState_Ensure();
+    builtins = python.PyImport_ImportModule("builtins");
+    scope = python.Py_BuildValue("{s:s}", "location", resources ? resources : "");
+    done = builtins && scope ? python.PyObject_CallMethod(builtins, "exec", "sO", LOAD, scope) : NULL;
+    if (!done)
+        report(message);
+    else if (!(make = python.PyDict_GetItemString(scope, "make"))) /* scope is never given back */
+        copy(python.PyUnicode_AsUTF8AndSize(python.PyDict_GetItemString(scope, "wrong"), NULL), message);
+    python.Py_DecRef(done);
+    python.Py_DecRef(builtins);
+    python.PyGILState_Release(gil);
+    return make != NULL;
+}
+
+ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
+    size_t room = MODEL_SCALARS * sizeof(double);
+    ModelInstance *model = allocator->take(1, sizeof *model + 3 * room + MODEL_SCALARS);
+    int gil, ok;
+    if (!model) {
+        snprintf(message, MODEL_MESSAGE, "no memory for the model; free other instances first");
+        return NULL;
+    }
+    model->give_back = allocator->give_back;
+    model->failure[0] = '\0';
+    model->values = (double *)(model + 1);
+    model->outputs = model->values + MODEL_SCALARS;
+    model->derivatives = model->outputs + MODEL_SCALARS;
+    model->known = (unsigned char *)(model->derivatives + MODEL_SCALARS);
+    memcpy(model->values, values, room);
+    memset(model->outputs, 0, 2 * room + MODEL_SCALARS);
+    gil = python.PyGILState_Ensure();
+    model->object = python.PyObject_CallFunction(make, NULL);
+    if (model->object)
+        ok = succeeded(model->object,
+                       python.PyObject_CallMethod(
+                           model->object, "create", "NNNN",
+                           python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
+                           python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
+                           python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
+                           python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE)),
+                       message);
+    else {
+        report(message);
+        ok = 0;
+    }
+    python.PyGILState_Release(gil);
+    if (ok) return model;
+    model_destroy(model);
+    return NULL;
+}
+
+void model_destroy(ModelInstance *model) {
+    if (!model) return;
+    if (python.Py_IsInitialized()) { /* not so when a host that is Python ends before its FMUs */
+        int gil = python.PyGILState_Ensure();
+        python.Py_DecRef(model->object);
+        python.PyGILState_Release(gil);
+    }
+    model->give_back(model);
+}
+
+/* the entries for Python to read; what was computed from others is known no longer */
+static void hand_over(ModelInstance *model, const double *values) {
+    memcpy(model->values, values, MODEL_SCALARS * sizeof(double));
+    memset(model->known, 0, MODEL_SCALARS);
+}
+
+int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
+    int gil = python.PyGILState_Ensure(), ok;
+    hand_over(model, values);
+    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "initialize", "d", t), message);
+    python.PyGILState_Release(gil);
+    return ok;
+}
+
+int model_step(ModelInstance *model, double t, double h, const double *values, char *message) {
+    int gil, ok;
+    if (*model->failure) {
+        copy(model->failure, message);
+        model->failure[0] = '\0';
+        return 0;
+    }
+    gil = python.PyGILState_Ensure();
+    hand_over(model, values);
+    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "do_step", "dd", t, h), message);
+    python.PyGILState_Release(gil);
+    return ok;
+}
+
+int model_retune(ModelInstance *model, const double *values, char *message) {
+    int gil = python.PyGILState_Ensure(), ok;
+    hand_over(model, values);
+    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "retune", NULL), message);
+    python.PyGILState_Release(gil);
+    return ok;
+}
+
+double model_time(const ModelInstance *model) {
+    int gil = python.PyGILState_Ensure();
+    double time = as_number(python.PyObject_CallMethod(model->object, "time", NULL));
+    python.PyGILState_Release(gil);
+    return time;
+}
+
+double model_output(ModelInstance *model, size_t scalar) {
+    int gil, ok;
+    if (model->known[scalar]) return model->outputs[scalar];
+    gil = python.PyGILState_Ensure();
+    ok = succeeded(model->object,
+                   python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar), model->failure);
+    python.PyGILState_Release(gil);
+    return ok ? model->outputs[scalar] : NAN;
+}
+
+/* the object keeps the text until that scalar is asked for again */
+const char *model_text(ModelInstance *model, size_t scalar) {
+    int gil = python.PyGILState_Ensure();
+    PyObject *answer = python.PyObject_CallMethod(model->object, "text", "n", (ptrdiff_t)scalar);
+    const char *text = answer ? python.PyUnicode_AsUTF8AndSize(answer, NULL) : NULL;
+    if (!text) report(model->failure);
+    python.Py_DecRef(answer);
+    python.PyGILState_Release(gil);
+    return text ? text : "";
+}
+
+void model_note(const ModelInstance *model, char *message) {
+    int gil = python.PyGILState_Ensure();
+    take_text(python.PyObject_CallMethod(model->object, "note", NULL), message);
+    python.PyGILState_Release(gil);
+}
+
+int model_warning(ModelInstance *model, int number, char *message) {
+    int gil = python.PyGILState_Ensure(), there;
+    there = number < as_number(python.PyObject_GetAttrString(model->object, "warnings"));
+    message[0] = '\0';
+    if (there) take_text(python.PyObject_CallMethod(model->object, "warning", "i", number), message);
+    python.PyGILState_Release(gil);
+    return there;
+}
+
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
+                     double *sum, char *message) {
+    int gil = python.PyGILState_Ensure(), ok;
+    size_t i;
+    for (i = 0; i < MODEL_SCALARS; i++) model->derivatives[i] = NAN;
+    ok = succeeded(model->object,
+                   python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed), message);
+    python.PyGILState_Release(gil);
+    for (i = 0; ok && i < number; i++) {
+        if (isnan(model->derivatives[unknown[i]])) {
+            snprintf(message, MODEL_MESSAGE,
+                     "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
+                     MODEL_VARIABLES[unknown[i]].name);
+            return 0;
+        }
+        sum[i] += model->derivatives[unknown[i]];
+    }
+    return ok;
+}
+
+size_t model_state_bytes(const ModelInstance *model) {
+    int gil = python.PyGILState_Ensure();
+    double bytes = as_number(python.PyObject_CallMethod(model->object, "state_bytes", NULL));
+    python.PyGILState_Release(gil);
+    return bytes > 0.0 ? (size_t)bytes : 0;
+}
+
+void model_save(const ModelInstance *model, void *to) {
+    int gil = python.PyGILState_Ensure();
+    PyObject *state = python.PyObject_CallMethod(model->object, "state", NULL);
+    char *bytes = NULL, message[MODEL_MESSAGE];
+    ptrdiff_t length = 0;
+    if (state && python.PyBytes_AsStringAndSize(state, &bytes, &length) == 0)
+        memcpy(to, bytes, (size_t)length);
+    else
+        report(message);
+    python.Py_DecRef(state);
+    python.PyGILState_Release(gil);
+}
+
+int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
+    int gil = python.PyGILState_Ensure(), ok;
+    ok = succeeded(model->object,
+                   python.PyObject_CallMethod(model->object, "restore", "N",
+                                              python.PyMemoryView_FromMemory((char *)from, (ptrdiff_t)bytes, READ)),
+                   message);
+    memset(model->known, 0, MODEL_SCALARS);
+    model->failure[0] = '\0';
+    python.PyGILState_Release(gil);
+    return ok;
+}

@@ -1,0 +1,63 @@
+"""Derivatives of the end loads at the end of a step to one number of an end's motion there.
+
+The rope is linearised about the present state, and one generalized-alpha step as long as the last carries the change;
+see rope_derivative in rope_model.native, its twin.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from .ends import SIDES, YAW_SENSE, EndMotion, Phase
+from .rigid import moved_tensions
+from .rope_system import ANGLE, POSITION, Array
+from .signals import end_moment
+from .simulator import RopeSimulator
+
+#: m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding
+_SIZES = (1e-7, 1e-5, 1e-3)
+#: names of the signals that are differentiated
+LOADS = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
+_NAMES = tuple(field.name for field in dataclasses.fields(EndMotion))
+
+
+def load_derivative(rope: RopeSimulator, side: int, name: str) -> Array:
+    """(12,): of LOADS to the field ``name`` of an end's EndMotion."""
+    state, place = rope.state, _NAMES.index(name)
+    kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE)
+    size = _SIZES[kind]
+    if state.rung == "rigid":
+        return _rigid_derivative(rope, side, kind, dof)
+    if dof == ANGLE and state.swivels[side].phase is Phase.SLIP:
+        return np.zeros(12)  # the friction does not know the yaw
+    change = np.zeros(3)
+    change[kind] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
+    if dof == ANGLE and kind == 1:  # a path takes its yaw acceleration from the rates
+        change[2] = change[1] / state.last_interval
+    before, after = (end_loads(rope, *rope.answer(side, dof, part * change)) for part in (0.0, 1.0))
+    derivative: Array = (after - before) / size
+    if not np.isfinite(derivative).all():
+        raise ValueError("the equations of this state have no finite derivative; take a smaller step_max")
+    return derivative
+
+
+def end_loads(rope: RopeSimulator, q: Array, reaction: Array) -> Array:
+    """(12,): LOADS with other coordinates and reactions."""
+    out = np.empty((2, 6))
+    for side in (0, 1):
+        node = -side
+        out[side, :3] = -reaction[node, POSITION]
+        out[side, 3:] = -end_moment(q[node], reaction[node], rope.state.pole, rope.ends.moment(side, reaction))
+    return out.ravel()
+
+
+def _rigid_derivative(rope: RopeSimulator, side: int, kind: int, dof: int) -> Array:
+    """No side forces and no moments; only heights have speeds."""
+    state, change, out = rope.state, np.zeros((2, 3, 3)), np.zeros((2, 6))
+    if dof < 3 and (kind == 0 or dof == 1):
+        change[side, kind, dof] = _SIZES[kind]
+        before, after = (moved_tensions(rope.scene, state.paths, state.motion.t, part * change) for part in (0.0, 1.0))
+        out[:, 1] = -(after - before) / _SIZES[kind]
+    return out.ravel()

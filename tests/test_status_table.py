@@ -1,0 +1,253 @@
+"""What each call returns in each state: one table, of the Python flavour and of the native one alike."""
+
+from __future__ import annotations
+
+import copy
+import ctypes
+import math
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import fmpy
+import pytest
+from exports import FLAVOURS
+from native_raw import DISCARD, ERROR, OK, Instance, Library
+
+STATES = ("instantiated", "initialisation", "stepping", "terminated", "failed")
+H = 0.01
+#: announced end of the run, s
+STOP = 1.0
+_ONE = ctypes.c_size_t(1)
+_LETTERS = {OK: "O", DISCARD: "D", ERROR: "E"}
+
+if not FLAVOURS:
+    pytest.skip("no compiler builds the FMUs here", allow_module_level=True)
+
+
+class Call(NamedTuple):
+    """What is called, and the status in each of STATES: O OK, E error, D discard."""
+
+    make: Callable[[Instance], int]
+    statuses: str
+    versions: tuple[int, ...] = (2, 3)
+
+
+def brought_to(library: Library, state: str) -> Instance:
+    """An instance in one of STATES; "failed" by a step that goes on from another time."""
+    rope = Instance(library)
+    if state == "instantiated":
+        return rope
+    assert rope.set("inputs_at_step_end", 1) == OK
+    assert rope.enter(stop=STOP) == OK
+    if state != "initialisation":
+        assert rope.call("ExitInitializationMode") == OK
+        assert rope.step(0.0, H) == OK
+    if state == "terminated":
+        assert rope.call("Terminate") == OK
+    if state == "failed":
+        assert rope.step(0.5, H) == ERROR
+    return rope
+
+
+def entered(rope: Instance) -> int:
+    """Into initialisation mode, without set-up in FMI 2."""
+    return rope.call("EnterInitializationMode") if rope.library.fmi == 2 else rope.enter()
+
+
+def set_up(start: float, stop: float) -> Callable[[Instance], int]:
+    times = (0, ctypes.c_double(0.0), ctypes.c_double(start), 1, ctypes.c_double(stop))
+    return lambda rope: rope.call("SetupExperiment", *times)
+
+
+def got(name: str, reference: int | None = None) -> Callable[[Instance], int]:
+    """A scalar is read."""
+
+    def make(rope: Instance) -> int:
+        variable, number = rope.library.variables[name], (_ONE,) if rope.library.fmi == 3 else ()
+        which = ctypes.c_uint(variable.valueReference if reference is None else reference)
+        room = ctypes.create_string_buffer(16)
+        return rope.call(f"Get{variable.type}", ctypes.byref(which), _ONE, room, *number)
+
+    return make
+
+
+def put(name: str, value: float, **more: Any) -> Callable[[Instance], int]:
+    """A scalar is set."""
+    return lambda rope: rope.set(name, value, **more)
+
+
+def logging(category: bytes) -> Callable[[Instance], int]:
+    names = (ctypes.c_char_p * 1)(category)
+    return lambda rope: rope.call("SetDebugLogging", ctypes.c_int(1), _ONE, names)
+
+
+def saved(rope: Instance) -> int:
+    state = ctypes.c_void_p()
+    return rope.save(state) or rope.forget(state)
+
+
+def saved_and_restored(rope: Instance) -> int:
+    state = ctypes.c_void_p()
+    return rope.save(state) or rope.restore(state) or rope.forget(state)
+
+
+def written_and_read(rope: Instance) -> int:
+    state, read = ctypes.c_void_p(), ctypes.c_void_p()
+    return rope.save(state) or rope.read(rope.written(state), read) or rope.restore(read)
+
+
+def asked(name: str, kind: int) -> Callable[[Instance], int]:
+    """fmi2Get...Status: 0 doStep, 1 pending, 2 last successful time, 3 terminated."""
+    room = ctypes.create_string_buffer(16)
+    return lambda rope: rope.call(name, ctypes.c_int(kind), room)
+
+
+def unsupported(name: str) -> Callable[[Instance], int]:
+    return lambda rope: rope.call(name, *[ctypes.c_size_t(0)] * 5)
+
+
+def derived(unknown: str, known: str) -> Callable[[Instance], int]:
+    def make(rope: Instance) -> int:
+        table = rope.library.variables
+        of, to = (ctypes.byref(ctypes.c_uint(table[name].valueReference)) for name in (unknown, known))
+        seed, value = ctypes.byref(ctypes.c_double(1.0)), ctypes.byref(ctypes.c_double())
+        if rope.library.fmi == 2:
+            return rope.call("GetDirectionalDerivative", of, _ONE, to, _ONE, seed, value)
+        return rope.call("GetDirectionalDerivative", of, _ONE, to, _ONE, seed, _ONE, value, _ONE)
+
+    return make
+
+
+#: FMI 2.0.4, section 4.2.4, and FMI 3.0, section 4.2.1: what the state machines allow, and what this FMU can do
+TABLE: dict[str, Call] = {
+    "setupExperiment": Call(set_up(0.0, STOP), "OEEEE", (2,)),
+    "setupExperiment, start NaN": Call(set_up(math.nan, STOP), "EEEEE", (2,)),
+    "setupExperiment, stop before start": Call(set_up(1.0, 0.0), "EEEEE", (2,)),
+    "enterInitializationMode": Call(entered, "OEEEE"),
+    "exitInitializationMode": Call(lambda rope: rope.call("ExitInitializationMode"), "EOEEE"),
+    "doStep": Call(lambda rope: rope.step(H, H), "EEOEE"),
+    "doStep from another time": Call(lambda rope: rope.step(0.5, H), "EEEEE"),
+    "doStep of no length": Call(lambda rope: rope.step(H, 0.0), "EEEEE"),
+    "doStep of NaN": Call(lambda rope: rope.step(H, math.nan), "EEEEE"),
+    "doStep beyond the stop time": Call(lambda rope: rope.step(H, STOP), "EEEEE"),
+    "terminate": Call(lambda rope: rope.call("Terminate"), "EEOEE"),
+    "reset": Call(lambda rope: rope.call("Reset"), "OOOOO"),
+    "get a parameter": Call(got("rope.length"), "OOOOO"),
+    "get an input": Call(got("left.y"), "OOOOO"),
+    "get a real output": Call(got("left.fy"), "EOOOO"),
+    "get an integer output": Call(got("count.steps"), "EOOOO"),
+    "get a boolean output": Call(got("left.swivel.slipping"), "EOOOO"),
+    "get a text": Call(got("status.rung"), "EOOOO", (2,)),
+    "get status.valid": Call(got("status.valid"), "OOOOO"),
+    "get status.message": Call(got("status.message"), "OOOOO", (2,)),
+    "get an unknown reference": Call(got("left.fy", 99999), "EEEEE"),
+    "set a fixed parameter": Call(put("rope.EI", 400.0), "OOEEE"),
+    "set a fixed parameter as it is": Call(put("rope.EI", 300.0), "OOOEE"),
+    "set a tunable parameter": Call(put("solver.step_max", 0.01), "OOOEE"),
+    "set a choice": Call(put("left.swivel.mode", 1), "OOEEE"),
+    "set no choice": Call(put("left.swivel.mode", 7), "EEEEE"),
+    "set an input": Call(put("left.y", 0.0), "OOOEE"),
+    "set an input to NaN": Call(put("left.y", math.nan), "EEEEE"),
+    "set an output": Call(put("left.fy", 0.0), "EEEEE"),
+    "set a text": Call(put("status.message", 0.0, kind="String"), "EEEEE", (2,)),
+    "set an unknown reference": Call(put("left.y", 0.0, reference=99999), "EEEEE"),
+    "get and free a state": Call(saved, "OOOOO"),
+    "restore a state": Call(saved_and_restored, "OOOOO"),
+    "restore a serialized state": Call(written_and_read, "OOOOO"),
+    "read bytes that are no state": Call(lambda rope: rope.read(b"{}", ctypes.c_void_p()), "EEEEE"),
+    "setDebugLogging": Call(logging(b"logAll"), "OOOOO"),
+    "setDebugLogging, unknown category": Call(logging(b"logEvents"), "EEEEE"),
+    "getStatus": Call(asked("GetStatus", 0), "EDDDD", (2,)),
+    "getRealStatus, last successful time": Call(asked("GetRealStatus", 2), "EOOOO", (2,)),
+    "getIntegerStatus": Call(asked("GetIntegerStatus", 0), "EDDDD", (2,)),
+    "getBooleanStatus, terminated": Call(asked("GetBooleanStatus", 3), "EOOOO", (2,)),
+    "getStringStatus, pending": Call(asked("GetStringStatus", 1), "EDDDD", (2,)),
+    "getDirectionalDerivative": Call(derived("left.fy", "left.ay"), "EOOOO"),
+    "getDirectionalDerivative of another output": Call(derived("loop.x", "left.ay"), "EEEEE"),
+    "getDirectionalDerivative to a parameter": Call(derived("left.fy", "rope.EI"), "EEEEE"),
+    "cancelStep": Call(unsupported("CancelStep"), "EEEEE", (2,)),
+    "setRealInputDerivatives": Call(unsupported("SetRealInputDerivatives"), "EEEEE", (2,)),
+    "getRealOutputDerivatives": Call(unsupported("GetRealOutputDerivatives"), "EEEEE", (2,)),
+    "enterEventMode": Call(unsupported("EnterEventMode"), "EEEEE"),
+}
+
+
+@pytest.fixture(scope="module", params=sorted(FLAVOURS))
+def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Library:
+    folder: Path = tmp_path_factory.mktemp(request.param)
+    path = FLAVOURS[request.param].export(folder / "rope.fmu")
+    return Library(path, fmpy.extract(str(path), str(folder / "unzipped")))
+
+
+def test_python_flavour_without_its_code_is_not_instantiated_and_says_why(library: Library) -> None:
+    if "python" not in str(library.path):
+        pytest.skip("the native flavour's code is all in its library")
+    elsewhere = copy.copy(library)
+    # a library of its own: the one that has instances has its code already
+    elsewhere.path = Path(shutil.copy(library.path, library.path.with_name("unused.so")))
+    elsewhere.dll = ctypes.CDLL(str(elsewhere.path))
+    elsewhere.dll.fmi2Instantiate.restype = ctypes.c_void_p
+    for location in (b"", b"file:///nowhere/at%20all", "file:///nowhere/Förderseil".encode() * 20):
+        elsewhere.resources = location
+        with pytest.raises(AssertionError, match="cannot be loaded: it needs Python 3"):
+            Instance(elsewhere)
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_each_call_returns_what_the_table_says(library: Library, state: str) -> None:
+    calls = {name: call for name, call in TABLE.items() if library.fmi in call.versions}
+    found = {}
+    for name, call in calls.items():
+        rope = brought_to(library, state)
+        found[name] = _LETTERS[call.make(rope)]
+        rope.free()
+    assert found == {name: call.statuses[STATES.index(state)] for name, call in calls.items()}
+
+
+@pytest.mark.parametrize(
+    ("values", "statuses", "words"),
+    [
+        ({"rope.length": -5.0}, "OOEE", "length = -5"),
+        ({"layout.spacing": 500.0}, "OOEE", "longer rope"),
+        ({"left.vy": 1.0}, "OOEE", "starts from rest"),
+        ({"left.y": math.nan}, "EEEE", "left.y = nan is not finite"),
+        ({"rope.EI": math.inf}, "EEEE", "rope.EI = inf is out of range"),
+    ],
+)
+def test_a_value_that_cannot_be_fails_where_it_is_met_and_reset_makes_all_good(
+    library: Library, values: dict[str, float], statuses: str, words: str
+) -> None:
+    rope = Instance(library)
+    ((name, value),) = values.items()
+    calls = (
+        lambda: rope.set(name, value),
+        lambda: rope.enter(),
+        lambda: rope.call("ExitInitializationMode"),
+        lambda: rope.step(0.0, H),
+    )
+    assert "".join(_LETTERS[call()] for call in calls) == statuses
+    assert words in rope.said[0], rope.said
+    assert words in rope.said[-1]  # a step tells what failed before
+    assert math.isnan(rope.real("left.fy"))
+    assert rope.hang({}) == OK
+    assert rope.step(0.0, H) == OK
+    rope.free()
+
+
+def test_a_step_that_fails_leaves_an_instance_that_restores_and_goes_on(library: Library) -> None:
+    rope, state = Instance(library), ctypes.c_void_p()
+    assert rope.hang({"inputs_at_step_end": 1, "right.y": 0.0}) == OK
+    assert [rope.move(k * H, H) for k in range(5)] == [OK] * 5
+    assert rope.save(state) == OK
+    assert [rope.move(k * H, H) for k in range(5, 8)] == [OK] * 3
+    expected = rope.forces()
+    assert rope.set("left.y", 5.0) == OK
+    assert rope.step(8 * H, H) == ERROR
+    assert "left.y and its derivatives do not fit together" in rope.said[-1]
+    assert rope.step(8 * H, H) == ERROR
+    assert rope.restore(state) == OK
+    assert [rope.move(k * H, H) for k in range(5, 8)] == [OK] * 3
+    assert rope.forces() == expected
+    rope.free()
