@@ -9,4 +9,4 @@ native                the same in C, for every platform
 attachments           what lies beside in both: documentation, licences, icons, terminals, reference results
 """
 
-from rope_model import __version__ as __version__
+from rope_model.version import __version__ as __version__

@@ -28,7 +28,8 @@ MAY_IMPORT = {
         "rope_model.simulation",
         "rope_model.native",
     },
-    "rope_model": {"rope_model.public"},
+    "rope_model.version": set(),
+    "rope_model": {"rope_model.public", "rope_model.version"},
     "fmu_src.native": {
         "rope_model.parameters",
         "rope_model.simulation",
@@ -36,7 +37,7 @@ MAY_IMPORT = {
         "rope_model.native",
         "fmu_src",
     },
-    "fmu_src": {"rope_model.parameters", "rope_model.simulation"},
+    "fmu_src": {"rope_model.parameters", "rope_model.simulation", "rope_model.version"},
     "hoist_demo": {"rope_model"},
 }
 #: library -> modules or packages in which it may be imported; numpy is welcome everywhere
