@@ -28,7 +28,8 @@ MAY_IMPORT = {
         "rope_model.simulation",
         "rope_model.native",
     },
-    "rope_model": {"rope_model.public"},
+    "rope_model.version": set(),
+    "rope_model": {"rope_model.public", "rope_model.version"},
     "fmu_src.native": {
         "rope_model.parameters",
         "rope_model.simulation",

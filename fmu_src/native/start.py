@@ -29,9 +29,9 @@ struct ModelStart {{
     double values[{scalars}];
 }};
 
-/* volatile: an exporter writes into the finished library, and finds the place by the magic */
-extern const volatile struct ModelStart MODEL_START;
-const volatile struct ModelStart MODEL_START = {{
+/* an exporter writes into the finished library, and finds the place by the magic */
+extern const struct ModelStart MODEL_START;
+const struct ModelStart MODEL_START = {{
     "{magic}",
     "{token}",
     {scalars},
@@ -41,15 +41,18 @@ const volatile struct ModelStart MODEL_START = {{
     }},
 }};
 
+/* so that no compiler takes the values above for those at run time */
+static const volatile struct ModelStart *const START = &MODEL_START;
+
 void model_token(char token[MODEL_TOKEN]) {{
     int i;
-    for (i = 0; i < MODEL_TOKEN; i++) token[i] = MODEL_START.token[i];
+    for (i = 0; i < MODEL_TOKEN; i++) token[i] = START->token[i];
     token[MODEL_TOKEN - 1] = '\\0';
 }}
 
-double model_start(size_t scalar) {{ return MODEL_START.values[scalar]; }}
+double model_start(size_t scalar) {{ return START->values[scalar]; }}
 
-int model_has_arrays(void) {{ return MODEL_START.arrays; }}
+int model_has_arrays(void) {{ return START->arrays; }}
 """
 
 
