@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -19,15 +20,14 @@ from numpy.testing import assert_allclose
 
 from fmu_src.documentation import interface_page
 from fmu_src.export import export_fmu
-from fmu_src.profile import FULL
 from rope_model.simulation.signals import SIGNALS
 
 DRIVER = Path(__file__).with_name("fmu_driver.py")
 
 
 @pytest.fixture(scope="module")
-def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return export_fmu(tmp_path_factory.mktemp("fmu") / "balance_rope.fmu", profile=FULL)
+def fmu(fmu_of: Callable[[str], Path]) -> Path:
+    return fmu_of("python")
 
 
 @pytest.fixture(scope="module")

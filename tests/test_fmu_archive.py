@@ -6,14 +6,16 @@ import posixpath
 import re
 import shutil
 import subprocess
+import tempfile
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import pytest
-from exports import ARCHIVES
+from exports import ARCHIVES, ARCHIVES_EVERYWHERE
 from fmpy.validation import validate_fmu
 
 from fmu_src.interface import variables
@@ -43,7 +45,8 @@ class Archive:
     """An FMU and its model description; variables alike for FMI 2 and 3."""
 
     def __init__(self, kind: str, path: Path) -> None:
-        self.kind, self.path = kind, path
+        self.kind, self.path = kind.removesuffix(" everywhere"), path
+        self.everywhere = kind in ARCHIVES_EVERYWHERE
         with zipfile.ZipFile(path) as archive:
             self.entries = archive.infolist()
             self.files = {entry.filename: archive.read(entry) for entry in self.entries}
@@ -76,12 +79,14 @@ class Archive:
         return list(structure.find(section) or []) if self.fmi == 2 else structure.findall(section)
 
 
-@pytest.fixture(scope="module", params=sorted(ARCHIVES))
-def fmu(request: Any, tmp_path_factory: pytest.TempPathFactory) -> Archive:
+EVERYWHERE = [pytest.param(kind, marks=pytest.mark.slow) for kind in sorted(ARCHIVES_EVERYWHERE)]
+
+
+@pytest.fixture(scope="module", params=[*sorted(ARCHIVES), *EVERYWHERE])
+def fmu(request: Any, fmu_of: Callable[[str], Path]) -> Archive:
     if request.param != "python" and not available_platforms():
         pytest.skip("no C compiler: pip install ziglang")
-    path = tmp_path_factory.mktemp("archive") / f"{request.param}.fmu"
-    return Archive(request.param, ARCHIVES[request.param](path))
+    return Archive(request.param, fmu_of(request.param))
 
 
 def test_archive_is_deflated_with_relative_forward_names_and_nothing_stray(fmu: Archive) -> None:
@@ -244,9 +249,8 @@ def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) 
     binaries = {name: data for name, data in fmu.files.items() if name.startswith("binaries/")}
     assert {name.rpartition("/")[2].partition(".")[0] for name in binaries} == {identifier}
     if fmu.native:
-        whole = fmu.kind in ("native-2", "native-3", "drive-2", "drive-3")
-        platforms = available_platforms() if whole else (host_platform(),)
-        folders = {PLATFORMS[p].folder2 if fmu.fmi == 2 else p for p in platforms}
+        built = available_platforms() if fmu.everywhere else (host_platform(),)
+        folders = {PLATFORMS[p].folder2 if fmu.fmi == 2 else p for p in built}
         assert {name.split("/")[1] for name in binaries} == folders
     header = (HEADERS / f"fmi{fmu.fmi}Functions.h").read_text(encoding="utf-8")
     promised = set(re.findall(rf"^#define (fmi{fmu.fmi}\w+)\s+fmi{fmu.fmi}FullName", header, re.MULTILINE))
@@ -273,9 +277,9 @@ def exported(fmu: Archive, name: str) -> set[str] | None:
 
 def inspected(fmu: Archive, name: str, command: list[str]) -> str:
     """What a tool says of a binary; '' when it cannot read it."""
-    with zipfile.ZipFile(fmu.path) as archive:
-        path = Path(archive.extract(name, fmu.path.parent))
-    return subprocess.run([*command, str(path)], capture_output=True, text=True, check=False).stdout
+    with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(fmu.path) as archive:
+        path = archive.extract(name, folder)
+        return subprocess.run([*command, path], capture_output=True, text=True, check=False).stdout
 
 
 @pytest.mark.skipif(shutil.which("readelf") is None, reason="readelf is not installed")
