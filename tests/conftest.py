@@ -20,9 +20,7 @@ from rope_model.simulation.rope_system import RopeKernels, RopeSystem
 Array = NDArray[np.float64]
 
 # processes that tests start run this checkout, too
-os.environ["PYTHONPATH"] = os.pathsep.join(
-    [str(Path(__file__).parents[1]), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
-)
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH"))))
 # examples are bounded by their number: a busy machine is no failure
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
@@ -36,6 +34,11 @@ def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     return lambda kind: made_once(folder / f"{kind}.fmu", EXPORTS[kind])
 
 
+def unoptimised() -> tuple[str, ...]:
+    """The compiler's flags of the kernels, without optimisation."""
+    return tuple("-O0" if flag.startswith("-O") else flag for flag in kernels.FLAGS)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def quick_kernels() -> Iterator[None]:
     """CasADi kernels are compiled without optimisation: a quarter of the time per mesh, and the same bits.
@@ -46,7 +49,7 @@ def quick_kernels() -> Iterator[None]:
 
     def compiled(*arguments: Any) -> Path:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(kernels, "FLAGS", tuple("-O0" if flag == "-O3" else flag for flag in kernels.FLAGS))
+            patch.setattr(kernels, "FLAGS", unoptimised())
             return optimised(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
