@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import posixpath
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import zipfile
 from collections.abc import Callable
@@ -316,3 +318,19 @@ def test_sources_are_complete(fmu: Archive) -> None:
         if name.startswith("sources/"):
             for header in re.findall(r'(?m)^#include "(.+)"', data.decode()):
                 assert f"sources/{header}" in fmu.files, (name, header)
+
+
+@pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed")
+@pytest.mark.parametrize("platform", ["x86_64-windows", "aarch64-darwin"])
+def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path: Path) -> None:
+    """Not linked: what that takes is built anew for each platform, and the slow tests do it."""
+    if fmu.kind not in ("native-3", "drive"):
+        pytest.skip("the drive has the sources of FMI 2.0, the rope of FMI 3.0 all others")
+    sources = {name.removeprefix("sources/"): data for name, data in fmu.files.items() if name.startswith("sources/")}
+    for name, data in sources.items():
+        (tmp_path / name).write_bytes(data)
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O0", "-c"]
+    for name in sources:
+        if name.endswith(".c"):
+            done = subprocess.run([*compiler, name], cwd=tmp_path, capture_output=True, text=True, check=False)
+            assert done.returncode == 0, (name, done.stderr)
