@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# one process per core, each with one thread; the tests of a file share what they make, and so a process
+PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist loadfile
 
 .PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling studies throughput fuzz fmu wheels wheel-test release clean
 
@@ -10,10 +12,10 @@ demo: fmu
 	$(BIN)/balance-rope demo
 
 test: $(READY)
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 test-slow: $(READY)
-	$(BIN)/python -m pytest -m slow
+	$(PYTEST) -m slow
 
 lint: $(READY)
 	$(BIN)/ruff check .

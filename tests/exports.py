@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
+import shutil
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from fmu_src.export import export_fmu
@@ -15,6 +17,7 @@ from fmu_src.native.model_fmu import export_model
 from fmu_src.profile import ALL, FULL, Profile
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import SETUPS
+from rope_model.parameters import Level
 
 
 @dataclass(frozen=True)
@@ -28,13 +31,11 @@ class Flavour:
 
 
 FLAVOURS: dict[str, Flavour] = {}
-#: whether the rope itself is there in C; else a stand-in takes its place in the archives
-NATIVE_ROPE = importlib.util.find_spec("rope_model.native.build") is not None
 
 
-def python(destination: Path) -> Path:
+def python(level: Level = "standard", profile: Profile = FULL) -> Callable[[Path], Path]:
     """Exports the Python flavour for this platform."""
-    return export_fmu(destination, profile=FULL, platforms=(host_platform(),))
+    return partial(export_fmu, level=level, profile=profile, platforms=(host_platform(),))
 
 
 def native(
@@ -43,24 +44,11 @@ def native(
     profile: Profile = FULL,
 ) -> Callable[[Path], Path]:
     """Exports the native FMU; for all platforms that can be built here if None."""
-
-    def export(destination: Path) -> Path:
-        rope = None if NATIVE_ROPE else stand_in()
-        return export_native(destination, fmi=fmi, platforms=platforms, rope=rope, profile=profile)
-
-    return export
-
-
-def stand_in() -> dict[str, str]:
-    """Hanging weights behind rope.h."""
-    root = Path(__file__).parent
-    files = (root / "native" / "stand_in.c", root.parent / "rope_model" / "native" / "rope.h")
-    return {path.name: path.read_text(encoding="utf-8") for path in files}
+    return partial(export_native, fmi=fmi, platforms=platforms, profile=profile)
 
 
 if host_platform() in available_platforms():
-    FLAVOURS["python"] = Flavour(python, fmi=2, native=False, tolerance=1e-12)
-if NATIVE_ROPE and host_platform() in available_platforms():
+    FLAVOURS["python"] = Flavour(python(), fmi=2, native=False, tolerance=1e-12)
     FLAVOURS |= {
         f"native-{fmi}": Flavour(native(fmi, (host_platform(),)), fmi=fmi, native=True, tolerance=1e-9)
         for fmi in (2, 3)
@@ -81,15 +69,43 @@ def drive_everywhere(fmi: int) -> Callable[[Path], Path]:
     return lambda destination: export_drive(destination, available_platforms(), fmi)
 
 
-#: every kind of archive that is exported
+#: every kind of archive that is exported, for this platform
 ARCHIVES: dict[str, Callable[[Path], Path]] = {
-    "python": FLAVOURS["python"].export,
-    "python-lean": export_fmu,
-    "native-2": native(2),
+    "python": python(),
+    "python-lean": python(profile=Profile()),
+    "native-2": native(2, (host_platform(),)),
     "native-2-lean": native(2, (host_platform(),), Profile()),
-    "native-3": native(3),
+    "native-3": native(3, (host_platform(),)),
     "native-3-scalar": native(3, (host_platform(),), Profile(ALL, arrays=False)),
     "native-3-least": native(3, (host_platform(),), Profile(())),
-    "drive-2": drive_everywhere(2),
-    "drive-3": drive_everywhere(3),
+    "drive-2": partial(export_drive, fmi=2),
+    "drive-3": partial(export_drive, fmi=3),
 }
+#: the same for all platforms that can be built here
+ARCHIVES_EVERYWHERE: dict[str, Callable[[Path], Path]] = {
+    "native-2 everywhere": native(2),
+    "native-3 everywhere": native(3),
+    "drive-2 everywhere": drive_everywhere(2),
+    "drive-3 everywhere": drive_everywhere(3),
+}
+#: what the tests share: these, and the Python FMU of the draft level
+EXPORTS = {**ARCHIVES, **ARCHIVES_EVERYWHERE, "python draft": python("draft")}
+
+
+def made_once(path: Path, make: Callable[[Path], object]) -> Path:
+    """``path``, made by the first process that asks for it; the others wait until it is there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    lock = path.with_name(f"{path.name}.lock")
+    while not path.exists():
+        try:
+            lock.mkdir()
+        except FileExistsError:
+            time.sleep(0.05)
+            continue
+        try:
+            if not path.exists():
+                make(lock / path.name)
+                (lock / path.name).replace(path)
+        finally:
+            shutil.rmtree(lock)
+    return path

@@ -9,6 +9,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from conftest import unoptimised
 from numpy.typing import NDArray
 
 from rope_model.numerics import kernels
@@ -21,6 +22,11 @@ needs_compiler = pytest.mark.skipif(kernels.find_compiler() is None, reason="no 
 #: the arguments of ``assess``
 STATE = ("q", "v", "a", "R", "l", "load", "grip", "node_mass", "P")
 P = np.array([1.3, 9.8, 5.0, 0.8, 0.3, 2.0, 1.5, 0.4, 0.3, 1.0, 0.0, 0.0])
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick_kernels() -> None:
+    """Here the compiler optimises, as in the product."""
 
 
 def random_chain(elements: int, seed: int) -> dict[str, Array]:
@@ -125,6 +131,21 @@ def test_the_compiled_kernels_are_the_portable_ones_twins() -> None:
             assert np.all(np.isfinite(reference))
             # the same operations; the compiler may order a sum differently
             np.testing.assert_allclose(ours, reference, rtol=1e-12, atol=1e-12 * np.abs(reference).max())
+
+
+@needs_compiler
+def test_the_optimiser_does_not_change_a_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So the other tests may compile without it."""
+    elements = 8
+    optimised = RopeKernels(elements, "compiled")
+    assert unoptimised() != kernels.FLAGS
+    monkeypatch.setattr(kernels, "FLAGS", unoptimised())
+    plain, x = RopeKernels(elements, "compiled"), random_chain(elements, 5)
+    state = [x[name] for name in STATE]
+    assert [f.tobytes() for f in optimised.direction(*x.values())] == [
+        f.tobytes() for f in plain.direction(*x.values())
+    ]
+    assert [f.tobytes() for f in optimised.assess(*state)] == [f.tobytes() for f in plain.assess(*state)]
 
 
 def test_the_kernels_leave_their_arguments_alone_and_give_their_results_away() -> None:

@@ -6,7 +6,7 @@ import json
 import math
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,8 +25,8 @@ DRIVER = Path(__file__).with_name("caveat_driver.py")
 
 
 @pytest.fixture(scope="module", params=FLAVOURS)
-def told(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    path = FLAVOURS[request.param].export(tmp_path_factory.mktemp(request.param) / "rope.fmu")
+def told(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> dict[str, Any]:
+    path = fmu_of(request.param)
     done = subprocess.run([sys.executable, str(DRIVER), str(path)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
     line = next(line for line in done.stdout.splitlines() if line.startswith("RESULT "))

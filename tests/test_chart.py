@@ -15,9 +15,9 @@ from benchmarks.chart.command import DATA, IMAGES, run
 from benchmarks.chart.figures import FIGURES
 from benchmarks.chart.front import cheapest, cost_at, pareto
 from benchmarks.chart.levels import BEGIN, END, block, with_block
-from benchmarks.chart.measure import COLUMNS, merged
+from benchmarks.chart.measure import COLUMNS, measure, merged
 from benchmarks.chart.page import page
-from benchmarks.chart.points import FAMILIES, SAMPLE, complete
+from benchmarks.chart.points import FAMILIES, SAMPLE, complete, quick
 from benchmarks.chart.reading import FORCE, limit, remaining, rows
 from benchmarks.reproduction.costs import SOURCE_SAVED
 from benchmarks.reproduction.tables import read, table
@@ -79,12 +79,31 @@ def test_a_family_measured_anew_replaces_its_rows_only() -> None:
 # files
 
 
+@pytest.fixture
+def committed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What has been measured is there already."""
+    points = {name: TABLES[name] for name in ("points", "machine")}
+    monkeypatch.setattr("benchmarks.chart.command.measure", lambda study, families: points)
+    monkeypatch.setattr("benchmarks.chart.depth.measure", lambda what: TABLES["depth"])
+
+
+@pytest.mark.usefixtures("committed")
+def test_the_command_writes_every_file_from_what_is_measured(tmp_path: Path) -> None:
+    written(tmp_path)
+
+
 def test_every_communication_step_meets_every_sample() -> None:
     for p in complete().points:
         assert_allclose(SAMPLE / p.communication, round(SAMPLE / p.communication), rtol=1e-12)
 
 
-def test_the_quick_command_writes_every_file(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_the_quick_command_measures_every_family(tmp_path: Path) -> None:
+    written(tmp_path)
+
+
+def written(tmp_path: Path) -> None:
+    """Runs the command and checks its files against each other."""
     (tmp_path / "README.md").write_text(f"before\n{BEGIN}\n{END}\nafter\n", encoding="utf-8")
     out = tmp_path / "docs"
     main(["--quick", "--out", str(out)])
@@ -94,6 +113,17 @@ def test_the_quick_command_writes_every_file(tmp_path: Path) -> None:
     assert set(tables["points"]["family"]) == set(FAMILIES)
     assert not any(tables["points"]["failure"])
     assert (tmp_path / "README.md").read_text(encoding="utf-8") == f"before\n{block(tables)}\nafter\n"
+
+
+def test_levels_are_measured_against_the_reference_and_draft_errs_more() -> None:
+    points = measure(quick(), ("levels",))["points"]
+    assert set(points["family"]) == {"levels"}
+    assert not any(points["failure"])
+    for coupling in ("coupled", "uncoupled"):
+        draft, standard = (
+            rows(points, family="levels", name=level, coupling=coupling)[FORCE] for level in ("draft", "standard")
+        )
+        assert 0 < standard[0] < draft[0]
 
 
 def test_one_family_needs_the_others_data(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import logging
 import math
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,8 +22,6 @@ from benchmarks.coupling.oscillator import Data, error, started
 from benchmarks.coupling.page import page
 from benchmarks.coupling.reading import PROMISED, foretold, order_on_hoist, rows, theory
 from benchmarks.reproduction.tables import read
-from fmu_src.export import export_fmu
-from fmu_src.native.build import host_platform
 from hoist_demo.checkpoint import Checkpoint
 from hoist_demo.coupling.catalogue import SCHEMES, scheme_named
 from hoist_demo.coupling.energy import EnergyControlled
@@ -333,9 +331,8 @@ for name, values in whole.recording.signals.items():
 """
 
 
-def test_rollback_and_resuming_through_the_fmu_are_bit_identical(tmp_path: Path) -> None:
-    fmu = export_fmu(tmp_path / "balance_rope.fmu", "rope-120", "draft", platforms=(host_platform(),))
-    command = [sys.executable, "-c", THROUGH_THE_FMU, str(fmu), str(tmp_path)]
+def test_rollback_and_resuming_through_the_fmu_are_bit_identical(tmp_path: Path, fmu_of: Callable[[str], Path]) -> None:
+    command = [sys.executable, "-c", THROUGH_THE_FMU, str(fmu_of("python draft")), str(tmp_path)]
     done = subprocess.run(command, cwd=DOCS.parent, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
 

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import fmpy
 import pytest
-from exports import FLAVOURS, export_drive
+from exports import FLAVOURS
 from native_host import H, Host
 
 KINDS = [*sorted(FLAVOURS), "drive-2", "drive-3"]
 
 
 @pytest.fixture(scope="module", params=KINDS)
-def host(request: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Host]:
-    kind, path = request.param, tmp_path_factory.mktemp(request.param) / "a.fmu"
-    fmu = export_drive(path, fmi=int(kind[-1])) if kind.startswith("drive") else FLAVOURS[kind].export(path)
+def host(request: Any, fmu_of: Callable[[str], Path]) -> Iterator[Host]:
+    fmu = fmu_of(request.param)
     made = Host(fmu, fmpy.extract(str(fmu)))
     yield made
     made.fmu.freeInstance()

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -20,7 +21,6 @@ from numpy.testing import assert_allclose
 from fmu_src.documentation import interface_page
 from fmu_src.export import export_fmu
 from fmu_src.native.build import host_platform
-from fmu_src.profile import FULL
 from rope_model.simulation.signals import SIGNALS
 
 DRIVER = Path(__file__).with_name("fmu_driver.py")
@@ -28,8 +28,8 @@ HERE = (host_platform(),)
 
 
 @pytest.fixture(scope="module")
-def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return export_fmu(tmp_path_factory.mktemp("fmu") / "balance_rope.fmu", profile=FULL, platforms=HERE)
+def fmu(fmu_of: Callable[[str], Path]) -> Path:
+    return fmu_of("python")
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -252,8 +253,8 @@ def test_a_system_is_refused_with_the_cure(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
-def test_fmi_3_is_refused_with_the_cure(tmp_path: Path) -> None:
-    path = FLAVOURS["native-3"].export(tmp_path / "three.fmu")
+def test_fmi_3_is_refused_with_the_cure(fmu_of: Callable[[str], Path]) -> None:
+    path = fmu_of("native-3")
     for reader in (read_parameters, FmuRope):
         with pytest.raises(ValueError, match=r"is of FMI 3\.0.*export --native"):
             reader(path)

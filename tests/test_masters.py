@@ -11,13 +11,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import fmpy
 import numpy as np
 import pytest
-from exports import FLAVOURS, export_drive
+from exports import FLAVOURS
 from masters import LOOPS, random_steps
 from native_host import Host
 from numpy.testing import assert_allclose
@@ -70,11 +70,11 @@ def test_path_misses_no_more_in_any_steps_than_stated_and_hardly_more_than_in_ev
 
 
 @pytest.fixture(scope="module")
-def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, str]]:
+def folders(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> dict[str, tuple[Path, str]]:
     """FMU and its unpacked folder, by flavour."""
     made = {}
-    for name, export in {**{k: f.export for k, f in FLAVOURS.items()}, "drive": export_drive}.items():
-        path = export(tmp_path_factory.mktemp(name) / "model.fmu")
+    for name in (*FLAVOURS, "drive"):
+        path = fmu_of("drive-2" if name == "drive" else name)
         made[name] = (path, str(fmpy.extract(str(path), str(tmp_path_factory.mktemp(name)))))
     return made
 

@@ -8,6 +8,7 @@ import shutil
 import struct
 import subprocess
 import sys
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -19,8 +20,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
 from native_raw import ERROR, OK, SMALL, Instance, Library, resealed
 
-from fmu_src.native.build import available_platforms, host_platform
-from fmu_src.native.export import export_native, native_table, rope_sources, shell_sources
+from fmu_src.native.build import available_platforms
+from fmu_src.native.export import native_table, rope_sources, shell_sources
 from fmu_src.native.start import Start, c_start
 from fmu_src.native.table import start_values
 from rope_model.parameters import rope_120
@@ -34,11 +35,11 @@ LINUX = sys.platform == "linux"
 
 
 @pytest.fixture(scope="module")
-def libraries(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Library]:
+def libraries(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> dict[int, Library]:
     made = {}
     for fmi in VERSIONS:
         folder = tmp_path_factory.mktemp(f"fmi{fmi}")
-        path = export_native(folder / "rope.fmu", fmi=fmi, platforms=(host_platform(),))
+        path = fmu_of(f"native-{fmi}")
         made[fmi] = Library(path, fmpy.extract(str(path), str(folder / "unzipped")))
     return made
 

@@ -9,7 +9,7 @@ import os
 import subprocess
 import sys
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,6 @@ from test_native_fmu import RUNNERS, VERSIONS, lived
 
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
-from fmu_src.profile import FULL
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.sensitivity import LOADS
@@ -35,12 +34,8 @@ pytest.importorskip("rope_model.native.build")
 
 
 @pytest.fixture(scope="module")
-def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
-    folder = tmp_path_factory.mktemp("native")
-    return {
-        fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=(host_platform(),), profile=FULL)
-        for fmi in VERSIONS
-    }
+def fmus(fmu_of: Callable[[str], Path]) -> dict[int, Path]:
+    return {fmi: fmu_of(f"native-{fmi}") for fmi in VERSIONS}
 
 
 @pytest.fixture(scope="module")

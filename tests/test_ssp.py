@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ import numpy as np
 import pytest
 import ssp_driver
 import tool_driver
-from exports import FLAVOURS, export_drive
+from exports import FLAVOURS
 from fmpy.ssp.ssd import read_ssd
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
@@ -43,10 +44,14 @@ def system(folder: Path, rope: Path, drive: Path) -> Path:
     return export_ssp(folder / "balance_rope.ssp", "FrictionHoist", components, stop=STOP, step=ssp_driver.H)
 
 
-@pytest.fixture(scope="module", params=sorted(FLAVOURS))
-def ssp(request: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder, flavour = tmp_path_factory.mktemp(request.param), FLAVOURS[request.param]
-    return system(folder, flavour.export(folder / "rope.fmu"), export_drive(folder / "drive.fmu", fmi=flavour.fmi))
+#: the Python rope takes minutes for the winding; test_tools has it in the tools
+FMUS = [pytest.param(name, marks=[] if flavour.native else [pytest.mark.slow]) for name, flavour in FLAVOURS.items()]
+
+
+@pytest.fixture(scope="module", params=FMUS)
+def ssp(request: Any, tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Path:
+    folder = tmp_path_factory.mktemp(request.param)
+    return system(folder, fmu_of(request.param), fmu_of(f"drive-{FLAVOURS[request.param].fmi}"))
 
 
 @functools.cache

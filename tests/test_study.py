@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -20,8 +20,6 @@ import pytest
 from dask.distributed import Client
 from exports import FLAVOURS
 
-from fmu_src.export import export_fmu
-from fmu_src.native.build import host_platform
 from hoist_demo.controller import Gains
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
@@ -50,8 +48,8 @@ arrival.window = 0.2
 
 
 @pytest.fixture(scope="module")
-def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return export_fmu(tmp_path_factory.mktemp("fmu") / "rope.fmu", "rope-120", "draft", platforms=(host_platform(),))
+def fmu(fmu_of: Callable[[str], Path]) -> Path:
+    return fmu_of("python draft")
 
 
 @pytest.fixture
@@ -178,9 +176,8 @@ def test_a_missing_fmu_hides_no_other_error_of_the_host_s_data(read) -> None:  #
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
-def test_what_the_fmu_refuses_is_told_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    fmu = FLAVOURS["native-2"].export(tmp_path / "native.fmu")
-    told = Probe(fmu).rejected(build("rope-120", {"left.swivel.mu_static": 1e-4}))
+def test_what_the_fmu_refuses_is_told_once(fmu_of: Callable[[str], Path], caplog: pytest.LogCaptureFixture) -> None:
+    told = Probe(fmu_of("native-2")).rejected(build("rope-120", {"left.swivel.mu_static": 1e-4}))
     assert len(told) == 1
     assert "mu_kinetic" in told[0]
     # as a log line it would stand on the screen a second time
