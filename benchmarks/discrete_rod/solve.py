@@ -1,0 +1,225 @@
+"""The discrete rod at rest, in small vibration, and in time; every method is scipy's or Newton's.
+
+With places p = (b, x, m) and speeds u = (b_t, v, w) the rod's equations are p_t = G u and u_t = H(p) at rest.  Then
+
+    rest     Newton's corrections (1 / tau^2 - H'G) u = H(p), tau growing; p moves along u, m by what a
+             finite turning of the tangents adds to it exactly (area on the sphere)
+    modes    H'G u = -omega^2 u
+    motion   scipy's Radau (order 5, L-stable) with the sparse Jacobian; its events end a phase of a swivel
+
+A swivel holds or slips, without regularisation: it slips off when |moment| passes the static limit, holds when its rate
+comes to zero and the static limit allows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+from scipy.sparse.linalg import eigs, splu
+
+from .rod import CLAMPS, Array, Parts, Rod, join, split, swept_area
+
+HELD = (0.0, 0.0)
+#: m and rad by which a correction may move the rod
+LARGEST_MOVE = 0.3
+
+
+def hung(rod: Rod) -> Array:
+    """First guess: two legs and a half circle, untwisted."""
+    left, right = rod.ends(0.0)[0]
+    radius, s = 0.5 * (right[0] - left[0]), rod.s
+    leg = 0.5 * (s[-1] + left[1] - right[1] - np.pi * radius)
+    phi = np.clip((s - leg) / radius, 0.0, np.pi)
+    x = np.zeros((s.size, 3))
+    x[:, 0] = left[0] + radius * (1 - np.cos(phi))
+    x[:, 1] = left[1] - np.minimum(s, leg) - radius * np.sin(phi) + np.maximum(s - leg - np.pi * radius, 0.0)
+    inner, edges = x[1:-1], rod.lengths.size
+    return join(Parts(np.zeros(2), np.zeros(2), inner, 0 * inner, np.zeros(edges + 1), np.zeros(edges)))
+
+
+def _speeds_and_places(size: int) -> tuple[Array, Array]:
+    """Indices in the state, in one order: those of u = (v, w, b_t) and of p = (x, m, b)."""
+    names = split(np.arange(size))
+    speeds = np.concatenate((names.v.ravel(), names.w, names.b_t))
+    return speeds, np.concatenate((names.x.ravel(), names.m, names.b))
+
+
+def _second_order(rod: Rod, y: Array, slip: tuple[float, float]) -> tuple[sp.csc_matrix, Array]:
+    """H'G, and the indices of u, without the speeds of swivels that hold."""
+    A = rod.jacobian(0.0, y, slip)
+    speeds, places = _speeds_and_places(y.size)
+    kept = np.array([True] * (speeds.size - 2) + [sense != 0 for sense in slip])
+    speeds = speeds[kept]
+    return sp.csc_matrix(A[speeds][:, places] @ A[places][:, speeds]), speeds
+
+
+def equilibrium(rod: Rod, guess: Array, slip: tuple[float, float] = HELD, tolerance: float = 1e-11) -> Array:
+    """The rod at rest near ``guess``; swivels that slip are free.  Raises RuntimeError without one."""
+    y, tau, force = guess, 0.1, np.inf
+    for _ in range(400):
+        A, speeds = _second_order(rod, y, slip)
+        rates = rod.rates(0.0, y, slip)[speeds]
+        u = np.zeros(y.size)
+        u[speeds] = splu(sp.csc_matrix(sp.identity(speeds.size) / tau**2 - A)).solve(rates)
+        move = float(np.abs(u).max())
+        y = _moved(rod, y, u * min(1.0, LARGEST_MOVE / max(move, 1e-300)))
+        if tau > 1e5 and move < tolerance * rod.s[-1]:
+            return y
+        now = float(np.linalg.norm(rates))
+        tau *= 0.5 if now > 2 * force and move > LARGEST_MOVE else 3.0
+        force, tau = now, min(tau, 1e8)
+    raise RuntimeError(f"no equilibrium: the last correction moved by {move:.3g} m or rad; give a better guess")
+
+
+def _moved(rod: Rod, y: Array, u: Array) -> Array:
+    """``y`` displaced by the virtual velocity ``u``: places along it, twists by their exact change."""
+    p, du = split(y), split(u)
+    x = p.x + du.v
+    m = p.m + np.diff(np.concatenate((du.b_t[:1], du.w, du.b_t[1:])))
+    old, new = (np.vstack((CLAMPS[:1], tangents(rod, z), CLAMPS[1:])) for z in (p.x, x))
+    m += swept_area(old[:-1], old[1:], new[1:]) + swept_area(old[:-1], new[1:], new[:-1])
+    return join(p._replace(b=p.b + du.b_t, x=x, m=m))
+
+
+def tangents(rod: Rod, inner: Array) -> Array:
+    """(N, 3): unit tangents of the edges between the ends at time 0 and the nodes ``inner``."""
+    left, right = rod.ends(0.0)[0]
+    edge = np.diff(np.vstack((left, inner, right)), axis=0)
+    return np.asarray(edge / np.linalg.norm(edge, axis=1)[:, None])
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Frequencies (n,), Hz, ascending, and the share of the Z motion in each."""
+
+    frequencies: Array
+    out_of_plane: Array
+
+
+def modes(rod: Rod, y: Array, count: int, slip: tuple[float, float] = HELD) -> Modes:
+    """The ``count`` lowest about the equilibrium ``y``."""
+    A, speeds = _second_order(rod, y, slip)
+    # shifted: two free swivels leave a mode without stiffness
+    squares, vectors = eigs(-A, count, sigma=-1e-3, v0=np.ones(speeds.size))
+    order = np.argsort(squares.real)
+    v = np.abs(vectors[: 3 * (rod.lengths.size - 1), order].reshape(-1, 3, count)) ** 2
+    weighted = np.einsum("i,ijk->jk", rod.cells[1:-1], v)
+    hertz = np.sqrt(np.maximum(squares.real[order], 0.0)) / (2 * np.pi)
+    return Modes(hertz, weighted[2] / weighted.sum(axis=0))
+
+
+@dataclass(frozen=True)
+class Record:
+    """What a run is judged by, at the times ``t`` (n,)."""
+
+    t: Array
+    reaction: Array  # (n, 2, 3) N, of the conveyances on the rope
+    moment: Array  # (n, 2) N m, about the tangent, of the conveyances on the rope
+    bottom: Array  # (n, 3) m, the loop's lowest point
+    yaw: Array  # (n,) rad, of the tangent there, about Y
+    angle: Array  # (n, 2) rad, of the swivels
+    switches: tuple[float, ...] = ()  # s, when a swivel began to slip or to stick
+
+
+def lowest_point(rod: Rod, t: float, y: Array) -> tuple[Array, float]:
+    """Position (3,) and yaw of the lowest point of a cubic spline through the nodes."""
+    x, s = rod.nodes(t, y), rod.s
+    i = int(np.clip(np.argmin(x[:, 1]), 4, s.size - 5))
+    curve = CubicSpline(s[i - 4 : i + 5], x[i - 4 : i + 5])
+    flat = CubicSpline(s[i - 4 : i + 5], x[i - 4 : i + 5, 1]).derivative().roots(extrapolate=False)
+    at = min(flat, key=lambda r: float(curve(r)[1]))
+    d = curve(at, 1)
+    return np.asarray(curve(at)), float(np.arctan2(-d[2], d[0]))
+
+
+def move(
+    rod: Rod, y: Array, times: Array, release: tuple[float, float] = (np.inf, np.inf), rtol: float = 1e-4
+) -> Record:
+    """Integrate from ``y`` at ``times[0]`` and record at ``times``; swivels hold until ``release``, one of them."""
+    t, end, slip = float(times[0]), float(times[-1]), HELD
+    rows, switches = [(t, y, slip)], list[float]()
+    due = tuple(r == t for r in release)
+    while t < end:
+        before, (y, slip) = slip, _switched(rod, t, y, slip, due)
+        switches += [t for new, old in zip(slip, before, strict=True) if new != old]
+        stop = min(end, *(r for r in (*release, end) if r > t))
+        events = [_phase_end(rod, side, slip, t >= release[side]) for side in (0, 1)]
+        run = solve_ivp(
+            rod.rates,
+            (t, stop),
+            y,
+            "Radau",
+            times[(times > t) & (times <= stop)],
+            events=events,
+            args=(slip,),
+            jac=rod.jacobian,
+            rtol=rtol,
+            atol=1e-2 * rtol,
+        )
+        if run.status < 0:
+            raise RuntimeError(f"t = {t:.6g} s and later: {run.message}")
+        rows += [(float(at), state, slip) for at, state in zip(run.t, np.transpose(run.y), strict=True)]
+        if run.status == 1:
+            due = tuple(at.size > 0 for at in run.t_events)
+            side = due.index(True)
+            t, y = float(run.t_events[side][0]), run.y_events[side][0]
+        else:
+            t, y = stop, run.y[:, -1]
+            due = tuple(r == t for r in release)
+    return replace(_record(rod, rows), switches=tuple(switches))
+
+
+def _switched(
+    rod: Rod, t: float, y: Array, slip: tuple[float, float], sides: tuple[bool, ...]
+) -> tuple[Array, tuple[float, float]]:
+    """State and phases after the swivels on ``sides`` were let go, came to rest or passed their static limit."""
+    senses = list(slip)
+    for side in (side for side, due in enumerate(sides) if due):
+        y = y.copy()
+        y[1 if side == 0 else -1] = 0.0
+        loads = rod.evaluate(t, y[:, None], slip)
+        moment = float(loads.moment[side, 0])
+        limit = rod.swivels[side].static * float(loads.reaction[side, 1, 0])
+        holds = slip[side] != 0 and abs(moment) <= limit
+        senses[side] = 0.0 if holds or moment == 0 else -float(np.sign(moment))
+    return y, (senses[0], senses[1])
+
+
+def _phase_end(rod: Rod, side: int, slip: tuple[float, float], released: bool) -> Callable[..., float]:
+    """Event of ``solve_ivp`` that falls through zero when a swivel must leave its phase."""
+
+    def reserve(t: float, y: Array, _: Any) -> float:
+        if not released:
+            return 1.0
+        if slip[side]:
+            return float(slip[side] * split(y).b_t[side])
+        loads = rod.evaluate(t, y[:, None], slip)
+        limit = rod.swivels[side].static * loads.reaction[side, 1, 0]
+        return float(limit - abs(loads.moment[side, 0]))
+
+    reserve.terminal, reserve.direction = True, -1.0  # type: ignore[attr-defined]
+    return reserve
+
+
+def _record(rod: Rod, rows: list[tuple[float, Array, tuple[float, float]]]) -> Record:
+    loads = [rod.evaluate(t, y[:, None], slip) for t, y, slip in rows]
+    moment = np.array([x.moment[:, 0] for x in loads])
+    reaction = np.array([x.reaction[:, :, 0] for x in loads])
+    for side, swivel in enumerate(rod.swivels):
+        sense = np.array([slip[side] for _, _, slip in rows])
+        moment[:, side] = np.where(sense != 0, -sense * swivel.dynamic * reaction[:, side, 1], moment[:, side])
+    lowest = [lowest_point(rod, t, y) for t, y, _ in rows]
+    return Record(
+        t=np.array([t for t, _, _ in rows]),
+        reaction=reaction,
+        moment=moment,
+        bottom=np.array([place for place, _ in lowest]),
+        yaw=np.array([yaw for _, yaw in lowest]),
+        angle=np.array([y[[0, -2]] for _, y, _ in rows]),
+    )

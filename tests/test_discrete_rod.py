@@ -1,0 +1,188 @@
+"""rope_model against another discretisation of the same equations: a discrete rod on scipy's integrators.
+
+The rod itself is checked first, by what it must obey whatever its mesh.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchmarks.discrete_rod import cases
+from benchmarks.discrete_rod.cases import SHORT, Case, Comparison, Winding, rod_of
+from benchmarks.discrete_rod.rod import Rod, join, split, swept_area
+from benchmarks.discrete_rod.solve import HELD, hung
+
+Array = NDArray[np.float64]
+
+REST = Winding(12.0, np.inf)
+
+
+def disturbed(rod: Rod, size: float) -> Array:
+    """A state in which everything moves and nothing is symmetric."""
+    rng = np.random.default_rng(7)
+    p = split(hung(rod))
+    x, v = (z + size * rng.standard_normal(z.shape) for z in (p.x, p.v))
+    m, w = (0.1 * size * rng.standard_normal(z.shape) for z in (p.m, p.w))
+    return np.asarray(join(p._replace(x=x, v=v, m=m, w=w)))
+
+
+def short(edges: int, **changes: float) -> Rod:
+    rod = rod_of(SHORT, np.full(edges, SHORT.length / edges), REST)
+    return replace(rod, material=replace(rod.material, **changes))
+
+
+def energy(rod: Rod, y: Array) -> Array:
+    """J, of the columns of ``y``; written without the rod's own forces."""
+    c, p, L, l = rod.material, split(y), rod.cells[:, None], rod.lengths[:, None]
+    left, right = (np.broadcast_to(z[:, None], (3, y.shape[1]))[None] for z in rod.ends(0.0)[0])
+    x = np.concatenate((left, p.x, right))
+    edge = np.diff(x, axis=0)
+    size = np.sqrt((edge**2).sum(axis=1))
+    clamp = np.broadcast_to(np.array([0.0, 1.0, 0.0])[:, None], left.shape[1:])[None]
+    t = np.concatenate((-clamp, edge / size[:, None], clamp))
+    cosine = (t[:-1] * t[1:]).sum(axis=1)
+    e, tau = size / l - 1, p.m / L
+    mean = 0.5 * (np.concatenate((l * e, 0 * e[:1])) + np.concatenate((0 * e[:1], l * e))) / L
+    strain = 0.5 * c.Qa * l.T @ e**2 + (L.T @ (c.Qb * mean * tau + 0.5 * c.Qd * tau**2))
+    bending = 0.5 * c.EI * (1 / L).T @ (4 * (1 - cosine) / (1 + cosine))
+    gravity = c.rho * c.gravity * L.T @ x[:, 1]
+    motion = 0.5 * c.rho * L[1:-1].T @ (p.v**2).sum(axis=1) + 0.5 * c.rhoJ * l.T @ p.w**2
+    return np.asarray((strain + bending + gravity + motion)[0])
+
+
+# the rod
+
+
+def test_an_undamped_elastic_rod_keeps_its_energy() -> None:
+    rod = short(24, beta=0.0, Qb=1e5, Qc=1e5)
+    y = disturbed(rod, 0.05)
+    rates = rod.rates(0.0, y, HELD)
+    power = energy(rod, y[:, None] + 1e-30j * rates[:, None])[0].imag / 1e-30
+    # against the power of one kind of force alone
+    assert abs(power) < 1e-11 * np.abs(rates * y).sum() * rod.material.rho
+
+
+def test_damping_takes_energy() -> None:
+    rod = short(24, Qb=1e5, Qc=1e5)
+    y = disturbed(rod, 0.05)
+    assert energy(rod, y[:, None] + 1e-30j * rod.rates(0.0, y, HELD)[:, None])[0].imag < 0
+
+
+def test_turning_as_a_whole_neither_strains_nor_is_damped() -> None:
+    still = short(24)
+    y, omega = disturbed(still, 0.05), np.array([0.0, 0.7, 0.0])
+    place = still.ends(0.0)[0]
+    turning = replace(still, ends=lambda t: np.array([place, np.cross(omega, place), 0 * place]))
+    p = split(y)
+    edge = np.diff(np.vstack((place[0], p.x, place[1])), axis=0)
+    w = (edge / np.linalg.norm(edge, axis=1)[:, None]) @ omega
+    y = join(p._replace(v=np.cross(omega, p.x), w=w, b_t=np.array([-0.7, 0.7])))
+    damped, free = (
+        turning.evaluate(0.0, y[:, None], HELD).rates[:, 0],
+        replace(turning, material=replace(turning.material, beta=0.0)).evaluate(0.0, y[:, None], HELD).rates[:, 0],
+    )
+    np.testing.assert_allclose(split(damped).m, 0.0, atol=1e-13)
+    np.testing.assert_allclose(damped, free, atol=1e-9 * np.abs(free).max())
+
+
+def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
+    # no stiffness but along: the clamps pass on no couple, and what is left is the spin's
+    rod = short(16, EI=0.0, Qb=0.0, Qc=0.0, Qd=0.0)
+    y = disturbed(rod, 0.05)
+    y[[3, *range(11, y.size - 3, 8)]] += 1e4  # rad/s
+    loads, p, c = rod.evaluate(0.0, y[:, None], HELD), split(y), rod.material
+    rates = split(loads.rates[:, 0])
+    ends = rod.ends(0.0)[0]
+    edge, edge_t = (
+        np.diff(np.vstack((a, z, b)), axis=0) for z, a, b in ((p.x, *ends), (p.v, 0 * ends[0], 0 * ends[1]))
+    )
+    t = edge / np.linalg.norm(edge, axis=1)[:, None]
+    t_t = (edge_t - t * np.sum(t * edge_t, axis=1)[:, None]) / np.linalg.norm(edge, axis=1)[:, None]
+    mass = c.rho * rod.cells[1:-1, None]
+    weight = np.array([0.0, -c.gravity, 0.0])
+    spin = np.sum(c.rhoJ * (rod.lengths * p.w)[:, None] * t_t, axis=0)
+    change = np.sum(np.cross(p.x, mass * rates.v), axis=0) + spin
+    couple = np.sum(np.cross(p.x, mass * weight), axis=0)
+    end_weight = c.rho * rod.cells[[0, -1], None] * weight
+    couple += np.sum(np.cross(ends, loads.reaction[:, :, 0] + end_weight), axis=0)
+    assert np.linalg.norm(spin) > 1.0
+    np.testing.assert_allclose(change, couple, atol=1e-9 * np.abs(loads.reaction).max() * SHORT.length)
+
+
+def transported(d: Array, a: Array, b: Array) -> Array:
+    """The directors ``d`` (n, 3) carried from tangents ``a`` to ``b`` by the smallest rotation."""
+    axis, q = np.cross(a, b), 1 + np.sum(a * b, axis=1)[:, None]
+    return np.asarray(d + np.cross(axis, d) + np.cross(axis, np.cross(axis, d)) / q)
+
+
+def test_the_swept_area_is_what_parallel_transport_turns_the_section_by() -> None:
+    rng = np.random.default_rng(3)
+    a, b, c = (z / np.linalg.norm(z, axis=1)[:, None] for z in 0.4 * rng.standard_normal((3, 20, 3)) + [0.0, 0.0, 1.0])
+    d = np.cross(a, b) / np.linalg.norm(np.cross(a, b), axis=1)[:, None]
+    round_trip = transported(transported(transported(d, a, b), b, c), c, a)
+    angle = np.arctan2(np.sum(a * np.cross(d, round_trip), axis=1), np.sum(d * round_trip, axis=1))
+    np.testing.assert_allclose(np.cos(angle), np.cos(swept_area(a, b, c)), atol=1e-12)
+    np.testing.assert_allclose(np.sin(angle), np.sin(swept_area(a, b, c)), atol=1e-12)
+
+
+def test_the_sparse_jacobian_is_the_derivative_of_the_rates() -> None:
+    rod = short(12)
+    y = disturbed(rod, 0.05)
+    direction = np.random.default_rng(5).standard_normal(y.size)
+    slope = rod.evaluate(0.0, (y + 1e-30j * direction)[:, None], (1.0, -1.0)).rates[:, 0].imag / 1e-30
+    np.testing.assert_allclose(rod.jacobian(0.0, y, (1.0, -1.0)) @ direction, slope, rtol=1e-10, atol=1e-6)
+
+
+# rope_model against it
+
+
+def judge(case: Case) -> dict[str, Comparison]:
+    """Every quantity of ours within what the two codes' own convergence allows; the comparisons."""
+    compared = case.compare()
+    for name, c in compared.items():
+        assert c.differences[-1] <= c.acceptance, f"{case.name}, {name}: {c.differences} against {c.acceptance}"
+    return compared
+
+
+def on(case: Case, ours: tuple[int, ...], rod: tuple[int, ...]) -> Case:
+    return replace(case, ours_on=ours, rod_on=rod)
+
+
+REST_120, UNCOUPLED, COUPLED, WINDING, RELEASE = cases.cases()
+
+
+def test_the_rope_at_rest_yaws_as_the_discrete_rod_does() -> None:
+    compared = judge(on(REST_120, (600, 1200), (150, 300, 600)))
+    # second order in every quantity: the limit is one
+    assert [c.order for c in compared.values()] == pytest.approx([2.0] * len(compared), abs=0.1)
+
+
+def test_the_rope_vibrates_in_and_out_of_plane_as_the_discrete_rod_does() -> None:
+    assert len(judge(on(UNCOUPLED, (300, 600), (100, 200)))) == 8
+
+
+def test_the_rope_is_wound_like_the_discrete_rod() -> None:
+    times = np.linspace(0.0, 3.0, 31)
+    case = Case(
+        "winding", lambda n: cases.winding_ours(n, times), lambda n: cases.winding_rod(n, times), (1, 2), (40, 80)
+    )
+    judge(case)
+
+
+def test_a_swivel_lets_the_rope_go_as_it_does_the_discrete_rod() -> None:
+    times = np.linspace(0.0, 0.5, 51)
+    case = Case(
+        "release", lambda n: cases.release_ours(n, times), lambda n: cases.release_rod(n, times), (80, 160), (40, 80)
+    )
+    assert "sticks at [s]" in judge(case)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", [REST_120, UNCOUPLED, COUPLED, WINDING, RELEASE], ids=lambda case: case.name)
+def test_the_page_shows_no_disagreement(case: Case) -> None:
+    for c in judge(case).values():
+        assert c.differences[-1] < c.differences[0] or c.differences[-1] < c.acceptance / 10
