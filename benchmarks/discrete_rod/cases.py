@@ -223,7 +223,7 @@ def release_ours(elements: int, times: Array) -> Results:
 def release_rod(edges: int, times: Array) -> Results:
     """The same."""
     rod = rod_of(SHORT, np.full(edges, SHORT.length / edges), Winding(TRAVEL, np.inf), DIRTY)
-    return _release(move(rod, equilibrium(rod, hung(rod)), times, (np.inf, RELEASE), rtol=1e-5))
+    return _release(move(rod, equilibrium(rod, hung(rod)), times, (np.inf, RELEASE)))
 
 
 # side by side

@@ -139,7 +139,7 @@ def lowest_point(rod: Rod, t: float, y: Array) -> tuple[Array, float]:
 
 
 def move(
-    rod: Rod, y: Array, times: Array, release: tuple[float, float] = (np.inf, np.inf), rtol: float = 1e-4
+    rod: Rod, y: Array, times: Array, release: tuple[float, float] = (np.inf, np.inf), rtol: float = 1e-5
 ) -> Record:
     """Integrate from ``y`` at ``times[0]`` and record at ``times``; swivels hold until ``release``, one of them."""
     t, end, slip = float(times[0]), float(times[-1]), HELD
