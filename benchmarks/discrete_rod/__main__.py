@@ -1,4 +1,4 @@
-"""Prints rope_model beside the discrete rod and puts the tables into docs/reference_solver.md (some five minutes)."""
+"""Prints rope_model beside the discrete rod and puts the tables into docs/reference_solver.md (two minutes)."""
 
 from __future__ import annotations
 

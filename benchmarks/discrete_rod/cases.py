@@ -15,11 +15,20 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model.native.engine import rope_simulator
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver, Swivel
-from rope_model.simulation.ends import EndMotion
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Layout,
+    Mesh,
+    Model,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Solver,
+    Swivel,
+    balance_rope,
+)
 from rope_model.simulation.modal import natural_modes
-from rope_model.simulation.simulator import RopeSimulator
 
 from .rod import Friction, Material, Rod
 from .solve import Record, equilibrium, hung, lowest_point, modes, move
@@ -31,7 +40,7 @@ Results = dict[str, Array]
 PUBLISHED = Rope(Qb=2.371e5, Qc=2.301e5)
 #: short and ten times softer along, with more torque per weight, so that both codes wind it in minutes
 SHORT = Rope(length=40.0, Qa=1.2e7, Qb=1.015e5, Qc=0.985e5, EI=600.0)
-SPACING = Layout().spacing
+SPACING, SIDES = Layout().spacing, ("left", "right")
 TRAVEL, DURATION = 12.0, 8.0  # m, s
 RELEASE = 0.1  # s
 #: a dirty swivel: it slips, sticks, and slips again
@@ -82,24 +91,36 @@ def graded(length: float, bottom: float, edges: int) -> Array:
     return np.diff(np.interp(np.linspace(0.0, count[-1], edges + 1), count, s))
 
 
-def rope_of(scene: Scene, ends: Winding, step: float = 1e-3) -> RopeSimulator:
+def rope_of(scene: Scene, ends: Winding, step: float = 1e-3) -> BalanceRope:
     """Ours, at rest; complete, with a ``step`` (s) short enough that only the mesh errs."""
     solver = Solver(step_max=step, tolerance=1e-5)
-    rope = rope_simulator(scene.with_(solver=solver, model=Model("torsional")))
+    rope = balance_rope(scene.with_(solver=solver, model=Model("torsional")))
     status = rope.initialize(0.0, *ends.ours(0.0))
     if not status.valid:
         raise RuntimeError(status.message)
     return rope
 
 
+def present(rope: BalanceRope) -> tuple[Array, Array, Array, float, Array]:
+    """What a Record holds of ours: forces (2, 3) and moments (2,) on its ends, lowest point, yaw, swivels' angles."""
+    x = rope.signals()
+    return (
+        np.array([[-x[f"{side}.f{axis}"] for axis in "xyz"] for side in SIDES]),
+        np.array([x[f"{side}.swivel.torque"] for side in SIDES]),
+        np.array([x[f"loop.{axis}"] for axis in "xyz"]),
+        x["loop.yaw"],
+        np.array([x[f"{side}.swivel.angle"] for side in SIDES]),
+    )
+
+
 # at rest
 
 
-def _rest(reaction: Array, moment: float, bottom: Array, yaw: float) -> Results:
+def _rest(reaction: Array, moment: Array, bottom: Array, yaw: float) -> Results:
     values = {
         "side force, in plane [N]": reaction[0, 0],
         "side force, out of plane [N]": reaction[0, 2],
-        "torque [N m]": moment,
+        "torque [N m]": moment[1],
         "lowest point, y [m]": bottom[1],
         "yaw of the loop [rad]": yaw,
     }
@@ -109,8 +130,7 @@ def _rest(reaction: Array, moment: float, bottom: Array, yaw: float) -> Results:
 def statics_ours(elements: int, rope: Rope = PUBLISHED) -> Results:
     """120 m, both swivels locked, ends at equal height."""
     r = rope_of(Scene(rope=rope, mesh=Mesh("eem", elements=elements)), Winding(0.0, np.inf))
-    reaction = r.state.motion.reaction
-    return _rest(reaction[:, :3], r.ends.moment(1, reaction), r.loop.position, r.loop.yaw)
+    return _rest(*present(r)[:4])
 
 
 def statics_rod(edges: int, rope: Rope = PUBLISHED) -> Results:
@@ -118,7 +138,7 @@ def statics_rod(edges: int, rope: Rope = PUBLISHED) -> Results:
     rod = rod_of(rope, graded(rope.length, 0.5 * rope.length, edges), Winding(0.0, np.inf))
     y = equilibrium(rod, hung(rod))
     loads = rod.evaluate(0.0, y[:, None], (0.0, 0.0))
-    return _rest(loads.reaction[:, :, 0], float(loads.moment[1, 0]), *lowest_point(rod, 0.0, y))
+    return _rest(loads.reaction[:, :, 0], loads.moment[:, 0], *lowest_point(rod, 0.0, y))
 
 
 # small vibration
@@ -145,7 +165,9 @@ def modes_ours(case: str, elements: int) -> Results:
     """120 m, swivels locked, in one of VIBRATIONS."""
     rope, height, named = VIBRATIONS[case]
     r = rope_of(Scene(rope=rope, mesh=Mesh("eem", elements=elements)), Winding(height, np.inf))
-    found = natural_modes(r.system, r.state.motion.q, 10)
+    form = RopeSimulator(r.scene.with_(solver=Solver(kernels="portable")))
+    form.restore(r.state)
+    found = natural_modes(form.system, r.state.motion.q, 10)
     return named(found.frequencies, found.out_of_plane)
 
 
@@ -160,22 +182,18 @@ def modes_rod(case: str, edges: int) -> Results:
 # in time
 
 
-def follow(rope: RopeSimulator, ends: Winding, times: Array) -> Record:
+def follow(rope: BalanceRope, ends: Winding, times: Array) -> Record:
     """Our rope along ``ends``, with communication steps of 10 ms that end on ``times``."""
-    rows, switches, interval = [], list[float](), 0.01
-    for k in range(round(times[-1] / interval) + 1):
-        if k:
-            status = rope.advance_to(k * interval, *ends.ours(k * interval))
-            if not status.valid:
-                raise RuntimeError(status.message)
-            switches += [event.t for event in rope.state.events if "swivel" in event.what]
+    rows, switches, interval = [present(rope)], list[float](), 0.01
+    for k in range(1, round(times[-1] / interval) + 1):
+        status = rope.advance_to(k * interval, *ends.ours(k * interval))
+        if not status.valid:
+            raise RuntimeError(status.message)
+        switches += [event.t for event in rope.state.events if "swivel" in event.what]
         if np.abs(times - k * interval).min() < 1e-9:
-            m, held = rope.state.motion, rope.ends
-            moment = [held.moment(side, m.reaction) for side in (0, 1)]
-            angle = [held.relative(side, m.t, m.q[-side, 6], 0.0)[0] for side in (0, 1)]
-            rows.append((m.reaction[[0, -1], :3], moment, rope.loop.position, rope.loop.yaw, angle))
-    reaction, moment_, bottom, yaw, angle_ = (np.array(x) for x in zip(*rows, strict=True))
-    return Record(times, reaction, moment_, bottom, yaw, angle_, tuple(switches))
+            rows.append(present(rope))
+    reaction, moment, bottom, yaw, angle = (np.array(x) for x in zip(*rows, strict=True))
+    return Record(times, reaction, moment, bottom, yaw, angle, tuple(switches))
 
 
 def _histories(r: Record) -> Results:
