@@ -41,6 +41,9 @@ PUBLISHED = Rope(Qb=2.371e5, Qc=2.301e5)
 #: short and ten times softer along, with more torque per weight, so that both codes wind it in minutes
 SHORT = Rope(length=40.0, Qa=1.2e7, Qb=1.015e5, Qc=0.985e5, EI=600.0)
 SPACING, SIDES = Layout().spacing, ("left", "right")
+OF_AN_END = ("fx", "fy", "fz", "swivel.torque", "swivel.angle")
+#: signals of ours that are compared
+READ = ("loop.x", "loop.y", "loop.z", "loop.yaw", *(f"{side}.{name}" for side in SIDES for name in OF_AN_END))
 TRAVEL, DURATION = 12.0, 8.0  # m, s
 RELEASE = 0.1  # s
 #: a dirty swivel: it slips, sticks, and slips again
@@ -103,7 +106,7 @@ def rope_of(scene: Scene, ends: Winding, step: float = 1e-3) -> BalanceRope:
 
 def present(rope: BalanceRope) -> tuple[Array, Array, Array, float, Array]:
     """What a Record holds of ours: forces (2, 3) and moments (2,) on its ends, lowest point, yaw, swivels' angles."""
-    x = rope.signals()
+    x = rope.signals(READ)
     return (
         np.array([[-x[f"{side}.f{axis}"] for axis in "xyz"] for side in SIDES]),
         np.array([x[f"{side}.swivel.torque"] for side in SIDES]),
