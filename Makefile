@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 # one process per core, each with one thread; the tests of a file share what they make, and so a process
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist loadfile
 
-.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer choice hoist coupling studies throughput fuzz fmu wheels wheel-test release clean
+.PHONY: demo test test-slow lint bench winding robustness stability reproduce chart peer reference choice hoist coupling studies throughput fuzz fmu wheels wheel-test release clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -43,6 +43,9 @@ chart: $(READY)
 peer: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[peer]'
 	$(BIN)/python -m benchmarks.peer
+
+reference: $(READY)
+	$(BIN)/python -m benchmarks.discrete_rod
 
 choice: $(READY)
 	$(BIN)/python -m benchmarks.choice
