@@ -34,6 +34,8 @@ NO_ENTRY = {
     "the local error": "part of 'a step of ... fails too'",
     "use mesh.suited": "a programmer's: no host can cause it",
     "holds kernels of another mesh size": "part of 'does not load here'",
+    "has no attribute": "a programmer's: Python's own words for a misspelt name",
+    "of them too many": "part of 'are not a rope state'",
     "the licence is missing": "of a damaged installation; names its cure",
     "the reference run fails": "of the export; the cause follows",
 }
