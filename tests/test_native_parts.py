@@ -277,7 +277,7 @@ def test_partition_is_the_same_to_the_bit(parts: SimpleNamespace, mesh: Mesh, le
 
 @pytest.mark.parametrize(
     ("mesh", "length"),
-    [(Mesh(coarse_length=1e-3), 120.0), (Mesh(coarse_length=1e-30), 120.0), (Mesh(), 20.9), (Mesh(), 1234567.8)],
+    [(Mesh(coarse_length=1e-3), 120.0), (Mesh(coarse_length=1e-15), 120.0), (Mesh(), 20.9), (Mesh(), 1234567.8)],
 )
 def test_mesh_that_does_not_fit_is_refused_in_the_same_words(parts: SimpleNamespace, mesh: Mesh, length: float) -> None:
     with pytest.raises(ValueError) as expected:  # noqa: PT011 - the whole text is compared

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import fmpy
 import pytest
-from exports import stand_in
 from native_host import Host
+from test_native_fmu import stand_in
 
 from balance_rope import main
 from fmu_src.native import build

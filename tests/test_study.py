@@ -98,7 +98,7 @@ BAD = {
     "wrong unit": ("[fixed]\nrope.EI = { value = 300, unit = 'N.m' }", "'N.m'", "'N.m2'"),
     "wrong unit of a field": ("[vary]\nwinding.jerk = { values = [1], unit = 'm/s2' }", "'m/s2'", "'m/s3'"),
     "impossible field": ("[fixed]\nwinding.jerk = -1", "winding.jerk = -1.0", "above 0"),
-    "impossible FMU value": ("[vary]\nrope.EI = [300, -1]", "rope.EI = -1", "at least 0"),
+    "impossible FMU value": ("[vary]\nrope.EI = [300, -1]", "rope.EI = -1", "at least 1e-15"),
     "outside the FMU's bounds": ("[fixed]\nleft.swivel.mode = 7", "left.swivel.mode = 7", "within 0 and 2"),
     "FMU values that do not fit": ("[fixed]\nleft.swivel.mu_static = 1e-4", "0.0001", "mu_kinetic"),
     "not finite": ("[fixed]\nrope.EI = nan", "rope.EI = nan", "finite"),
@@ -110,7 +110,7 @@ BAD = {
     "value where a list belongs": ("[vary]\nrope.EI = 3", "rope.EI = 3", "[fixed]"),
     "range in a grid": ("[vary]\nrope.EI = { low = 1, high = 2 }", "rope.EI", "values"),
     "range upside down": ("[vary]\nrope.EI = { low = 2, high = 1 }", "2.0", "exchange"),
-    "logarithm of zero": ("[vary]\nrope.EI = { low = 0, high = 1, scale = 'log' }", "0.0", "linear"),
+    "logarithm of zero": ("[vary]\nrope.beta_K = { low = 0, high = 1, scale = 'log' }", "0.0", "linear"),
     "no number of runs": (
         "sample.method = 'latin-hypercube'\n[vary]\nrope.EI = { low = 1, high = 2 }",
         "runs",

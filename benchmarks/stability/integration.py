@@ -271,7 +271,7 @@ def rollback() -> Finding:
     spared = rejecting.state.counts.rejections - knowing.state.counts.rejections
     apart = float(bytes_of(rejecting.state.motion) != bytes_of(knowing.state.motion))
     # a host's step in which all trials fail
-    rejecting.retune(scene.with_(solver=replace(scene.solver, tolerance=1e-16, step_min=1e-2)))
+    rejecting.retune(scene.with_(solver=replace(scene.solver, tolerance=1e-15, step_min=1e-2)))
     before = rejecting.save()
     status = rejecting.advance_to(0.2, EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion(y=5.98, vy=-0.2, ay=-1.0))
     changed = float(status.valid or rejecting.save() != before)
