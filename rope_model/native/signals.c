@@ -4,36 +4,19 @@
 #include <math.h>
 #include <string.h>
 
-/* of the conveyance's yaw in theta */
-static const double YAW_SENSE[2] = {-1.0, 1.0};
+#include "formulas.h"
 
 int signal_group(int signal) {
     static const signed char groups[] = {SIGNAL_GROUPS};
     return signal >= 0 && signal < SIGNALS ? groups[signal] : -1;
 }
 
-/* Moment of the conveyance on the rope's end, from the reactions to r' and theta: the reaction to r' at fixed theta
-   holds a part of the torque, which the last term gives back. */
-void signals_end_moment(const double *q, const double *reaction, const double pole[3], double torque, double moment[3]) {
-    const double *d = q + SLOPE, *f = reaction + SLOPE;
-    double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    double t[3] = {d[0] / length, d[1] / length, d[2] / length};
-    double along = pole[0] * t[0] + pole[1] * t[1] + pole[2] * t[2];
-    double tilting[3] = {d[1] * f[2] - d[2] * f[1], d[2] * f[0] - d[0] * f[2], d[0] * f[1] - d[1] * f[0]};
-    for (int axis = 0; axis < 3; axis++)
-        moment[axis] = tilting[axis] + torque * (t[axis] + (pole[axis] - t[axis] * along) / (1 + along));
-}
-
 static void end_signals(int side, const Scene *scene, const State *state, const Arrays *arrays, double *values) {
-    const Swivel *swivel = &scene->swivels[side];
-    const SwivelState *held = &state->swivels[side];
     ptrdiff_t row = side == LEFT ? 0 : (ptrdiff_t)DOF * (arrays->nodes - 1);
     const double *q = arrays->q + row, *v = arrays->v + row, *reaction = arrays->reaction + row;
-    double torque = reaction[ANGLE], moment[3], yaw[3];
-    if (held->phase == SLIP)
-        torque = -held->sign * swivel_friction(swivel, swivel->mu_kinetic, reaction[1]);
-    signals_end_moment(q, reaction, state->pole, torque, moment);
-    path_rates(&state->paths[side], state->t, 3, yaw);
+    double torque = swivel_moment(scene, state, side, reaction), moment[3], relative[2];
+    end_moment(state->pole, q + SLOPE, reaction + SLOPE, torque, moment);
+    swivel_relative(state, side, state->t, q[ANGLE], v[ANGLE], relative);
 
     /* both ends have the same signals in the same order */
     if (side == RIGHT)
@@ -43,10 +26,10 @@ static void end_signals(int side, const Scene *scene, const State *state, const 
         values[SIGNAL_LEFT_MX + axis] = -moment[axis];
     }
     values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];
-    values[SIGNAL_LEFT_SWIVEL_ANGLE] = q[ANGLE] - state->offsets[side] - YAW_SENSE[side] * yaw[0];
-    values[SIGNAL_LEFT_SWIVEL_RATE] = v[ANGLE] - YAW_SENSE[side] * yaw[1];
+    values[SIGNAL_LEFT_SWIVEL_ANGLE] = relative[0];
+    values[SIGNAL_LEFT_SWIVEL_RATE] = relative[1];
     values[SIGNAL_LEFT_SWIVEL_TORQUE] = torque;
-    values[SIGNAL_LEFT_SWIVEL_SLIPPING] = held->phase == SLIP;
+    values[SIGNAL_LEFT_SWIVEL_SLIPPING] = state->swivels[side].phase == SLIP;
 }
 
 static void loop_signals(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom,

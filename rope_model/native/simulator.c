@@ -573,8 +573,9 @@ static void loads(const Simulator *rope, const State *state, const double *q, co
     int side, k;
     for (side = 0; side < 2; ++side) {
         const double *r = end_row(R, nodes, side);
+        const double torque = swivel_moment(&rope->scene, state, side, r);
         double *to = loads + 6 * side;
-        signals_end_moment(end_row(q, nodes, side), r, state->pole, swivel_moment(rope, state, side, r), to + 3);
+        end_moment(state->pole, end_row(q, nodes, side) + SLOPE, r + SLOPE, torque, to + 3);
         for (k = 0; k < 3; ++k) {
             to[k] = -r[k];
             to[3 + k] = -to[3 + k];

@@ -4,6 +4,7 @@
 
 #include "chain.h"
 #include "core.h"
+#include "formulas.h"
 #include "signals.h"
 
 /* A step that nobody has accepted yet, as numerics.generalized_alpha.StepResult; its arrays are the simulator's. */
@@ -51,8 +52,6 @@ void restarted(Simulator *rope, State *state);
 void committed(Simulator *rope, State *state, const Trial *trial);
 void set_powers(const Simulator *rope, State *state);
 void set_energies(Ledger *ledger, const double balance[BALANCE], const System *system, const double *v);
-double swivel_moment(const Simulator *rope, const State *state, int side, const double *reaction);
-void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
 double bottom_of(const Simulator *rope, const State *state, double t);
 const double *end_row(const double *x, int nodes, int side);
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,

@@ -7,9 +7,6 @@
 
 /* a rate of change of the acceleration taken over a step this much shorter than the next is mostly noise */
 #define LARGEST_GROWTH 5.
-/* sense of the conveyance's yaw in theta, left and right */
-static const double yaw_sense[2] = {-1, 1};
-
 const double *end_row(const double *x, int nodes, int side)
 {
     return x + (side ? (size_t)(nodes - 1) * DOF : 0);
@@ -55,7 +52,7 @@ System system_of(const Simulator *rope, State *state)
         s.inertia[side] = swivel->inertia;
         if (now->phase == SLIP && swivel->mode != FREE_MODE) {
             s.load[side] = -now->sign * swivel->seal_moment;
-            s.grip[side] = -now->sign * (0.5 * swivel->mu_kinetic * swivel->mean_diameter);
+            s.grip[side] = -now->sign * friction_moment(swivel->mu_kinetic, swivel->mean_diameter, 0, 1);
         }
     }
     return s;
@@ -70,7 +67,7 @@ void prescribed(const Simulator *rope, const State *state, int side, double t, d
         double rates[3];
         path_rates(&state->paths[side], t, axis, rates);
         for (k = 0; k < 3; ++k)
-            rows[k][place[axis]] = axis == 3 ? yaw_sense[side] * rates[k] : rates[k];
+            rows[k][place[axis]] = axis == 3 ? YAW_SENSE[side] * rates[k] : rates[k];
     }
     rows[0][0] += (side ? 0.5 : -0.5) * rope->scene.layout.spacing;
     rows[0][ANGLE] += state->offsets[side] + state->swivels[side].angle;
@@ -202,22 +199,6 @@ double bottom_of(const Simulator *rope, const State *state, double t)
     return 0.5 * (rope->scene.rope.length + left[0] - right[0]);
 }
 
-double swivel_moment(const Simulator *rope, const State *state, int side, const double *reaction)
-{
-    const Swivel *swivel = &rope->scene.swivels[side];
-    if (state->swivels[side].phase == SLIP)
-        return -state->swivels[side].sign * swivel_friction(swivel, swivel->mu_kinetic, reaction[1]);
-    return reaction[ANGLE];
-}
-
-void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2])
-{
-    double yaw[3];
-    path_rates(&state->paths[side], t, 3, yaw);
-    relative[0] = theta - state->offsets[side] - yaw_sense[side] * yaw[0];
-    relative[1] = theta_t - yaw_sense[side] * yaw[1];
-}
-
 /* what flows in and out at this instant */
 void set_powers(const Simulator *rope, State *state)
 {
@@ -226,7 +207,7 @@ void set_powers(const Simulator *rope, State *state)
     state->power_ends = state->power_swivel = 0;
     for (side = 0; side < 2; ++side) {
         const double *R = end_row(m.reaction, m.nodes, side), *v = end_row(m.v, m.nodes, side);
-        const double moment = swivel_moment(rope, state, side, R);
+        const double moment = swivel_moment(&rope->scene, state, side, R);
         double spin = v[ANGLE];
         for (k = 0; k < 3; ++k)
             state->power_ends += R[k] * v[k];

@@ -159,7 +159,3 @@ class RopeState(NamedTuple):
             )
         except Exception as error:
             raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error
-
-
-def _rows(x: Array) -> tuple[tuple[float, ...], ...]:
-    return tuple(tuple(row) for row in x.tolist())
