@@ -145,9 +145,6 @@ int rung_chosen(const Scene *scene, const EndMotion ends[2], char *reason);
 int rung_lowest_able(const Scene *scene, const EndMotion ends[2]);
 void rung_outgrown(const Scene *scene, int rung, const EndMotion ends[2], char *what);
 int rung_carries_torque(const Scene *scene);
-/* sizes of the torques (N m) by the coupling under the weight of half the rope, and by a twist (rad) from end to end */
-double rung_coupling_torque(const Rope *rope, double gravity);
-double rung_twist_torque(const Rope *rope, double angle);
 
 /* rigid.c: rope_model.simulation.rigid; q, v, a, reaction (nodes x DOF); message "" when all is well */
 double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]);

@@ -196,7 +196,7 @@ static void misplaced(const Simulator *rope, const Pattern *pattern, double bott
                  "N m^2 bends, some (EI / rho g)^(1/3) = %s m to either side, and reaches no further than %s m; check "
                  "EI and length, take equal elements (mesh.kind = eem, code 1), or keep the ends closer in height",
                  ROUNDED(bottom, 3), ROUNDED(data->length, 4), ROUNDED(data->EI, 4),
-                 ROUNDED(cbrt(data->EI / (data->mass_per_length * rope->scene.layout.gravity)), 3),
+                 ROUNDED(bending_length(&rope->scene), 3),
                  ROUNDED(mesh_centre(pattern), 3));
 }
 
