@@ -17,7 +17,8 @@ import casadi as ca
 
 from ..numerics import quintic
 from ..parameters import Layout, Rope, Scene
-from ..physics import elementary, estimates, frame, inextensible, swivel
+from ..physics import elementary, energy_balance, estimates, frame, hermite, inextensible, outline, stress, swivel
+from ..simulation.state import Ledger
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
 #: const, and last, takes the numbers of a formula that returns several
@@ -36,6 +37,24 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "void quintic_rates(const double c[6], double s, double rates[3])": quintic.rates,
     "double quintic_acceleration(const double c[6], double s)": quintic.acceleration,
+    "void hermite(double xi, double l, double r1, double s1, double r2, double s2, double values[2])": (
+        hermite.interpolated
+    ),
+    "void hermite_shares(double xi, double l, double shares[4])": hermite.shares,
+    "void hermite_products(double l, double products[10])": hermite.share_products,
+    "double hermite_integral(double l, double r1, double s1, double r2, double s2)": hermite.integral,
+    "double hermite_integral_to(double xi, double l, double r1, double s1, double r2, double s2)": (
+        hermite.integral_to
+    ),
+    "double place_on_rope(double bottom, double reach, double part)": outline.place,
+    "double squared_distance(const double point[3], const double start[3], const double along[3])": (
+        outline.squared_distance
+    ),
+    "double bending_stress(const Rope *rope, double k)": stress.bending_stress,
+    "double torsional_stress(const Rope *rope, double e, double tau)": stress.torsional_stress,
+    "void energies_of(const double balance[9], double energies[3])": energy_balance.energies,
+    "double ledger_total(const Ledger *ledger)": energy_balance.total,
+    "double ledger_residual(const Ledger *ledger)": energy_balance.residual,
     "Flow rigid_flow(double v1, double v2)": inextensible.flow,
     "Pull rigid_pull(const Rope *rope, const Layout *layout, const double ends[2][3], const double v[2], "
     "const double a[2])": inextensible.pull,
@@ -61,7 +80,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
 #: what they return: structures that C has from here
 DEFINED_HERE: tuple[type[Any], ...] = (inextensible.Flow, inextensible.Pull, estimates.Travel)
 #: what a formula may take or return whole
-STRUCTURES: dict[str, type[Any]] = {kind.__name__: kind for kind in (Rope, Layout, Scene, *DEFINED_HERE)}
+STRUCTURES: dict[str, type[Any]] = {kind.__name__: kind for kind in (Rope, Layout, Scene, Ledger, *DEFINED_HERE)}
 #: numbers of the formulas that switches look at
 CONSTANTS = {"LARGEST_YAW": estimates.LARGEST_YAW}
 

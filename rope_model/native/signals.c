@@ -40,24 +40,17 @@ static void loop_signals(const Scene *scene, const State *state, const Arrays *a
                                                         scene->rope.diameter, scene->layout.spacing);
 }
 
-/* nominal stresses of an element as in a solid round bar; bending is root mean square along it, and a rung without
-   torsion has no torque */
-static double bending_stress(const Rope *rope, const double strains[4]) {
-    return 32 * rope->EI * strains[2] / (PI * pow(rope->diameter, 3));
-}
-
-static double torsional_stress(const Rope *rope, int rung, const double strains[4]) {
-    double Qs = 0.5 * (rope->Qb + rope->Qc), Qk = 0.5 * (rope->Qb - rope->Qc);
-    double torque = rung == TORSIONAL ? (Qs - Qk) * strains[0] + rope->Qd * strains[1] : 0.0;
-    return 16 * fabs(torque) / (PI * pow(rope->diameter, 3));
+/* of an element; a rung without torsion has no torque */
+static double shear_stress(const Rope *rope, int rung, const double strains[4]) {
+    return rung == TORSIONAL ? torsional_stress(rope, strains[0], strains[1]) : 0.0;
 }
 
 static void stress_signals(const Rope *rope, int rung, const Arrays *arrays, const double (*strains)[4],
                            const LoopBottom *bottom, double *values) {
     double bending = -HUGE_VAL, torsion = -HUGE_VAL;
     for (int k = 0; k < arrays->elements; k++) {
-        bending = fmax(bending, bending_stress(rope, strains[k]));
-        torsion = fmax(torsion, torsional_stress(rope, rung, strains[k]));
+        bending = fmax(bending, bending_stress(rope, strains[k][2]));
+        torsion = fmax(torsion, shear_stress(rope, rung, strains[k]));
     }
     int last = arrays->elements - 1, lowest = 0;
     while (lowest < last && arrays->s[lowest + 1] < bottom->s)
@@ -70,19 +63,16 @@ static void stress_signals(const Rope *rope, int rung, const Arrays *arrays, con
 }
 
 static void book_signals(const Ledger *energy, const Counts *count, double *values) {
-    double total = energy->kinetic + energy->strain + energy->gravity;
-    double explained =
-        energy->work_ends + energy->transformations - energy->dissipated_material - energy->dissipated_swivel;
     values[SIGNAL_ENERGY_KINETIC] = energy->kinetic;
     values[SIGNAL_ENERGY_STRAIN] = energy->strain;
     values[SIGNAL_ENERGY_GRAVITY] = energy->gravity;
-    values[SIGNAL_ENERGY_TOTAL] = total;
+    values[SIGNAL_ENERGY_TOTAL] = ledger_total(energy);
     values[SIGNAL_ENERGY_WORK_ENDS] = energy->work_ends;
     values[SIGNAL_ENERGY_DISSIPATED_MATERIAL] = energy->dissipated_material;
     values[SIGNAL_ENERGY_DISSIPATED_SWIVEL] = energy->dissipated_swivel;
     values[SIGNAL_ENERGY_NONCONSERVATIVE] = energy->nonconservative;
     values[SIGNAL_ENERGY_TRANSFORMATIONS] = energy->transformations;
-    values[SIGNAL_ENERGY_RESIDUAL] = total - energy->start - explained + energy->nonconservative;
+    values[SIGNAL_ENERGY_RESIDUAL] = ledger_residual(energy);
     values[SIGNAL_COUNT_STEPS] = (double)count->steps;
     values[SIGNAL_COUNT_REJECTIONS] = (double)count->rejections;
     values[SIGNAL_COUNT_NEWTON] = (double)count->newton;
@@ -118,9 +108,9 @@ static void along_signals(const Scene *scene, int rung, const Arrays *arrays, co
     for (int i = 0; i < SHAPE_POINTS; i++) {
         int k = shape_middle_before(nodes, s, at[i]), next = k < nodes - 2 ? k + 1 : k;
         values[SIGNAL_SHAPE_BENDING_1 + i] = shape_between_middles(
-            nodes, s, k, at[i], bending_stress(rope, strains[k]), bending_stress(rope, strains[next]));
+            nodes, s, k, at[i], bending_stress(rope, strains[k][2]), bending_stress(rope, strains[next][2]));
         values[SIGNAL_SHAPE_TORSION_1 + i] = shape_between_middles(
-            nodes, s, k, at[i], torsional_stress(rope, rung, strains[k]), torsional_stress(rope, rung, strains[next]));
+            nodes, s, k, at[i], shear_stress(rope, rung, strains[k]), shear_stress(rope, rung, strains[next]));
     }
 }
 

@@ -39,7 +39,6 @@ Arrays state_arrays(State *state);
 /* whether what was read from elsewhere can be a state of this rope; trial is scratch */
 int state_plausible(const Simulator *rope, State *state);
 void state_copy(const Simulator *rope, State *to, const State *from);
-double ledger_total(const Ledger *ledger);
 void happened(State *state, int what, int which, double kinetic, double potential);
 
 /* step.c: rope_model.simulation.model and numerics.generalized_alpha */

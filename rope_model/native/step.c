@@ -224,15 +224,17 @@ void set_powers(const Simulator *rope, State *state)
 /* the inertia of the swivels counts as kinetic energy of the rope */
 void set_energies(Ledger *ledger, const double balance[BALANCE], const System *s, const double *v)
 {
-    double kinetic = balance[KINETIC];
+    double sums[BALANCE], energies[3];
     int side;
+    memcpy(sums, balance, sizeof sums);
     for (side = 0; side < 2; ++side) {
         const double rate = end_row(v, s->elements + 1, side)[ANGLE];
-        kinetic += 0.5 * s->inertia[side] * rate * rate;
+        sums[KINETIC] += 0.5 * s->inertia[side] * rate * rate;
     }
-    ledger->kinetic = kinetic + balance[SPIN];
-    ledger->strain = balance[AXIAL] + balance[COUPLING] + balance[TORSION] + balance[BENDING];
-    ledger->gravity = balance[GRAVITY];
+    energies_of(sums, energies);
+    ledger->kinetic = energies[0];
+    ledger->strain = energies[1];
+    ledger->gravity = energies[2];
 }
 
 void committed(Simulator *rope, State *state, const Trial *trial)

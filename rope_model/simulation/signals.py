@@ -5,15 +5,14 @@ The names are the FMU's output names too.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ..parameters import Rope, Scene
-from ..physics.costello import torque
 from ..physics.frame import end_moment
+from ..physics.stress import bending_stress, torsional_stress
 from .adaptation import counted_on
 from .diagnostics import LoopBottom, between_middles, leg_clearance, shape, shape_places, tension
 from .ends import SIDES, HangingEnds, Phase
@@ -230,7 +229,5 @@ def nominal_stresses(data: Rope, strains: Array, rung: RungName) -> tuple[Array,
     without torsion has no torque.
     """
     e, tau, k_rms, _ = strains.T
-    section = math.pi * data.diameter**3
-    bending = 32 * data.EI * k_rms / section
-    moment = torque(data.Qs, data.Qk, data.Qd, e, tau) if rung == "torsional" else np.zeros_like(e)
-    return bending, 16 * np.abs(moment) / section
+    torsional = torsional_stress(data, e, tau) if rung == "torsional" else np.zeros_like(e)
+    return bending_stress(data, k_rms), torsional
