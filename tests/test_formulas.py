@@ -64,7 +64,8 @@ def c_structure(kind: type[Any]) -> type[ct.Structure]:
 def members(kind: type[Any]) -> list[tuple[str, int]]:
     """Names of the members, and how many numbers each has, 0 for one alone."""
     value = symbols_of(argument_of(f"const {kind.__name__} *x"))
-    return [(name, len(x) if isinstance(x, tuple) else 0) for name, x in zip(value._fields, value, strict=True)]
+    named = value._asdict() if isinstance(value, tuple) else vars(value)
+    return [(name, len(x) if isinstance(x, tuple) else 0) for name, x in named.items()]
 
 
 def with_numbers(symbolic: Any, chance: random.Random) -> Any:

@@ -166,11 +166,8 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
     for (int axis = 0; axis < 3; axis++)
         across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
-    double cell = cell_at(nodes, s, middle);
-    double radius = fmax(0.5 * width, fmin(4 * cell / PI, 0.25 * fmin(middle, length - middle)));
-    double left_leg = middle - 0.5 * PI * radius, right_leg = length - middle - 0.5 * PI * radius;
-    double lean = radius - 0.5 * width;
-    if (fmin(left_leg, right_leg) <= lean) {
+    Hanging legs = hanging(length, middle, width, cell_at(nodes, s, middle));
+    if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
         snprintf(message, MESSAGE,
                  "the rope of %s m cannot hang between ends %s m apart with a height difference of %s m; give a longer "
                  "rope or bring the ends together",
@@ -178,17 +175,16 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
         return;
     }
     for (int k = 0; k < nodes; k++, q += DOF) {
-        double phi = clipped((s[k] - left_leg) / radius, 0.0, PI);
-        double on_left = fmin(s[k], left_leg), on_right = fmax(s[k] - left_leg - PI * radius, 0.0);
-        double along = radius * (1 - cos(phi)) - lean * (on_left / left_leg + on_right / right_leg);
-        double down = on_left + radius * sin(phi) - on_right;
-        double slope = sin(phi) - (phi <= 0 ? lean / left_leg : phi >= PI ? lean / right_leg : 0.0);
+        double phi = hanging_turned(&legs, s[k]), place[4];
+        hanging_place(&legs, s[k], phi, place);
+        double leg = phi <= 0 ? legs.left_leg : legs.right_leg;
+        double slope = phi <= 0 || phi >= PI ? place[2] - legs.lean / leg : place[2];
         for (int axis = 0; axis < 3; axis++) {
-            q[axis] = left[axis] + along * across[axis];
+            q[axis] = left[axis] + place[0] * across[axis];
             q[SLOPE + axis] = slope * across[axis];
         }
-        q[1] -= down;
-        q[SLOPE + 1] = -cos(phi);
+        q[1] -= place[1];
+        q[SLOPE + 1] = place[3];
         q[ANGLE] = 0.0;
     }
 }

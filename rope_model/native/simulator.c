@@ -507,7 +507,8 @@ static void unperturbed(Simulator *rope, double c[3])
     State *state = rope->state;
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
-    newton_coefficients(rope, state->last_interval, c);
+    const Coefficients method = {rope->scene.solver.rho_inf};
+    newton_coefficients(&method, state->last_interval, c);
     chain_of_state(state)->direction(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
 }
 

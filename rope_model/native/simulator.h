@@ -45,7 +45,6 @@ void happened(State *state, int what, int which, double kinetic, double potentia
 System system_of(const Simulator *rope, State *state);
 const Chain *chain_of_state(const State *state);
 void prescribed(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]);
-void newton_coefficients(const Simulator *rope, double h, double c[3]);
 Trial trial_step(Simulator *rope, State *state, double h);
 void restarted(Simulator *rope, State *state);
 void committed(Simulator *rope, State *state, const Trial *trial);

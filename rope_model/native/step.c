@@ -73,51 +73,25 @@ void prescribed(const Simulator *rope, const State *state, int side, double t, d
     rows[0][ANGLE] += state->offsets[side] + state->swivels[side].angle;
 }
 
-typedef struct {
-    double m, f, gamma, beta, shift;
-} Method;
-
-static Method method_of(const Simulator *rope)
-{
-    const double rho = rope->scene.solver.rho_inf;
-    Method x;
-    x.m = (2 * rho - 1) / (rho + 1);
-    x.f = rho / (rho + 1);
-    x.gamma = 0.5 + x.f - x.m;
-    x.beta = 0.25 * (1 + x.f - x.m) * (1 + x.f - x.m);
-    x.shift = x.m - x.f;
-    return x;
-}
-
-void newton_coefficients(const Simulator *rope, double h, double c[3])
-{
-    const Method x = method_of(rope);
-    c[0] = 1;
-    c[1] = x.gamma / (x.beta * h);
-    c[2] = (1 - x.m) / (x.beta * h * h * (1 - x.f));
-}
-
 Trial trial_step(Simulator *rope, State *state, double h)
 {
     const Arrays old = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
-    const Method x = method_of(rope);
+    const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
-    const double moved_by = 0 < h && h <= LARGEST_GROWTH * state->h ? x.shift * (h - state->h) : 0;
-    const double q_a = h * h * x.beta / (1 - x.m), v_a = h * x.gamma / (1 - x.m);
-    const double q_b = h * h * (0.5 - x.beta) - x.m * q_a, v_b = h * (1 - x.gamma) - x.m * v_a;
-    const double aux[3] = {x.f / (1 - x.m), -x.m / (1 - x.m), -x.m * moved_by / (1 - x.m)};
-    const double aux_new = (1 - x.f) / (1 - x.m);
-    double c[3], largest = 0, sum = 0;
+    const double moved_by = 0 < h && h <= LARGEST_GROWTH * state->h ? recentring_time(&method, h, state->h) : 0;
+    double c[3], of[4], aux[4], largest = 0, sum = 0;
     Trial trial;
     size_t i;
     int side, dof, k;
 
     trial.t = state->t + h;
     trial.h = h;
+    prediction_weights(&method, h, of);
+    auxiliary_weights(&method, moved_by, aux);
     for (i = 0; i < size; ++i) {
-        now->q[i] = old.q[i] + h * old.v[i] + q_a * old.a[i] + q_b * old.b[i] + q_b * moved_by * old.a_rate[i];
-        now->v[i] = old.v[i] + v_a * old.a[i] + v_b * old.b[i] + v_b * moved_by * old.a_rate[i];
+        now->q[i] = old.q[i] + h * old.v[i] + of[0] * old.a[i] + of[2] * old.b[i] + of[2] * moved_by * old.a_rate[i];
+        now->v[i] = old.v[i] + of[1] * old.a[i] + of[3] * old.b[i] + of[3] * moved_by * old.a_rate[i];
         now->a[i] = old.a[i];
     }
     for (side = 0; side < 2; ++side) {
@@ -129,7 +103,7 @@ Trial trial_step(Simulator *rope, State *state, double h)
                     row(to[k], old.nodes, side)[dof] = rows[k][dof];
     }
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
-    newton_coefficients(rope, h, c);
+    newton_coefficients(&method, h, c);
     trial.newton = chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c,
                                                 rope->scene.solver.newton_tolerance, trial.balance);
     trial.error = INFINITY;
@@ -141,7 +115,7 @@ Trial trial_step(Simulator *rope, State *state, double h)
     if (!trial.reached)
         return trial;
     for (i = 0; i < size; ++i) {
-        now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux_new * now->a[i];
+        now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
     for (k = 0; k < old.nodes; ++k) {
@@ -153,7 +127,7 @@ Trial trial_step(Simulator *rope, State *state, double h)
                 largest = change;
         }
     }
-    trial.error = fabs(x.beta + 0.5 * x.shift - 1. / 6.) * h * h * largest;
+    trial.error = local_error(&method, h, largest);
     return trial;
 }
 
