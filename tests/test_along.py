@@ -11,10 +11,11 @@ from numpy.testing import assert_allclose
 
 from benchmarks.choice.scenes import smooth_step
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
+from rope_model.physics.estimates import natural_width
 from rope_model.simulation.diagnostics import between_middles, shape_places
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.rungs import LADDER, RungName, natural_width
+from rope_model.simulation.rungs import LADDER, RungName
 from rope_model.simulation.signals import SHAPE_POINTS, SIGNALS, nominal_stresses
 from rope_model.simulation.simulator import RopeSimulator
 

@@ -52,8 +52,10 @@ MAY_IMPORT = {
 HOMES = {
     "casadi": {
         "rope_model.physics.element",
+        "rope_model.physics.elementary",
         "rope_model.numerics",
         "rope_model.native.elements",
+        "rope_model.native.formulas",
         "hoist_demo.design",
         "hoist_demo.equations",
         "hoist_demo.loads",

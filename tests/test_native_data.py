@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from benchmarks.choice.scenes import CASES, Case
 from fmu_src.interface import CHOICES, scene_of, variables
+from rope_model.native.formulas import formulas_code
 from rope_model.native.structures import (
     EndStructure,
     PathStructure,
@@ -58,9 +59,12 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     compiler = find_compiler()
     if compiler is None:
         pytest.skip("no C compiler")
-    made = tmp_path_factory.mktemp("native") / f"data{LIBRARY_SUFFIX}"
+    folder = tmp_path_factory.mktemp("native")
+    made = folder / f"data{LIBRARY_SUFFIX}"
+    (folder / "formulas.h").write_text(formulas_code(), encoding="ascii")
     sources = [str(NATIVE / part) for part in PARTS]
-    result = subprocess.run([*compiler, *FLAGS, *sources, "-o", str(made), "-lm"], capture_output=True, text=True)
+    command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(made), "-lm"]
+    result = subprocess.run(command, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
     library = ct.CDLL(str(made))
     for function in (library.path_resting, library.path_to):

@@ -21,12 +21,13 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
+from rope_model.native.formulas import formulas_code
 from rope_model.native.structures import GROUPS, PathStructure, path_structure, scene_structure
 from rope_model.native.tables import signal_numbers
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
-from rope_model.physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
+from rope_model.physics.frame import best_pole, pole_change_angle, pole_margin
 from rope_model.simulation.adaptation import counted_on
 from rope_model.simulation.diagnostics import LoopBottom, leg_clearance, loop_bottom, shape, shape_places
 from rope_model.simulation.ends import EndPath, HangingEnds, Phase, SwivelState, nominal_points
@@ -135,6 +136,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("native")
     path = folder / f"parts{LIBRARY_SUFFIX}"
+    (folder / "formulas.h").write_text(formulas_code(), encoding="ascii")
     (folder / "signal_numbers.h").write_text(signal_numbers(), encoding="ascii")
     (folder / "by_members.c").write_text(SIGNALS_BY_MEMBERS, encoding="ascii")
     sources = [*(str(NATIVE / name) for name in PARTS), str(folder / "by_members.c")]
@@ -156,7 +158,6 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "frame_pole_margin": (x, p, n, p),
         "frame_best_pole": (None, n, p, p),
         "frame_pole_change_angle": (None, p, p, n, p, p),
-        "frame_smallest_rotation_rate": (x, p, p, p),
         "frame_counted_on": (x, x, x),
         "shape_loop_bottom": (CLoopBottom, n, p, p),
         "shape_leg_clearance": (x, n, p, p, p, x, x),
@@ -434,14 +435,6 @@ def test_pole_change_angle_counts_on_beyond_the_cut(parts: SimpleNamespace) -> N
     parts.frame_pole_change_angle(old, new, 400, q[0, 3:], angle)
     assert np.ptp(expected) > 4 * np.pi  # it did pass it
     assert_allclose(angle, expected, atol=1e3 * ROUNDING)
-
-
-@given(seed=st.integers(0, 10000))
-def test_turning_of_the_frame_is_the_same(parts: SimpleNamespace, seed: int) -> None:
-    pole, (d, change) = unit(seed + 1), np.random.default_rng(seed).normal(size=(2, 3))
-    assume(1 + pole @ d / np.linalg.norm(d) > 1e-2)  # at the pole's antipode rounding grows
-    expected = smallest_rotation_rate(pole, d, change)
-    assert_allclose(parts.frame_smallest_rotation_rate(pole, d, change), expected, rtol=1e-11, atol=1e-11)
 
 
 @given(angle=st.floats(-4.0, 4.0), last=st.floats(-100.0, 100.0))

@@ -11,9 +11,10 @@ from numpy.testing import assert_allclose
 
 from benchmarks.choice.scenes import CASES, Case, smooth_step
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
+from rope_model.physics.estimates import natural_width
 from rope_model.simulation.ends import EndMotion, EndPath
 from rope_model.simulation.rigid import RigidRope, rigid_rope
-from rope_model.simulation.rungs import LADDER, chosen, expected, force_error, lowest_able, natural_width
+from rope_model.simulation.rungs import LADDER, chosen, expected_travel, force_error, lowest_able
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 
@@ -161,7 +162,7 @@ def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> Non
             forces.append([end_force(rope) for rope in ropes])
         full, lower = np.moveaxis(np.array(forces), 1, 0)
         error = math.sqrt(np.mean((lower - full) ** 2)) / np.abs(full).max()
-        assert error < force_error(scene, ropes[1].state.rung, expected(ends_at(0.0)))
+        assert error < force_error(scene, ropes[1].state.rung, expected_travel(ends_at(0.0)))
 
 
 def test_slack_rope_stops_the_rigid_rung_with_a_message() -> None:

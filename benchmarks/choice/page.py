@@ -6,7 +6,7 @@ import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from rope_model.simulation.rungs import ASSUMED
+from rope_model.physics.estimates import ASSUMED
 
 from .rungs import Taken
 from .terms import SCENES, VARIANTS, Base, Change
@@ -43,7 +43,7 @@ never goes back down. The estimates do not know the winding: they expect ends at
 {ASSUMED.speed:g} m/s, {ASSUMED.acceleration:g} m/s^2 and {ASSUMED.jerk:g} m/s^3, and more when the ends show more.
 Inputs do not tell the jerk; it is taken to grow with the acceleration, so that a brake that bites faster than that is
 underestimated until its acceleration shows. A single peak may exceed the tolerance, which is of the root mean square.
-`rope_model/simulation/rungs.py` states the formulas.
+`rope_model/physics/estimates.py` states the formulas.
 
 A run that is raised from an approximate rung takes the stretch and twist of the rung above at once (within 0.1 s in the
 real rope), and from the rigid one the shape of an equilibrium: the loop's place then jumps. The energy that this brings

@@ -15,7 +15,8 @@ from hoist_demo.parameters import Winding as Trip
 from hoist_demo.reference import s_curve
 from rope_model import Layout, Model, Scene, Swivel, balance_rope
 from rope_model.parameters import RungChoice
-from rope_model.simulation.rungs import Travel, force_error, lean_error, longitudinal_error
+from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
+from rope_model.simulation.rungs import force_error
 
 from .scenes import P120, P240, Case
 
@@ -96,7 +97,7 @@ VARIED = ((300.0, 2.0), (50.0, 2.0), (1000.0, 2.0), (300.0, 1.5), (300.0, 3.0), 
 
 
 def calibrations() -> Iterator[Calibration]:
-    """The windings from which the constants of simulation.rungs are taken, and one whose swivels are released."""
+    """The windings from which the constants of physics.estimates are taken, and one whose swivels are released."""
     for preset, speed, (EI, spacing) in itertools.product((P120, P240), LIMITS, VARIED):
         acceleration, jerk = LIMITS[speed]
         trip = Trip(travel=preset.travel, speed=speed, acceleration=acceleration, jerk=jerk)

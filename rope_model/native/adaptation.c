@@ -94,7 +94,7 @@ int better_pole(State *state, double pole[3])
 {
     const Arrays m = state_arrays(state);
     const double *d = m.q + (size_t)lowest_node(&m) * DOF + SLOPE, *old = state->pole;
-    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const double length = sqrt(dot(d, d));
     const double across[2] = {d[0] / length, d[2] / length}, size = hypot(across[0], across[1]);
     double margin;
     if (state->rung != TORSIONAL) /* nothing is counted from the frame */
@@ -109,7 +109,7 @@ int better_pole(State *state, double pole[3])
     if (frame_pole_margin(pole, m.nodes, m.q + SLOPE) < POLE_MARGIN)
         frame_best_pole(m.nodes, m.q + SLOPE, pole);
     return frame_pole_margin(pole, m.nodes, m.q + SLOPE) > margin - 0.1 &&
-           pole[0] * old[0] + pole[1] * old[1] + pole[2] * old[2] <= 0.99;
+           dot(pole, old) <= 0.99;
 }
 
 void express_in(State *state, const double pole[3], double *angle)
@@ -120,8 +120,8 @@ void express_in(State *state, const double pole[3], double *angle)
     for (node = 0; node < m.nodes; ++node) {
         double *q = m.q + (size_t)node * DOF, *v = m.v + (size_t)node * DOF;
         q[ANGLE] += angle[node];
-        v[ANGLE] += frame_smallest_rotation_rate(state->pole, q + SLOPE, v + SLOPE) -
-                    frame_smallest_rotation_rate(pole, q + SLOPE, v + SLOPE);
+        v[ANGLE] += smallest_rotation_rate(state->pole, q + SLOPE, v + SLOPE) -
+                    smallest_rotation_rate(pole, q + SLOPE, v + SLOPE);
     }
     memcpy(state->pole, pole, sizeof state->pole);
     state->offsets[LEFT] += angle[0];

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ..numerics.kernels import cache_folder, compile_library, find_compiler
 from .elements import element_code
+from .formulas import formulas_code
 from .platforms import host_platform, prebuilt_file, text_hash
 from .tables import signal_numbers
 
@@ -21,7 +22,7 @@ NAME = "rope"
 
 @cache
 def sources() -> dict[str, str]:
-    """Text by file name: what is written by hand, and what is generated from the element and the table of signals."""
+    """Text by file name: what is written by hand, and what is generated."""
     written = {
         p.name: p.read_text(encoding="utf-8") for p in sorted(_FOLDER.iterdir()) if p.suffix in (".c", ".h", ".inc")
     }
@@ -31,7 +32,7 @@ def sources() -> dict[str, str]:
 
 def generated() -> dict[str, str]:
     """The generated files, made anew."""
-    return {"elements.inc": element_code(), "signal_numbers.h": signal_numbers()}
+    return {"elements.inc": element_code(), "formulas.h": formulas_code(), "signal_numbers.h": signal_numbers()}
 
 
 def generated_file(package: Path) -> Path:

@@ -70,8 +70,8 @@ static double end_twist(State *state)
 static void turning(Simulator *rope, char *why)
 {
     const Rope *data = &rope->scene.rope;
-    const double turned = end_twist(rope->state), coupling = rung_coupling_torque(data, rope->scene.layout.gravity);
-    const double installed = rung_twist_torque(data, data->installed_twist), ends = rung_twist_torque(data, turned);
+    const double turned = end_twist(rope->state), coupling = coupling_torque(data, rope->scene.layout.gravity);
+    const double installed = twist_torque(data, data->installed_twist), ends = twist_torque(data, turned);
     if (coupling >= installed && coupling >= ends)
         snprintf(why, MESSAGE,
                  "the coupling Qb = %s, Qc = %s N m: give what was measured on this very rope, free the swivels",

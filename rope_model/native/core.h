@@ -98,7 +98,6 @@ double frame_pole_margin(const double pole[3], int nodes, const double *slopes);
 void frame_best_pole(int nodes, const double *slopes, double pole[3]);
 /* angle (nodes) to add to theta when the pole changes */
 void frame_pole_change_angle(const double old[3], const double new_[3], int nodes, const double *slopes, double *angle);
-double frame_smallest_rotation_rate(const double pole[3], const double d[3], const double change[3]);
 double frame_counted_on(double angle, double last);
 
 /* shape.c: rope_model.simulation.diagnostics, statics.hanging_guess */
@@ -132,7 +131,13 @@ Path path_to(const Path *path, double stop, const EndMotion *target, double with
 void path_rates(const Path *path, double t, int axis, double rates[3]);
 EndMotion path_end(const Path *path); /* the motion in which it ends; rungs.ends_after */
 void end_checked(const EndMotion *target, const Path *path, int side, char *message);
+/* of the conveyance's yaw in theta */
+static const double YAW_SENSE[2] = {-1.0, 1.0};
 double swivel_friction(const Swivel *swivel, double mu, double tension);
+/* about the tangent, on the rope's end with this row of the reaction */
+double swivel_moment(const Scene *scene, const State *state, int side, const double *reaction);
+/* angle and rate of the rope's end with theta against the conveyance */
+void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
 
 /* rungs.c: rope_model.simulation.rungs and rigid; ends: present motions */
 const char *rung_name(int rung);
@@ -140,9 +145,6 @@ int rung_chosen(const Scene *scene, const EndMotion ends[2], char *reason);
 int rung_lowest_able(const Scene *scene, const EndMotion ends[2]);
 void rung_outgrown(const Scene *scene, int rung, const EndMotion ends[2], char *what);
 int rung_carries_torque(const Scene *scene);
-/* sizes of the torques (N m) by the coupling under the weight of half the rope, and by a twist (rad) from end to end */
-double rung_coupling_torque(const Rope *rope, double gravity);
-double rung_twist_torque(const Rope *rope, double angle);
 
 /* rigid.c: rope_model.simulation.rigid; q, v, a, reaction (nodes x DOF); message "" when all is well */
 double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]);

@@ -2,16 +2,12 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "core.h"
+#include "formulas.h"
 #include "text.h"
 
 enum { YAW = 3, AXES = 4 };
 /* steps that differ by less than this part of themselves are alike */
 #define ALIKE 1e-6
-
-static double acceleration(const double c[6], double s) {
-    return 2 * c[2] + s * (6 * c[3] + s * (12 * c[4] + s * 20 * c[5]));
-}
 
 Path path_resting(double t, const EndMotion *at) {
     Path path = {t, t, t, {{0}}};
@@ -28,16 +24,10 @@ Path path_to(const Path *path, double stop, const EndMotion *given, double withi
     for (int axis = 0; axis < AXES; axis++) {
         double rates[3];
         path_rates(path, start, axis, rates);
-        double x0 = rates[0], v0 = rates[1], a0 = rates[2];
         double x1 = axis == YAW ? target->yaw : target->x[axis], v1 = axis == YAW ? target->yaw_rate : target->v[axis];
         /* FMI gives no yaw acceleration: take the mean over the step */
-        double a1 = axis == YAW ? (target->yaw_rate - v0) / h : target->a[axis];
-        double dx = x1 - x0 - h * v0 - 0.5 * h * h * a0, dv = h * (v1 - v0 - h * a0), da = h * h * (a1 - a0);
-        double *c = next.c[axis];
-        c[0] = x0, c[1] = v0, c[2] = 0.5 * a0;
-        c[3] = (10 * dx - 4 * dv + 0.5 * da) / pow(h, 3);
-        c[4] = (-15 * dx + 7 * dv - da) / pow(h, 4);
-        c[5] = (6 * dx - 3 * dv + 0.5 * da) / pow(h, 5);
+        double a1 = axis == YAW ? (target->yaw_rate - rates[1]) / h : target->a[axis];
+        quintic(h, rates[0], rates[1], rates[2], x1, v1, a1, next.c[axis]);
     }
     return next;
 }
@@ -53,11 +43,7 @@ Path path_coasting(const Path *path, double t) {
 }
 
 void path_rates(const Path *path, double t, int axis, double rates[3]) {
-    const double *c = path->c[axis];
-    double s = (path->stop < t ? path->stop : t) - path->start;
-    rates[0] = c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))));
-    rates[1] = c[1] + s * (2 * c[2] + s * (3 * c[3] + s * (4 * c[4] + s * 5 * c[5])));
-    rates[2] = acceleration(c, s);
+    quintic_rates(path->c[axis], smaller(t, path->stop) - path->start, rates);
 }
 
 EndMotion path_end(const Path *path) {
@@ -76,7 +62,7 @@ EndMotion path_end(const Path *path) {
 static double peak_acceleration(const Path *path, int axis) {
     double peak = 0.0;
     for (int i = 0; i < 5; i++) {
-        double a = fabs(acceleration(path->c[axis], 0.25 * i * (path->stop - path->start)));
+        double a = fabs(quintic_acceleration(path->c[axis], 0.25 * i * (path->stop - path->start)));
         if (i == 0 || a > peak) peak = a;
     }
     return peak;
@@ -119,6 +105,19 @@ void end_checked(const EndMotion *target, const Path *path, int side, char *mess
 
 double swivel_friction(const Swivel *swivel, double mu, double tension) {
     if (swivel->mode == FREE_MODE) return 0.0;
-    /* a bearing does not carry less when the rope pushes */
-    return 0.5 * mu * swivel->mean_diameter * (0.0 > tension ? 0.0 : tension) + swivel->seal_moment;
+    return friction_moment(mu, swivel->mean_diameter, swivel->seal_moment, tension);
+}
+
+double swivel_moment(const Scene *scene, const State *state, int side, const double *reaction) {
+    const Swivel *swivel = &scene->swivels[side];
+    const SwivelState *now = &state->swivels[side];
+    if (now->phase == SLIP) return -now->sign * swivel_friction(swivel, swivel->mu_kinetic, reaction[1]);
+    return reaction[ANGLE];
+}
+
+void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {
+    double yaw[3];
+    path_rates(&state->paths[side], t, YAW, yaw);
+    relative[0] = theta - state->offsets[side] - YAW_SENSE[side] * yaw[0];
+    relative[1] = theta_t - YAW_SENSE[side] * yaw[1];
 }

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core.h"
+#include "formulas.h"
 #include "text.h"
 
 /* more would be a mistake in the unit of an element's length */
@@ -15,11 +15,7 @@ static const double DUE = 0.6;
 enum { GRADING = 2, RATIO = 4, LENGTHS = 11 };
 static const int LEG_LENGTHS[LENGTHS] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
 static const double LEG_GROWTH = 7.5e5, LEG_WAVES = 1000.0;
-static const double NATURAL_RADIUS = 0.912;
-static const double LOOP_LENGTH = 0.6, LOOP_ERROR = 0.033, LONGEST = 0.75;
-static const double FADE = 1.0, FADE_ERROR = 0.05, FADE_DECADE = 0.25;
 static const double NEAREST = 0.12;
-static const double END_LENGTH = 2.9;
 
 /* elements of IV in units of l: half of their neighbours */
 static double fine_share(int with_ii, int with_iii) {
@@ -36,10 +32,9 @@ static double inner_of(const Mesh *mesh) {
     return inner_length(n[0], n[1], n[2], n[3], n[4]);
 }
 
-/* elements of segment IV in the mesh suited to a loop of radius R that fades out over a length of `fade` */
-static double suited_fine_count(double R, double fade, double coarse) {
-    double covered = PI * R + 2 * fade + 2 * DUE * coarse;
-    return RATIO * ceil(covered / coarse);
+/* elements of segment IV */
+static double suited_fine_count(const SuitedLengths *of, double coarse) {
+    return RATIO * ceil(covered_length(of->radius, of->fade, coarse) / coarse);
 }
 
 static int as_int(double x) {
@@ -50,25 +45,19 @@ Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     Mesh suited = *mesh;
     if (mesh->kind != AUTO_MESH)
         return suited;
-    double weight = rope->mass_per_length * layout->gravity;
-    double w = pow(rope->EI / weight, 1.0 / 3.0);
-    double R = fmin(0.5 * layout->spacing, NATURAL_RADIUS * w);
-    double shorter = pow(mesh->loop_error / (LOOP_ERROR * R), 0.2);
-    double fine = fmin(LOOP_LENGTH * shorter, LONGEST) * R;
-    double coarse = RATIO * fine;
-    double fade = w * fmax(FADE + FADE_DECADE * log10(FADE_ERROR / mesh->loop_error), 0);
-    double layer = sqrt(rope->EI / (0.5 * weight * rope->length));
+    SuitedLengths of = suited_lengths(rope, layout, mesh->loop_error, log10(FADE_ERROR / mesh->loop_error));
+    double coarse = RATIO * of.fine;
 
     /* the loop comes near an end: segment IV must be able to follow */
-    double inner = inner_length(2, 0, suited_fine_count(R, fade, coarse), 0, 2);
+    double inner = inner_length(2, 0, suited_fine_count(&of, coarse), 0, 2);
     coarse = fmin(coarse, 2 * NEAREST * rope->length / inner);
-    double count = suited_fine_count(R, fade, coarse);
+    double count = suited_fine_count(&of, coarse);
     if (coarse * (0.5 * inner_length(2, 0, count, 0, 2) - DUE) > NEAREST * rope->length) {
         suited.kind = EEM;
-        suited.elements = as_int(fmax(ceil(rope->length / fine), 8));
+        suited.elements = as_int(fmax(ceil(rope->length / of.fine), 8));
         return suited;
     }
-    double levels = fmax(ceil(log2(coarse / (END_LENGTH * layer * shorter))), 0);
+    double levels = fmax(ceil(log2(coarse / of.end)), 0);
     suited.kind = TMN;
     suited.coarse_length = coarse;
     suited.counts[0] = suited.counts[4] = 2;

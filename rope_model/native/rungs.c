@@ -2,23 +2,10 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "core.h"
+#include "formulas.h"
 #include "text.h"
 
-/* measured, see rope_model.simulation.rungs */
-static const double LEAN = 1.0 / 3, LEAN_GROWTH = 10.0, WHIP = 3e-5, NATURAL_WIDTH = 2.54307, LARGEST_YAW = 1.0;
-
-/* what an estimate needs of a winding: its largest values */
-typedef struct {
-    double height_difference, speed, acceleration, jerk;
-} Travel;
-
-/* what 'auto' expects of the ends */
-static const Travel ASSUMED = {0.0, 10.0, 1.0, 1.0};
-
 enum { OUT_OF_PLANE = 1, TURNED = 2, ALONG = 4 };
-
-static double larger(double a, double b) { return b > a ? b : a; }
 
 const char *rung_name(int rung) {
     static const char *const names[] = {"auto", "torsional", "spatial", "planar", "rigid"};
@@ -73,82 +60,21 @@ static int turns_freely(const Scene *scene) {
 static Travel expected(const EndMotion ends[2]) {
     double speed = larger(fabs(ends[LEFT].v[1]), fabs(ends[RIGHT].v[1]));
     double acceleration = larger(fabs(ends[LEFT].a[1]), fabs(ends[RIGHT].a[1]));
-    double growth = larger(acceleration / ASSUMED.acceleration, 1.0);
-    Travel travel = {fabs(ends[LEFT].x[1] - ends[RIGHT].x[1]), larger(speed, ASSUMED.speed),
-                     growth * ASSUMED.acceleration, growth * ASSUMED.jerk};
-    return travel;
+    return travel_expected(fabs(ends[LEFT].x[1] - ends[RIGHT].x[1]), speed, acceleration);
 }
 
-/* lengths of the longer and the shorter leg, the latter at least the loop's spacing */
-static double long_leg(const Scene *scene, const Travel *travel) {
-    return 0.5 * (scene->rope.length + travel->height_difference);
+static int locked(const Scene *scene) {
+    return scene->swivels[LEFT].mode == LOCKED_MODE && scene->swivels[RIGHT].mode == LOCKED_MODE;
 }
 
-static double short_leg(const Scene *scene, const Travel *travel) {
-    return larger(0.5 * (scene->rope.length - travel->height_difference), scene->layout.spacing);
-}
-
-/* of the loop of a rope that hangs from legs wherever they like to be */
-static double natural_width(const Scene *scene) {
-    return NATURAL_WIDTH * cbrt(scene->rope.EI / (scene->rope.mass_per_length * scene->layout.gravity));
-}
-
-double rung_coupling_torque(const Rope *rope, double gravity) {
-    return fabs(rope->Qc / rope->Qa * rope->mass_per_length * gravity * 0.5 * rope->length);
-}
-
-double rung_twist_torque(const Rope *rope, double angle) {
-    return fabs((rope->Qd - rope->Qb * rope->Qc / rope->Qa) * angle / rope->length);
-}
-
-/* torque of a hanging rope whose ends were fastened unloaded */
-static double held_torque(const Rope *rope, double gravity) {
-    return rung_coupling_torque(rope, gravity) + rung_twist_torque(rope, rope->installed_twist);
-}
-
-/* yaw of the loop under the torque of a held rope: legs like strings under their own weight */
-static double loop_yaw(const Scene *scene) {
-    const Rope *rope = &scene->rope;
-    double g = scene->layout.gravity;
-    double width = 0.5 * (scene->layout.spacing + natural_width(scene)); /* the legs close in from one to the other */
-    double height = larger(0.5 * rope->length / width, 1.0);
-    return 4 * fabs(held_torque(rope, g)) * log(height) / (rope->mass_per_length * g * (width * width));
-}
-
-static double longitudinal_error(const Scene *scene, const Travel *travel) {
-    double omega = 0.5 * PI * sqrt(scene->rope.Qa / scene->rope.mass_per_length) / long_leg(scene, travel);
-    return 8 / (PI * PI) * travel->jerk / (omega * scene->layout.gravity);
-}
-
-static double lean_error(const Scene *scene, const Travel *travel) {
-    double width = larger(natural_width(scene), scene->layout.spacing);
-    double lean = LEAN * width * (1 + LEAN_GROWTH * travel->acceleration / scene->layout.gravity);
-    return lean * lean / (4 * short_leg(scene, travel) * long_leg(scene, travel));
-}
-
-static double release_error(const Scene *scene, const Travel *travel) {
-    const Rope *rope = &scene->rope;
-    double g = scene->layout.gravity, Qs = 0.5 * (rope->Qb + rope->Qc);
-    if (scene->swivels[LEFT].mode == LOCKED_MODE && scene->swivels[RIGHT].mode == LOCKED_MODE) return 0.0;
-    return fabs(Qs) * held_torque(rope, g) / (rope->Qa * rope->rhoJ * g * long_leg(scene, travel));
-}
-
-/* infinite where the torque may turn the loop far */
-static double torsion_error(const Scene *scene, const Travel *travel) {
-    const Rope *rope = &scene->rope;
-    double psi = loop_yaw(scene), Qs = 0.5 * (rope->Qb + rope->Qc);
-    if (psi > LARGEST_YAW) return INFINITY;
-    double flow = travel->speed * travel->speed / (scene->layout.gravity * natural_width(scene));
-    double kappa = Qs * Qs / (rope->Qa * rope->Qd);
-    double held = kappa * longitudinal_error(scene, travel) + psi * psi * lean_error(scene, travel) +
-                  WHIP * (flow * flow);
-    return held + release_error(scene, travel);
-}
-
-/* estimated error of the vertical end forces against the complete model */
+/* estimated error of the vertical end forces against the complete model; infinite where the loop may turn far */
 static double force_error(const Scene *scene, int rung, const Travel *travel) {
     double error = 0.0;
-    if (rung != TORSIONAL && rung_carries_torque(scene)) error += torsion_error(scene, travel);
+    if (rung != TORSIONAL && rung_carries_torque(scene)) {
+        if (estimated_yaw(scene) > LARGEST_YAW) return INFINITY;
+        error += held_error(scene, travel);
+        if (!locked(scene)) error += release_error(scene, travel);
+    }
     if (rung == RIGID) error += longitudinal_error(scene, travel) + lean_error(scene, travel);
     return error;
 }

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core.h"
+#include "formulas.h"
 #include "text.h"
 
 /* points between two elements' ends, of the shape for the clearance, and of one leg of that */
@@ -50,10 +50,8 @@ LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
 void shape_places(double total, double bottom_s, int points, double *at) {
     double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
-        double u = k < points - 1 ? k * step - 1.0 : 1.0, size = fabs(u);
-        double reach = u < 0 ? bottom_s : total - bottom_s;
-        double sign = (u > 0) - (u < 0);
-        at[k] = clipped(bottom_s + sign * reach * (0.1 * size + 0.9 * pow(size, 3)), 0.0, total);
+        double u = k < points - 1 ? k * step - 1.0 : 1.0;
+        at[k] = clipped(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u)), 0.0, total);
     }
 }
 
@@ -75,23 +73,18 @@ void shape_tension(const Arrays *arrays, double rho, double gravity, int points,
             const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
             double l = arrays->lengths[i];
             for (int axis = 0; axis < 3; axis++)
-                before[axis] += l * (0.5 * (a[axis] + b[axis]) + l * (a[SLOPE + axis] - b[SLOPE + axis]) / 12);
+                before[axis] += hermite_integral(l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
         }
         /* and over a part of the element in which the point lies */
         const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
-        double l = arrays->lengths[i], x = (at[k] - s[i]) / l, along = 0, square = 0;
+        double l = arrays->lengths[i], xi = (at[k] - s[i]) / l, force[3];
         point_at(arrays->nodes, arrays->q, s, at[k], row);
         for (int axis = 0; axis < 3; axis++) {
-            double within = l * (x * (1 - x * x * (1 - 0.5 * x)) * a[axis] + x * x * x * (1 - 0.5 * x) * b[axis] +
-                                 l * x * x * ((0.5 - x * (2.0 / 3 - 0.25 * x)) * a[SLOPE + axis] -
-                                              x * (1.0 / 3 - 0.25 * x) * b[SLOPE + axis]));
-            double force = rho * (before[axis] + within) - arrays->reaction[axis];
-            if (axis == 1)
-                force += rho * gravity * at[k];
-            along += force * row[SLOPE + axis];
-            square += row[SLOPE + axis] * row[SLOPE + axis];
+            double within = hermite_integral_to(xi, l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
+            force[axis] = rho * (before[axis] + within) - arrays->reaction[axis];
         }
-        tension[k] = along / sqrt(square);
+        force[1] += rho * gravity * at[k];
+        tension[k] = dot(force, row + SLOPE) / sqrt(dot(row + SLOPE, row + SLOPE));
     }
 }
 
@@ -126,10 +119,6 @@ static int part_above(const double *first, int stride, double height, double par
     return n;
 }
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* smallest distance of the points from the pieces of a polygon */
 static double smallest_distance(int points, double point[LEG][3], int corners, double corner[LEG][3]) {
     double least = HUGE_VAL;
@@ -137,16 +126,8 @@ static double smallest_distance(int points, double point[LEG][3], int corners, d
         double along[3];
         for (int axis = 0; axis < 3; axis++)
             along[axis] = corner[m + 1][axis] - corner[m][axis];
-        double square = dot(along, along);
-        for (int n = 0; n < points; n++) {
-            double across[3];
-            for (int axis = 0; axis < 3; axis++)
-                across[axis] = point[n][axis] - corner[m][axis];
-            double share = clipped(dot(across, along) / square, 0.0, 1.0);
-            for (int axis = 0; axis < 3; axis++)
-                across[axis] -= share * along[axis];
-            least = fmin(least, dot(across, across));
-        }
+        for (int n = 0; n < points; n++)
+            least = fmin(least, squared_distance(point[n], corner[m], along));
     }
     return sqrt(least);
 }
@@ -185,11 +166,8 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
     for (int axis = 0; axis < 3; axis++)
         across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
-    double cell = cell_at(nodes, s, middle);
-    double radius = fmax(0.5 * width, fmin(4 * cell / PI, 0.25 * fmin(middle, length - middle)));
-    double left_leg = middle - 0.5 * PI * radius, right_leg = length - middle - 0.5 * PI * radius;
-    double lean = radius - 0.5 * width;
-    if (fmin(left_leg, right_leg) <= lean) {
+    Hanging legs = hanging(length, middle, width, cell_at(nodes, s, middle));
+    if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
         snprintf(message, MESSAGE,
                  "the rope of %s m cannot hang between ends %s m apart with a height difference of %s m; give a longer "
                  "rope or bring the ends together",
@@ -197,17 +175,16 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
         return;
     }
     for (int k = 0; k < nodes; k++, q += DOF) {
-        double phi = clipped((s[k] - left_leg) / radius, 0.0, PI);
-        double on_left = fmin(s[k], left_leg), on_right = fmax(s[k] - left_leg - PI * radius, 0.0);
-        double along = radius * (1 - cos(phi)) - lean * (on_left / left_leg + on_right / right_leg);
-        double down = on_left + radius * sin(phi) - on_right;
-        double slope = sin(phi) - (phi <= 0 ? lean / left_leg : phi >= PI ? lean / right_leg : 0.0);
+        double phi = hanging_turned(&legs, s[k]), place[4];
+        hanging_place(&legs, s[k], phi, place);
+        double leg = phi <= 0 ? legs.left_leg : legs.right_leg;
+        double slope = phi <= 0 || phi >= PI ? place[2] - legs.lean / leg : place[2];
         for (int axis = 0; axis < 3; axis++) {
-            q[axis] = left[axis] + along * across[axis];
+            q[axis] = left[axis] + place[0] * across[axis];
             q[SLOPE + axis] = slope * across[axis];
         }
-        q[1] -= down;
-        q[SLOPE + 1] = -cos(phi);
+        q[1] -= place[1];
+        q[SLOPE + 1] = place[3];
         q[ANGLE] = 0.0;
     }
 }

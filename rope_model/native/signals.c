@@ -4,36 +4,19 @@
 #include <math.h>
 #include <string.h>
 
-/* of the conveyance's yaw in theta */
-static const double YAW_SENSE[2] = {-1.0, 1.0};
+#include "formulas.h"
 
 int signal_group(int signal) {
     static const signed char groups[] = {SIGNAL_GROUPS};
     return signal >= 0 && signal < SIGNALS ? groups[signal] : -1;
 }
 
-/* Moment of the conveyance on the rope's end, from the reactions to r' and theta: the reaction to r' at fixed theta
-   holds a part of the torque, which the last term gives back. */
-void signals_end_moment(const double *q, const double *reaction, const double pole[3], double torque, double moment[3]) {
-    const double *d = q + SLOPE, *f = reaction + SLOPE;
-    double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    double t[3] = {d[0] / length, d[1] / length, d[2] / length};
-    double along = pole[0] * t[0] + pole[1] * t[1] + pole[2] * t[2];
-    double tilting[3] = {d[1] * f[2] - d[2] * f[1], d[2] * f[0] - d[0] * f[2], d[0] * f[1] - d[1] * f[0]};
-    for (int axis = 0; axis < 3; axis++)
-        moment[axis] = tilting[axis] + torque * (t[axis] + (pole[axis] - t[axis] * along) / (1 + along));
-}
-
 static void end_signals(int side, const Scene *scene, const State *state, const Arrays *arrays, double *values) {
-    const Swivel *swivel = &scene->swivels[side];
-    const SwivelState *held = &state->swivels[side];
     ptrdiff_t row = side == LEFT ? 0 : (ptrdiff_t)DOF * (arrays->nodes - 1);
     const double *q = arrays->q + row, *v = arrays->v + row, *reaction = arrays->reaction + row;
-    double torque = reaction[ANGLE], moment[3], yaw[3];
-    if (held->phase == SLIP)
-        torque = -held->sign * swivel_friction(swivel, swivel->mu_kinetic, reaction[1]);
-    signals_end_moment(q, reaction, state->pole, torque, moment);
-    path_rates(&state->paths[side], state->t, 3, yaw);
+    double torque = swivel_moment(scene, state, side, reaction), moment[3], relative[2];
+    end_moment(state->pole, q + SLOPE, reaction + SLOPE, torque, moment);
+    swivel_relative(state, side, state->t, q[ANGLE], v[ANGLE], relative);
 
     /* both ends have the same signals in the same order */
     if (side == RIGHT)
@@ -43,10 +26,10 @@ static void end_signals(int side, const Scene *scene, const State *state, const 
         values[SIGNAL_LEFT_MX + axis] = -moment[axis];
     }
     values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];
-    values[SIGNAL_LEFT_SWIVEL_ANGLE] = q[ANGLE] - state->offsets[side] - YAW_SENSE[side] * yaw[0];
-    values[SIGNAL_LEFT_SWIVEL_RATE] = v[ANGLE] - YAW_SENSE[side] * yaw[1];
+    values[SIGNAL_LEFT_SWIVEL_ANGLE] = relative[0];
+    values[SIGNAL_LEFT_SWIVEL_RATE] = relative[1];
     values[SIGNAL_LEFT_SWIVEL_TORQUE] = torque;
-    values[SIGNAL_LEFT_SWIVEL_SLIPPING] = held->phase == SLIP;
+    values[SIGNAL_LEFT_SWIVEL_SLIPPING] = state->swivels[side].phase == SLIP;
 }
 
 static void loop_signals(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom,
@@ -57,24 +40,17 @@ static void loop_signals(const Scene *scene, const State *state, const Arrays *a
                                                         scene->rope.diameter, scene->layout.spacing);
 }
 
-/* nominal stresses of an element as in a solid round bar; bending is root mean square along it, and a rung without
-   torsion has no torque */
-static double bending_stress(const Rope *rope, const double strains[4]) {
-    return 32 * rope->EI * strains[2] / (PI * pow(rope->diameter, 3));
-}
-
-static double torsional_stress(const Rope *rope, int rung, const double strains[4]) {
-    double Qs = 0.5 * (rope->Qb + rope->Qc), Qk = 0.5 * (rope->Qb - rope->Qc);
-    double torque = rung == TORSIONAL ? (Qs - Qk) * strains[0] + rope->Qd * strains[1] : 0.0;
-    return 16 * fabs(torque) / (PI * pow(rope->diameter, 3));
+/* of an element; a rung without torsion has no torque */
+static double shear_stress(const Rope *rope, int rung, const double strains[4]) {
+    return rung == TORSIONAL ? torsional_stress(rope, strains[0], strains[1]) : 0.0;
 }
 
 static void stress_signals(const Rope *rope, int rung, const Arrays *arrays, const double (*strains)[4],
                            const LoopBottom *bottom, double *values) {
     double bending = -HUGE_VAL, torsion = -HUGE_VAL;
     for (int k = 0; k < arrays->elements; k++) {
-        bending = fmax(bending, bending_stress(rope, strains[k]));
-        torsion = fmax(torsion, torsional_stress(rope, rung, strains[k]));
+        bending = fmax(bending, bending_stress(rope, strains[k][2]));
+        torsion = fmax(torsion, shear_stress(rope, rung, strains[k]));
     }
     int last = arrays->elements - 1, lowest = 0;
     while (lowest < last && arrays->s[lowest + 1] < bottom->s)
@@ -87,19 +63,16 @@ static void stress_signals(const Rope *rope, int rung, const Arrays *arrays, con
 }
 
 static void book_signals(const Ledger *energy, const Counts *count, double *values) {
-    double total = energy->kinetic + energy->strain + energy->gravity;
-    double explained =
-        energy->work_ends + energy->transformations - energy->dissipated_material - energy->dissipated_swivel;
     values[SIGNAL_ENERGY_KINETIC] = energy->kinetic;
     values[SIGNAL_ENERGY_STRAIN] = energy->strain;
     values[SIGNAL_ENERGY_GRAVITY] = energy->gravity;
-    values[SIGNAL_ENERGY_TOTAL] = total;
+    values[SIGNAL_ENERGY_TOTAL] = ledger_total(energy);
     values[SIGNAL_ENERGY_WORK_ENDS] = energy->work_ends;
     values[SIGNAL_ENERGY_DISSIPATED_MATERIAL] = energy->dissipated_material;
     values[SIGNAL_ENERGY_DISSIPATED_SWIVEL] = energy->dissipated_swivel;
     values[SIGNAL_ENERGY_NONCONSERVATIVE] = energy->nonconservative;
     values[SIGNAL_ENERGY_TRANSFORMATIONS] = energy->transformations;
-    values[SIGNAL_ENERGY_RESIDUAL] = total - energy->start - explained + energy->nonconservative;
+    values[SIGNAL_ENERGY_RESIDUAL] = ledger_residual(energy);
     values[SIGNAL_COUNT_STEPS] = (double)count->steps;
     values[SIGNAL_COUNT_REJECTIONS] = (double)count->rejections;
     values[SIGNAL_COUNT_NEWTON] = (double)count->newton;
@@ -135,9 +108,9 @@ static void along_signals(const Scene *scene, int rung, const Arrays *arrays, co
     for (int i = 0; i < SHAPE_POINTS; i++) {
         int k = shape_middle_before(nodes, s, at[i]), next = k < nodes - 2 ? k + 1 : k;
         values[SIGNAL_SHAPE_BENDING_1 + i] = shape_between_middles(
-            nodes, s, k, at[i], bending_stress(rope, strains[k]), bending_stress(rope, strains[next]));
+            nodes, s, k, at[i], bending_stress(rope, strains[k][2]), bending_stress(rope, strains[next][2]));
         values[SIGNAL_SHAPE_TORSION_1 + i] = shape_between_middles(
-            nodes, s, k, at[i], torsional_stress(rope, rung, strains[k]), torsional_stress(rope, rung, strains[next]));
+            nodes, s, k, at[i], shear_stress(rope, rung, strains[k]), shear_stress(rope, rung, strains[next]));
     }
 }
 

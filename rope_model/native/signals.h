@@ -17,7 +17,4 @@ int signal_group(int signal);
 void signals_of(int group, const Scene *scene, const State *state, const Arrays *arrays, const double (*strains)[4],
                 const LoopBottom *bottom, double *values);
 
-/* moment of the conveyance on the rope's end with the rows q and reaction */
-void signals_end_moment(const double *q, const double *reaction, const double pole[3], double torque, double moment[3]);
-
 #endif

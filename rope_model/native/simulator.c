@@ -196,7 +196,7 @@ static void misplaced(const Simulator *rope, const Pattern *pattern, double bott
                  "N m^2 bends, some (EI / rho g)^(1/3) = %s m to either side, and reaches no further than %s m; check "
                  "EI and length, take equal elements (mesh.kind = eem, code 1), or keep the ends closer in height",
                  ROUNDED(bottom, 3), ROUNDED(data->length, 4), ROUNDED(data->EI, 4),
-                 ROUNDED(cbrt(data->EI / (data->mass_per_length * rope->scene.layout.gravity)), 3),
+                 ROUNDED(bending_length(&rope->scene), 3),
                  ROUNDED(mesh_centre(pattern), 3));
 }
 
@@ -507,7 +507,8 @@ static void unperturbed(Simulator *rope, double c[3])
     State *state = rope->state;
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
-    newton_coefficients(rope, state->last_interval, c);
+    const Coefficients method = {rope->scene.solver.rho_inf};
+    newton_coefficients(&method, state->last_interval, c);
     chain_of_state(state)->direction(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
 }
 
@@ -573,8 +574,9 @@ static void loads(const Simulator *rope, const State *state, const double *q, co
     int side, k;
     for (side = 0; side < 2; ++side) {
         const double *r = end_row(R, nodes, side);
+        const double torque = swivel_moment(&rope->scene, state, side, r);
         double *to = loads + 6 * side;
-        signals_end_moment(end_row(q, nodes, side), r, state->pole, swivel_moment(rope, state, side, r), to + 3);
+        end_moment(state->pole, end_row(q, nodes, side) + SLOPE, r + SLOPE, torque, to + 3);
         for (k = 0; k < 3; ++k) {
             to[k] = -r[k];
             to[3 + k] = -to[3 + k];

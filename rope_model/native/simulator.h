@@ -4,6 +4,7 @@
 
 #include "chain.h"
 #include "core.h"
+#include "formulas.h"
 #include "signals.h"
 
 /* A step that nobody has accepted yet, as numerics.generalized_alpha.StepResult; its arrays are the simulator's. */
@@ -38,21 +39,17 @@ Arrays state_arrays(State *state);
 /* whether what was read from elsewhere can be a state of this rope; trial is scratch */
 int state_plausible(const Simulator *rope, State *state);
 void state_copy(const Simulator *rope, State *to, const State *from);
-double ledger_total(const Ledger *ledger);
 void happened(State *state, int what, int which, double kinetic, double potential);
 
 /* step.c: rope_model.simulation.model and numerics.generalized_alpha */
 System system_of(const Simulator *rope, State *state);
 const Chain *chain_of_state(const State *state);
 void prescribed(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]);
-void newton_coefficients(const Simulator *rope, double h, double c[3]);
 Trial trial_step(Simulator *rope, State *state, double h);
 void restarted(Simulator *rope, State *state);
 void committed(Simulator *rope, State *state, const Trial *trial);
 void set_powers(const Simulator *rope, State *state);
 void set_energies(Ledger *ledger, const double balance[BALANCE], const System *system, const double *v);
-double swivel_moment(const Simulator *rope, const State *state, int side, const double *reaction);
-void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
 double bottom_of(const Simulator *rope, const State *state, double t);
 const double *end_row(const double *x, int nodes, int side);
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,

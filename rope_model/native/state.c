@@ -29,11 +29,6 @@ void state_copy(const Simulator *rope, State *to, const State *from)
     memcpy(to, from, rope->state_bytes);
 }
 
-double ledger_total(const Ledger *ledger)
-{
-    return ledger->kinetic + ledger->strain + ledger->gravity;
-}
-
 void happened(State *state, int what, int which, double kinetic, double potential)
 {
     if (state->happened < LOGGED_EVENTS) {

@@ -7,9 +7,6 @@
 
 /* a rate of change of the acceleration taken over a step this much shorter than the next is mostly noise */
 #define LARGEST_GROWTH 5.
-/* sense of the conveyance's yaw in theta, left and right */
-static const double yaw_sense[2] = {-1, 1};
-
 const double *end_row(const double *x, int nodes, int side)
 {
     return x + (side ? (size_t)(nodes - 1) * DOF : 0);
@@ -55,7 +52,7 @@ System system_of(const Simulator *rope, State *state)
         s.inertia[side] = swivel->inertia;
         if (now->phase == SLIP && swivel->mode != FREE_MODE) {
             s.load[side] = -now->sign * swivel->seal_moment;
-            s.grip[side] = -now->sign * (0.5 * swivel->mu_kinetic * swivel->mean_diameter);
+            s.grip[side] = -now->sign * friction_moment(swivel->mu_kinetic, swivel->mean_diameter, 0, 1);
         }
     }
     return s;
@@ -70,57 +67,31 @@ void prescribed(const Simulator *rope, const State *state, int side, double t, d
         double rates[3];
         path_rates(&state->paths[side], t, axis, rates);
         for (k = 0; k < 3; ++k)
-            rows[k][place[axis]] = axis == 3 ? yaw_sense[side] * rates[k] : rates[k];
+            rows[k][place[axis]] = axis == 3 ? YAW_SENSE[side] * rates[k] : rates[k];
     }
     rows[0][0] += (side ? 0.5 : -0.5) * rope->scene.layout.spacing;
     rows[0][ANGLE] += state->offsets[side] + state->swivels[side].angle;
-}
-
-typedef struct {
-    double m, f, gamma, beta, shift;
-} Method;
-
-static Method method_of(const Simulator *rope)
-{
-    const double rho = rope->scene.solver.rho_inf;
-    Method x;
-    x.m = (2 * rho - 1) / (rho + 1);
-    x.f = rho / (rho + 1);
-    x.gamma = 0.5 + x.f - x.m;
-    x.beta = 0.25 * (1 + x.f - x.m) * (1 + x.f - x.m);
-    x.shift = x.m - x.f;
-    return x;
-}
-
-void newton_coefficients(const Simulator *rope, double h, double c[3])
-{
-    const Method x = method_of(rope);
-    c[0] = 1;
-    c[1] = x.gamma / (x.beta * h);
-    c[2] = (1 - x.m) / (x.beta * h * h * (1 - x.f));
 }
 
 Trial trial_step(Simulator *rope, State *state, double h)
 {
     const Arrays old = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
-    const Method x = method_of(rope);
+    const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
-    const double moved_by = 0 < h && h <= LARGEST_GROWTH * state->h ? x.shift * (h - state->h) : 0;
-    const double q_a = h * h * x.beta / (1 - x.m), v_a = h * x.gamma / (1 - x.m);
-    const double q_b = h * h * (0.5 - x.beta) - x.m * q_a, v_b = h * (1 - x.gamma) - x.m * v_a;
-    const double aux[3] = {x.f / (1 - x.m), -x.m / (1 - x.m), -x.m * moved_by / (1 - x.m)};
-    const double aux_new = (1 - x.f) / (1 - x.m);
-    double c[3], largest = 0, sum = 0;
+    const double moved_by = 0 < h && h <= LARGEST_GROWTH * state->h ? recentring_time(&method, h, state->h) : 0;
+    double c[3], of[4], aux[4], largest = 0, sum = 0;
     Trial trial;
     size_t i;
     int side, dof, k;
 
     trial.t = state->t + h;
     trial.h = h;
+    prediction_weights(&method, h, of);
+    auxiliary_weights(&method, moved_by, aux);
     for (i = 0; i < size; ++i) {
-        now->q[i] = old.q[i] + h * old.v[i] + q_a * old.a[i] + q_b * old.b[i] + q_b * moved_by * old.a_rate[i];
-        now->v[i] = old.v[i] + v_a * old.a[i] + v_b * old.b[i] + v_b * moved_by * old.a_rate[i];
+        now->q[i] = old.q[i] + h * old.v[i] + of[0] * old.a[i] + of[2] * old.b[i] + of[2] * moved_by * old.a_rate[i];
+        now->v[i] = old.v[i] + of[1] * old.a[i] + of[3] * old.b[i] + of[3] * moved_by * old.a_rate[i];
         now->a[i] = old.a[i];
     }
     for (side = 0; side < 2; ++side) {
@@ -132,7 +103,7 @@ Trial trial_step(Simulator *rope, State *state, double h)
                     row(to[k], old.nodes, side)[dof] = rows[k][dof];
     }
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
-    newton_coefficients(rope, h, c);
+    newton_coefficients(&method, h, c);
     trial.newton = chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c,
                                                 rope->scene.solver.newton_tolerance, trial.balance);
     trial.error = INFINITY;
@@ -144,7 +115,7 @@ Trial trial_step(Simulator *rope, State *state, double h)
     if (!trial.reached)
         return trial;
     for (i = 0; i < size; ++i) {
-        now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux_new * now->a[i];
+        now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
     for (k = 0; k < old.nodes; ++k) {
@@ -156,7 +127,7 @@ Trial trial_step(Simulator *rope, State *state, double h)
                 largest = change;
         }
     }
-    trial.error = fabs(x.beta + 0.5 * x.shift - 1. / 6.) * h * h * largest;
+    trial.error = local_error(&method, h, largest);
     return trial;
 }
 
@@ -202,22 +173,6 @@ double bottom_of(const Simulator *rope, const State *state, double t)
     return 0.5 * (rope->scene.rope.length + left[0] - right[0]);
 }
 
-double swivel_moment(const Simulator *rope, const State *state, int side, const double *reaction)
-{
-    const Swivel *swivel = &rope->scene.swivels[side];
-    if (state->swivels[side].phase == SLIP)
-        return -state->swivels[side].sign * swivel_friction(swivel, swivel->mu_kinetic, reaction[1]);
-    return reaction[ANGLE];
-}
-
-void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2])
-{
-    double yaw[3];
-    path_rates(&state->paths[side], t, 3, yaw);
-    relative[0] = theta - state->offsets[side] - yaw_sense[side] * yaw[0];
-    relative[1] = theta_t - yaw_sense[side] * yaw[1];
-}
-
 /* what flows in and out at this instant */
 void set_powers(const Simulator *rope, State *state)
 {
@@ -226,7 +181,7 @@ void set_powers(const Simulator *rope, State *state)
     state->power_ends = state->power_swivel = 0;
     for (side = 0; side < 2; ++side) {
         const double *R = end_row(m.reaction, m.nodes, side), *v = end_row(m.v, m.nodes, side);
-        const double moment = swivel_moment(rope, state, side, R);
+        const double moment = swivel_moment(&rope->scene, state, side, R);
         double spin = v[ANGLE];
         for (k = 0; k < 3; ++k)
             state->power_ends += R[k] * v[k];
@@ -243,15 +198,17 @@ void set_powers(const Simulator *rope, State *state)
 /* the inertia of the swivels counts as kinetic energy of the rope */
 void set_energies(Ledger *ledger, const double balance[BALANCE], const System *s, const double *v)
 {
-    double kinetic = balance[KINETIC];
+    double sums[BALANCE], energies[3];
     int side;
+    memcpy(sums, balance, sizeof sums);
     for (side = 0; side < 2; ++side) {
         const double rate = end_row(v, s->elements + 1, side)[ANGLE];
-        kinetic += 0.5 * s->inertia[side] * rate * rate;
+        sums[KINETIC] += 0.5 * s->inertia[side] * rate * rate;
     }
-    ledger->kinetic = kinetic + balance[SPIN];
-    ledger->strain = balance[AXIAL] + balance[COUPLING] + balance[TORSION] + balance[BENDING];
-    ledger->gravity = balance[GRAVITY];
+    energies_of(sums, energies);
+    ledger->kinetic = energies[0];
+    ledger->strain = energies[1];
+    ledger->gravity = energies[2];
 }
 
 void committed(Simulator *rope, State *state, const Trial *trial)

@@ -27,7 +27,7 @@ static double excess_of(const Simulator *rope, const State *state, int side, dou
     if (now->phase == LOCKED || (now->phase == SLIP && frictionless(swivel)))
         return -INFINITY;
     if (now->phase == STICK)
-        return fabs(swivel_moment(rope, state, side, R)) -
+        return fabs(swivel_moment(&rope->scene, state, side, R)) -
                (swivel_friction(swivel, swivel->mu_static, R[1]) + MOMENT_RESOLUTION);
     swivel_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
     return -now->sign * relative[1];

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core.h"
+#include "formulas.h"
 
 enum { GAUSS = 4, CUBIC = 4, LINEAR = 2, MOST_FIELDS = 8 };
 /* on [0, 1]; exact for the product of two cubics */
@@ -50,24 +50,13 @@ void transfer_interpolated(int nodes, const double *x, const double *s, int plac
         }
         double l = right_s - left_s;
         double xi = fmin(fmax((at[k] - left_s) / l, 0.0), 1.0);
-        double xi2 = xi * xi, rest = 1 - xi;
         for (int axis = 0; axis < 3; axis++) {
-            double r1 = left[axis], r2 = right[axis], d1 = l * left[SLOPE + axis], d2 = l * right[SLOPE + axis];
-            y[axis] = r1 + xi2 * (3 - 2 * xi) * (r2 - r1) + xi * (rest * rest) * d1 + xi2 * (xi - 1) * d2;
-            y[SLOPE + axis] =
-                (6 * xi * rest * (r2 - r1) + rest * (1 - 3 * xi) * d1 + xi * (3 * xi - 2) * d2) / l;
+            double values[2];
+            hermite(xi, l, left[axis], left[SLOPE + axis], right[axis], right[SLOPE + axis], values);
+            y[axis] = values[0], y[SLOPE + axis] = values[1];
         }
-        y[ANGLE] = rest * left[ANGLE] + xi * right[ANGLE];
+        y[ANGLE] = (1 - xi) * left[ANGLE] + xi * right[ANGLE];
     }
-}
-
-/* what a place takes of r and r' of the nodes of its element of length l */
-static void cubic(double xi, double l, double shares[CUBIC]) {
-    double rest = 1 - xi;
-    shares[0] = 1 - xi * xi * (3 - 2 * xi);
-    shares[1] = xi * rest * rest * l;
-    shares[2] = xi * xi * (3 - 2 * xi);
-    shares[3] = xi * xi * (xi - 1) * l;
 }
 
 /* A (rows x (width + 1)): symmetric, positive definite, each row its diagonal and the `width` entries left of it,
@@ -106,17 +95,16 @@ static void substitute(int rows, int width, const double *L, int columns, double
     }
 }
 
-/* mean products of the shares along the elements, as factorize takes them: cubic (2 nodes x CUBIC), linear (nodes x
+/* integrals of the products of two shares over the elements, as factorize takes them: cubic (2 nodes x CUBIC), linear (nodes x
    LINEAR), both zero before */
 static void add_products(int nodes, const double *s, double *cubics, double *lines) {
     for (int e = 0; e < nodes - 1; e++) {
-        double l = s[e + 1] - s[e], l2 = l * l;
-        const double products[CUBIC][CUBIC] = {
-            {156}, {4 * l2, 22 * l}, {156, 13 * l, 54}, {4 * l2, -22 * l, -3 * l2, -13 * l}};
+        double l = s[e + 1] - s[e], products[CUBIC * (CUBIC + 1) / 2], *product = products;
         double *rows = cubics + (ptrdiff_t)2 * CUBIC * e, *parts = lines + (ptrdiff_t)LINEAR * e;
+        hermite_products(l, products);
         for (int i = 0; i < CUBIC; i++)
             for (int k = 0; k <= i; k++)
-                rows[CUBIC * i + k] += l / 420 * products[i][k];
+                rows[CUBIC * i + k] += *product++;
         parts[0] += l / 3;
         parts[2] += l / 3;
         parts[3] += l / 6;
@@ -154,8 +142,8 @@ static void add_missing(int nodes, int fields, const double *const *x, const dou
                 double at = from + POINTS[g] * (to - from), weight = WEIGHTS[g] * (to - from);
                 double xi = (at - new_s[e]) / l, old_xi = (at - old_s[k]) / old_l;
                 double shares[CUBIC], old_shares[CUBIC], before[MOST_FIELDS][4], after[MOST_FIELDS][4];
-                cubic(xi, l, shares);
-                cubic(old_xi, old_l, old_shares);
+                hermite_shares(xi, l, shares);
+                hermite_shares(old_xi, old_l, old_shares);
                 taken(x, fields, k, old_xi, old_shares, before);
                 taken(y, fields, e, xi, shares, after);
                 for (int f = 0; f < fields; f++) {

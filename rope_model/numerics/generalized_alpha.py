@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,34 +116,55 @@ class Coefficients:
 
     @property
     def beta(self) -> float:
-        return 0.25 * (1 + self.alpha_f - self.alpha_m) ** 2
+        return 0.25 * ((1 + self.alpha_f - self.alpha_m) * (1 + self.alpha_f - self.alpha_m))
+
+    @property
+    def shift(self) -> float:
+        """Where b lives, in steps from t_n."""
+        return self.alpha_m - self.alpha_f
 
     def newton(self, h: float) -> Array:
         """Derivatives (3,) of q, v and a at the end of a step ``h`` with respect to q there."""
-        m, f = self.alpha_m, self.alpha_f
-        return np.array([1.0, self.gamma / (self.beta * h), (1 - m) / (self.beta * h * h * (1 - f))])
+        return np.array(newton_coefficients(self, h))
 
     def prediction(self, h: float, recentring: float) -> Array:
         """(3, 5): q, v, a at the end of a step ``h`` with a constant acceleration, from q, v, a, b, a_rate.
 
         ``recentring`` is the time by which b is moved.
         """
-        m, gamma, beta = self.alpha_m, self.gamma, self.beta
-        q_a, v_a = h * h * beta / (1 - m), h * gamma / (1 - m)
-        q_b, v_b = h * h * (0.5 - beta) - m * q_a, h * (1 - gamma) - m * v_a
+        q_a, v_a, q_b, v_b = prediction_weights(self, h)
         return np.array(
             [[1.0, h, q_a, q_b, q_b * recentring], [0.0, 1.0, v_a, v_b, v_b * recentring], [0.0, 0.0, 1.0, 0.0, 0.0]]
         )
 
-    def auxiliary(self, recentring: float) -> Array:
-        """(3,): what a, b, a_rate at the start of a step contribute to b at its end."""
-        m = self.alpha_m
-        return np.array([self.alpha_f, -m, -m * recentring]) / (1 - m)
 
-    @property
-    def shift(self) -> float:
-        """Where b lives, in steps from t_n."""
-        return self.alpha_m - self.alpha_f
+def recentring_time(method: Coefficients, h: Any, before: Any) -> Any:
+    """By how much b is moved when a step ``h`` follows one of length ``before``."""
+    return method.shift * (h - before)
+
+
+def newton_coefficients(method: Coefficients, h: Any) -> tuple[Any, Any, Any]:
+    """Derivatives of q, v and a at the end of a step ``h`` with respect to q there."""
+    m, f = method.alpha_m, method.alpha_f
+    return 1.0, method.gamma / (method.beta * h), (1 - m) / (method.beta * h * h * (1 - f))
+
+
+def prediction_weights(method: Coefficients, h: Any) -> tuple[Any, Any, Any, Any]:
+    """What a brings to q and to v at the end of a step ``h`` with a constant acceleration, and what b brings."""
+    m, gamma, beta = method.alpha_m, method.gamma, method.beta
+    q_a, v_a = h * h * beta / (1 - m), h * gamma / (1 - m)
+    return q_a, v_a, h * h * (0.5 - beta) - m * q_a, h * (1 - gamma) - m * v_a
+
+
+def auxiliary_weights(method: Coefficients, recentring: Any) -> tuple[Any, Any, Any, Any]:
+    """What a, b, a_rate at the start of a step and a at its end contribute to b at its end."""
+    m, f = method.alpha_m, method.alpha_f
+    return f / (1 - m), -m / (1 - m), -m * recentring / (1 - m), (1 - f) / (1 - m)
+
+
+def local_error(method: Coefficients, h: Any, change: Any) -> Any:
+    """Of q in a step ``h`` over which the acceleration changes by ``change``."""
+    return abs(method.beta + 0.5 * method.shift - 1 / 6) * h * h * change
 
 
 @dataclass(frozen=True)
@@ -163,7 +184,7 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
     t, free = old.t + h, system.free
     past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
-    recentring = method.shift * (h - old.h) if 0 < h <= LARGEST_GROWTH * old.h else 0.0
+    recentring = recentring_time(method, h, old.h) if 0 < h <= LARGEST_GROWTH * old.h else 0.0
     flat = past.reshape(len(past), -1)
     q, v, a = guess = (method.prediction(h, recentring) @ flat).reshape(3, *old.q.shape)
     np.copyto(guess, system.prescribed(t), where=~free)
@@ -175,9 +196,10 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     if not newton.converged:
         return StepResult(None, None, newton, np.inf)
     a = solution.a
-    b = (method.auxiliary(recentring) @ flat[2:]).reshape(a.shape) + (1 - method.alpha_f) / (1 - method.alpha_m) * a
+    *before, now = auxiliary_weights(method, recentring)
+    b = (np.array(before) @ flat[2:]).reshape(a.shape) + now * a
     change = a - old.a
-    error = abs(method.beta + 0.5 * method.shift - 1 / 6) * h * h * system.norm(free * change)
+    error = local_error(method, h, system.norm(free * change))
     motion = Motion(t, solution.q, solution.v, a, b, change / h, h, assessment.reaction)
     return StepResult(motion, assessment, newton, error)
 

@@ -15,7 +15,6 @@ import casadi as ca
 
 #: factorizations at most, and corrections with each
 ROUNDS, PER_ROUND = 8, 5
-MAX_ITERATIONS = ROUNDS * PER_ROUND
 #: a contraction slower than this calls for a new factorization
 SLOW = 0.1
 #: a contraction slower than this promises nothing

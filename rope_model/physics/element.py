@@ -35,6 +35,7 @@ import numpy as np
 
 from . import costello
 from .frame import FrameRate, smallest_rotation_rate
+from .hermite import PRODUCTS
 
 NODE_DOF = 7
 Rung = Literal["torsional", "spatial", "planar"]
@@ -60,10 +61,6 @@ BALANCE = (
 )
 #: what one element's strain output holds: mean over the element, and root mean square of k and tau
 STRAINS = ("e", "tau", "k_rms", "tau_rms")
-
-#: mean products of the cubic Hermite shapes of r1, r1', r2, r2' along an element of length 1; for length l those of r'
-#: bring a factor l each, and the integral another
-HERMITE_PRODUCTS = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
 
@@ -234,7 +231,7 @@ def _translational_mass(l: ca.SX, P: ca.SX) -> ca.SX:
         at = (i, 3 + i, 7 + i, 10 + i)
         for m in range(4):
             for n in range(4):
-                M[at[m], at[n]] = P[0] * HERMITE_PRODUCTS[m, n] * l ** (1 + m % 2 + n % 2)
+                M[at[m], at[n]] = P[0] * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
     return M
 
 

@@ -10,7 +10,11 @@ with the tension T at the rope's end.  A bearing does not carry less when the ro
 
 from __future__ import annotations
 
+from typing import Any
 
-def friction_moment(mu: float, mean_diameter: float, seal_moment: float, tension: float) -> float:
+from .elementary import larger
+
+
+def friction_moment(mu: Any, mean_diameter: Any, seal_moment: Any, tension: Any) -> Any:
     """Largest moment in N m that friction with coefficient ``mu`` transmits at ``tension`` (N)."""
-    return 0.5 * mu * mean_diameter * max(tension, 0.0) + seal_moment
+    return 0.5 * mu * mean_diameter * larger(tension, 0.0) + seal_moment

@@ -15,9 +15,10 @@ import math
 from collections.abc import Callable
 
 from ..parameters import Scene
+from ..physics.estimates import coupling_torque, twist_torque
 from .diagnostics import leg_clearance, loop_bottom
 from .rope_system import ANGLE
-from .rungs import carries_torque, coupling_torque, twist_torque
+from .rungs import carries_torque
 from .state import RopeState
 
 #: rad: below, a turned loop brings no legs together

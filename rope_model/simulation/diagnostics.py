@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
+from ..physics.hermite import integral, integral_to
+from ..physics.outline import place, squared_distance
 from .rope_system import POSITION, SLOPE, Array, arc_lengths
 from .transfer import interpolated
 
@@ -55,10 +57,7 @@ def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, diameter: float,
 
 def _distance(points: Array, line: Array) -> float:
     """Smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3)."""
-    start, along = line[:-1], np.diff(line, axis=0)
-    across = points[:, None, :] - start
-    part = np.clip(np.sum(across * along, axis=2) / np.sum(along * along, axis=1), 0.0, 1.0)
-    return float(np.linalg.norm(across - part[:, :, None] * along, axis=2).min())
+    return math.sqrt(squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min())
 
 
 def _part_above(leg: Array, height: float) -> Array:
@@ -77,9 +76,8 @@ def shape_places(lengths: Array, bottom_s: float, points: int) -> Array:
     """(points,): arc lengths, m, from end to end, denser around the loop's lowest point at ``bottom_s``."""
     total = float(np.sum(lengths))
     u = np.linspace(-1.0, 1.0, points)
-    reach = np.where(u < 0, bottom_s, total - bottom_s)
-    s = bottom_s + np.sign(u) * reach * (0.1 * np.abs(u) + 0.9 * np.abs(u) ** 3)
-    return np.clip(s, 0.0, total)
+    s: Array = np.clip(place(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u)), 0.0, total)
+    return s
 
 
 def shape(q: Array, lengths: Array, bottom_s: float, points: int) -> Array:
@@ -103,15 +101,11 @@ def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float
     nodes = arc_lengths(lengths)
     i = np.clip(np.searchsorted(nodes, s, side="right") - 1, 0, lengths.size - 1)
     left, right, l = motion.a[:-1], motion.a[1:], lengths[:, None]
-    change = l * (0.5 * (left + right)[:, POSITION] + l * (left - right)[:, SLOPE] / 12)
+    change = integral(l, left[:, POSITION], left[:, SLOPE], right[:, POSITION], right[:, SLOPE])
     before = np.concatenate((np.zeros((1, 3)), np.cumsum(change, axis=0)))[i]
     left, right, l = left[i], right[i], l[i]
-    x = (s - nodes[i])[:, None] / l
-    within = l * (
-        x * (1 - x**2 * (1 - 0.5 * x)) * left[:, POSITION]
-        + x**3 * (1 - 0.5 * x) * right[:, POSITION]
-        + l * x**2 * ((0.5 - x * (2 / 3 - 0.25 * x)) * left[:, SLOPE] - x * (1 / 3 - 0.25 * x) * right[:, SLOPE])
-    )
+    xi = (s - nodes[i])[:, None] / l
+    within = integral_to(xi, l, left[:, POSITION], left[:, SLOPE], right[:, POSITION], right[:, SLOPE])
     force = rho * (before + within) - motion.reaction[0, POSITION]
     force[:, 1] += rho * gravity * s
     d = interpolated(motion.q, nodes, s)[:, SLOPE]

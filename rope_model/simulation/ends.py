@@ -25,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics import quintic
 from ..parameters import Swivel
 from ..physics.swivel import friction_moment
 from .rope_system import ANGLE, POSITION, Array
@@ -62,8 +63,7 @@ class EndMotion:
     def extrapolated(self, h: float) -> EndMotion:
         """The motion ``h`` seconds later if the accelerations stay as they are."""
         states = zip(self.position, self.velocity, self.acceleration, strict=True)
-        x, y, z = (x + v * h + 0.5 * a * h * h for x, v, a in states)
-        vx, vy, vz = (v + a * h for v, a in zip(self.velocity, self.acceleration, strict=True))
+        (x, vx), (y, vy), (z, vz) = (quintic.extrapolated(*state, h) for state in states)
         return replace(self, x=x, y=y, z=z, vx=vx, vy=vy, vz=vz, yaw=self.yaw + self.yaw_rate * h)
 
     @property
@@ -117,10 +117,7 @@ class EndPath(NamedTuple):
         accelerations = (*target.acceleration, (target.yaw_rate - yaw_rate) / h)
         quintics = []
         for axis, (x1, v1, a1) in enumerate(zip(places, speeds, accelerations, strict=True)):
-            x0, v0, a0 = self.rates(start, axis)
-            dx, dv, da = x1 - x0 - h * v0 - 0.5 * h * h * a0, h * (v1 - v0 - h * a0), h * h * (a1 - a0)
-            c3, c4, c5 = 10 * dx - 4 * dv + 0.5 * da, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + 0.5 * da
-            quintics.append((x0, v0, 0.5 * a0, c3 / h**3, c4 / h**4, c5 / h**5))
+            quintics.append(quintic.coefficients(h, *self.rates(start, axis), x1, v1, a1))
         return EndPath(start, stop, start + h, tuple(quintics))
 
     def coasting(self, t: float) -> EndPath:
@@ -130,13 +127,7 @@ class EndPath(NamedTuple):
 
     def rates(self, t: float, axis: int) -> tuple[float, float, float]:
         """Value, rate and acceleration of one coordinate at ``t``."""
-        c0, c1, c2, c3, c4, c5 = self.coefficients[axis]
-        s = min(t, self.stop) - self.start
-        return (
-            c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5)))),
-            c1 + s * (2 * c2 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5))),
-            2 * c2 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5)),
-        )
+        return quintic.rates(self.coefficients[axis], min(t, self.stop) - self.start)
 
     def height(self, t: float) -> float:
         """y at ``t``."""
@@ -149,11 +140,7 @@ class EndPath(NamedTuple):
     def peak_acceleration(self) -> list[float]:
         """Largest acceleration on the path, sampled: of x, y, z and yaw."""
         times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
-        peaks = []
-        for _, _, c2, c3, c4, c5 in self.coefficients:
-            samples = (2 * c2 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5)) for s in times)
-            peaks.append(max(map(abs, samples)))
-        return peaks
+        return [max(abs(quintic.acceleration(c, s)) for s in times) for c in self.coefficients]
 
 
 class Phase(Enum):
@@ -226,7 +213,7 @@ class HangingEnds:
             return 0.0
         mu = swivel.mu_kinetic if kinetic else swivel.mu_static
         tension = float(reaction[0 if side == 0 else -1, 1])
-        return friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension)
+        return float(friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension))
 
     def moment(self, side: int, reaction: Array) -> float:
         """Moment (N m, about the tangent) of the conveyance on the rope's end."""
@@ -234,10 +221,6 @@ class HangingEnds:
         if state.phase is Phase.SLIP:
             return -state.sign * self.friction(side, reaction, kinetic=True)
         return float(reaction[0 if side == 0 else -1, ANGLE])
-
-    def theta_held(self, side: int, yaw: float) -> float:
-        """theta of an end that does not slip."""
-        return self.offsets[side] + YAW_SENSE[side] * yaw + self.states[side].angle
 
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
         """The swivel's angle b (rad) and rate b_t (rad/s)."""

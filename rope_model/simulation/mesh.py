@@ -24,10 +24,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..parameters import Layout, Mesh, Rope
+from ..physics.elementary import larger, smaller, sqrt
 from .rope_system import Array, arc_lengths
 
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, and a margin that
@@ -94,6 +96,32 @@ def inner_length(counts: tuple[int, ...]) -> float:
     return float(np.dot(counts, ladder(counts)))
 
 
+class SuitedLengths(NamedTuple):
+    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements."""
+
+    radius: float
+    fine: float
+    fade: float
+    end: float
+
+
+def suited_lengths(rope: Any, layout: Any, loop_error: Any, decades: Any) -> SuitedLengths:
+    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR, see suited."""
+    weight = rope.mass_per_length * layout.gravity
+    w = (rope.EI / weight) ** (1 / 3)
+    radius = smaller(0.5 * layout.spacing, NATURAL_RADIUS * w)
+    shorter = (loop_error / (LOOP_ERROR * radius)) ** 0.2
+    fine = smaller(LOOP_LENGTH * shorter, LONGEST) * radius
+    fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
+    layer = sqrt(rope.EI / (0.5 * weight * rope.length))
+    return SuitedLengths(radius, fine, fade, END_LENGTH * layer * shorter)
+
+
+def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
+    """Length of segment IV: bend, what fades out above it, and the way to the next transformation; m."""
+    return math.pi * radius + 2 * fade + 2 * DUE * coarse
+
+
 def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     """``mesh`` as it is, or in place of 'auto' one from the rope's own lengths.
 
@@ -105,26 +133,19 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     """
     if mesh.kind != "auto":
         return mesh
-    weight = rope.mass_per_length * layout.gravity
-    w = (rope.EI / weight) ** (1 / 3)
-    R = min(0.5 * layout.spacing, NATURAL_RADIUS * w)
-    shorter = (mesh.loop_error / (LOOP_ERROR * R)) ** 0.2
-    fine = min(LOOP_LENGTH * shorter, LONGEST) * R
+    R, fine, fade, end = suited_lengths(rope, layout, mesh.loop_error, math.log10(FADE_ERROR / mesh.loop_error))
     ratio = 4  # of l to the elements of IV: five segments
     coarse = ratio * fine
-    layer = math.sqrt(rope.EI / (0.5 * weight * rope.length))
-    fade = w * max(FADE + FADE_DECADE * math.log10(FADE_ERROR / mesh.loop_error), 0.0)
 
     def pattern(coarse: float) -> tuple[int, int, int, int, int]:
-        covered = math.pi * R + 2 * fade + 2 * DUE * coarse
-        return (2, 0, ratio * math.ceil(covered / coarse), 0, 2)
+        return (2, 0, ratio * math.ceil(covered_length(R, fade, coarse) / coarse), 0, 2)
 
     # the loop comes near an end: segment IV must be able to follow
     coarse = min(coarse, 2 * NEAREST * rope.length / inner_length(pattern(coarse)))
     counts = pattern(coarse)
     if coarse * (0.5 * inner_length(counts) - DUE) > NEAREST * rope.length:
         return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
-    levels = max(math.ceil(math.log2(coarse / (END_LENGTH * layer * shorter))), 0)
+    levels = max(math.ceil(math.log2(coarse / end)), 0)
     return replace(
         mesh,
         kind="tmn",

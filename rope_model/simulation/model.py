@@ -9,6 +9,7 @@ import numpy as np
 
 from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, restart, step
 from ..parameters import Scene
+from ..physics.energy_balance import energies as energies_of
 from .ends import EndPath, HangingEnds, Phase, nominal_points
 from .rope_system import ANGLE, POSITION, Assessment, KernelShelf, RopeSystem, parameter_vector
 from .rungs import flexible
@@ -87,11 +88,7 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 
 def energies(balance: dict[str, float]) -> dict[str, float]:
     """The energies of a Ledger (J) from a balance."""
-    return {
-        "kinetic": balance["kinetic"] + balance["spin"],
-        "strain": balance["axial"] + balance["coupling"] + balance["torsion"] + balance["bending"],
-        "gravity": balance["gravity"],
-    }
+    return dict(zip(("kinetic", "strain", "gravity"), energies_of(tuple(balance.values())), strict=True))
 
 
 def powers(system: RopeSystem, motion: Motion) -> Powers:

@@ -1,32 +1,19 @@
-"""The lowest rung: an inextensible rope without bending stiffness, two straight legs and a half circle.
+"""The lowest rung of the model: physics.inextensible between the ends, and the way up from it.
 
-With the ends' heights y1, y2 (speeds v1, v2, accelerations a1, a2), R half their distance, legs of length
-l1 = (L - pi R + y1 - y2) / 2 and l2 = L - pi R - l1, the rope flows through the half circle at u = (v1 - v2) / 2
-while that sinks or rises at w = (v1 + v2) / 2.  The momentum of the three parts gives the tensions
-
-    at the ends of the half circle:  (rho pi R (g + w_t) + 2 rho u^2 +- rho pi R u_t) / 2  left and right
-    at the conveyances:              plus rho l (g + a)
-
-so an end carries weight, inertia and the thrust rho u^2 of the turning rope.  In between, with the height y and the
-arc length s from the left end,
-
-    T(s) = T(0) + rho (g + w_t) (y - y1) - rho u_t s .
-
-No side forces, no torque, no waves:
-for the design of controllers.  The rope must stay taut.
+No side forces, no torque, no waves: for the design of controllers.  The rope must stay taut.
 
 The flexible rope that takes over starts from the equilibrium between the ends of that instant and moves as that does.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
+from ..physics.inextensible import Flow, Pull, energies, flow, lowest, pull, tension
 from .ends import EndMotion, EndPath, HangingEnds, nominal_points
 from .rope_system import POSITION, SLOPE, Array, RopeSystem
 from .statics import find_equilibrium, hanging_guess
@@ -49,76 +36,42 @@ class RigidRope:
     motion: Motion
 
 
-@dataclass(frozen=True)
-class _Pull:
-    """Tensions (N) and lengths of the legs (m), left and right, and mass of the half circle (kg)."""
-
-    tensions: tuple[float, float]
-    below: tuple[float, float]
-    legs: tuple[float, float]
-    arc: float
-
-    @property
-    def lowest(self) -> float:
-        return min(*self.below, *self.tensions)
-
-
 def lowest_tension(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> float:
     """The smallest tension (N) of the rope; negative where it would have to push."""
     points = nominal_points(scene.layout.spacing) + np.array([end.position for end in ends])
-    return _pull(scene, points, (ends[0].vy, ends[1].vy), (ends[0].ay, ends[1].ay)).lowest
+    return float(lowest(_pull(scene, points, (ends[0].vy, ends[1].vy), (ends[0].ay, ends[1].ay))))
 
 
-def flow(v1: float, v2: float) -> tuple[float, float]:
-    """u, from the right leg into the left one, and w, of the loop, upwards."""
-    return 0.5 * (v1 - v2), 0.5 * (v1 + v2)
-
-
-def _pull(scene: Scene, ends: Array, v: tuple[float, float], a: tuple[float, float]) -> _Pull:
+def _pull(scene: Scene, ends: Array, v: tuple[float, float], a: tuple[float, float]) -> Pull:
     """``ends`` (2, 3); speeds and accelerations upwards."""
-    rho, g, L = scene.rope.mass_per_length, scene.layout.gravity, scene.rope.length
-    half = math.pi * _radius(ends)
-    l1 = 0.5 * (L - half + float(ends[0, 1] - ends[1, 1]))
-    l2 = L - half - l1
-    u, (u_t, w_t) = flow(*v)[0], flow(*a)
-    arc = rho * half
-    common = 0.5 * (arc * (g + w_t) + 2 * rho * u * u)
-    below = common + 0.5 * arc * u_t, common - 0.5 * arc * u_t
-    return _Pull((below[0] + rho * l1 * (g + a[0]), below[1] + rho * l2 * (g + a[1])), below, (l1, l2), arc)
-
-
-def _radius(ends: Array) -> float:
-    return 0.5 * math.hypot(*(ends[1] - ends[0])[[0, 2]])
+    return pull(scene.rope, scene.layout, ends.tolist(), v, a)
 
 
 def rigid_rope(scene: Scene, paths: tuple[EndPath, EndPath], t: float, nodes_s: Array) -> RigidRope:
     """The rope at ``t``; ValueError where it would have to push."""
-    rho, g = scene.rope.mass_per_length, scene.layout.gravity
     (x1, v1, a1), (x2, v2, a2) = (path(t) for path in paths)
     ends = nominal_points(scene.layout.spacing) + np.array([x1[:3], x2[:3]])
-    pull = _pull(scene, ends, (float(v1[1]), float(v2[1])), (float(a1[1]), float(a2[1])))
-    if pull.lowest < 0:
+    speeds = float(v1[1]), float(v2[1])
+    now = _pull(scene, ends, speeds, (float(a1[1]), float(a2[1])))
+    if (least := lowest(now)) < 0:
         raise ValueError(
-            f"the rope goes slack: tension {pull.lowest:.4g} N at t = {t:g} s, which the rigid rung cannot "
+            f"the rope goes slack: tension {least:.4g} N at t = {t:g} s, which the rigid rung cannot "
             "follow; use a flexible one (model.rung = auto, planar or torsional) or a gentler motion"
         )
-    y1, y2, (l1, l2), (u, w) = float(x1[1]), float(x2[1]), pull.legs, flow(float(v1[1]), float(v2[1]))
-    kinetic = 0.5 * rho * (l1 * float(v1[1]) ** 2 + l2 * float(v2[1]) ** 2) + 0.5 * pull.arc * (w * w + u * u)
-    middle = y1 - l1 - 2 * _radius(ends) / math.pi
-    gravity = g * (rho * l1 * (y1 - 0.5 * l1) + rho * l2 * (y2 - 0.5 * l2) + pull.arc * middle)
+    kinetic, gravity = energies(scene.rope, scene.layout, now, (float(x1[1]), float(x2[1])), speeds)
 
     q = hanging_guess(nodes_s, ends[0], ends[1])
-    v, a, reaction = _flowing(q, u, w), np.zeros_like(q), np.zeros_like(q)
-    for node, x_t, x_tt, tension in ((0, v1, a1, pull.tensions[0]), (-1, v2, a2, pull.tensions[1])):
+    v, a, reaction = _flowing(q, flow(*speeds)), np.zeros_like(q), np.zeros_like(q)
+    for node, x_t, x_tt, end_tension in ((0, v1, a1, now.tensions[0]), (-1, v2, a2, now.tensions[1])):
         v[node, POSITION], a[node, POSITION] = x_t[:3], x_tt[:3]
-        reaction[node, 1] = tension
-    return RigidRope(pull.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
+        reaction[node, 1] = end_tension
+    return RigidRope(now.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
 
 
 def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float) -> Array:
     """Tension (N) at arc lengths ``s`` and heights ``y`` of the rigid rope in ``motion``."""
-    u_t, w_t = flow(float(motion.a[0, 1]), float(motion.a[-1, 1]))
-    along: Array = float(motion.reaction[0, 1]) + rho * ((gravity + w_t) * (y - motion.q[0, 1]) - u_t * s)
+    rate, rise = flow(float(motion.a[0, 1]), float(motion.a[-1, 1])), y - motion.q[0, 1]
+    along: Array = tension(rho, gravity, rate, float(motion.reaction[0, 1]), rise, s)
     return along
 
 
@@ -167,9 +120,9 @@ def settled(system: RopeSystem, motion: Motion) -> Motion:
     return replace(motion, q=solution.q, reaction=solution.assessment.reaction)
 
 
-def _flowing(q: Array, u: float, w: float) -> Array:
-    """Velocities (nodes, 7) of the flow u along the rope ``q`` (nodes, 7), which rises with w."""
+def _flowing(q: Array, flow: Flow) -> Array:
+    """Velocities (nodes, 7) of the ``flow`` along the rope ``q`` (nodes, 7)."""
     v = np.zeros_like(q)
-    v[:, POSITION] = -u * q[:, SLOPE]
-    v[:, 1] += w
+    v[:, POSITION] = -flow.u * q[:, SLOPE]
+    v[:, 1] += flow.w
     return v

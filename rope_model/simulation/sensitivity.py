@@ -10,10 +10,10 @@ import dataclasses
 
 import numpy as np
 
+from ..physics.frame import end_moment
 from .ends import SIDES, YAW_SENSE, EndMotion, Phase
 from .rigid import moved_tensions
-from .rope_system import ANGLE, POSITION, Array
-from .signals import end_moment
+from .rope_system import ANGLE, POSITION, SLOPE, Array
 from .simulator import RopeSimulator
 
 #: m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding
@@ -49,7 +49,11 @@ def end_loads(rope: RopeSimulator, q: Array, reaction: Array) -> Array:
     for side in (0, 1):
         node = -side
         out[side, :3] = -reaction[node, POSITION]
-        out[side, 3:] = -end_moment(q[node], reaction[node], rope.state.pole, rope.ends.moment(side, reaction))
+        torque = rope.ends.moment(side, reaction)
+        out[side, 3:] = end_moment(
+            rope.state.pole.tolist(), q[node, SLOPE].tolist(), reaction[node, SLOPE].tolist(), torque
+        )
+        out[side, 3:] *= -1.0
     return out.ravel()
 
 

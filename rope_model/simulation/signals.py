@@ -5,14 +5,14 @@ The names are the FMU's output names too.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ..parameters import Rope, Scene
-from ..physics.costello import torque
+from ..physics.frame import end_moment
+from ..physics.stress import bending_stress, torsional_stress
 from .adaptation import counted_on
 from .diagnostics import LoopBottom, between_middles, leg_clearance, shape, shape_places, tension
 from .ends import SIDES, HangingEnds, Phase
@@ -147,9 +147,10 @@ def end_signals(rope: Evaluated) -> dict[str, float]:
     out: dict[str, float] = {}
     for side, name in enumerate(SIDES):
         on_rope = ends.moment(side, m.reaction)
-        moment = end_moment(m.q[-side], m.reaction[-side], state.pole, on_rope)
+        d, f = m.q[-side, SLOPE].tolist(), m.reaction[-side, SLOPE].tolist()
+        moment = end_moment(state.pole.tolist(), d, f, on_rope)
         angle, rate = ends.relative(side, m.t, m.q[-side, ANGLE], m.v[-side, ANGLE])
-        values = (*-m.reaction[-side, POSITION], *-moment, state.force_mean[side], angle, rate, on_rope)
+        values = (*-m.reaction[-side, POSITION], *(-x for x in moment), state.force_mean[side], angle, rate, on_rope)
         keys = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean", "swivel.angle", "swivel.rate", "swivel.torque")
         out |= {f"{name}.{key}": float(value) for key, value in zip(keys, values, strict=True)}
         out[f"{name}.swivel.slipping"] = float(ends.states[side].phase is Phase.SLIP)
@@ -228,22 +229,5 @@ def nominal_stresses(data: Rope, strains: Array, rung: RungName) -> tuple[Array,
     without torsion has no torque.
     """
     e, tau, k_rms, _ = strains.T
-    section = math.pi * data.diameter**3
-    bending = 32 * data.EI * k_rms / section
-    moment = torque(data.Qs, data.Qk, data.Qd, e, tau) if rung == "torsional" else np.zeros_like(e)
-    return bending, 16 * np.abs(moment) / section
-
-
-def end_moment(q: Array, reaction: Array, pole: Array, torque_on_rope: float) -> Array:
-    """Moment (3,) of the conveyance on the rope's end, from the reactions to r' and theta.
-
-    theta is counted from a frame that turns when the tangent tilts, so the reaction to r' at fixed theta holds a
-    part of the torque, which the last term gives back.
-    """
-    d = q[SLOPE]
-    t = d / math.sqrt(d @ d)
-    across = pole - t * float(pole @ t)
-    f = reaction[SLOPE]
-    tilting = np.array([d[1] * f[2] - d[2] * f[1], d[2] * f[0] - d[0] * f[2], d[0] * f[1] - d[1] * f[0]])
-    moment: Array = tilting + torque_on_rope * (t + across / (1 + float(pole @ t)))
-    return moment
+    torsional = torsional_stress(data, e, tau) if rung == "torsional" else np.zeros_like(e)
+    return bending_stress(data, k_rms), torsional

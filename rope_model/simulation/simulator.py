@@ -20,6 +20,7 @@ import numpy as np
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
+from ..physics.estimates import bending_length
 from .adaptation import in_good_frame, raised, transformed_if_due, with_good_pole, with_loop_yaw
 from .balance_rope import BalanceRope, Status
 from .caveats import CAVEATS
@@ -213,10 +214,9 @@ class RopeSimulator(BalanceRope):
 
     def _misplaced(self, cells: Partition, bottom: float) -> str:
         """As mesh.misplaced; where the mesh was fitted to the rope, with what it was fitted to."""
-        message, rope = misplaced(cells, bottom), self.scene.rope
+        message, rope, stiff = misplaced(cells, bottom), self.scene.rope, bending_length(self.scene)
         if not message or self.scene.mesh.kind != "auto":
             return message
-        stiff = (rope.EI / (rope.mass_per_length * self.scene.layout.gravity)) ** (1 / 3)
         return (
             f"the loop at {bottom:.3g} m of the rope's {rope.length:.4g} m is too close to an end: mesh.kind = auto "
             f"covers what EI = {rope.EI:.4g} N m^2 bends, some (EI / rho g)^(1/3) = {stiff:.3g} m to either side, and "

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
+from ..physics.energy_balance import residual, total
 from .ends import EndPath, Phase, SwivelState
 from .mesh import Partition
 from .rope_system import Array
@@ -31,13 +32,12 @@ class Ledger(NamedTuple):
     @property
     def total(self) -> float:
         """Kinetic, strain and potential energy."""
-        return self.kinetic + self.strain + self.gravity
+        return float(total(self))
 
     @property
     def residual(self) -> float:
         """What the books do not explain: what the integrator dissipated (negative) or put in."""
-        explained = self.work_ends + self.transformations - self.dissipated_material - self.dissipated_swivel
-        return self.total - self.start - explained + self.nonconservative
+        return float(residual(self))
 
 
 class Counts(NamedTuple):
@@ -159,7 +159,3 @@ class RopeState(NamedTuple):
             )
         except Exception as error:
             raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error
-
-
-def _rows(x: Array) -> tuple[tuple[float, ...], ...]:
-    return tuple(tuple(row) for row in x.tolist())

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..physics.hanging import hanging, place, turned
 from .rope_system import POSITION, SLOPE, Array, RopeSystem
 
 
@@ -91,9 +92,8 @@ def _force(system: RopeSystem, reaction: Array) -> float:
 def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     """(nodes, 7): two straight legs and a half circle between the suspension points ``left`` and ``right`` (3,).
 
-    ``s`` are the arc lengths of the nodes.  The half circle lies in the vertical plane of the two points; it is as
-    wide as the suspension, or as four of its elements are long, because longer turns strain a cubic badly.  The legs
-    then lean inwards.
+    ``s`` are the arc lengths of the nodes.  The half circle lies in the vertical plane of the two points, see
+    physics.hanging.
     """
     length = float(s[-1])
     across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
@@ -106,22 +106,18 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     across = across / width
     middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
-    radius = max(0.5 * width, min(4 * cell / np.pi, 0.25 * min(middle, length - middle)))
-    left_leg, right_leg = middle - 0.5 * np.pi * radius, length - middle - 0.5 * np.pi * radius
-    lean = radius - 0.5 * width
-    if min(left_leg, right_leg) <= lean:
+    legs = hanging(length, middle, width, cell)
+    if min(legs.left_leg, legs.right_leg) <= legs.lean:
         raise StaticsError(
             f"the rope of {length:g} m cannot hang between ends {width:g} m apart with a height difference of "
             f"{left[1] - right[1]:g} m; give a longer rope or bring the ends together"
         )
-    phi = np.clip((s - left_leg) / radius, 0.0, np.pi)
-    on_left, on_right = np.minimum(s, left_leg), np.maximum(s - left_leg - np.pi * radius, 0.0)
-    along = radius * (1 - np.cos(phi)) - lean * (on_left / left_leg + on_right / right_leg)
-    down = on_left + radius * np.sin(phi) - on_right
-    slope = np.sin(phi) - np.where(phi <= 0, lean / left_leg, np.where(phi >= np.pi, lean / right_leg, 0.0))
+    phi = turned(legs, s)
+    along, down, slope, rise = place(legs, s, phi)
+    slope -= np.where(phi <= 0, legs.lean / legs.left_leg, np.where(phi >= np.pi, legs.lean / legs.right_leg, 0.0))
     q = np.zeros((s.size, 7))
     q[:, POSITION] = left + along[:, None] * across
     q[:, 1] -= down
     q[:, SLOPE] = slope[:, None] * across
-    q[:, 4] = -np.cos(phi)
+    q[:, 4] = rise
     return q

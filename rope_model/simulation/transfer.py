@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.banded import solved
-from ..physics.element import HERMITE_PRODUCTS
+from ..physics import hermite
 from .rope_system import ANGLE, POSITION, SLOPE, Array
 
 Indices = NDArray[np.intp]
@@ -28,10 +28,9 @@ def interpolated(x: Array, s: Array, at: Array) -> Array:
     """
     i, xi, l = _within(s, at)
     xi, l = xi[:, None], l[:, None]
-    r1, r2, d1, d2 = x[i, POSITION], x[i + 1, POSITION], l * x[i, SLOPE], l * x[i + 1, SLOPE]
     y = np.empty((at.size, x.shape[1]))
-    y[:, POSITION] = r1 + xi**2 * (3 - 2 * xi) * (r2 - r1) + xi * (1 - xi) ** 2 * d1 + xi**2 * (xi - 1) * d2
-    y[:, SLOPE] = (6 * xi * (1 - xi) * (r2 - r1) + (1 - xi) * (1 - 3 * xi) * d1 + xi * (3 * xi - 2) * d2) / l
+    nodes = x[i, POSITION], x[i, SLOPE], x[i + 1, POSITION], x[i + 1, SLOPE]
+    y[:, POSITION], y[:, SLOPE] = hermite.interpolated(xi, l, *nodes)
     y[:, ANGLE] = (1 - xi[:, 0]) * x[i, ANGLE] + xi[:, 0] * x[i + 1, ANGLE]
     nearest = np.where(at - s[i] < s[i + 1] - at, i, i + 1)
     same = np.abs(s[nearest] - at) <= _tolerance(s)
@@ -61,7 +60,7 @@ def transferred(fields: Array, old_s: Array, new_s: Array) -> Array:
     e, xi, l = _within(new_s, at)
     nodes, lengths = new_s.size, np.diff(new_s)
     for band, shares, part, changed in (
-        (_cubic_products(lengths), _cubic(xi, l), POSITION, slice(ANGLE)),
+        (_cubic_products(lengths), hermite.shares(xi, l), POSITION, slice(ANGLE)),
         (_linear_products(lengths), (1 - xi, xi), slice(ANGLE, None), slice(ANGLE, None)),
     ):
         rows = len(shares) // 2  # of a node
@@ -87,17 +86,13 @@ def _within(s: Array, at: Array) -> tuple[Indices, Array, Array]:
     return i, np.clip((at - s[i]) / l, 0.0, 1.0), l
 
 
-def _cubic(xi: Array, l: Array) -> tuple[Array, ...]:
-    """What a place takes of r and r' of both nodes of its element."""
-    return 1 - xi**2 * (3 - 2 * xi), xi * (1 - xi) ** 2 * l, xi**2 * (3 - 2 * xi), xi**2 * (xi - 1) * l
-
-
 def _cubic_products(l: Array) -> Array:
-    """Mean products of these shares along the elements, as banded.solved takes them: (2 nodes, 4)."""
+    """Integrals of the products of hermite.shares over the elements, as banded.solved takes them: (2 nodes, 4)."""
     band = np.zeros((2 * l.size + 2, 4))
+    products = iter(hermite.share_products(l))
     for m in range(4):
-        for n in range(m, 4):
-            band[m : m + 2 * l.size : 2, n - m] += HERMITE_PRODUCTS[m, n] * l ** (1 + m % 2 + n % 2)
+        for k in range(m + 1):
+            band[m - k : m - k + 2 * l.size : 2, k] += next(products)
     return band
 
 

@@ -1,0 +1,328 @@
+"""C text of the formulas that Python evaluates as they stand: the header formulas.h.
+
+A formula is traced with a CasADi symbol for each number that it takes.  CasADi's simplifications are switched off
+meanwhile: the C does the same operations in the same order as Python, and gives the same bits where libm does.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
+
+import casadi as ca
+
+from ..numerics import generalized_alpha, quintic
+from ..parameters import Layout, Rope, Scene
+from ..physics import (
+    elementary,
+    energy_balance,
+    estimates,
+    frame,
+    hanging,
+    hermite,
+    inextensible,
+    outline,
+    stress,
+    swivel,
+)
+from ..simulation import mesh
+from ..simulation.state import Ledger
+
+#: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
+#: const, and last, takes the numbers of a formula that returns several
+FORMULAS: dict[str, Callable[..., Any]] = {
+    "double dot(const double a[3], const double b[3])": elementary.dot,
+    "double smallest_rotation_rate(const double p[3], const double d[3], const double change[3])": (
+        frame.smallest_rotation_rate
+    ),
+    "double pole_change_area(const double old[3], const double next[3], const double t[3])": frame.pole_change_area,
+    "void spread_over_sphere(double k, double number, double point[3])": frame.spread_over_sphere,
+    "void end_moment(const double pole[3], const double d[3], const double f[3], double torque, double moment[3])": (
+        frame.end_moment
+    ),
+    "void quintic(double h, double x0, double v0, double a0, double x1, double v1, double a1, double c[6])": (
+        quintic.coefficients
+    ),
+    "void quintic_rates(const double c[6], double s, double rates[3])": quintic.rates,
+    "double quintic_acceleration(const double c[6], double s)": quintic.acceleration,
+    "void hermite(double xi, double l, double r1, double s1, double r2, double s2, double values[2])": (
+        hermite.interpolated
+    ),
+    "void hermite_shares(double xi, double l, double shares[4])": hermite.shares,
+    "void hermite_products(double l, double products[10])": hermite.share_products,
+    "double hermite_integral(double l, double r1, double s1, double r2, double s2)": hermite.integral,
+    "double hermite_integral_to(double xi, double l, double r1, double s1, double r2, double s2)": (
+        hermite.integral_to
+    ),
+    "double place_on_rope(double bottom, double reach, double part)": outline.place,
+    "double squared_distance(const double point[3], const double start[3], const double along[3])": (
+        outline.squared_distance
+    ),
+    "double bending_stress(const Rope *rope, double k)": stress.bending_stress,
+    "double torsional_stress(const Rope *rope, double e, double tau)": stress.torsional_stress,
+    "void energies_of(const double balance[9], double energies[3])": energy_balance.energies,
+    "double ledger_total(const Ledger *ledger)": energy_balance.total,
+    "double ledger_residual(const Ledger *ledger)": energy_balance.residual,
+    "Flow rigid_flow(double v1, double v2)": inextensible.flow,
+    "Pull rigid_pull(const Rope *rope, const Layout *layout, const double ends[2][3], const double v[2], "
+    "const double a[2])": inextensible.pull,
+    "double rigid_lowest(const Pull *pull)": inextensible.lowest,
+    "void rigid_energies(const Rope *rope, const Layout *layout, const Pull *pull, const double y[2], "
+    "const double v[2], double energies[2])": inextensible.energies,
+    "double rigid_tension_at(double rho, double gravity, const Flow *rate, double at_end, double rise, double s)": (
+        inextensible.tension
+    ),
+    "Travel travel_expected(double height_difference, double speed, double acceleration)": estimates.expected,
+    "double longitudinal_error(const Scene *scene, const Travel *travel)": estimates.longitudinal_error,
+    "double lean_error(const Scene *scene, const Travel *travel)": estimates.lean_error,
+    "double held_error(const Scene *scene, const Travel *travel)": estimates.held_error,
+    "double release_error(const Scene *scene, const Travel *travel)": estimates.release_error,
+    "double estimated_yaw(const Scene *scene)": estimates.loop_yaw,
+    "double coupling_torque(const Rope *rope, double gravity)": estimates.coupling_torque,
+    "double twist_torque(const Rope *rope, double angle)": estimates.twist_torque,
+    "double bending_length(const Scene *scene)": estimates.bending_length,
+    "Hanging hanging(double length, double middle, double width, double cell)": hanging.hanging,
+    "double hanging_turned(const Hanging *hanging, double s)": hanging.turned,
+    "void hanging_place(const Hanging *hanging, double s, double phi, double place[4])": hanging.place,
+    "SuitedLengths suited_lengths(const Rope *rope, const Layout *layout, double loop_error, double decades)": (
+        mesh.suited_lengths
+    ),
+    "double covered_length(double radius, double fade, double coarse)": mesh.covered_length,
+    "void newton_coefficients(const Coefficients *method, double h, double c[3])": (
+        generalized_alpha.newton_coefficients
+    ),
+    "void prediction_weights(const Coefficients *method, double h, double weights[4])": (
+        generalized_alpha.prediction_weights
+    ),
+    "void auxiliary_weights(const Coefficients *method, double recentring, double weights[4])": (
+        generalized_alpha.auxiliary_weights
+    ),
+    "double recentring_time(const Coefficients *method, double h, double before)": generalized_alpha.recentring_time,
+    "double local_error(const Coefficients *method, double h, double change)": generalized_alpha.local_error,
+    "double friction_moment(double mu, double mean_diameter, double seal_moment, double tension)": (
+        swivel.friction_moment
+    ),
+}
+#: what they return: structures that C has from here
+DEFINED_HERE: tuple[type[Any], ...] = (
+    inextensible.Flow,
+    inextensible.Pull,
+    estimates.Travel,
+    hanging.Hanging,
+    mesh.SuitedLengths,
+    generalized_alpha.Coefficients,
+)
+#: what a formula may take or return whole
+STRUCTURES: dict[str, type[Any]] = {kind.__name__: kind for kind in (Rope, Layout, Scene, Ledger, *DEFINED_HERE)}
+#: numbers of the formulas that switches look at
+CONSTANTS = {"LARGEST_YAW": estimates.LARGEST_YAW, "FADE_ERROR": mesh.FADE_ERROR}
+
+_HEAD = """\
+/* Formulas: generated by rope_model.native.formulas from the Python functions that are named above each.  Arrays that
+   take results do not overlap arguments. */
+#ifndef FORMULAS_H
+#define FORMULAS_H
+
+#include <math.h>
+
+#include "core.h"
+
+/* x where they are equal, or when y is not a number */
+static inline double larger(double x, double y) {
+    return y > x ? y : x;
+}
+
+static inline double smaller(double x, double y) {
+    return y < x ? y : x;
+}
+"""
+_SUM, _PRODUCT, _SIGN, _ATOM = range(4)
+_OPERATORS = {ca.OP_ADD: ("+", _SUM), ca.OP_SUB: ("-", _SUM), ca.OP_MUL: ("*", _PRODUCT), ca.OP_DIV: ("/", _PRODUCT)}
+_CALLS = {
+    ca.OP_SQRT: "sqrt",
+    ca.OP_LOG: "log",
+    ca.OP_SIN: "sin",
+    ca.OP_COS: "cos",
+    ca.OP_ATAN2: "atan2",
+    ca.OP_HYPOT: "hypot",
+    ca.OP_FABS: "fabs",
+    ca.OP_POW: "pow",
+    ca.OP_CONSTPOW: "pow",
+    ca.OP_FMAX: "larger",
+    ca.OP_FMIN: "smaller",
+}
+#: an expression longer than this gets a name
+_LONG = 80
+
+
+class Argument(NamedTuple):
+    """A parameter of a prototype: constant or not, type, name and lengths, () for a number."""
+
+    constant: bool
+    kind: str
+    name: str
+    shape: tuple[int, ...]
+
+
+class _Text(NamedTuple):
+    """An expression, and how tightly it binds."""
+
+    text: str
+    binds: int
+
+    def within(self, least: int) -> str:
+        """As an operand of what binds ``least``."""
+        return self.text if self.binds >= least else f"({self.text})"
+
+
+def formulas_code() -> str:
+    """The text of formulas.h."""
+    structures = (_definition(kind) for kind in DEFINED_HERE)
+    functions = (function_code(prototype, formula) for prototype, formula in FORMULAS.items())
+    constants = "".join(f"#define {name} {value!r}\n" for name, value in CONSTANTS.items())
+    return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
+
+
+def _definition(kind: type[Any]) -> str:
+    members = "".join(f"    double {name}{_lengths(hint)};\n" for name, hint in get_type_hints(kind).items())
+    return f"/* {kind.__module__}.{kind.__name__} */\ntypedef struct {{\n{members}}} {kind.__name__};\n"
+
+
+def _lengths(hint: Any) -> str:
+    return f"[{len(get_args(hint))}]" if get_origin(hint) is tuple else ""
+
+
+def function_code(prototype: str, formula: Callable[..., Any]) -> str:
+    match = re.fullmatch(r"(\w+) \w+\((.*)\)", prototype)
+    assert match, prototype
+    result, arguments = match[1], [argument_of(text) for text in match[2].split(", ")]
+    given = arguments[:-1] if result == "void" else arguments
+    with _no_simplification():
+        symbols = [symbols_of(argument) for argument in given]
+        values = _numbers(formula(*symbols))
+        traced = ca.Function("formula", [x for s in symbols for x in _numbers(s)], values)
+        lines, texts = _statements(traced)
+    if result == "void":
+        lines += [f"{arguments[-1].name}[{k}] = {text};" for k, text in enumerate(texts)]
+    elif result == "double":
+        lines += [f"return {texts[0]};"]
+    else:
+        lines += [f"const {result} result = {_initializer(STRUCTURES[result], texts)};", "return result;"]
+    body = "".join(f"    {line}\n" for line in lines)
+    return f"/* {formula.__module__}.{formula.__qualname__} */\nstatic inline {prototype} {{\n{body}}}\n"
+
+
+def argument_of(text: str) -> Argument:
+    match = re.fullmatch(r"(const )?(\w+) \*?(\w+)((?:\[\d+\])*)", text)
+    assert match, text
+    return Argument(bool(match[1]), match[2], match[3], tuple(int(n) for n in re.findall(r"\d+", match[4])))
+
+
+@contextmanager
+def _no_simplification() -> Iterator[None]:
+    before = ca.GlobalOptions.getSimplificationOnTheFly()
+    ca.GlobalOptions.setSimplificationOnTheFly(False)
+    try:
+        yield
+    finally:
+        ca.GlobalOptions.setSimplificationOnTheFly(before)
+
+
+def symbols_of(argument: Argument) -> Any:
+    """What the formula is called with: symbols with the names that the numbers have in C."""
+    if argument.kind != "double":
+        return _structure(STRUCTURES[argument.kind], f"{argument.name}->")
+    return _array(argument.name, argument.shape)
+
+
+def _array(name: str, shape: tuple[int, ...]) -> Any:
+    if not shape:
+        return ca.SX.sym(name)
+    return tuple(_array(f"{name}[{k}]", shape[1:]) for k in range(shape[0]))
+
+
+def _structure(kind: type[Any], prefix: str) -> Any:
+    """An object of ``kind``, its numbers replaced by symbols; what is no number is left out."""
+    values: dict[str, Any] = {}
+    for name, hint in get_type_hints(kind).items():
+        if hint is float:
+            values[name] = ca.SX.sym(prefix + name)
+        elif get_origin(hint) is tuple and set(get_args(hint)) == {float}:
+            values[name] = _array(prefix + name, (len(get_args(hint)),))
+        elif hint in (Rope, Layout):
+            values[name] = _structure(hint, f"{prefix}{name}.")
+    if issubclass(kind, tuple):
+        return kind(**values)
+    symbolic = object.__new__(kind)  # its checks are for numbers
+    vars(symbolic).update(values)
+    return symbolic
+
+
+def _numbers(x: Any) -> list[ca.SX]:
+    """The numbers of tuples, of objects and of these nested."""
+    if isinstance(x, ca.SX | float):
+        return [ca.SX(x)]
+    return [number for part in (x if isinstance(x, tuple) else vars(x).values()) for number in _numbers(part)]
+
+
+def _statements(f: ca.Function) -> tuple[list[str], list[str]]:
+    """Lines that name what is used more than once, and the expressions of the results."""
+    inputs = [f.sx_in(i).name() for i in range(f.n_in())]
+    uses = _uses(f)
+    values: dict[int, _Text] = {}  # what each place of CasADi's work vector holds now
+    results = [""] * f.n_out()
+    lines: list[str] = []
+    for k in range(f.n_instructions()):
+        operation, sources, target = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
+        if operation == ca.OP_OUTPUT:
+            results[target[0]] = values[sources[0]].text
+            continue
+        if operation == ca.OP_CONST:
+            value = f.instruction_constant(k)
+            made = _Text("PI" if value == math.pi else repr(value), _SIGN if value < 0 else _ATOM)
+        elif operation == ca.OP_INPUT:
+            made = _Text(inputs[sources[0]], _ATOM)
+        else:
+            made = _expression(operation, [values[s] for s in sources])
+            if uses[k] > 1 or len(made.text) > _LONG:
+                lines.append(f"const double t{len(lines)} = {made.text};")
+                made = _Text(f"t{len(lines) - 1}", _ATOM)
+        values[target[0]] = made
+    return lines, results
+
+
+def _uses(f: ca.Function) -> Counter[int]:
+    """How often the result of each instruction is used."""
+    made_by: dict[int, int] = {}
+    uses: Counter[int] = Counter()
+    for k in range(f.n_instructions()):
+        if f.instruction_id(k) not in (ca.OP_INPUT, ca.OP_CONST):
+            uses.update(made_by[s] for s in f.instruction_input(k))
+        if f.instruction_id(k) != ca.OP_OUTPUT:
+            made_by[f.instruction_output(k)[0]] = k
+    return uses
+
+
+def _expression(operation: int, operands: Sequence[_Text]) -> _Text:
+    if operation == ca.OP_NEG:
+        return _Text(f"-{operands[0].within(_ATOM)}", _SIGN)
+    if operation in _CALLS:
+        return _Text(f"{_CALLS[operation]}({', '.join(x.text for x in operands)})", _ATOM)
+    sign, binds = _OPERATORS[operation]
+    left, right = operands
+    # what stands on the right is computed first
+    return _Text(f"{left.within(binds)} {sign} {right.within(binds + 1)}", binds)
+
+
+def _initializer(kind: type[Any], texts: list[str]) -> str:
+    """The members of ``kind`` in braces."""
+    rest = iter(texts)
+    members = []
+    for hint in get_type_hints(kind).values():
+        parts = get_args(hint) if get_origin(hint) is tuple else ()
+        members.append(f"{{{', '.join(next(rest) for _ in parts)}}}" if parts else next(rest))
+    return f"{{{', '.join(members)}}}"

@@ -1,0 +1,67 @@
+"""What a formula needs beyond + - * /, of numbers, numpy arrays or CasADi expressions alike.
+
+A formula written with these has one text: Python evaluates it, and C is printed from its expression
+(native.formulas).  Numbers go to the functions of libm, as in C.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+
+def sqrt(x: Any) -> Any:
+    """Square root."""
+    return _library(x).sqrt(x)
+
+
+def log(x: Any) -> Any:
+    """Natural logarithm."""
+    return _library(x).log(x)
+
+
+def sin(x: Any) -> Any:
+    """Sine of an angle in rad."""
+    return _library(x).sin(x)
+
+
+def cos(x: Any) -> Any:
+    """Cosine of an angle in rad."""
+    return _library(x).cos(x)
+
+
+def hypot(x: Any, y: Any) -> Any:
+    """Length of the vector (x, y)."""
+    return _library(x).hypot(x, y)
+
+
+def atan2(y: Any, x: Any) -> Any:
+    """Angle (rad) of the vector (x, y)."""
+    return np.arctan2(y, x) if isinstance(y, np.ndarray) else _library(y).atan2(y, x)
+
+
+def larger(x: Any, y: Any) -> Any:
+    """The larger one; ``x`` where they are equal."""
+    return max(x, y) if isinstance(x, float) else _library(x).fmax(x, y)
+
+
+def smaller(x: Any, y: Any) -> Any:
+    """The smaller one; ``x`` where they are equal."""
+    return min(x, y) if isinstance(x, float) else _library(x).fmin(x, y)
+
+
+def dot(a: Any, b: Any) -> Any:
+    """Scalar product of vectors; their three components come first."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Any, b: Any) -> tuple[Any, Any, Any]:
+    """Vector product of vectors; their three components come first."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _library(x: Any) -> Any:
+    return math if isinstance(x, float) else np if isinstance(x, np.ndarray) else ca

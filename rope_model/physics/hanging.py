@@ -1,0 +1,44 @@
+"""A rope that hangs in two straight legs and a half circle, the first guess for its equilibrium.
+
+The half circle is as wide as the suspension, or as four of its elements are long, because longer turns strain a cubic
+badly; the legs then lean inwards.  Works on numbers, numpy arrays and CasADi expressions.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from .elementary import cos, larger, sin, smaller
+
+
+class Hanging(NamedTuple):
+    """Radius of the half circle, lengths of the legs, and how far each leans inwards over its length; m."""
+
+    radius: float
+    left_leg: float
+    right_leg: float
+    lean: float
+
+
+def hanging(length: Any, middle: Any, width: Any, cell: Any) -> Hanging:
+    """Of a rope of ``length`` (m) with its lowest point at arc length ``middle``, where elements are ``cell`` long."""
+    radius = larger(0.5 * width, smaller(4 * cell / math.pi, 0.25 * smaller(middle, length - middle)))
+    left_leg, right_leg = middle - 0.5 * math.pi * radius, length - middle - 0.5 * math.pi * radius
+    return Hanging(radius, left_leg, right_leg, radius - 0.5 * width)
+
+
+def turned(hanging: Any, s: Any) -> Any:
+    """Angle (rad) from 0 to pi by which the rope has turned at arc length ``s``."""
+    return smaller(larger((s - hanging.left_leg) / hanging.radius, 0.0), math.pi)
+
+
+def place(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
+    """Place across and below the left end (m), and the tangent there, at arc length ``s`` where ``phi`` is turned.
+
+    The tangent of a leg is given without its lean.
+    """
+    radius, left_leg, right_leg, lean = hanging
+    on_left, on_right = smaller(s, left_leg), larger(s - left_leg - math.pi * radius, 0.0)
+    across = radius * (1 - cos(phi)) - lean * (on_left / left_leg + on_right / right_leg)
+    return across, on_left + radius * sin(phi) - on_right, sin(phi), -cos(phi)

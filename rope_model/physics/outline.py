@@ -1,0 +1,23 @@
+"""Geometry of the rope's centre line: where it is sampled, and how far points are from it.
+
+Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .elementary import dot, larger, smaller
+
+
+def place(bottom: Any, reach: Any, part: Any) -> Any:
+    """Arc length (m) of the sample at ``part`` from 0 to 1 of the ``reach`` from ``bottom``, where they are denser."""
+    return bottom + reach * (0.1 * part + 0.9 * part**3)
+
+
+def squared_distance(point: Any, start: Any, along: Any) -> Any:
+    """Square (m^2) of the distance of ``point`` from the straight piece from ``start`` to ``start`` + ``along``."""
+    across = point[0] - start[0], point[1] - start[1], point[2] - start[2]
+    part = smaller(larger(dot(across, along) / dot(along, along), 0.0), 1.0)
+    x, y, z = across[0] - part * along[0], across[1] - part * along[1], across[2] - part * along[2]
+    return x * x + y * y + z * z

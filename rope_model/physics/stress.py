@@ -1,0 +1,18 @@
+"""Nominal stresses of a wire rope, as in a solid round bar of its diameter; ``rope`` has a scene's data."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .costello import torque
+
+
+def bending_stress(rope: Any, k: Any) -> Any:
+    """Largest bending stress (Pa) at the curvature ``k`` (1/m)."""
+    return 32 * rope.EI * k / (math.pi * rope.diameter**3)
+
+
+def torsional_stress(rope: Any, e: Any, tau: Any) -> Any:
+    """Largest shear stress (Pa) of the torque at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
+    return 16 * abs(torque(rope.Qs, rope.Qk, rope.Qd, e, tau)) / (math.pi * rope.diameter**3)

@@ -1,0 +1,164 @@
+"""Formulas are written once: the C text that is made of them computes what Python does, to the bit."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import random
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from rope_model.native.build import generated
+from rope_model.native.formulas import DEFINED_HERE, FORMULAS, STRUCTURES, argument_of, formulas_code, symbols_of
+from rope_model.native.structures import GROUPS, SceneStructure
+from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
+from rope_model.parameters import Scene
+
+NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
+FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
+#: where a formula asks for more than a number between 0.5 and 1
+VALUES = {"number": 800.0}
+PARSED = re.compile(r"(\w+) (\w+)\((.*)\)")
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """A library with every formula as a function of its own: `name`_ calls `name`."""
+    compiler = find_compiler()
+    if compiler is None:
+        pytest.skip("no C compiler")
+    folder = tmp_path_factory.mktemp("formulas")
+    code = ['#include "formulas.h"', ""]
+    for prototype in FORMULAS:
+        match = PARSED.fullmatch(prototype)
+        assert match
+        result, name, arguments = match.groups()
+        passed = ", ".join(argument_of(text).name for text in arguments.split(", "))
+        returned = "" if result == "void" else "return "
+        code += [f"{result} {name}_({arguments});", f"{result} {name}_({arguments}) {{ {returned}{name}({passed}); }}"]
+    (folder / "formulas.h").write_text(formulas_code(), encoding="ascii")
+    (folder / "all.c").write_text("\n".join(code) + "\n", encoding="ascii")
+    made = folder / f"formulas{LIBRARY_SUFFIX}"
+    command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", str(folder / "all.c"), "-o", str(made), "-lm"]
+    subprocess.run(command, check=True)
+    return ct.CDLL(str(made))
+
+
+def c_structure(kind: type[Any]) -> type[ct.Structure]:
+    """The C structure of ``kind``."""
+    if kind is Scene:
+        return SceneStructure
+    if kind in GROUPS:
+        return GROUPS[kind]
+    fields = [(name, ct.c_double * n if n else ct.c_double) for name, n in members(kind)]
+    return type(kind.__name__, (ct.Structure,), {"_fields_": fields})
+
+
+def members(kind: type[Any]) -> list[tuple[str, int]]:
+    """Names of the members, and how many numbers each has, 0 for one alone."""
+    value = symbols_of(argument_of(f"const {kind.__name__} *x"))
+    named = value._asdict() if isinstance(value, tuple) else vars(value)
+    return [(name, len(x) if isinstance(x, tuple) else 0) for name, x in named.items()]
+
+
+def with_numbers(symbolic: Any, chance: random.Random) -> Any:
+    """The same with a number in place of each symbol."""
+    if isinstance(symbolic, ca.SX):
+        return VALUES.get(symbolic.name(), chance.uniform(0.5, 1.0))
+    if isinstance(symbolic, tuple):
+        parts = [with_numbers(part, chance) for part in symbolic]
+        return type(symbolic)(*parts) if hasattr(symbolic, "_fields") else tuple(parts)
+    made = object.__new__(type(symbolic))
+    vars(made).update({name: with_numbers(part, chance) for name, part in vars(symbolic).items()})
+    return made
+
+
+def in_c(value: Any, kind: str) -> Any:
+    """What C takes for ``value``."""
+    if kind != "double":
+        return ct.byref(filled(c_structure(STRUCTURES[kind])(), value))
+    return ct.c_double(value) if isinstance(value, float) else np.array(value).ctypes.data_as(ct.c_void_p)
+
+
+def filled(structure: ct.Structure, value: Any) -> ct.Structure:
+    names = value._fields if isinstance(value, tuple) else vars(value)
+    for name in names:
+        part = getattr(value, name)
+        if isinstance(part, float):
+            setattr(structure, name, part)
+        elif isinstance(part, tuple):
+            getattr(structure, name)[:] = part
+        else:
+            filled(getattr(structure, name), part)
+    return structure
+
+
+def flat(value: Any) -> list[float]:
+    return [x for part in value for x in flat(part)] if isinstance(value, tuple) else [value]
+
+
+@pytest.mark.parametrize("prototype", FORMULAS)
+def test_c_computes_the_formula_to_the_bit(compiled: Any, prototype: str) -> None:
+    match = PARSED.fullmatch(prototype)
+    assert match
+    result, name, text = match.groups()
+    arguments = [argument_of(argument) for argument in text.split(", ")]
+    function, formula, chance = getattr(compiled, f"{name}_"), FORMULAS[prototype], random.Random(name)
+    if result != "void":
+        function.restype = ct.c_double if result == "double" else c_structure(STRUCTURES[result])
+    else:
+        taker = arguments.pop()
+    for _ in range(200):
+        values = [with_numbers(symbols_of(argument), chance) for argument in arguments]
+        expected = flat(formula(*values))
+        given = [in_c(value, argument.kind) for value, argument in zip(values, arguments, strict=True)]
+        if result == "void":
+            made = np.full(taker.shape, np.nan)
+            function(*given, made.ctypes.data_as(ct.c_void_p))
+            ours = made.ravel()
+        else:
+            back = function(*given)
+            ours = np.array([back]) if result == "double" else np.frombuffer(back)
+        if "hypot" in code_of(name):  # Python has a hypot of its own, rounded better than libm's
+            assert_allclose(ours, expected, rtol=1e-14, atol=1e-14)
+        else:
+            assert ours.tolist() == expected
+
+
+def code_of(name: str) -> str:
+    """The C text of one formula."""
+    text = formulas_code().partition(f" {name}(")[2]
+    return text[: text.index("\n}\n")]
+
+
+def test_tracing_a_formula_leaves_casadi_as_it_was() -> None:
+    before = ca.GlobalOptions.getSimplificationOnTheFly()
+    formulas_code()
+    assert ca.GlobalOptions.getSimplificationOnTheFly() == before
+
+
+def test_every_structure_made_here_is_used() -> None:
+    used = "".join(FORMULAS)
+    assert all(kind.__name__ in used for kind in DEFINED_HERE)
+
+
+def test_formulas_are_among_the_sources() -> None:
+    assert generated()["formulas.h"] == formulas_code()
+
+
+def bracketed(a: Any, b: Any, c: Any) -> Any:
+    return (a - (b - c)) / (a * (b / c)) - -a * (-b + c) ** 3
+
+
+def test_operations_keep_their_order() -> None:
+    from rope_model.native.formulas import function_code
+
+    prototype: tuple[str, Callable[..., Any]] = ("double f(double a, double b, double c)", bracketed)
+    assert "(a - (b - c)) / (a * (b / c)) - -a * pow(-b + c, 3.0)" in function_code(*prototype)

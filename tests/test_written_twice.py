@@ -1,0 +1,176 @@
+"""What is written by hand in Python and in C is control flow: formulas have one text (rope_model.native.formulas).
+
+Counted: products and quotients of real numbers, and calls of libm, in each hand-written C function.  A function that
+is not listed has few; a formula added by hand has more.  A listed number may only fall.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rope_model.native.formulas import FORMULAS
+
+ROPE = Path(__file__).resolve().parent.parent / "rope_model"
+NATIVE = ROPE / "native"
+#: the method in C; in Python it is CasADi text, numerics.block_chain and newton, that is generated for each mesh size
+CHAIN = ("chain", "lanes")
+#: products and quotients that a function of control flow may have; libm's functions none
+FEW = 3
+#: function: products and quotients of real numbers, calls of libm; and what they are
+ARITHMETIC = {
+    # places of arrays in memory
+    "state_arrays": (5, 0),
+    "rope_create": (10, 0),
+    # sums over nodes, and what is held at the ends
+    "trial_step": (16, 0),
+    "system_of": (4, 0),
+    "restarted": (5, 0),
+    "committed": (9, 0),
+    "flexible_start": (4, 0),
+    "added_masses": (5, 0),
+    "rope_derivative": (8, 0),
+    "find_equilibrium": (9, 1),
+    "relaxed": (0, 1),
+    # in rope.h, which hosts read without the formulas
+    "end_extrapolated": (6, 0),
+    # assembly and solution of the transfer's equations
+    "taken": (6, 0),
+    "add_missing": (7, 0),
+    "transfer_carried": (8, 0),
+    "factorize": (3, 1),
+    "substitute": (4, 0),
+    # numbers of elements and their places
+    "mesh_suited": (6, 2),
+    "mesh_partition": (4, 0),
+    "mesh_elements": (4, 0),
+    # choice of steps
+    "accepted_step": (5, 0),
+    "locate": (7, 0),
+    # searches along the rope, and lengths and angles of one vector
+    "frame_counted_on": (4, 0),
+    "shape_between_middles": (4, 0),
+    "with_loop_yaw": (0, 1),
+    "better_pole": (6, 2),
+    "direction": (0, 1),
+    "tangent_at": (1, 1),
+    "shape_loop_bottom": (6, 1),
+    "shape_tension": (5, 1),
+    "smallest_distance": (0, 1),
+    "shape_hanging_guess": (4, 1),
+    "rope_checked": (2, 1),
+}
+#: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
+MOST_LINES = {"Python": 2200, "C": 3100}
+#: modules that C has again
+TWICE = (
+    *(f"simulation/{name}.py" for name in ("adaptation", "caveats", "diagnostics", "ends", "mesh", "model", "rigid")),
+    *(f"simulation/{name}.py" for name in ("rungs", "signals", "simulator", "state", "statics", "switching")),
+    *("simulation/transfer.py", "numerics/banded.py", "numerics/events.py", "numerics/generalized_alpha.py"),
+    "parameters.py",
+)
+LIBM = {"sqrt", "cbrt", "hypot", "pow", "exp", "log", "log2", "log10", "sin", "cos", "tan", "asin", "acos", "atan"}
+LIBM |= {"atan2", "sinh", "cosh", "tanh", "expm1", "log1p", "fma"}
+_HEAD = re.compile(r"^[A-Za-z][\w\s*]*?\b(\w+)\([^;{}]*?\)\s*\{", re.MULTILINE)
+
+
+def c_files() -> list[Path]:
+    return [path for path in sorted(NATIVE.iterdir()) if path.suffix in (".c", ".h", ".inc")]
+
+
+def without_comments(text: str) -> str:
+    text = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)
+    return re.sub(r'"(\\.|[^"\\])*"', '""', text)
+
+
+def functions(text: str) -> Iterator[tuple[str, str]]:
+    """Names and bodies of the functions in a C file."""
+    text = re.sub(r"^\s*#.*$", "", without_comments(text), flags=re.MULTILINE)
+    for match in _HEAD.finditer(text):
+        end, depth = match.end(), 1
+        while depth:
+            depth += {"{": 1, "}": -1}.get(text[end], 0)
+            end += 1
+        yield match[1], text[match.end() : end]
+
+
+def arithmetic(body: str) -> tuple[int, int]:
+    """Products and quotients but for indices and sizes, and calls of libm."""
+    calls = sum(name in LIBM for name in re.findall(r"\b(\w+)\(", body))
+    for _ in range(3):  # brackets within brackets
+        body = re.sub(r"\[[^\[\]]*\]", "", body)
+    body = re.sub(r"\((?:size_t|ptrdiff_t)\)[^,;)]*|sizeof[^,;)]*", "", body)
+    products = re.findall(r"([\w)]+) [*/]=? (?=([\w(.\-&]+))", body)
+    integer = re.compile(r"[A-Z]{3,}[A-Z_]*|stride|width|row")
+    return sum(not any(integer.fullmatch(operand) for operand in pair) for pair in products), calls
+
+
+def counted() -> dict[str, tuple[int, int]]:
+    """The arithmetic of every function outside of the chain."""
+    files = [path for path in c_files() if not path.name.startswith(CHAIN)]
+    return {name: arithmetic(body) for path in files for name, body in functions(path.read_text(encoding="utf-8"))}
+
+
+def test_functions_by_hand_hold_no_formulas() -> None:
+    more = {
+        name: found
+        for name, found in counted().items()
+        if found[0] > ARITHMETIC.get(name, (FEW, 0))[0] or found[1] > ARITHMETIC.get(name, (FEW, 0))[1]
+    }
+    assert not more, "write the formula in rope_model.physics and list it in rope_model.native.formulas"
+
+
+def test_listed_numbers_are_not_higher_than_need_be() -> None:
+    found = counted()
+    assert {name: found.get(name) for name in ARITHMETIC} == ARITHMETIC
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "return 0.5 * mu * d * tension + seal * (1 + mu);",
+        "x = a * b + c * d; y = a / b; z = c / d;",
+        "double length = sqrt(x[0] * x[0] + x[1] * x[1]);",
+    ],
+)
+def test_a_formula_by_hand_would_be_found(body: str) -> None:
+    products, calls = arithmetic(body)
+    assert products > FEW or calls
+
+
+def test_no_formula_is_defined_by_hand_as_well() -> None:
+    generated = {re.sub(r".*?(\w+)\(.*", r"\1", prototype) for prototype in FORMULAS}
+    assert not generated & set(counted())
+
+
+def c_lines() -> int:
+    """Of code, by hand, that Python has too."""
+    files = [path for path in c_files() if not path.name.startswith(CHAIN)]
+    return sum(bool(line.strip()) for path in files for line in without_comments(path.read_text("utf-8")).splitlines())
+
+
+def python_lines() -> int:
+    """Of code, by hand, that C has too."""
+    return sum(code_lines((ROPE / name).read_text(encoding="utf-8")) for name in TWICE)
+
+
+def code_lines(text: str) -> int:
+    """Lines without comments and docstrings."""
+    described: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            described |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    skipped = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+    tokens = [x for x in tokenize.generate_tokens(io.StringIO(text).readline) if x.type not in skipped]
+    return len({line for x in tokens for line in range(x.start[0], x.end[0] + 1)} - described)
+
+
+def test_neither_side_grows() -> None:
+    lines = {"Python": python_lines(), "C": c_lines()}
+    assert all(lines[side] <= MOST_LINES[side] for side in lines), lines
