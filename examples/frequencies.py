@@ -18,7 +18,7 @@ def frequencies(length: float) -> tuple[float, float]:
     rope = RopeSimulator(scene)  # the Python form: its equations of motion can be looked at
     if not (status := rope.initialize(0.0, EndMotion(), EndMotion())).valid:
         raise RuntimeError(status.message)
-    rope.advance_to(0.02, EndMotion(), EndMotion())  # it was hung up with its swivels locked
+    rope.advance_to(0.02, EndMotion(), EndMotion())  # the start is at rest, with the swivels locked
     modes = natural_modes(rope.system, rope.state.motion.q)
     out = modes.out_of_plane > 0.5
     return float(modes.frequencies[out][0]), float(modes.frequencies[~out][0])

@@ -55,7 +55,8 @@ def summary(lines: list[str]) -> dict[str, float]:
 
 def test_every_example_is_listed_and_fits_on_a_page() -> None:
     scripts = {path.name: path.read_text(encoding="utf-8") for path in EXAMPLES.glob("*.py")}
-    assert set(re.findall(r"^\| `(\w+\.py)`", (EXAMPLES / "README.md").read_text(encoding="utf-8"), re.M)) == {*scripts}
+    page = (ROOT / "docs" / "examples.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"^\| \[(\w+\.py)\]", page, re.M)) == {*scripts}
     assert all(20 <= len(text.splitlines()) <= 75 for text in scripts.values())
 
 
@@ -83,6 +84,18 @@ def test_a_rigid_rope_pulls_as_an_elastic_one_that_speeds_up_smoothly(tmp_path: 
 def test_iterated_steps_hold_a_conveyance_lighter_than_its_rope(folder: Path) -> None:
     # at rest the spring has taken up the payload; 12 mm of balance rope more weigh 0.5 N of 4905
     assert last_number(lines_of(EXAMPLES / "iterated_steps.py", folder, FMU)) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_readme_s_fmu_code_ends_with_the_weights_of_the_legs(folder: Path, tmp_path: Path) -> None:
+    section = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Use the FMU")[2]
+    code = re.search(r"```python\n(.*?)```", section, re.DOTALL)
+    assert code is not None
+    script = tmp_path / "readme_fmu.py"
+    script.write_text(code[1], encoding="utf-8")
+    *_, left, right, yaw = (float(x) for x in re.findall(r"-?\d[\d.e-]*", lines_of(script, folder)[-1]))
+    # 10 m up and 10 m down: 25 m and 95 m of 8 kg/m; waves still run
+    assert [left, right] == pytest.approx([-25 * 8 * 9.81, -95 * 8 * 9.81], abs=40.0)
+    assert abs(yaw) < 0.2
 
 
 def test_a_controller_of_one_s_own_winds_and_ends_below_the_landing(folder: Path) -> None:
