@@ -21,7 +21,7 @@ from rope_model.native.build import library
 from rope_model.numerics.kernels import find_compiler
 
 ROOT = Path(__file__).resolve().parent.parent
-SCRIPT = Path(__file__).with_name("user_script.py")
+EXAMPLES = ROOT / "examples"
 SMALL = Scene(rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable"))
 #: what has a docstring, like functions
 DESCRIBED = type, property, staticmethod
@@ -101,7 +101,7 @@ def test_readme_example_prints_the_weight_of_the_left_leg_and_compiles_nothing_b
 
 @needs_compiler
 def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_rope(cache: Path) -> None:
-    *told, at_rest, last = lines_of(SCRIPT, cache)
+    *told, at_rest, last = lines_of(EXAMPLES / "own_host.py", cache)
     left, right = map(float, re.findall(r"'(?:left|right).fy': (-[\d.]+)", at_rest))
     # half a metre of rope: waves still run through it
     assert_allclose([left, right], [-25.0 * WEIGHT, -95.0 * WEIGHT], atol=0.5 * WEIGHT)
@@ -114,7 +114,8 @@ def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_
 def test_strict_mypy_has_nothing_to_say_on_scripts_that_use_the_interface(tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.py"
     wrong.write_text("from rope_model import EndMotion, no_such_name\n\nEndMotion(y='high')\n", encoding="utf-8")
-    command = [sys.executable, "-m", "mypy", "--strict", str(SCRIPT), str(readme_example(tmp_path)), str(wrong)]
+    command = [sys.executable, "-m", "mypy", "--strict"]
+    command += [*map(str, sorted(EXAMPLES.glob("*.py"))), str(readme_example(tmp_path)), str(wrong)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
     errors = [line for line in done.stdout.splitlines() if "error:" in line]
     # what it does say on a script that is wrong shows that it sees the types

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.stability.entry import Entry, Measured
-from benchmarks.stability.page import anchor, claim
-from benchmarks.stability.suite import entries
+from benchmarks.stability.page import CLOSING, DOCS, OPENING, SECTIONS, anchor, claim
+from benchmarks.stability.suite import chapters, entries
 
 
 @pytest.mark.parametrize(
@@ -28,3 +28,16 @@ def test_keys_and_titles_name_one_entry_each() -> None:
 def test_not_a_number_holds_no_claim() -> None:
     for relation in ("<", ">"):
         assert not Measured("", float("nan"), "1", relation, 0.0).holds  # type: ignore[arg-type]
+
+
+def test_the_pages_have_every_scene_in_the_generator_s_words() -> None:
+    table = (DOCS / "stability.md").read_text(encoding="utf-8")
+    assert table.startswith(OPENING)
+    assert table.endswith(CLOSING)
+    for heading, part in chapters().items():
+        name = f"{SECTIONS}/{anchor(heading)}.md"
+        text = (DOCS / name).read_text(encoding="utf-8")
+        for entry in part:
+            assert f"| [{entry.title}]({name}#{anchor(entry.title)}) |" in table
+            for words in (f"## {entry.title}\n", entry.scene, entry.fails, entry.holds):
+                assert words in text, entry.key

@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "troubleshooting.md").read_text(encoding="utf-8")
-ENTRIES = re.findall(r"^#### `+ ?(.*?) ?`+$", PAGE, re.M)
+ENTRIES = re.findall(r"^### `+ ?(.*?) ?`+$", PAGE, re.M)
 #: stands for a number, a name or another message
 GAP = "…"
 #: words from which on a text is taken for a message

@@ -112,7 +112,7 @@ def _head(results: Results) -> str:
     twins = _repeated(results)
     return f"""# The rope in an independent code
 
-`make peer` writes this page, its figures and [its data](data/peer). It puts the same rope into Exudyn {VERSION}, a
+`make peer` writes this page, its figures and its data (docs/data/peer). It puts the same rope into Exudyn {VERSION}, a
 general multibody code written by others in C++, and runs both side by side: same rope, same motion, one process, one
 thread, the runs of the two codes in turn, processor time of the time steps alone (median of three for runs below 3 s).
 The rope is the 120 m one of [model.md](model.md) with Qb = Qc = 0, because Exudyn's elements do not couple tension and

@@ -18,7 +18,7 @@ the source's evaluation figure by figure. The source's tables are not available:
 compared, not its curves. Only the lengths, Qb and Qc, the travel and speed, the release time and the observation
 points are the source's. {ASSUMED_DATA}
 
-Each claim is decided by one number, computed from the CSV files in [{DATA}]({DATA}), the same that the
+Each claim is decided by one number, computed from the CSV files in docs/{DATA}, the same that the
 figures are drawn from. Where the source gives words ("little", "a few") and no number, the bound is ours.
 """
 

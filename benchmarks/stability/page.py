@@ -1,9 +1,9 @@
-"""The page docs/stability.md with its figures and data."""
+"""The page docs/stability.md and those in docs/stability, with their figures and data."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import matplotlib
@@ -16,18 +16,22 @@ from .entry import Entry, Figure, Finding, Measured
 
 DOCS = Path(__file__).parents[2] / "docs"
 
-INTRODUCTION = """\
+OPENING = """\
 # Where plausible methods break
 
-This page is written by `make stability`; do not edit it. `tests/test_stability.py` asserts every number on it.
-
-Each section is a scene in which a method that looks reasonable fails: a common choice, the obvious simplification, or
-the formula as printed. The failing method is run here as a twin of ours that differs in this one thing, and the
-numbers under *twin* are claims that it breaks. The numbers under *ours* are claims that this project's method holds in
-the same scene or, where it does not, that it stops with a message and keeps its last state. Bounds come from the
-theory; comments in `benchmarks/stability` say how. The limits that no method here overcomes are in
-[model.md](model.md).
+Scenes in which a plausible method fails, and what this project's method does there; the first claim of each:
 """
+CLOSING = """\
+These pages are written by `make stability`; do not edit them. `tests/test_stability.py` asserts every number on them.
+
+Each scene is one in which a common choice, the obvious simplification, or the formula as printed fails. The failing
+method is run here as a counterexample that differs from ours in this one thing, and its numbers are claims that it
+breaks. The numbers under *ours* are claims that this project's method holds in the same scene or, where it does not,
+that it stops with a message and keeps its last state. Bounds come from the theory; comments in `benchmarks/stability`
+say how. The limits that no method here overcomes are in [the model](model.md#what-limits-it).
+"""
+SECTIONS = "stability"
+COUNTEREXAMPLE = "counterexample"
 
 
 def number(x: float) -> str:
@@ -41,10 +45,11 @@ def claim(m: Measured) -> str:
     return f"{number(m.value)}{unit} {m.relation} {m.bound:g}{unit}"
 
 
-def summary(entry: Entry, finding: Finding) -> str:
+def summary(heading: str, entry: Entry, finding: Finding) -> str:
     """Row of the table: the first claim of either side."""
     cells = [f"{m.what}: {number(m.value)}{'' if m.unit == '1' else ' ' + m.unit}" for m in first_claims(finding)]
-    return f"| [{entry.title}](#{anchor(entry.title)}) | {' | '.join(cells)} | {'yes' if finding.holds else '**no**'} |"
+    place = f"{SECTIONS}/{anchor(heading)}.md#{anchor(entry.title)}"
+    return f"| [{entry.title}]({place}) | {' | '.join(cells)} | {'yes' if finding.holds else '**no**'} |"
 
 
 def first_claims(finding: Finding) -> tuple[Measured, Measured]:
@@ -60,11 +65,11 @@ def section(entry: Entry, finding: Finding) -> str:
     """Text, numbers and figure of an entry."""
     rows = [
         f"| {side} | {m.what} | {claim(m)} | {'yes' if m.holds else '**no**'} |"
-        for side, claims in (("twin", finding.twin), ("ours", finding.ours))
+        for side, claims in ((COUNTEREXAMPLE, finding.twin), ("ours", finding.ours))
         for m in claims
     ]
     parts = [
-        f"### {entry.title}",
+        f"## {entry.title}",
         entry.scene,
         f"*Why it fails.* {entry.fails}",
         f"*Ours.* {entry.holds}",
@@ -74,19 +79,32 @@ def section(entry: Entry, finding: Finding) -> str:
         parts.append(f"The message: `{finding.message}`")
     if finding.figure is not None:
         parts += [
-            f"![{finding.figure.title}](images/stability/{entry.key}.png)",
-            f"[Data of the figure](data/stability/{entry.key}.csv)",
+            f"![{finding.figure.title}](../images/stability/{entry.key}.png)",
+            f"[Data of the figure](../data/stability/{entry.key}.csv)",
         ]
     return "\n\n".join(parts)
 
 
-def page(chapters: Mapping[str, tuple[Entry, ...]], findings: Mapping[str, Finding]) -> str:
-    """The whole page."""
-    table = [summary(e, findings[e.key]) for part in chapters.values() for e in part]
-    parts = [INTRODUCTION, "\n".join(("| scene | twin | ours | as claimed |", "|---|---|---|---|", *table))]
-    for heading, part in chapters.items():
-        parts += [f"## {heading}", *(section(entry, findings[entry.key]) for entry in part)]
+def front(chapters: Mapping[str, tuple[Entry, ...]], findings: Mapping[str, Finding]) -> str:
+    """The first page: the table, then how to read it."""
+    rows = [summary(heading, e, findings[e.key]) for heading, part in chapters.items() for e in part]
+    table = "\n".join((f"| scene | {COUNTEREXAMPLE} | ours | as claimed |", "|---|---|---|---|", *rows))
+    return "\n".join((OPENING, table, "", CLOSING))
+
+
+def chapter(heading: str, entries: Sequence[Entry], findings: Mapping[str, Finding]) -> str:
+    """The page of a chapter."""
+    parts = [f"# {heading}", *(section(entry, findings[entry.key]) for entry in entries)]
     return "\n\n".join(x.strip() for x in parts) + "\n"
+
+
+def write_pages(chapters: Mapping[str, tuple[Entry, ...]], findings: Mapping[str, Finding]) -> None:
+    """docs/stability.md with the table, and a page per chapter in docs/stability."""
+    (DOCS / "stability.md").write_text(front(chapters, findings), encoding="utf-8")
+    (DOCS / SECTIONS).mkdir(exist_ok=True)
+    for heading, entries in chapters.items():
+        path = DOCS / SECTIONS / f"{anchor(heading)}.md"
+        path.write_text(chapter(heading, entries, findings), encoding="utf-8")
 
 
 def draw(figure: Figure, path: Path) -> None:

@@ -1,0 +1,32 @@
+"""A hoist of one's own, 150 m deep, with head rope modes, a brake and a balance rope similar to the known one.
+
+    python examples/own_hoist.py build/balance_rope.fmu
+
+Writes the recording to signals.csv.
+"""
+
+import sys
+from pathlib import Path
+
+from hoist_demo.components import Brake
+from hoist_demo.controller import Gains
+from hoist_demo.fmu_rope import FmuRope
+from hoist_demo.host import Host
+from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.presets import round_rope
+from hoist_demo.recording import write_csv
+from hoist_demo.summary import render, summarize
+
+hoist = Hoist(
+    conveyance_mass=14e3, payload_left=8e3, sheave_mass=12e3, sheave_radius=1.6, torque_limit=4e5,
+    head_rope_number=4, head_rope_mass=2.5, head_rope_stiffness=3.2e7, head_rope_length_up=25.0, head_rope_modes=2,
+    shaft_travel=150.0, tail_rope_mass=10.0, tail_rope_length=185.0, brake=Brake(torque=3.5e5),
+)  # fmt: skip
+winding = Winding(travel=150.0, speed=10.0, acceleration=0.8, settle=5.0)
+gains = Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5)
+tail = round_rope(hoist.tail_rope_length, hoist.tail_rope_mass, spacing=2.2, coupling=0.1)
+rope = FmuRope(Path(sys.argv[1]), tail)
+result = Host(rope, hoist, winding, gains=gains).run()
+rope.close()
+print(render(summarize(result, hoist, winding, Coupling())))
+write_csv(result.recording, Path("signals.csv"))

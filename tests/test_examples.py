@@ -1,0 +1,113 @@
+"""The scripts in examples/ and README's code run as they stand; what each shows is checked by a number."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from exports import FLAVOURS
+
+from hoist_demo.recording import read_csv
+from rope_model.numerics.kernels import find_compiler
+
+ROOT = Path(__file__).resolve().parent.parent
+EXAMPLES = ROOT / "examples"
+FMU = "build/balance_rope.fmu"
+
+
+def lines_of(script: Path, folder: Path, *arguments: str) -> list[str]:
+    """What a script prints."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, str(script), *arguments]
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, timeout=300, check=False, env=environment
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout.splitlines()
+
+
+def last_number(lines: list[str]) -> float:
+    return float(lines[-1].split()[-1])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Path:
+    """A folder with the FMU where the documents have it."""
+    if "native-2" not in FLAVOURS:
+        pytest.skip("needs a C compiler")
+    folder = tmp_path_factory.mktemp("examples")
+    (folder / "build").mkdir()
+    shutil.copyfile(fmu_of("native-2"), folder / FMU)
+    return folder
+
+
+def summary(lines: list[str]) -> dict[str, float]:
+    """A run's summary by quantity."""
+    found = re.findall(r"^  (.+?)  +(-?[\d.e+-]+)(?: .*)?$", "\n".join(lines), re.M)
+    return {quantity: float(value) for quantity, value in found}
+
+
+def test_every_example_is_listed_and_fits_on_a_page() -> None:
+    scripts = {path.name: path.read_text(encoding="utf-8") for path in EXAMPLES.glob("*.py")}
+    page = (ROOT / "docs" / "examples.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"^\| \[(\w+\.py)\]", page, re.M)) == {*scripts}
+    assert all(20 <= len(text.splitlines()) <= 75 for text in scripts.values())
+
+
+def test_deeper_ropes_swing_slower_and_120_m_as_an_independent_rod(tmp_path: Path) -> None:
+    told = [float(f) for line in lines_of(EXAMPLES / "frequencies.py", tmp_path) for f in line.split()[-1:]]
+    *others, last = told
+    assert others[0] > last > others[1] > others[2]
+    # a discrete rod, see test_reference_numbers
+    assert last == pytest.approx(0.06518, rel=5e-3)
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_a_released_swivel_ends_stuck_below_its_static_friction(tmp_path: Path) -> None:
+    lines = lines_of(EXAMPLES / "swivel_release.py", tmp_path)
+    assert any("slips" in line for line in lines)
+    assert "holds" in lines[-3]
+    assert 0.0 < last_number(lines) <= 1.0
+
+
+def test_a_rigid_rope_pulls_as_an_elastic_one_that_speeds_up_smoothly(tmp_path: Path) -> None:
+    # the legs' longitudinal waves run 4 m in a millisecond, and the ramp takes 4 s
+    assert last_number(lines_of(EXAMPLES / "study.py", tmp_path)) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_iterated_steps_hold_a_conveyance_lighter_than_its_rope(folder: Path) -> None:
+    # at rest the spring has taken up the payload; 12 mm of balance rope more weigh 0.5 N of 4905
+    assert last_number(lines_of(EXAMPLES / "iterated_steps.py", folder, FMU)) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_readme_s_fmu_code_ends_with_the_weights_of_the_legs(folder: Path, tmp_path: Path) -> None:
+    section = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Use the FMU")[2]
+    code = re.search(r"```python\n(.*?)```", section, re.DOTALL)
+    assert code is not None
+    script = tmp_path / "readme_fmu.py"
+    script.write_text(code[1], encoding="utf-8")
+    *_, left, right, yaw = (float(x) for x in re.findall(r"-?\d[\d.e-]*", lines_of(script, folder)[-1]))
+    # 10 m up and 10 m down: 25 m and 95 m of 8 kg/m; waves still run
+    assert [left, right] == pytest.approx([-25 * 8 * 9.81, -95 * 8 * 9.81], abs=40.0)
+    assert abs(yaw) < 0.2
+
+
+def test_a_controller_of_one_s_own_winds_and_ends_below_the_landing(folder: Path) -> None:
+    said = summary(lines_of(EXAMPLES / "own_controller.py", folder, FMU))
+    assert said["travel reached, left conveyance"] == pytest.approx(90.0, abs=0.2)
+    # the law of the example has no position loop; its text says 0.14 m
+    assert said["final position error"] == pytest.approx(140.0, abs=5.0)
+
+
+def test_a_hoist_of_one_s_own_winds_with_its_rope_and_leaves_a_table(folder: Path) -> None:
+    said = summary(lines_of(EXAMPLES / "own_hoist.py", folder, FMU))
+    assert said["travel reached, left conveyance"] == pytest.approx(150.0, abs=0.01)
+    recording = read_csv(folder / "signals.csv")
+    # 185 m of 10 kg/m between ends 150 m apart: the right leg is 167.5 m long
+    assert recording["right.fy"][0] == pytest.approx(-167.5 * 10.0 * 9.81, rel=0.01)
