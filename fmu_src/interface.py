@@ -10,7 +10,20 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Literal, NamedTuple
 
 from rope_model.parameter_table import numeric_bounds, parameters_of
-from rope_model.parameters import PRESETS, SEGMENTS, Layout, Level, Mesh, Model, Preset, Rope, Scene, Solver, Swivel
+from rope_model.parameters import (
+    CHOICES,
+    PRESETS,
+    SEGMENTS,
+    Layout,
+    Level,
+    Mesh,
+    Model,
+    Preset,
+    Rope,
+    Scene,
+    Solver,
+    Swivel,
+)
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
@@ -30,13 +43,6 @@ _GROUPS: dict[str, type[Any]] = {
     "mesh": Mesh,
     "solver": Solver,
     "model": Model,
-}
-#: words for the integer codes of parameters that choose one of a few, with their meanings; the code is the place
-CHOICES: dict[str, Mapping[str, str]] = {
-    f"{group.rpartition('.')[2]}.{name}": p.choices
-    for group, kind in _GROUPS.items()
-    for name, p in parameters_of(kind).items()
-    if p.choices
 }
 #: inputs beyond are refused: metres or radians, their rates, accelerations (simulation.ends.checked)
 _REACH = {"m": 1e4, "rad": 1e4, "m/s": 60.0, "rad/s": 60.0, "m/s2": 100.0}

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
+from rope_model.parameters import CHOICES
+
 from .arrays import Array
-from .interface import CHOICES, choices_of
+from .interface import choices_of
 from .model_description import (
     Build,
     add_log_categories,

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from .parameter_table import choice, parameter, require, require_in_bounds
+from .parameter_table import choice, parameter, parameters_of, require, require_in_bounds
 
 SwivelMode = Literal["locked", "free", "coulomb"]
 MeshKind = Literal["tmn", "eem", "auto"]
@@ -362,6 +362,15 @@ class Scene:
         """A copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""
         return replace(self, **parts)
 
+
+#: words of parameters that choose one of a few, with their meanings, by the last two parts of the name; the place of a
+#: word is its code
+CHOICES = {
+    f"{group}.{name}": p.choices
+    for group, kind in (("swivel", Swivel), ("mesh", Mesh), ("solver", Solver), ("model", Model))
+    for name, p in parameters_of(kind).items()
+    if p.choices
+}
 
 Level = Literal["draft", "standard", "reference"]
 #: mesh, solver and model of each level of accuracy, checked in docs/chart.md.  A draft is for end forces: it

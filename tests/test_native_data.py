@@ -23,7 +23,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from benchmarks.choice.scenes import CASES, Case
-from fmu_src.interface import CHOICES, scene_of, variables
+from fmu_src.interface import scene_of, variables
 from rope_model.native.formulas import formulas_code
 from rope_model.native.structures import (
     EndStructure,
@@ -35,7 +35,7 @@ from rope_model.native.structures import (
 )
 from rope_model.native.tables import parameter_bounds, parameter_structures
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
-from rope_model.parameters import Mesh, Model, Preset, Rope, RungChoice, Scene, Swivel
+from rope_model.parameters import CHOICES, Mesh, Model, Preset, Rope, RungChoice, Scene, Swivel
 from rope_model.simulation.ends import SIDES, EndMotion, EndPath, HangingEnds, checked, nominal_points
 from rope_model.simulation.rigid import lowest_tension, rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
