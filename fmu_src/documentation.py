@@ -8,6 +8,7 @@ import sys
 from collections.abc import Collection, Iterable, Iterator
 
 from rope_model.parameters import rope_120
+from rope_model.simulation.left_out import EFFECTS
 
 from .arrays import DESCRIPTIONS
 from .interface import Variable, variables
@@ -83,16 +84,22 @@ _MINDED = """\
 
 What each rung computes (`status.rung`); the rest is 0, not a result, and exact only for a rope without torque:
 """
+#: the rungs that compute the outputs of each effect, from the lowest
+_COMPUTED = {
+    "planar": "planar, spatial, torsional",
+    "spatial": "spatial: by motion out of plane; torsional: by torque, too",
+    "torsional": "torsional",
+}
+_EFFECTS = [(", ".join(f"`{name}`" for name in effect.outputs), _COMPUTED[effect.lowest]) for effect in EFFECTS]
 #: outputs -> the rungs that compute them
 _RUNGS = (
     ("`fy`, `fy_mean`, `added_mass`, `energy.kinetic`, `energy.gravity`", "all"),
-    ("`fx`, `mz`, `energy.strain`, dissipation", "planar, spatial, torsional"),
+    _EFFECTS[0],
     (
         "`loop.x`, `loop.y`, `loop.clearance`, `shape`, `stress.bending_max`",
         "planar, spatial, torsional; rigid: of a loop drawn as half a circle",
     ),
-    ("`fz`, `mx`, `loop.z`, `loop.yaw`", "spatial: by motion out of plane; torsional: by torque, too"),
-    ("`my`, `swivel`, `twist`, `stress.torsion_max`, `shape.torsion`", "torsional"),
+    *_EFFECTS[1:],
 )
 _GROUPS = f"""\
 `balance-rope export --outputs GROUP ...` chooses the outputs that the model description shows, `all` of them or groups;

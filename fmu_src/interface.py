@@ -9,7 +9,21 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal, NamedTuple
 
-from rope_model.parameters import LEAST, PRESETS, Layout, Level, Mesh, Model, Preset, Rope, Scene, Solver, Swivel
+from rope_model.parameter_table import numeric_bounds, parameters_of
+from rope_model.parameters import (
+    CHOICES,
+    PRESETS,
+    SEGMENTS,
+    Layout,
+    Level,
+    Mesh,
+    Model,
+    Preset,
+    Rope,
+    Scene,
+    Solver,
+    Swivel,
+)
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
@@ -20,117 +34,16 @@ Value = float | int | bool | str
 #: start values by name that are put in place of a preset's
 NO_CHANGES: Mapping[str, Value] = {}
 
-#: words for the integer codes of parameters that choose one of a few; the code is the place in the list
-CHOICES: dict[str, tuple[str, ...]] = {
-    "swivel.mode": ("locked", "free", "coulomb"),
-    "mesh.kind": ("tmn", "eem", "auto"),
-    "solver.kernels": ("auto", "compiled", "portable"),
-    "model.rung": ("auto", "torsional", "spatial", "planar", "rigid"),
+#: group of the interface -> the data class that has its parameters
+_GROUPS: dict[str, type[Any]] = {
+    "rope": Rope,
+    "layout": Layout,
+    "left.swivel": Swivel,
+    "right.swivel": Swivel,
+    "mesh": Mesh,
+    "solver": Solver,
+    "model": Model,
 }
-#: what each of the choices means
-MEANINGS: dict[str, tuple[str, ...]] = {
-    "swivel.mode": ("the end does not turn", "it turns without friction", "it turns against dry friction"),
-    "mesh.kind": (
-        "TMN-ETM: segments that follow the loop",
-        "EEM: elements of equal length",
-        "fitted to the rope: TMN-ETM, or EEM on a short or stiff rope",
-    ),
-    "solver.kernels": (
-        "compiled where there is a compiler",
-        "compiled, else an error",
-        "interpreted, everywhere the same",
-    ),
-    "model.rung": (
-        "the lowest rung that the scene needs",
-        "all: tension, torsion and lateral motion, coupled",
-        "lateral motion in space, without torsion",
-        "motion in the plane of the loop",
-        "end forces of an inextensible rope in closed form, without bending and waves",
-    ),
-}
-#: name of a field -> unit and description; the order is that of the interface
-_ROPE = {
-    "length": ("m", "length of the rope between its two swivels"),
-    "mass_per_length": ("kg/m", "mass per length [assumed]"),
-    "Qa": ("N", "axial stiffness, T = Qa e + Qb tau [assumed]"),
-    "Qb": ("N.m", "tension per twist; default is the symmetric mean of the published pair"),
-    "Qc": ("N.m", "torque per axial strain, M = Qc e + Qd tau; default as Qb"),
-    "Qd": ("N.m2", "torsional stiffness [assumed]"),
-    "EI": ("N.m2", "bending stiffness [assumed]; 74 with full slip of the wires, 2.4e4 with none"),
-    "rhoJ": ("kg.m", "polar mass moment per length [assumed]"),
-    "beta_K": ("s", "material damping proportional to stiffness [assumed]"),
-    "diameter": ("m", "rope diameter, for nominal stresses and clearance [assumed]"),
-    "installed_twist": ("rad", "turns put in at the right end before it was fastened"),
-}
-_LAYOUT = {
-    "spacing": ("m", "horizontal distance of the two suspension points [assumed]"),
-    "gravity": ("m/s2", "acceleration of free fall"),
-}
-_SWIVEL = {
-    "mode": ("", "how the {side} end is held: 0 locked, 1 free, 2 Coulomb friction"),
-    "mean_diameter": ("m", "mean diameter of the {side} swivel's bearing [assumed]"),
-    "mu_static": ("1", "coefficient of static friction of the {side} swivel [assumed]"),
-    "mu_kinetic": ("1", "coefficient of kinetic friction of the {side} swivel [assumed]"),
-    "seal_moment": ("N.m", "friction of the {side} swivel that does not depend on the tension [assumed]"),
-    "inertia": ("kg.m2", "inertia of what turns with the rope's {side} end [assumed]"),
-    "release_time": ("s", "the {side} swivel is locked before"),
-}
-_MESH = {
-    "kind": (
-        "",
-        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 fitted: 0, or 1 on a short or stiff rope",
-    ),
-    "elements": ("", "number of elements, kind 1 only"),
-    "coarse_length": (
-        "m",
-        "element length of segments I and VII, kind 0 only; the loop's are 1/8 of it, without III and V 1/4",
-    ),
-    "end_levels": ("", "how often the outermost elements are halved towards the clamped ends, kind 0 only"),
-    "leg_growth": ("m", "largest (element length)^2 in I and VII over distance from the loop, kind 0 only; 0: all l"),
-    "loop_error": ("m", "error of the loop's place that the mesh may bring, kind 2 only"),
-}
-_SOLVER = {
-    "step_max": ("s", "largest time step"),
-    "step_min": ("s", "smallest time step; below it a step fails"),
-    "tolerance": ("1", "largest local error of a step, in m and rad"),
-    "newton_tolerance": ("1", "error that Newton's method may leave, in m and rad"),
-    "rho_inf": ("1", "spectral radius of generalized-alpha at infinite frequency"),
-    "kernels": ("", "0 compiled when possible, 1 compiled, 2 portable"),
-}
-_MODEL = {
-    "rung": ("", "how much of the rope is computed: 0 auto, 1 torsional (all), 2 spatial, 3 planar, 4 rigid"),
-    "force_tolerance": ("1", "relative error of the end forces that auto may trade for speed"),
-}
-_TUNABLE = {"step_max", "step_min", "tolerance", "newton_tolerance", "mu_static", "mu_kinetic", "seal_moment"}
-#: least and largest value that the rope takes; FMI knows no bound that is itself refused
-_MINIMUM = {
-    **dict.fromkeys(("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "diameter", "spacing", "gravity"), LEAST),
-    **dict.fromkeys(("mean_diameter", "inertia", "coarse_length", "step_max", "step_min"), LEAST),
-    **dict.fromkeys(("tolerance", "newton_tolerance"), LEAST),
-    **dict.fromkeys(("beta_K", "mu_static", "mu_kinetic", "seal_moment", "leg_growth", "rho_inf"), 0.0),
-    "force_tolerance": 0.0,
-    "installed_twist": -1e3,
-    "elements": 2,
-    "end_levels": 0,
-    "loop_error": 1e-5,
-}
-_MAXIMUM = {
-    "length": 1e4,
-    "diameter": 1.0,
-    "installed_twist": 1e3,
-    "elements": 20000,
-    "end_levels": 8,
-    "leg_growth": 1e4,
-    "loop_error": 1.0,
-    "step_max": 1.0,
-    "step_min": 1.0,
-    "tolerance": 1.0,
-    "newton_tolerance": 1e-3,
-    "rho_inf": 1.0,
-    "force_tolerance": 1.0,
-}
-#: least element counts of the segments II to VI
-_COUNTS = (0, 0, 2, 0, 0)
 #: inputs beyond are refused: metres or radians, their rates, accelerations (simulation.ends.checked)
 _REACH = {"m": 1e4, "rad": 1e4, "m/s": 60.0, "rad/s": 60.0, "m/s2": 100.0}
 #: outputs that are never negative
@@ -138,7 +51,6 @@ _NOT_NEGATIVE = ("count.", "stress.", "shape.bending", "shape.torsion", "energy.
 _INPUT_UNIT = {"": "m", "v": "m/s", "a": "m/s2"}
 #: names of the inputs of each side in the order of EndMotion
 MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
-SEGMENTS = ("II", "III", "IV", "V", "VI")
 
 
 class Variable(NamedTuple):
@@ -157,7 +69,8 @@ class Variable(NamedTuple):
 
 def choices_of(name: str) -> tuple[str, ...] | None:
     """Words for the codes of the variable ``name``; None for one that does not choose."""
-    return CHOICES.get(".".join(name.split(".")[-2:]))
+    words = CHOICES.get(".".join(name.split(".")[-2:]))
+    return None if words is None else tuple(words)
 
 
 def variables(preset: Preset) -> tuple[Variable, ...]:
@@ -178,34 +91,14 @@ def preset_with(name: str, level: Level, start: Mapping[str, Value]) -> Preset:
 
 
 def _parameters(scene: Scene) -> Iterator[Variable]:
-    groups: list[tuple[str, Any, dict[str, tuple[str, str]]]] = [
-        ("rope", scene.rope, _ROPE),
-        ("layout", scene.layout, _LAYOUT),
-        *((f"{side}.swivel", getattr(scene, side), _SWIVEL) for side in SIDES),
-        ("mesh", scene.mesh, _MESH),
-        ("solver", scene.solver, _SOLVER),
-        ("model", scene.model, _MODEL),
-    ]
-    for group, data, fields in groups:
-        for field, (unit, description) in fields.items():
-            value = getattr(data, field)
-            words = choices_of(f"{group}.{field}")
-            integer = words is not None or isinstance(value, int)
-            yield Variable(
-                name=f"{group}.{field}",
-                causality="parameter",
-                variability="tunable" if field in _TUNABLE else "fixed",
-                kind="Integer" if integer else "Real",
-                unit=unit,
-                start=words.index(value) if words else value,
-                description=description.format(side=group.split(".")[0]),
-                minimum=0 if words else _MINIMUM.get(field),
-                maximum=len(words) - 1 if words else _MAXIMUM.get(field),
-            )
-    for i, segment in enumerate(SEGMENTS):
-        text = f"number of elements of segment {segment}, kind 0 only"
+    for group, kind in _GROUPS.items():
+        data = _part(scene, group)
+        names = (name for name in parameters_of(kind) if name != "counts")
+        yield from (_parameter(f"{group}.{name}", kind, getattr(data, name)) for name in names)
+    for i, (segment, least) in enumerate(SEGMENTS.items()):
+        text = parameters_of(Mesh)["counts"].description.format(segment=segment)
         name, start = f"mesh.counts[{i + 1}]", scene.mesh.counts[i]
-        yield Variable(name, "parameter", "fixed", "Integer", "", start, text, _COUNTS[i])
+        yield Variable(name, "parameter", "fixed", "Integer", "", start, text, least)
     yield Variable(
         "inputs_at_step_end",
         "parameter",
@@ -215,6 +108,24 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
         False,
         "false: inputs are the motion at the start of a step and are extrapolated (FMI's reading; steps up to 20 ms); "
         "true: at its end, for hosts that step the drive first (recommended, any step)",
+    )
+
+
+def _parameter(name: str, kind: type[Any], value: Any) -> Variable:
+    group, _, field = name.rpartition(".")
+    p = parameters_of(kind)[field]
+    words = tuple(p.choices)
+    minimum, maximum = (0, len(words) - 1) if words else numeric_bounds(kind, field)
+    return Variable(
+        name=name,
+        causality="parameter",
+        variability="tunable" if p.tunable else "fixed",
+        kind="Integer" if words or isinstance(value, int) else "Real",
+        unit=p.unit,
+        start=words.index(value) if words else value,
+        description=p.description.format(side=group.split(".")[0]),
+        minimum=minimum,
+        maximum=maximum,
     )
 
 
@@ -250,33 +161,34 @@ def _outputs() -> Iterator[Variable]:
     )
 
 
-def scene_of(values: dict[str, Value]) -> Scene:
-    """The scene with the parameters in ``values``; ValueError when one is out of range."""
+def _part(scene: Scene, group: str) -> Any:
+    """The part of the scene that has the parameters of a group."""
+    return getattr(scene, group.removesuffix(".swivel"))
 
-    def part(group: str, kind: type[Any], **more: Any) -> Any:
-        out: dict[str, Any] = {}
-        for field in dataclasses.fields(kind):
-            if (value := values.get(f"{group}.{field.name}")) is None:
-                continue
-            name = f"{group.split('.')[-1]}.{field.name}"
-            if (words := CHOICES.get(name)) is not None:
-                if not 0 <= int(value) < len(words):
-                    codes = ", ".join(f"{i} {word}" for i, word in enumerate(words))
-                    raise ValueError(f"{group}.{field.name} = {value} is none of the choices: {codes}")
-                value = words[int(value)]
-            out[field.name] = value
+
+def scene_of(values: Mapping[str, Value]) -> Scene:
+    """The scene with the parameters in ``values``; ValueError when one is out of range."""
+    counts = tuple(int(values[f"mesh.counts[{i + 1}]"]) for i in range(len(SEGMENTS)))
+    parts = {}
+    for group, kind in _GROUPS.items():
+        names = parameters_of(kind)
+        given: dict[str, Any] = {
+            n: _decoded(f"{group}.{n}", values[f"{group}.{n}"]) for n in names if f"{group}.{n}" in values
+        }
+        if kind is Mesh:
+            given["counts"] = counts
         try:
-            return kind(**out, **more)
+            parts[group.removesuffix(".swivel")] = kind(**given)
         except ValueError as error:
             raise ValueError(f"{group}: {error}") from error
+    return Scene(**parts)
 
-    counts = tuple(int(values[f"mesh.counts[{i + 1}]"]) for i in range(len(SEGMENTS)))
-    return Scene(
-        rope=part("rope", Rope),
-        layout=part("layout", Layout),
-        left=part("left.swivel", Swivel),
-        right=part("right.swivel", Swivel),
-        mesh=part("mesh", Mesh, counts=counts),
-        solver=part("solver", Solver),
-        model=part("model", Model),
-    )
+
+def _decoded(name: str, value: Value) -> Value:
+    """The value as its field takes it: the word for the code of one that chooses."""
+    if (words := choices_of(name)) is None:
+        return value
+    if not 0 <= int(value) < len(words):
+        codes = ", ".join(f"{i} {word}" for i, word in enumerate(words))
+        raise ValueError(f"{name} = {value} is none of the choices: {codes}")
+    return words[int(value)]

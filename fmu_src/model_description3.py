@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
+from rope_model.parameters import CHOICES
+
 from .arrays import Array
-from .interface import CHOICES, MEANINGS, choices_of
+from .interface import choices_of
 from .model_description import (
     Build,
     add_log_categories,
@@ -94,7 +96,7 @@ def _choice(name: str) -> str:
 
 def _add_enumeration(types: Element, key: str) -> None:
     enumeration = SubElement(types, "EnumerationType", name=_ENUMERATIONS[key])
-    for code, (word, meaning) in enumerate(zip(CHOICES[key], MEANINGS[key], strict=True)):
+    for code, (word, meaning) in enumerate(CHOICES[key].items()):
         SubElement(enumeration, "Item", name=word, value=str(code), description=meaning)
 
 

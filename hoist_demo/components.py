@@ -11,6 +11,8 @@ from collections.abc import Collection
 from dataclasses import dataclass, fields
 from typing import Any
 
+from hoist_demo.quantity import quantity
+
 
 def require(value: float, holds: bool, name: str, bound: str, cure: str) -> None:
     """Raise the ValueError that names value, bound and cure, unless the value is finite and the bound holds."""
@@ -33,9 +35,11 @@ def require_magnitudes(data: Any, may_vanish: Collection[str], prefix: str = "")
 class Shaft:
     """Elastic shaft between motor and sheave; all values [assumed]."""
 
-    motor_mass: float = 3.0e3  # kg, of the motor's rotor referred to the rope, a part of the hoist's sheave_mass
-    stiffness: float = 2.0e8  # N m/rad
-    damping: float = 0.02  # -, damping ratio of motor against sheave
+    motor_mass: float = quantity(
+        3.0e3, "kg", "of the motor's rotor referred to the rope, a part of the hoist's sheave_mass"
+    )
+    stiffness: float = quantity(2.0e8, "N m/rad")
+    damping: float = quantity(0.02, "-", "damping ratio of motor against sheave")
 
     def __post_init__(self) -> None:
         require_magnitudes(self, {"damping"}, "shaft.")
@@ -48,12 +52,12 @@ class Brake:
     The torque asked for is a fraction of the full one. It comes after a dead time and with the lag of its hydraulics.
     """
 
-    torque: float = 5.5e5  # N m, full braking torque, of both directions of rotation
-    delay: float = 0.15  # s, from the trip to the first torque
-    lag: float = 0.10  # s, time constant of the pressure
-    travel: float = 2.0e-3  # m, at the rim: elastic deflection of the stuck brake at its full torque
-    first_stage: float = 0.5  # -, fraction of the torque in the first stage of a two-stage stop
-    first_stage_time: float = 1.5  # s, from the trip to the second stage
+    torque: float = quantity(5.5e5, "N m", "full braking torque, of both directions of rotation")
+    delay: float = quantity(0.15, "s", "from the trip to the first torque")
+    lag: float = quantity(0.10, "s", "time constant of the pressure")
+    travel: float = quantity(2.0e-3, "m", "at the rim: elastic deflection of the stuck brake at its full torque")
+    first_stage: float = quantity(0.5, "-", "fraction of the torque in the first stage of a two-stage stop")
+    first_stage_time: float = quantity(1.5, "s", "from the trip to the second stage")
 
     def __post_init__(self) -> None:
         require_magnitudes(self, {"delay"}, "brake.")
@@ -70,8 +74,8 @@ class Brake:
 class Guides:
     """Friction of one conveyance along its guides; all values [assumed]."""
 
-    coulomb: float = 1.0e3  # N
-    viscous: float = 50.0  # N s/m
+    coulomb: float = quantity(1.0e3, "N")
+    viscous: float = quantity(50.0, "N s/m")
 
     def __post_init__(self) -> None:
         require_magnitudes(self, {"coulomb", "viscous"}, "guides.")
@@ -84,14 +88,16 @@ class Play:
     Within the play the head ropes alone pull it back, a pendulum with several ropes; beyond it the shoes are springs.
     """
 
-    clearance: float = 5.0e-3  # m, to either side, in x and in z
-    stiffness: float = 2.0e6  # N/m, of the guides of a conveyance, in x and in z
-    contact_damping: float = 0.5  # s/m, damping force over elastic force and speed (Hunt and Crossley)
-    damping: float = 500.0  # N s/m, of air and rollers, at any place
-    arm: float = 1.5  # m, from the conveyance's axis to the shoes: play and stiffness in yaw are c / a and k a^2
-    gyration: float = 1.2  # m, radius of gyration of the loaded conveyance about the vertical
-    rope_spread: float = 0.4  # m, radius of gyration of the head ropes' attachments about the vertical
-    friction: float = 0.1  # -, shoe on guide: the contact forces brake the conveyance along the guides
+    clearance: float = quantity(5.0e-3, "m", "to either side, in x and in z")
+    stiffness: float = quantity(2.0e6, "N/m", "of the guides of a conveyance, in x and in z")
+    contact_damping: float = quantity(0.5, "s/m", "damping force over elastic force and speed (Hunt and Crossley)")
+    damping: float = quantity(500.0, "N s/m", "of air and rollers, at any place")
+    arm: float = quantity(
+        1.5, "m", "from the conveyance's axis to the shoes: play and stiffness in yaw are c / a and k a^2"
+    )
+    gyration: float = quantity(1.2, "m", "radius of gyration of the loaded conveyance about the vertical")
+    rope_spread: float = quantity(0.4, "m", "radius of gyration of the head ropes' attachments about the vertical")
+    friction: float = quantity(0.1, "-", "shoe on guide: the contact forces brake the conveyance along the guides")
 
     def __post_init__(self) -> None:
         require_magnitudes(self, {"contact_damping", "damping", "friction", "clearance"}, "play.")

@@ -19,6 +19,7 @@ from typing import Any, Protocol
 
 from hoist_demo.emergency import BrakeState, EmergencyBrake
 from hoist_demo.parameters import Hoist
+from hoist_demo.quantity import quantity
 from hoist_demo.reference import Braking, ReferencePoint
 
 
@@ -26,10 +27,10 @@ from hoist_demo.reference import Braking, ReferencePoint
 class Gains:
     """Tuning; the defaults are ours [assumed] for the default hoist."""
 
-    speed: float = 1.5e5  # N s/m, k_v
-    integral_time: float = 1.0  # s, T_i
-    position: float = 1.0  # 1/s, k_s
-    feed_forward: float = 1.0  # 1, share of the feed-forward that is used
+    speed: float = quantity(1.5e5, "N s/m", "k_v")
+    integral_time: float = quantity(1.0, "s", "T_i")
+    position: float = quantity(1.0, "1/s", "k_s")
+    feed_forward: float = quantity(1.0, "1", "share of the feed-forward that is used")
 
     def __post_init__(self) -> None:
         for name in ("speed", "integral_time", "position"):

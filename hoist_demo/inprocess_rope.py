@@ -13,11 +13,11 @@ from importlib.metadata import version
 from typing import Any, Literal, get_args, get_type_hints
 
 from hoist_demo.fmu_parameters import FmuParameter
+from hoist_demo.quantity import stated_units
 from hoist_demo.rope_data import RopeData, Value, stamped, unstamped
 from hoist_demo.rope_plant import EndMotion, RopeStatus
 from hoist_demo.rungs import RUNG, code_of
 from hoist_demo.scenes import scene_named
-from hoist_demo.study.units import field_units
 from rope_model import SIGNALS, Level, RopeState, Scene, Status, at_level, balance_rope
 from rope_model import EndMotion as RopeEndMotion
 
@@ -30,7 +30,6 @@ _PARTS = {
 """Part of the rope's data for each group of FMI names."""
 
 _TAG = b"rope in process\n"
-_UNITS = {"m", "m/s2", "s", "rad", "kg/m", "kg.m", "kg.m2", "N", "N.m", "N.m2"}
 
 
 class InProcessRope:
@@ -139,9 +138,8 @@ def rope_parameters() -> dict[str, FmuParameter]:
 
 def _units(data: Any) -> dict[str, str]:
     """FMI unit of each value of a part of the scene."""
-    known = field_units(type(data))
-    units = {field.name: known.get(field.name, "1") for field in fields(data)}
-    return {n: unit if isinstance(getattr(data, n), float) and unit in _UNITS else "1" for n, unit in units.items()}
+    stated = stated_units(type(data))
+    return {field.name: stated.get(field.name, "1") for field in fields(data)}
 
 
 def rope_data(parameters: Mapping[str, Value], level: Level = "standard") -> Scene:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from hoist_demo.components import Brake, Guides, Play, Shaft, require, require_magnitudes
+from hoist_demo.quantity import quantity
 
 GRAVITY = 9.81
 """Acceleration of free fall [m/s^2]."""
@@ -32,34 +33,38 @@ class Hoist:
     What is None or 0 among the last lines is left out of the equations.
     """
 
-    conveyance_mass: float = 10.0e3  # kg, each conveyance with its attachments
-    payload_left: float = 5.0e3  # kg
-    payload_right: float = 0.0  # kg
-    sheave_mass: float = 8.0e3  # kg, inertia of sheave and motor referred to the rope, J / R^2
-    sheave_radius: float = 1.25  # m
-    torque_lag: float = 0.05  # s, time constant of the motor torque
-    torque_limit: float = 2.2e5  # N m, motor with service brake
-    head_rope_number: int = 4  # -
-    head_rope_stiffness: float = 2.6e7  # N, EA of one rope
-    head_rope_mass: float = 2.0  # kg/m, of one rope
-    head_rope_damping: float = 0.03  # -, damping ratio of a conveyance on its ropes
-    head_rope_length_up: float = 15.0  # m, sheave axis above a conveyance at the upper landing
-    loss_coulomb: float = 4.0e3  # N, at the sheave's rim
-    loss_viscous: float = 200.0  # N s/m, at the sheave's rim
-    loss_speed: float = 0.02  # m/s, width of the smooth Coulomb law F tanh(v / loss_speed)
-    friction_coefficient: float = 0.25  # -, rope on lining
-    wrap_angle: float = math.pi  # rad
-    shaft_travel: float = 90.0  # m, between the landings
-    tail_rope_mass: float = 8.0  # kg/m, of one balance rope: feed-forward and static tensions use it
-    tail_rope_length: float = 120.0  # m, likewise
-    tail_rope_number: int = 1  # -, equal balance ropes; each pulls with the force of the one that is computed
-    conveyance_mass_right: float | None = None  # kg, of a counterweight or another conveyance; None: as the left one
-    power_limit: float | None = None  # W, of the motor and its converter, in both directions
-    head_rope_modes: int = 0  # -, longitudinal modes of the head ropes of a side, beyond their mean strain
-    shaft: Shaft | None = None  # None: rigid
-    brake: Brake | None = None  # None: no brake but the motor
-    guides: Guides | None = None  # None: no friction along the guides
-    play: Play | None = None  # None: conveyances move along straight lines
+    conveyance_mass: float = quantity(10.0e3, "kg", "each conveyance with its attachments")
+    payload_left: float = quantity(5.0e3, "kg")
+    payload_right: float = quantity(0.0, "kg")
+    sheave_mass: float = quantity(8.0e3, "kg", "inertia of sheave and motor referred to the rope, J / R^2")
+    sheave_radius: float = quantity(1.25, "m")
+    torque_lag: float = quantity(0.05, "s", "time constant of the motor torque")
+    torque_limit: float = quantity(2.2e5, "N m", "motor with service brake")
+    head_rope_number: int = quantity(4, "-")
+    head_rope_stiffness: float = quantity(2.6e7, "N", "EA of one rope")
+    head_rope_mass: float = quantity(2.0, "kg/m", "of one rope")
+    head_rope_damping: float = quantity(0.03, "-", "damping ratio of a conveyance on its ropes")
+    head_rope_length_up: float = quantity(15.0, "m", "sheave axis above a conveyance at the upper landing")
+    loss_coulomb: float = quantity(4.0e3, "N", "at the sheave's rim")
+    loss_viscous: float = quantity(200.0, "N s/m", "at the sheave's rim")
+    loss_speed: float = quantity(0.02, "m/s", "width of the smooth Coulomb law F tanh(v / loss_speed)")
+    friction_coefficient: float = quantity(0.25, "-", "rope on lining")
+    wrap_angle: float = quantity(math.pi, "rad")
+    shaft_travel: float = quantity(90.0, "m", "between the landings")
+    tail_rope_mass: float = quantity(8.0, "kg/m", "of one balance rope: feed-forward and static tensions use it")
+    tail_rope_length: float = quantity(120.0, "m", "likewise")
+    tail_rope_number: int = quantity(
+        1, "-", "equal balance ropes; each pulls with the force of the one that is computed"
+    )
+    conveyance_mass_right: float | None = quantity(
+        None, "kg", "of a counterweight or another conveyance; None: as the left one"
+    )
+    power_limit: float | None = quantity(None, "W", "of the motor and its converter, in both directions")
+    head_rope_modes: int = quantity(0, "-", "longitudinal modes of the head ropes of a side, beyond their mean strain")
+    shaft: Shaft | None = quantity(None, "", "none: rigid")
+    brake: Brake | None = quantity(None, "", "none: no brake but the motor")
+    guides: Guides | None = quantity(None, "", "none: no friction along the guides")
+    play: Play | None = quantity(None, "", "none: conveyances move along straight lines")
 
     def __post_init__(self) -> None:
         may_vanish = {"payload_left", "payload_right", "head_rope_damping", "loss_coulomb", "loss_viscous"}
@@ -161,18 +166,20 @@ a part of it first and the whole later."""
 class Winding:
     """One trip of the left conveyance, up when travel is positive, with waiting times before and after."""
 
-    travel: float = 90.0  # m, negative lowers
-    speed: float = 8.0  # m/s, limit
-    acceleration: float = 0.75  # m/s^2, limit
-    jerk: float = 0.5  # m/s^3, limit
-    creep_speed: float = 0.5  # m/s, of a creep, where there is one
-    creep_distance: float = 0.0  # m, to the landing from where creep speed is reached, final stop included; 0: no creep
-    departure_creep_distance: float = 0.0  # m, from the start to where creep speed is left; 0: no creep
-    start_delay: float = 1.0  # s
-    settle: float = 10.0  # s, recorded after the reference has arrived
-    emergency_at: float | None = None  # s, emergency stop begins; None: no emergency stop
-    emergency_deceleration: float = 5.0  # m/s^2
-    emergency_jerk: float = 50.0  # m/s^3, the short ramp of the emergency deceleration
+    travel: float = quantity(90.0, "m", "negative lowers")
+    speed: float = quantity(8.0, "m/s", "limit")
+    acceleration: float = quantity(0.75, "m/s^2", "limit")
+    jerk: float = quantity(0.5, "m/s^3", "limit")
+    creep_speed: float = quantity(0.5, "m/s", "of a creep, where there is one")
+    creep_distance: float = quantity(
+        0.0, "m", "to the landing from where creep speed is reached, final stop included; 0: no creep"
+    )
+    departure_creep_distance: float = quantity(0.0, "m", "from the start to where creep speed is left; 0: no creep")
+    start_delay: float = quantity(1.0, "s")
+    settle: float = quantity(10.0, "s", "recorded after the reference has arrived")
+    emergency_at: float | None = quantity(None, "s", "emergency stop begins; None: no emergency stop")
+    emergency_deceleration: float = quantity(5.0, "m/s^2")
+    emergency_jerk: float = quantity(50.0, "m/s^3", "the short ramp of the emergency deceleration")
     emergency_law: EmergencyLaw = "drive"
 
     def __post_init__(self) -> None:
@@ -228,10 +235,12 @@ class Winding:
 class Coupling:
     """How drive and rope exchange their data."""
 
-    step: float = 0.01  # s, communication step H
-    start: float = 0.0  # s
+    step: float = quantity(0.01, "s", "communication step H")
+    start: float = quantity(0.0, "s")
     scheme: str = "gauss-seidel-1"  # one of hoist_demo.coupling.catalogue
-    sample: float | None = None  # s, sample time of controller and recording, a multiple of step; None: the step
+    sample: float | None = quantity(
+        None, "s", "sample time of controller and recording, a multiple of step; None: the step"
+    )
 
     def __post_init__(self) -> None:
         require(self.step, 0.0 < self.step <= 0.1, "step", "above 0 and at most 0.1 s", "take 0.005 to 0.02 s")

@@ -6,18 +6,12 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from rope_model import CHOICES
+
 Value = float | int | bool | str
 
 Levels = Mapping[str, Mapping[str, Value]]
 """Parameters of the mesh, the solver and the model by FMI name, for each level of accuracy."""
-
-_CHOICES = {
-    "swivel.mode": ("locked", "free", "coulomb"),
-    "mesh.kind": ("tmn", "eem", "auto"),
-    "model.rung": ("auto", "torsional", "spatial", "planar", "rigid"),
-    "solver.kernels": ("auto", "compiled", "portable"),
-}
-"""Words for the codes of FMI 2.0, by the last two parts of the name."""
 
 _FREE = "solver.kernels"
 """What may differ when a run goes on."""
@@ -27,8 +21,12 @@ _TORQUE = ("rope.Qb", "rope.Qc", "rope.installed_twist")
 
 def code(name: str, word: str) -> int | None:
     """The code of a word that a parameter may have; None where it has no such word."""
-    words = _CHOICES.get(".".join(name.split(".")[-2:]), ())
+    words = _words(name)
     return words.index(word) if word in words else None
+
+
+def _words(name: str) -> tuple[str, ...]:
+    return tuple(CHOICES.get(".".join(name.split(".")[-2:]), ()))
 
 
 def stamped(state: bytes, parameters: Mapping[str, Value]) -> bytes:
@@ -70,7 +68,7 @@ class RopeData:
 
     def shown(self, name: str) -> Value:
         """A parameter's value, a code with its word."""
-        value, words = self.parameters[name], _CHOICES.get(".".join(name.split(".")[-2:]), ())
+        value, words = self.parameters[name], _words(name)
         return f"{value} ({words[value]})" if isinstance(value, int) and 0 <= value < len(words) else value
 
     def level(self, levels: Levels) -> str:

@@ -1,48 +1,24 @@
 """What a rung of the rope's model leaves out. The rope shows it as zero, which looks like a result: here it is NaN.
 
-A rung without torsion has no torque, no twist and no turning swivel, one in the plane nothing out of it, and the rigid
-one no bending. On a rope that carries no torque the zeros are the complete model's own, so they stay.
+On a rope that carries no torque the zeros of what only torque makes are the complete model's own, so they stay.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.recording import Array, Recording
+from rope_model import CHOICES, LADDER, Effect, left_out
 
 RUNG = "status.rung"
 """Signal with the code of the rung that runs."""
 
-CODES = ("auto", "torsional", "spatial", "planar", "rigid")
+CODES = tuple(CHOICES["model.rung"])
 """Choices of the FMU's integer parameter `model.rung`, in the order of its codes."""
-
-
-def _ends(*names: str) -> frozenset[str]:
-    return frozenset(f"{end}.{name}" for end in ("left", "right") for name in names)
-
-
-_SWIVELS = _ends(*(f"swivel.{name}" for name in ("angle", "rate", "torque", "slipping")))
-_TORSION = _ends("my", "twist") | _SWIVELS | {"loop.twist", "stress.torsion_max"}
-_OUT_OF_PLANE = _ends("fz", "mx") | {"loop.z", "loop.yaw"}
-_BENDING = _ends("fx", "mz")
-
-_ALONG = "shape.torsion["
-"""Beginning of the names of the torsional stress along the rope."""
-
-_LEFT_OUT: Mapping[str, frozenset[str]] = {
-    "spatial": _TORSION,
-    "planar": _TORSION | _OUT_OF_PLANE,
-    "rigid": _TORSION | _OUT_OF_PLANE | _BENDING,
-}
-_WORDS = {
-    "spatial": "torque, twist, turning swivels and torsional stress",
-    "planar": "yaw, torque, twist, turning swivels, torsional stress and all else out of the plane",
-    "rigid": "yaw, torque, twist, turning swivels, torsional stress, side forces and all else out of the plane",
-}
 
 
 def code_of(rung: str) -> float:
@@ -55,12 +31,10 @@ def computed(recording: Recording, torque_free: bool) -> Recording:
     if RUNG not in recording:
         return recording
     signals = dict(recording.signals)
-    for rung, names in _LEFT_OUT.items():
+    for rung in LADDER:
         rows = recording[RUNG] == code_of(rung)
-        names = (_BENDING if rung == "rigid" else frozenset()) if torque_free else names
-        if "stress.torsion_max" in names:
-            names |= {name for name in signals if name.startswith(_ALONG)}
-        for name in names & signals.keys() if bool(rows.any()) else ():
+        effects = [effect for effect in left_out(rung) if not (effect.by_torque and torque_free)]
+        for name in _names(effects, recording) if bool(rows.any()) else ():
             signals[name] = _without(signals[name], rows)
     return replace(recording, signals=signals)
 
@@ -74,14 +48,23 @@ def rungs_of(recording: Recording) -> list[str]:
 
 def remark(recording: Recording) -> str:
     """What a recording from `computed` does not show because of its rung; "" when nothing is missing."""
-    for rung in ("rigid", "planar", "spatial"):
-        names = _LEFT_OUT[rung] & recording.signals.keys()
-        if rung in rungs_of(recording) and any(bool(np.isnan(recording[name]).any()) for name in names):
+    for rung in LADDER:
+        effects = [effect for effect in left_out(rung) if _missing(effect, recording)]
+        if effects and rung in rungs_of(recording):
+            words = ", ".join(effect.words for effect in effects)
             return (
-                f"the rope ran on the {rung} rung of its model, which does not compute {_WORDS[rung]}; none of that is "
+                f"the rope ran on the {rung} rung of its model, which does not compute {words}; none of that is "
                 "shown. Set model.rung = 1 (torsional), or export at the level standard"
             )
     return ""
+
+
+def _names(effects: Iterable[Effect], recording: Recording) -> list[str]:
+    return [name for name in recording.signals if any(effect.has(name) for effect in effects)]
+
+
+def _missing(effect: Effect, recording: Recording) -> bool:
+    return any(bool(np.isnan(recording[name]).any()) for name in _names([effect], recording))
 
 
 def _without(values: Array, rows: NDArray[np.bool_]) -> Array:

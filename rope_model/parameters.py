@@ -7,58 +7,85 @@ marked [assumed] is ours, because the source's tables are not available.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
+
+from .parameter_table import choice, parameter, parameters_of, require, require_in_bounds
 
 SwivelMode = Literal["locked", "free", "coulomb"]
 MeshKind = Literal["tmn", "eem", "auto"]
+KernelForm = Literal["auto", "compiled", "portable"]
 RungChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 
 #: what must be above 0 is at least this, so that the bound can be told to tools, which know no open intervals
 LEAST = 1e-15
+#: more elements would be a mistake in the unit of their length
+MOST_ELEMENTS = 20000
+#: the segments whose element counts are given, and the least of them
+SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
-
-def _require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
-    if not ok:
-        raise ValueError(f"{what} = {value!r} is out of range: it must be {bound}; {cure}")
-
-
-def _require_finite(data: Any) -> None:
-    for f in fields(data):
-        value = getattr(data, f.name)
-        if isinstance(value, float):
-            _require(math.isfinite(value), f.name, value, "finite", "give a number")
+_DATA_SHEET = "check the rope's data sheet"
 
 
 @dataclass(frozen=True)
 class Rope:
     """A round wire rope: T = Qa e + Qb tau, M = Qc e + Qd tau, bending moment EI kappa."""
 
-    length: float = 120.0  # m, between the two swivels
-    mass_per_length: float = 8.0  # kg/m [assumed]
-    Qa: float = 1.2e8  # N, axial stiffness [assumed]
-    Qb: float = 2.336e5  # N m, tension per twist; default is the symmetric mean of the published pair
-    Qc: float = 2.336e5  # N m, torque per strain
-    Qd: float = 3.3e3  # N m^2, torsional stiffness [assumed]
-    EI: float = 300.0  # N m^2, bending stiffness [assumed]: 74 with full slip of the wires, 2.4e4 with none
-    rhoJ: float = 1.94e-3  # kg m, polar mass moment per length [assumed], rho d^2/8
-    beta_K: float = 1.0e-3  # s, damping proportional to stiffness [assumed]
-    diameter: float = 0.044  # m [assumed], used for nominal stresses only
-    installed_twist: float = 0.0  # rad, turns put in at the right end before it was fastened
+    length: float = parameter(
+        120.0,
+        "m",
+        "length of the rope between its two swivels",
+        lower=LEAST,
+        upper=1e4,
+        cure="give it in metres, as the rope's data sheet does",
+    )
+    mass_per_length: float = parameter(8.0, "kg/m", "mass per length [assumed]", lower=LEAST, cure=_DATA_SHEET)
+    Qa: float = parameter(1.2e8, "N", "axial stiffness, T = Qa e + Qb tau [assumed]", lower=LEAST, cure=_DATA_SHEET)
+    Qb: float = parameter(2.336e5, "N.m", "tension per twist; default is the symmetric mean of the published pair")
+    Qc: float = parameter(2.336e5, "N.m", "torque per axial strain, M = Qc e + Qd tau; default as Qb")
+    Qd: float = parameter(3.3e3, "N.m2", "torsional stiffness [assumed]", lower=LEAST, cure=_DATA_SHEET)
+    EI: float = parameter(
+        300.0,
+        "N.m2",
+        "bending stiffness [assumed]; 74 with full slip of the wires, 2.4e4 with none",
+        lower=LEAST,
+        cure=_DATA_SHEET,
+    )
+    rhoJ: float = parameter(
+        1.94e-3,  # rho d^2/8
+        "kg.m",
+        "polar mass moment per length [assumed]",
+        lower=LEAST,
+        cure=_DATA_SHEET,
+    )
+    beta_K: float = parameter(
+        1.0e-3,
+        "s",
+        "material damping proportional to stiffness [assumed]",
+        lower=0.0,
+        cure="use 0 for no material damping",
+    )
+    diameter: float = parameter(
+        0.044,
+        "m",
+        "rope diameter, for nominal stresses and clearance [assumed]",
+        lower=LEAST,
+        upper=1.0,
+        cure="give it in metres",
+    )
+    installed_twist: float = parameter(
+        0.0,
+        "rad",
+        "turns put in at the right end before it was fastened",
+        lower=-1e3,
+        upper=1e3,
+        cure="give it in radians",
+    )
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        for name in ("length", "mass_per_length", "Qa", "Qd", "EI", "rhoJ", "diameter"):
-            _require(
-                getattr(self, name) >= LEAST, name, getattr(self, name), "at least 1e-15", "check the rope's data sheet"
-            )
-        _require(self.diameter <= 1.0, "diameter", self.diameter, "at most 1 m", "give it in metres")
-        _require(self.length <= 1e4, "length", self.length, "at most 1e4 m", "give it in metres")
-        twist = self.installed_twist
-        _require(abs(twist) <= 1e3, "installed_twist", twist, "within +-1000 rad", "give it in radians")
-        _require(self.beta_K >= 0, "beta_K", self.beta_K, ">= 0 s", "use 0 for no material damping")
+        require_in_bounds(self)
         bound = math.sqrt(self.Qa * self.Qd)
-        _require(
+        require(
             abs(self.Qs) < bound,
             "(Qb + Qc) / 2",
             self.Qs,
@@ -81,60 +108,72 @@ class Rope:
 class Layout:
     """Where the ends hang: left at X = -spacing/2, right at +spacing/2, heights are inputs."""
 
-    spacing: float = 2.0  # m, between the two suspension points [assumed]
-    gravity: float = 9.81  # m/s^2
+    spacing: float = parameter(
+        2.0,
+        "m",
+        "horizontal distance of the two suspension points [assumed]",
+        lower=LEAST,
+        cure="give the distance between the conveyances",
+    )
+    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", lower=LEAST, cure="the rope must hang")
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        _require(
-            self.spacing >= LEAST,
-            "spacing",
-            self.spacing,
-            "at least 1e-15 m",
-            "give the distance between the conveyances",
-        )
-        _require(self.gravity >= LEAST, "gravity", self.gravity, "at least 1e-15 m/s^2", "the rope must hang")
+        require_in_bounds(self)
 
 
 @dataclass(frozen=True)
 class Swivel:
     """Balance rope suspension rotor: a bearing with Coulomb friction between the rope's end and the conveyance."""
 
-    mode: SwivelMode = "locked"
-    mean_diameter: float = 0.090  # m, d_m of the friction [assumed]
-    mu_static: float = 0.0018  # - [assumed], healthy rolling bearing
-    mu_kinetic: float = 0.0013  # - [assumed]
-    seal_moment: float = 0.0  # N m, friction that does not depend on the tension [assumed]
-    inertia: float = 0.05  # kg m^2, of what turns with the rope's end [assumed]
-    release_time: float = 0.0  # s, locked before
+    mode: SwivelMode = choice(
+        "locked",
+        SwivelMode,
+        ("the end does not turn", "it turns without friction", "it turns against dry friction"),
+        "how the {side} end is held: 0 locked, 1 free, 2 Coulomb friction",
+        "choose how the end is held",
+    )
+    mean_diameter: float = parameter(
+        0.090,
+        "m",
+        "mean diameter of the {side} swivel's bearing [assumed]",
+        lower=LEAST,
+        cure="take the bearing's d_m",
+    )
+    mu_static: float = parameter(
+        0.0018,  # a healthy rolling bearing
+        "1",
+        "coefficient of static friction of the {side} swivel [assumed]",
+        lower="mu_kinetic",
+        cure="a swivel that slips more easily than it slides cannot stick",
+        tunable=True,
+    )
+    mu_kinetic: float = parameter(
+        0.0013,
+        "1",
+        "coefficient of kinetic friction of the {side} swivel [assumed]",
+        lower=0.0,
+        cure="friction takes energy, never gives",
+        tunable=True,
+    )
+    seal_moment: float = parameter(
+        0.0,
+        "N.m",
+        "friction of the {side} swivel that does not depend on the tension [assumed]",
+        lower=0.0,
+        cure="friction takes energy",
+        tunable=True,
+    )
+    inertia: float = parameter(
+        0.05,
+        "kg.m2",
+        "inertia of what turns with the rope's {side} end [assumed]",
+        lower=LEAST,
+        cure="without inertia a release is a jump in spin: give the rotor's (0.05 is typical)",
+    )
+    release_time: float = parameter(0.0, "s", "the {side} swivel is locked before")
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        modes = ("locked", "free", "coulomb")
-        _require(self.mode in modes, "swivel mode", self.mode, f"one of {modes}", "choose how the end is held")
-        _require(
-            self.mean_diameter >= LEAST,
-            "mean_diameter",
-            self.mean_diameter,
-            "at least 1e-15 m",
-            "take the bearing's d_m",
-        )
-        _require(self.mu_kinetic >= 0, "mu_kinetic", self.mu_kinetic, ">= 0", "friction takes energy, never gives")
-        _require(
-            self.mu_static >= self.mu_kinetic,
-            "mu_static",
-            self.mu_static,
-            f">= mu_kinetic = {self.mu_kinetic}",
-            "a swivel that slips more easily than it slides cannot stick",
-        )
-        _require(self.seal_moment >= 0, "seal_moment", self.seal_moment, ">= 0 N m", "friction takes energy")
-        _require(
-            self.inertia >= LEAST,
-            "inertia",
-            self.inertia,
-            "at least 1e-15 kg m^2",
-            "without inertia a release is a jump in spin: give the rotor's (0.05 is typical)",
-        )
+        require_in_bounds(self)
 
 
 @dataclass(frozen=True)
@@ -144,45 +183,73 @@ class Mesh:
     Without elements in III and V the loop's, in IV, are l/4, without II and VI too l/2.
 
     auto: the TMN-ETM that the rope's own lengths and ``loop_error`` ask for, EEM on a short or stiff rope; see
-    simulation.mesh.suited.
+    simulation.mesh.suited.  ``end_levels`` = 0 is the source's mesh.
     """
 
-    kind: MeshKind = "tmn"
-    elements: int = 600  # EEM only
-    coarse_length: float = 2.0  # m, l of segments I and VII; the loop's elements are an eighth of it
-    counts: tuple[int, int, int, int, int] = (2, 4, 40, 4, 2)  # elements of segments II to VI
-    end_levels: int = 2  # how often the outermost element is halved towards the clamped end; 0 is the source's mesh
-    leg_growth: float = 0.0  # m, (length)^2 of elements in I and VII over their distance from the loop; 0: all l
-    loop_error: float = 5e-3  # m, auto only: error of the loop's place that the mesh may bring
+    kind: MeshKind = choice(
+        "tmn",
+        MeshKind,
+        (
+            "TMN-ETM: segments that follow the loop",
+            "EEM: elements of equal length",
+            "fitted to the rope: TMN-ETM, or EEM on a short or stiff rope",
+        ),
+        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 fitted: 0, or 1 on a short or stiff rope",
+        "choose one",
+    )
+    elements: int = parameter(
+        600, "", "number of elements, kind 1 only", lower=2, upper=MOST_ELEMENTS, cure="use fewer or more"
+    )
+    coarse_length: float = parameter(
+        2.0,
+        "m",
+        "element length of segments I and VII, kind 0 only; the loop's are 1/8 of it, without III and V 1/4",
+        lower=LEAST,
+        cure="2 m suits a 120 m rope",
+    )
+    counts: tuple[int, int, int, int, int] = parameter(
+        (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0 only"
+    )
+    end_levels: int = parameter(
+        2,
+        "",
+        "how often the outermost elements are halved towards the clamped ends, kind 0 only",
+        lower=0,
+        upper=8,
+        cure="2 resolves the clamped ends",
+    )
+    leg_growth: float = parameter(
+        0.0,
+        "m",
+        "largest (element length)^2 in I and VII over distance from the loop, kind 0 only; 0: all l",
+        lower=0.0,
+        upper=1e4,
+        cure="1 m suits a 1000 m rope",
+    )
+    loop_error: float = parameter(
+        5e-3,
+        "m",
+        "error of the loop's place that the mesh may bring, kind 2 only",
+        lower=1e-5,
+        upper=1.0,
+        cure="5e-3 m suits most studies",
+    )
 
     def __post_init__(self) -> None:
-        _require(self.kind in ("tmn", "eem", "auto"), "mesh kind", self.kind, "'tmn', 'eem' or 'auto'", "choose one")
-        _require(
-            1e-5 <= self.loop_error <= 1.0, "loop_error", self.loop_error, "1e-5 to 1 m", "5e-3 m suits most studies"
-        )
-        _require(2 <= self.elements <= 20000, "elements", self.elements, "2 to 20000", "use fewer or more")
-        _require(
-            math.isfinite(self.coarse_length) and self.coarse_length >= LEAST,
-            "coarse_length",
-            self.coarse_length,
-            "at least 1e-15 m",
-            "2 m suits a 120 m rope",
-        )
-        _require(0 <= self.end_levels <= 8, "end_levels", self.end_levels, "0 to 8", "2 resolves the clamped ends")
-        _require(0 <= self.leg_growth <= 1e4, "leg_growth", self.leg_growth, "0 to 1e4 m", "1 m suits a 1000 m rope")
-        _require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
+        require_in_bounds(self)
+        require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
         ii, iii, _, v, vi = self.counts
         fine = 2 ** (1 + (ii > 0) + (iii > 0))
         multiples = (2, 4, fine, 4, 2)
-        for name, count, multiple in zip(("II", "III", "IV", "V", "VI"), self.counts, multiples, strict=True):
-            _require(
+        for name, count, multiple in zip(SEGMENTS, self.counts, multiples, strict=True):
+            require(
                 count >= (multiple if name == "IV" else 0) and count % multiple == 0,
                 f"element count of segment {name}",
                 count,
                 f"a {'positive ' if name == 'IV' else ''}multiple of {multiple}",
                 "a transformation moves whole coarse elements through the segment",
             )
-        _require(
+        require(
             (ii > 0) == (vi > 0) and (iii > 0) == (v > 0) and (ii > 0 or iii == 0),
             "counts",
             self.counts,
@@ -193,57 +260,90 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Solver:
-    """Time integration: generalized-alpha with step control."""
+    """Time integration: generalized-alpha with step control.
 
-    step_max: float = 0.02  # s
-    step_min: float = 1.0e-5  # s, below it the run fails and says why
-    tolerance: float = 1.0e-3  # local error per step: m for positions, rad for twist angles
-    newton_tolerance: float = 1.0e-7  # same units; of r' the change over the shortest element
-    rho_inf: float = 0.6  # spectral radius at infinite frequency
-    kernels: Literal["auto", "compiled", "portable"] = "auto"
+    The tolerances are in m for positions and rad for twist angles; of r' Newton's is the change over the shortest
+    element.
+    """
+
+    step_max: float = parameter(
+        0.02, "s", "largest time step", lower=LEAST, upper=1.0, cure="10 ms suits most ropes", tunable=True
+    )
+    step_min: float = parameter(
+        1.0e-5,
+        "s",
+        "smallest time step; below it a step fails",
+        lower=LEAST,
+        upper="step_max",
+        cure="use 1e-5 s",
+        tunable=True,
+    )
+    tolerance: float = parameter(
+        1.0e-3,
+        "1",
+        "largest local error of a step, in m and rad",
+        lower=LEAST,
+        upper=1.0,
+        cure="1e-3 is a good start",
+        tunable=True,
+    )
+    newton_tolerance: float = parameter(
+        1.0e-7,
+        "1",
+        "error that Newton's method may leave, in m and rad",
+        lower=LEAST,
+        upper=1e-3,
+        cure="1e-7 changes no digit that matters",
+        tunable=True,
+    )
+    rho_inf: float = parameter(
+        0.6,
+        "1",
+        "spectral radius of generalized-alpha at infinite frequency",
+        lower=0.0,
+        upper=1.0,
+        cure="0.6 damps what the mesh cannot resolve",
+    )
+    kernels: KernelForm = choice(
+        "auto",
+        KernelForm,
+        ("compiled where there is a compiler", "compiled, else an error", "interpreted, everywhere the same"),
+        "0 compiled when possible, 1 compiled, 2 portable",
+        "'auto' compiles when it can",
+    )
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        _require(LEAST <= self.step_max <= 1, "step_max", self.step_max, "in [1e-15, 1] s", "10 ms suits most ropes")
-        _require(
-            LEAST <= self.step_min <= self.step_max, "step_min", self.step_min, "in [1e-15, step_max]", "use 1e-5 s"
-        )
-        _require(LEAST <= self.tolerance <= 1, "tolerance", self.tolerance, "in [1e-15, 1]", "1e-3 is a good start")
-        _require(
-            LEAST <= self.newton_tolerance <= 1e-3,
-            "newton_tolerance",
-            self.newton_tolerance,
-            "in [1e-15, 1e-3]",
-            "1e-7 changes no digit that matters",
-        )
-        _require(0 <= self.rho_inf <= 1, "rho_inf", self.rho_inf, "in [0, 1]", "0.6 damps what the mesh cannot resolve")
-        _require(
-            self.kernels in ("auto", "compiled", "portable"),
-            "kernels",
-            self.kernels,
-            "'auto', 'compiled' or 'portable'",
-            "'auto' compiles when it can",
-        )
+        require_in_bounds(self)
 
 
 @dataclass(frozen=True)
 class Model:
     """How much of the rope is computed: the rungs are described in physics.element and simulation.rigid."""
 
-    rung: RungChoice = "auto"  # the lowest rung that gives the same, or one by name
-    force_tolerance: float = 0.0  # relative error of the end forces that 'auto' may trade for speed
+    rung: RungChoice = choice(
+        "auto",
+        RungChoice,
+        (
+            "the lowest rung that the scene needs",
+            "all: tension, torsion and lateral motion, coupled",
+            "lateral motion in space, without torsion",
+            "motion in the plane of the loop",
+            "end forces of an inextensible rope in closed form, without bending and waves",
+        ),
+        "how much of the rope is computed: 0 auto, 1 torsional (all), 2 spatial, 3 planar, 4 rigid",
+        "'auto' takes the lowest that serves",
+    )
+    force_tolerance: float = parameter(
+        0.0,
+        "1",
+        "relative error of the end forces that auto may trade for speed",
+        lower=0.0,
+        upper=1.0,
+        cure="0 allows only rungs that leave nothing out",
+    )
 
     def __post_init__(self) -> None:
-        _require_finite(self)
-        rungs = ("auto", "torsional", "spatial", "planar", "rigid")
-        _require(self.rung in rungs, "rung", self.rung, f"one of {rungs}", "'auto' takes the lowest that serves")
-        _require(
-            0 <= self.force_tolerance <= 1,
-            "force_tolerance",
-            self.force_tolerance,
-            "in [0, 1]",
-            "0 allows only rungs that leave nothing out",
-        )
+        require_in_bounds(self)
 
 
 @dataclass(frozen=True)
@@ -262,6 +362,15 @@ class Scene:
         """A copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""
         return replace(self, **parts)
 
+
+#: words of parameters that choose one of a few, with their meanings, by the last two parts of the name; the place of a
+#: word is its code
+CHOICES = {
+    f"{group}.{name}": p.choices
+    for group, kind in (("swivel", Swivel), ("mesh", Mesh), ("solver", Solver), ("model", Model))
+    for name, p in parameters_of(kind).items()
+    if p.choices
+}
 
 Level = Literal["draft", "standard", "reference"]
 #: mesh, solver and model of each level of accuracy, checked in docs/chart.md.  A draft is for end forces: it

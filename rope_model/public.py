@@ -2,7 +2,8 @@
 
 rope        balance_rope makes a BalanceRope in a Form: auto, native or python; EndMotion goes in, Status and the
             values of SIGNALS come out, each a Signal with unit and description
-data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model
+            LADDER has the rungs of the model; left_out the Effects that a rung leaves out: outputs that are no results
+data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
 presets     rope_120 and rope_240 make a Preset (by name in PRESETS) at a Level: draft, standard or reference;
             at_level puts any scene on one
 analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
@@ -16,6 +17,7 @@ from typing import Literal
 
 from .native.engine import NativeRope
 from .parameters import (
+    CHOICES,
     PRESETS,
     Layout,
     Level,
@@ -32,14 +34,19 @@ from .parameters import (
 )
 from .simulation.balance_rope import BalanceRope, Status
 from .simulation.ends import EndMotion
+from .simulation.left_out import Effect, left_out
+from .simulation.rungs import LADDER
 from .simulation.signals import SIGNALS, Signal
 from .simulation.simulator import RopeSimulator
 from .simulation.state import RopeState
 
 __all__ = [
+    "CHOICES",
+    "LADDER",
     "PRESETS",
     "SIGNALS",
     "BalanceRope",
+    "Effect",
     "EndMotion",
     "Form",
     "Layout",
@@ -57,6 +64,7 @@ __all__ = [
     "Swivel",
     "at_level",
     "balance_rope",
+    "left_out",
     "rope_120",
     "rope_240",
 ]

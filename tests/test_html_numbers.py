@@ -18,6 +18,7 @@ from hoist_demo import events
 from hoist_demo.html import along, given, packing, page, panels
 from hoist_demo.html.study import study_report
 from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.quantity import quantity
 from hoist_demo.recording import Recording
 from hoist_demo.reference import s_curve
 
@@ -178,13 +179,13 @@ def test_every_parameter_has_a_unit_or_is_a_pure_number() -> None:
 
 @dataclass(frozen=True)
 class Inner:
-    gap: float = 2.0  # mm, play of a guide
+    gap: float = quantity(2.0, "mm", "play of a guide")
 
 
 @dataclass(frozen=True)
 class Outer:
     guide: Inner = Inner()
-    on: bool = True  # -, whether it brakes
+    on: bool = quantity(True, "-", "whether it brakes")
 
 
 def test_parameters_of_parameters_are_shown_too() -> None:

@@ -14,11 +14,13 @@ PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
 _BELOW = {"rope_model.parameters", "rope_model.physics", "rope_model.numerics"}
 #: package -> packages of ours that it may import from (itself always)
 MAY_IMPORT = {
-    "rope_model.parameters": set(),
+    "rope_model.parameter_table": set(),
+    "rope_model.parameters": {"rope_model.parameter_table"},
     "rope_model.physics": set(),
     "rope_model.numerics": set(),
     "rope_model.simulation": {"rope_model.parameters", "rope_model.physics", "rope_model.numerics"},
     "rope_model.native": {
+        "rope_model.parameter_table",
         "rope_model.parameters",
         "rope_model.physics",
         "rope_model.numerics",
@@ -45,7 +47,7 @@ MAY_IMPORT = {
         "fmu_src",
         "fmu_src.native",
     },
-    "fmu_src": {"rope_model.parameters", "rope_model.simulation", "rope_model.version"},
+    "fmu_src": {"rope_model.parameter_table", "rope_model.parameters", "rope_model.simulation", "rope_model.version"},
     "hoist_demo": {"rope_model"},
 }
 #: library -> modules or packages in which it may be imported; numpy is welcome everywhere

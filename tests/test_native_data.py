@@ -23,7 +23,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from benchmarks.choice.scenes import CASES, Case
-from fmu_src.interface import CHOICES, scene_of, variables
+from fmu_src.interface import scene_of, variables
 from rope_model.native.formulas import formulas_code
 from rope_model.native.structures import (
     EndStructure,
@@ -33,8 +33,9 @@ from rope_model.native.structures import (
     path_structure,
     scene_structure,
 )
+from rope_model.native.tables import parameter_bounds, parameter_structures
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
-from rope_model.parameters import Mesh, Model, Preset, Rope, RungChoice, Scene, Swivel
+from rope_model.parameters import CHOICES, Mesh, Model, Preset, Rope, RungChoice, Scene, Swivel
 from rope_model.simulation.ends import SIDES, EndMotion, EndPath, HangingEnds, checked, nominal_points
 from rope_model.simulation.rigid import lowest_tension, rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
@@ -62,6 +63,8 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     folder = tmp_path_factory.mktemp("native")
     made = folder / f"data{LIBRARY_SUFFIX}"
     (folder / "formulas.h").write_text(formulas_code(), encoding="ascii")
+    (folder / "parameters.h").write_text(parameter_structures(), encoding="ascii")
+    (folder / "parameters.inc").write_text(parameter_bounds(), encoding="ascii")
     sources = [str(NATIVE / part) for part in PARTS]
     command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(made), "-lm"]
     result = subprocess.run(command, capture_output=True, text=True)
@@ -122,7 +125,7 @@ def test_codes_are_those_of_the_interface() -> None:
     for name, words in CHOICES.items():
         group, field = name.split(".")
         kind = Swivel if group == "swivel" else get_type_hints(Scene)[group]
-        assert get_args(get_type_hints(kind)[field]) == words
+        assert get_args(get_type_hints(kind)[field]) == tuple(words)
 
 
 def test_names_of_the_rungs_follow_their_codes(native: Any) -> None:

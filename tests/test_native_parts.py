@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from rope_model.native.formulas import formulas_code
 from rope_model.native.structures import GROUPS, PathStructure, path_structure, scene_structure
-from rope_model.native.tables import signal_numbers
+from rope_model.native.tables import parameter_bounds, parameter_structures, signal_numbers
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
@@ -61,7 +61,7 @@ Array = NDArray[np.float64]
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("mesh.c", "transfer.c", "frame.c", "shape.c", "signals.c", "rigid.c", "ends.c", "text.c")
+PARTS = ("mesh.c", "transfer.c", "frame.c", "shape.c", "signals.c", "rigid.c", "ends.c", "parameters.c", "text.c")
 KINDS = ("tmn", "eem", "auto")
 MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
 RUNGS = ("auto", "torsional", "spatial", "planar", "rigid")
@@ -138,6 +138,8 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     path = folder / f"parts{LIBRARY_SUFFIX}"
     (folder / "formulas.h").write_text(formulas_code(), encoding="ascii")
     (folder / "signal_numbers.h").write_text(signal_numbers(), encoding="ascii")
+    (folder / "parameters.h").write_text(parameter_structures(), encoding="ascii")
+    (folder / "parameters.inc").write_text(parameter_bounds(), encoding="ascii")
     (folder / "by_members.c").write_text(SIGNALS_BY_MEMBERS, encoding="ascii")
     sources = [*(str(NATIVE / name) for name in PARTS), str(folder / "by_members.c")]
     subprocess.run([*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(path), "-lm"], check=True)

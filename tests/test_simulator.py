@@ -306,7 +306,7 @@ def test_added_mass_predicts_the_force_of_a_small_extra_acceleration() -> None:
 @pytest.mark.parametrize("part", ["rope", "swivel", "mesh", "solver"])
 def test_impossible_data_are_refused_with_value_bound_and_cure(part: str) -> None:
     cases = {
-        "rope": (lambda: Rope(EI=-1.0), r"EI = -1.0 .*at least 1e-15; check"),
+        "rope": (lambda: Rope(EI=-1.0), r"EI = -1.0 .*>= 1e-15 N m\^2; check"),
         "swivel": (lambda: Swivel(mu_static=0.1, mu_kinetic=0.2), "mu_static = 0.1 .*>= mu_kinetic"),
         "mesh": (lambda: Mesh(counts=(2, 4, 30, 4, 2)), "segment IV = 30 .*multiple of 8"),
         "solver": (lambda: Solver(rho_inf=1.5), r"rho_inf = 1.5 .*\[0, 1\]"),

@@ -25,6 +25,7 @@ from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
 from hoist_demo.host import Result, Stopwatch
 from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.quantity import quantity
 from hoist_demo.recording import Recording
 from hoist_demo.reference import s_curve
 from hoist_demo.study.cluster import cluster, run_samples
@@ -228,8 +229,8 @@ def test_every_field_states_a_unit(data: type) -> None:
 
 @dataclass(frozen=True)
 class Part:
-    delay: float = 0.5  # s
-    share: float = 0.1  # -
+    delay: float = quantity(0.5, "s")
+    share: float = quantity(0.1, "-")
 
     def __post_init__(self) -> None:
         if self.share > self.delay:
@@ -238,9 +239,9 @@ class Part:
 
 @dataclass(frozen=True)
 class Whole:
-    count: int = 3  # -, of things
-    part: Part | None = None  # None: without
-    limit: float | None = None  # N m, None: none
+    count: int = quantity(3, "-", "of things")
+    part: Part | None = quantity(None, "", "none: without")
+    limit: float | None = quantity(None, "N m", "None: none")
     name: str = "a"
 
 

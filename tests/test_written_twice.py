@@ -64,16 +64,15 @@ ARITHMETIC = {
     "shape_tension": (5, 1),
     "smallest_distance": (0, 1),
     "shape_hanging_guess": (4, 1),
-    "rope_checked": (2, 1),
+    "coupling_checked": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2200, "C": 3100}
-#: modules that C has again
+MOST_LINES = {"Python": 1950, "C": 3050}
+#: modules that C has again; of parameters.py, from which its C is generated, it has two checks
 TWICE = (
     *(f"simulation/{name}.py" for name in ("adaptation", "caveats", "diagnostics", "ends", "mesh", "model", "rigid")),
     *(f"simulation/{name}.py" for name in ("rungs", "signals", "simulator", "state", "statics", "switching")),
     *("simulation/transfer.py", "numerics/banded.py", "numerics/events.py", "numerics/generalized_alpha.py"),
-    "parameters.py",
 )
 LIBM = {"sqrt", "cbrt", "hypot", "pow", "exp", "log", "log2", "log10", "sin", "cos", "tan", "asin", "acos", "atan"}
 LIBM |= {"atan2", "sinh", "cosh", "tanh", "expm1", "log1p", "fma"}

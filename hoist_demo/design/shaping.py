@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
+from hoist_demo.quantity import quantity
 from hoist_demo.reference import Reference, ReferencePoint
 
 KINDS = ("ZV", "ZVD")
@@ -25,9 +26,9 @@ KINDS = ("ZV", "ZVD")
 class Shaper:
     """The mode to leave at rest, as measured (metrics `swing_frequency`, `swing_damping` of a study)."""
 
-    kind: str = "ZVD"  # 1, ZV or ZVD
-    frequency: float = 1.5  # Hz, damped frequency of the mode [assumed]
-    damping: float = 0.03  # 1, damping ratio of the mode [assumed]
+    kind: str = quantity("ZVD", "1", "ZV or ZVD")
+    frequency: float = quantity(1.5, "Hz", "damped frequency of the mode [assumed]")
+    damping: float = quantity(0.03, "1", "damping ratio of the mode [assumed]")
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:

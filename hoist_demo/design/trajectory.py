@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from hoist_demo.controller import Gains
 from hoist_demo.design.low_rung import STATES, LowRung, low_rung
 from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.quantity import quantity
 from hoist_demo.reference import Reference, ReferencePoint, s_curve
 
 Vector = NDArray[np.float64]
@@ -42,10 +43,10 @@ _SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's
 class Trajectory:
     """What the optimisation may do; the defaults are ours [assumed]."""
 
-    swing_speed: float = 0.01  # m/s, of the conveyances after arrival, that is worth swing_price
-    swing_price: float = 1.0  # s
-    hold: float = 1.5  # s, after arrival, over which the swing counts
-    intervals: int = 120  # 1, of the trip
+    swing_speed: float = quantity(0.01, "m/s", "of the conveyances after arrival, that is worth swing_price")
+    swing_price: float = quantity(1.0, "s")
+    hold: float = quantity(1.5, "s", "after arrival, over which the swing counts")
+    intervals: int = quantity(120, "1", "of the trip")
 
     def __post_init__(self) -> None:
         for name in ("swing_speed", "swing_price", "hold"):

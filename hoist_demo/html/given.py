@@ -1,19 +1,14 @@
-"""The data a run was given, as table rows: each field of a frozen dataclass with the unit its source line states.
-
-The house writes a field's unit and meaning once, as the comment behind it: `speed: float = 8.0  # m/s, limit`.
-"""
+"""The data a run was given, as table rows: each field of a frozen dataclass with the unit and the meaning it states."""
 
 from __future__ import annotations
 
-import inspect
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 
 from hoist_demo.html.page import Row, number, unit_text
+from hoist_demo.quantity import meaning_of, unit_of
 from hoist_demo.rope_data import RopeData
 
-_FIELD = re.compile(r"^[ \t]+(\w+)[ \t]*:[^#\n]*#[ \t]*([^,;:\n]+)[,;:]?[ \t]*(.*)$", re.MULTILINE)
 _NO_UNIT = "-"
 
 Table = tuple[str, list[Row]]
@@ -49,11 +44,10 @@ def rows(data: object) -> list[Row]:
     """One row per number, flag or word of a dataclass, those of dataclasses within it included."""
     if not is_dataclass(data) or isinstance(data, type):
         raise TypeError(f"data = {data!r} must be a dataclass instance: give the parameters themselves")
-    notes = _notes(type(data))
     found: list[Row] = []
     for field in fields(data):
         value = getattr(data, field.name)
-        unit, meaning = notes.get(field.name, ("", ""))
+        unit, meaning = unit_of(field), meaning_of(field)
         name = field.name.replace("_", " ") + (f", {meaning}" if meaning else "")
         if is_dataclass(value):
             found += [(f"{field.name.replace('_', ' ')}: {inner}", text, u) for inner, text, u in rows(value)]
@@ -64,12 +58,3 @@ def rows(data: object) -> list[Row]:
         elif isinstance(value, int | float):
             found.append((name, number(value), "" if unit == _NO_UNIT else unit_text(unit)))
     return found
-
-
-def _notes(kind: type) -> dict[str, tuple[str, str]]:
-    """Unit and meaning of each field, from the comments of the class; nothing where the source is not at hand."""
-    try:
-        source = inspect.getsource(kind)
-    except (OSError, TypeError):
-        return {}
-    return {match[1]: (match[2].strip(), match[3].strip()) for match in _FIELD.finditer(source)}

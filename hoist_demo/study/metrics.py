@@ -15,6 +15,7 @@ import numpy as np
 from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.host import Result
 from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.quantity import quantity
 from hoist_demo.recording import Array, Recording
 from hoist_demo.rungs import RUNG
 from hoist_demo.summary import made_up
@@ -74,9 +75,9 @@ RIPPLE_WINDOW = 1.0
 class Arrival:
     """When a conveyance counts as arrived; all values [assumed]."""
 
-    position_band: float = 0.01  # m, of the left conveyance about its landing
-    speed_band: float = 0.01  # m/s, of both conveyances
-    window: float = 5.0  # s, after the reference's arrival, over which swing is judged
+    position_band: float = quantity(0.01, "m", "of the left conveyance about its landing")
+    speed_band: float = quantity(0.01, "m/s", "of both conveyances")
+    window: float = quantity(5.0, "s", "after the reference's arrival, over which swing is judged")
 
     def __post_init__(self) -> None:
         for name in ("position_band", "speed_band", "window"):

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, get_args, get_type_hints
 
-from hoist_demo.study.units import field_units
+from hoist_demo.quantity import stated_units
+from hoist_demo.study.units import spelled
 
 _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
@@ -22,7 +23,7 @@ class Leaf:
 
 def leaves(data: type[Any]) -> Iterator[Leaf]:
     """All single values of a data class; `brake: Brake | None` stands for the brake's own."""
-    hints, units = get_type_hints(data), field_units(data)
+    hints, units = get_type_hints(data), stated_units(data)
     for field in fields(data):
         inner = _inner(hints[field.name])
         if inner is not None:
@@ -32,8 +33,10 @@ def leaves(data: type[Any]) -> Iterator[Leaf]:
         if kinds:
             numeric = kinds[0] in ("Real", "Integer")
             if numeric and field.name not in units:
-                raise ValueError(f"{data.__name__}.{field.name} must state its unit in a comment: write `# m, what`")
-            yield Leaf(field.name, kinds[0], units[field.name] if numeric else "1")
+                raise ValueError(
+                    f"{data.__name__}.{field.name} must state its unit: make it with `quantity(default, unit)`"
+                )
+            yield Leaf(field.name, kinds[0], spelled(units[field.name]) if numeric else "1")
 
 
 def changed(data: Any, values: Mapping[str, object]) -> Any:

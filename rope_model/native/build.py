@@ -14,7 +14,7 @@ from ..numerics.kernels import cache_folder, compile_library, find_compiler
 from .elements import element_code
 from .formulas import formulas_code
 from .platforms import host_platform, prebuilt_file, text_hash
-from .tables import signal_numbers
+from .tables import parameter_bounds, parameter_structures, signal_numbers
 
 _FOLDER = Path(__file__).resolve().parent
 NAME = "rope"
@@ -31,8 +31,14 @@ def sources() -> dict[str, str]:
 
 
 def generated() -> dict[str, str]:
-    """The generated files, made anew."""
-    return {"elements.inc": element_code(), "formulas.h": formulas_code(), "signal_numbers.h": signal_numbers()}
+    """The generated files, made anew from the physics and the tables of signals and parameters."""
+    return {
+        "elements.inc": element_code(),
+        "formulas.h": formulas_code(),
+        "signal_numbers.h": signal_numbers(),
+        "parameters.h": parameter_structures(),
+        "parameters.inc": parameter_bounds(),
+    }
 
 
 def generated_file(package: Path) -> Path:

@@ -25,17 +25,10 @@ static double yaw_of(State *state)
 
 static void left_out(Simulator *rope, char *message)
 {
-    static const char *const zeros[] = {
-        "", "", "my, swivels, twists, stress.torsion_max and the yaw by torque",
-        "fz, mx, my, swivels, twists, loop.z, loop.yaw and stress.torsion_max",
-        "fx, fz, moments, swivels, twists, loop.z, loop.yaw, stress.torsion_max and strain energy"};
+    static const char *const texts[] = LEFT_OUT_TEXTS;
     const int rung = rope->state->rung;
-    if (rung == TORSIONAL || (rung != RIGID && !rung_carries_torque(&rope->scene)))
-        return;
-    snprintf(message, MESSAGE,
-             "the %s rung computes no %storsion: %s are 0 and no results; set model.rung = torsional (1) where they "
-             "matter",
-             rung_name(rung), rung == RIGID ? "bending and no " : "", zeros[rung]);
+    if (rung == RIGID || rung_carries_torque(&rope->scene))
+        snprintf(message, MESSAGE, "%s", texts[rung]);
 }
 
 static void tangled(Simulator *rope, char *message)

@@ -160,5 +160,7 @@ void rigid_tension(const Arrays *arrays, double rho, double gravity, int points,
 /* parameters.c: rope_model.parameters, the same bounds and messages with the group's name before, as in
    "rope: Qa = ..."; "" when all is well */
 void scene_checked(const Scene *scene, char *message);
+/* the same of a mesh alone, but for its counts */
+void mesh_in_bounds(const Mesh *mesh, char *message);
 
 #endif

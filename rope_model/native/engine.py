@@ -8,12 +8,12 @@ import struct
 from collections.abc import Iterable
 from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_void_p
 from functools import cache, lru_cache
-from typing import cast
+from typing import cast, get_args
 
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
-from ..parameters import Scene
+from ..parameters import RungChoice, Scene
 from ..simulation.balance_rope import BalanceRope, Status
 from ..simulation.caveats import CAVEATS
 from ..simulation.ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, Phase, SwivelState
@@ -27,7 +27,7 @@ from .structures import PathStructure, scene_structure
 _MESSAGE, _CHATTER_EVENTS, _LOGGED_EVENTS, _SEGMENTS = 512, 50, 128, 7
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")
-_RUNGS = ("auto", "torsional", "spatial", "planar", "rigid")
+_RUNGS = get_args(RungChoice)
 _ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
 
 
@@ -287,7 +287,7 @@ def _unpacked(data: bytes) -> RopeState:
         last_interval=s.last_interval,
         force_mean=(s.force_mean[0], s.force_mean[1]),
         loop_yaw=s.loop_yaw,
-        rung=_RUNGS[s.rung],  # type: ignore[arg-type]
+        rung=_RUNGS[s.rung],
         rung_reason=s.rung_reason.decode(),
         events=tuple(event.told() for event in s.events[: s.happened]),
         ledger=Ledger(*(getattr(s.ledger, name) for name in Ledger._fields)),

@@ -7,9 +7,6 @@
 #include "formulas.h"
 #include "text.h"
 
-/* more would be a mistake in the unit of an element's length */
-enum { MOST_ELEMENTS = 20000 };
-
 static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
 enum { GRADING = 2, RATIO = 4, LENGTHS = 11 };
@@ -131,11 +128,8 @@ static double outer_of(const Mesh *mesh, double length) {
 int mesh_elements(const Mesh *mesh, double length, char *message) {
     message[0] = '\0';
     if (mesh->kind == EEM) {
-        if (mesh->elements >= 2 && mesh->elements <= MOST_ELEMENTS)
-            return mesh->elements;
-        snprintf(message, MESSAGE, "elements = %d is out of range: it must be 2 to %d; use fewer or more",
-                 mesh->elements, MOST_ELEMENTS);
-        return 0;
+        mesh_in_bounds(mesh, message); /* what 'auto' asks for may be too much */
+        return message[0] ? 0 : mesh->elements;
     }
     double outer = outer_of(mesh, length);
     if (outer > (double)MOST_ELEMENTS) {

@@ -8,43 +8,13 @@
 
 #include <stddef.h>
 
+#include "parameters.h" /* codes of choices; Rope, Layout, Swivel, Mesh, Solver and Model: generated */
+
 enum { LEFT, RIGHT };
 /* degrees of freedom of a node: r (3), r' (3), theta */
 enum { SLOPE = 3, ANGLE = 6, DOF = 7 };
-/* the numbers of the words are those of fmu_src.interface.CHOICES */
-enum { LOCKED_MODE, FREE_MODE, COULOMB_MODE };
-enum { TMN, EEM, AUTO_MESH };
-enum { AUTO_RUNG, TORSIONAL, SPATIAL, PLANAR, RIGID };
 /* room for a message, its end included */
 enum { MESSAGE = 512 };
-
-/* the fields of rope_model.parameters, in their order */
-typedef struct {
-    double length, mass_per_length, Qa, Qb, Qc, Qd, EI, rhoJ, beta_K, diameter, installed_twist;
-} Rope;
-
-typedef struct {
-    double spacing, gravity;
-} Layout;
-
-typedef struct {
-    double mean_diameter, mu_static, mu_kinetic, seal_moment, inertia, release_time;
-    int mode;
-} Swivel;
-
-typedef struct {
-    double coarse_length, leg_growth, loop_error;
-    int kind, elements, counts[5], end_levels;
-} Mesh;
-
-typedef struct {
-    double step_max, step_min, tolerance, newton_tolerance, rho_inf;
-} Solver;
-
-typedef struct {
-    double force_tolerance;
-    int rung;
-} Model;
 
 typedef struct {
     Rope rope;

@@ -8,7 +8,7 @@
 enum { OUT_OF_PLANE = 1, TURNED = 2, ALONG = 4 };
 
 const char *rung_name(int rung) {
-    static const char *const names[] = {"auto", "torsional", "spatial", "planar", "rigid"};
+    static const char *const names[] = RUNG_WORDS;
     return names[rung];
 }
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import fields
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from ..parameters import Layout, Mesh, Model, Rope, Scene, Solver, Swivel
 from ..simulation.ends import PATH, EndMotion, EndPath
@@ -16,16 +16,30 @@ from ..simulation.ends import PATH, EndMotion, EndPath
 NOT_IN_C = {"kernels"}
 
 
+class Member(NamedTuple):
+    """A parameter in C."""
+
+    name: str
+    real: bool  # a double, or an int
+    length: int = 0  # of an array
+
+
+def members(kind: type[Any]) -> tuple[Member, ...]:
+    """The members of a group's structure."""
+    hints = {name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C}
+    lengths = {name: len(get_args(hint)) if get_origin(hint) is tuple else 0 for name, hint in hints.items()}
+    found = [Member(name, hint is float, lengths[name]) for name, hint in hints.items()]
+    return tuple(sorted(found, key=lambda member: not member.real))
+
+
 def _structure(kind: type[Any]) -> type[ctypes.Structure]:
     """The structure of one group of parameters."""
-    hints = {name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C}
-    reals = [(name, ctypes.c_double) for name, hint in hints.items() if hint is float]
-    integers = [(name, _integer(hint)) for name, hint in hints.items() if hint is not float]
-    return type(kind.__name__, (ctypes.Structure,), {"_fields_": [*reals, *integers]})
+    return type(kind.__name__, (ctypes.Structure,), {"_fields_": [(m.name, _type(m)) for m in members(kind)]})
 
 
-def _integer(hint: Any) -> type[Any]:
-    return ctypes.c_int * len(get_args(hint)) if get_origin(hint) is tuple else ctypes.c_int
+def _type(member: Member) -> type[Any]:
+    kind: type[Any] = ctypes.c_double if member.real else ctypes.c_int
+    return kind * member.length if member.length else kind
 
 
 GROUPS = {kind: _structure(kind) for kind in (Rope, Layout, Swivel, Mesh, Solver, Model)}

@@ -2,26 +2,113 @@
 
 from __future__ import annotations
 
+import json
 import re
+from collections.abc import Iterator
+from typing import Any, get_args
 
+from ..parameter_table import Parameter, check_order, parameters_of
+from ..parameters import MOST_ELEMENTS, RungChoice
+from ..simulation.left_out import left_out_text
+from ..simulation.rungs import LADDER
 from ..simulation.signals import SHAPE_POINTS, SIGNALS, group_of
+from .structures import GROUPS, NOT_IN_C, members
+
+_HEAD = "/* Generated from rope_model.parameters by rope_model.native.tables. */\n"
+#: what a code's name has behind the word where that alone would not do
+_SUFFIXES = {"mode": "_MODE", "kind": "_MESH", "rung": "_RUNG"}
 
 
 def signal_numbers() -> str:
-    """The text of signal_numbers.h: the signals' numbers and groups.
+    """The text of signal_numbers.h: the signals' numbers and groups, and the warnings of rungs that leave some out.
 
     A number is the place in SIGNALS, a group the function of simulation.signals that computes the signal.
     """
     numbers = "".join(f"    {constant(name)},\n" for name in SIGNALS)
     groups = ", \\\n".join(f"    {group_of(name).__name__.upper()}" for name in SIGNALS)
+    texts = ", \\\n".join(
+        f"    {json.dumps(left_out_text(rung) if rung in LADDER else '')}" for rung in get_args(RungChoice)
+    )
     return (
-        "/* Generated from rope_model.simulation.signals by rope_model.native.tables. */\n"
+        "/* Generated from rope_model.simulation.signals and left_out by rope_model.native.tables. */\n"
         "#ifndef SIGNAL_NUMBERS_H\n#define SIGNAL_NUMBERS_H\n\n"
         f"enum {{\n{numbers}    SIGNALS,\n    SHAPE_POINTS = {SHAPE_POINTS}\n}};\n\n"
-        f"/* of each signal, an enum of signals.h */\n#define SIGNAL_GROUPS \\\n{groups}\n\n#endif\n"
+        f"/* of each signal, an enum of signals.h */\n#define SIGNAL_GROUPS \\\n{groups}\n\n"
+        f"/* the warning of each rung, by its code */\n#define LEFT_OUT_TEXTS {{ \\\n{texts}}}\n\n#endif\n"
     )
 
 
 def constant(name: str) -> str:
     """Name of a signal's number in C: SIGNAL_SHAPE_X_1 for ``shape.x[1]``."""
     return "SIGNAL_" + re.sub(r"\W+", "_", name).strip("_").upper()
+
+
+def parameter_structures() -> str:
+    """The text of parameters.h: the codes of choices, and a structure for each group of parameters."""
+    parts = [f"enum {{ MOST_ELEMENTS = {MOST_ELEMENTS} }};\n"]
+    parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
+    text = "\n".join(parts)
+    return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
+
+
+def parameter_bounds() -> str:
+    """The text of parameters.inc: names, bounds and cures of each group, in the order in which they are checked."""
+    return _HEAD + "".join(_bounds(kind) for kind in GROUPS)
+
+
+def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
+    for name, p in parameters_of(kind).items():
+        if p.choices and name not in NOT_IN_C:
+            yield name, tuple(p.choices)
+
+
+def _codes(name: str, words: tuple[str, ...]) -> str:
+    """The codes of a choice; its words are a macro to initialise an array with."""
+    long = {word for word in words if word == "auto" or name == "mode"}
+    codes = ", ".join(word.upper() + (_SUFFIXES[name] if word in long else "") for word in words)
+    quoted = ", ".join(json.dumps(word) for word in words)
+    return f"enum {{ {codes} }};\n#define {_SUFFIXES[name][1:]}_WORDS {{{quoted}}}\n"
+
+
+def _structure(kind: type[Any]) -> str:
+    table = parameters_of(kind)
+    lines = []
+    for m in members(kind):
+        unit, text = table[m.name].unit, table[m.name].description
+        array = f"[{m.length}]" if m.length else ""
+        lines.append(f"    {'double' if m.real else 'int'} {m.name}{array}; /* {unit}{', ' * bool(unit)}{text} */\n")
+    return f"typedef struct {{\n{''.join(lines)}}} {kind.__name__};\n"
+
+
+def _bounds(kind: type[Any]) -> str:
+    known = {m.name: m for m in members(kind)}
+    rows = "".join(
+        f"    {_row(kind.__name__, name, p, known[name].real)},\n"
+        for name, p in check_order(kind)
+        if name in known and not known[name].length
+    )
+    return f"\nstatic const Parameter {kind.__name__.upper()}_PARAMETERS[] = {{\n{rows}}};\n"
+
+
+def _row(group: str, name: str, p: Parameter, real: bool) -> str:
+    """One Parameter of parameters.c."""
+
+    def place(bound: float | str | None) -> str:
+        return f"offsetof({group}, {bound})" if isinstance(bound, str) else "NONE"
+
+    def number(bound: float | str | None, without: str) -> str:
+        return repr(float(bound)) if isinstance(bound, int | float) else without
+
+    kind, lower, upper, words = (
+        "REAL" if real else "WHOLE",
+        number(p.lower, "-INFINITY"),
+        number(p.upper, "INFINITY"),
+        p.bound,
+    )
+    if p.choices:
+        kind, lower, upper = "CHOICE", "0", str(len(p.choices) - 1)
+        words = ", ".join(f"{code} {word}" for code, word in enumerate(p.choices))
+    before, _, behind = words.partition("{}")
+    texts = ", ".join(json.dumps(text) for text in (before, behind, p.cure))
+    at = f"offsetof({group}, {name})"
+    return f'{{"{name}", {kind}, {at}, {lower}, {upper}, {place(p.lower)}, {place(p.upper)}, {texts}}}'

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from ..parameters import Scene
 from ..physics.estimates import coupling_torque, twist_torque
 from .diagnostics import leg_clearance, loop_bottom
+from .left_out import left_out_text
 from .rope_system import ANGLE
 from .rungs import carries_torque
 from .state import RopeState
@@ -27,22 +28,11 @@ TURNED_FAR = 0.5 * math.pi
 YAWED_FAR = math.pi / 6
 #: m/s: a rope with less kinetic energy than all of it has at this speed is at rest
 REST_SPEED = 1e-3
-_LEFT_OUT = {
-    "spatial": "my, swivels, twists, stress.torsion_max and the yaw by torque",
-    "planar": "fz, mx, my, swivels, twists, loop.z, loop.yaw and stress.torsion_max",
-    "rigid": "fx, fz, moments, swivels, twists, loop.z, loop.yaw, stress.torsion_max and strain energy",
-}
 
 
 def left_out(scene: Scene, state: RopeState) -> str:
     """'' where the rung computes all that the rope does; otherwise which outputs are 0 and no results."""
-    rung = state.rung
-    if rung == "torsional" or (rung != "rigid" and not carries_torque(scene)):
-        return ""
-    return (
-        f"the {rung} rung computes no {'bending and no ' if rung == 'rigid' else ''}torsion: {_LEFT_OUT[rung]} are 0 "
-        "and no results; set model.rung = torsional (1) where they matter"
-    )
+    return left_out_text(state.rung) if state.rung == "rigid" or carries_torque(scene) else ""
 
 
 def tangled(scene: Scene, state: RopeState) -> str:

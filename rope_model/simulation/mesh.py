@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..parameters import Layout, Mesh, Rope
+from ..parameters import MOST_ELEMENTS, Layout, Mesh, Rope
 from ..physics.elementary import larger, smaller, sqrt
 from .rope_system import Array, arc_lengths
 
@@ -56,8 +56,6 @@ FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.25
 NEAREST = 0.12
 #: 'auto': end elements in units of the bending layer there, for an error of LOOP_ERROR R; shorter as the loop's are
 END_LENGTH = 2.9
-#: more would be a mistake in the unit of an element's length
-MOST_ELEMENTS = 20000
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,103 @@
+"""The table of parameters: what is known of each field of a data class stands in the field itself.
+
+`parameter` and `choice` make such fields.  All who need the facts take them from here: the checks of the data classes,
+the C structures and checks (native.tables), the FMU's interface, its documents, studies and reports.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import field, fields
+from typing import Any, NamedTuple, TypeVar, get_args
+
+T = TypeVar("T")
+
+
+class Parameter(NamedTuple):
+    """What is known of a parameter but its name and default value, which are the field's."""
+
+    unit: str  # as FMI writes it, "1" of a pure number, "" of a count or a choice
+    description: str  # [assumed] marks data that are ours
+    lower: float | str | None = None  # least value, or the name of the field that holds it
+    upper: float | str | None = None  # largest value, likewise
+    cure: str = ""  # what to do about a value out of bounds
+    tunable: bool = False  # may change between steps
+    choices: Mapping[str, str] = {}  # words and their meanings; a word's place is its code
+
+    @property
+    def other(self) -> str:
+        """Name of the field that bounds this one, or ''."""
+        return next((bound for bound in (self.lower, self.upper) if isinstance(bound, str)), "")
+
+    @property
+    def bound(self) -> str:
+        """The bounds in words, with {} for the value of the field that is one of them; '' without bounds."""
+        if self.choices:
+            return f"one of {', '.join(self.choices)}"
+        if self.lower is None:
+            return ""
+        lower, upper = _words(self.lower), _words(self.upper)
+        unit = re.sub(r"(?<=[a-z])(\d)", r"^\1", self.unit).replace(".", " ")
+        return (f"in [{lower}, {upper}]" if upper else f">= {lower}") + (f" {unit}" if unit not in ("", "1") else "")
+
+
+def parameter(default: T, unit: str, description: str, **facts: Any) -> T:
+    """A field that is a number; ``facts`` are those of Parameter."""
+    return field(default=default, metadata=Parameter(unit, description, **facts)._asdict())
+
+
+def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, cure: str) -> T:
+    """A field that is one of the words of a Literal, each with its meaning."""
+    choices = dict(zip(get_args(words), meanings, strict=True))
+    return field(default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict())
+
+
+def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
+    """The parameters of a data class by name."""
+    return {f.name: Parameter(**f.metadata) for f in fields(kind)}
+
+
+def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:
+    """The parameters in the order in which they are checked: choices first, what another field bounds last."""
+    return tuple(sorted(parameters_of(kind).items(), key=lambda item: (not item[1].choices, bool(item[1].other))))
+
+
+def numeric_bounds(kind: type[Any], name: str) -> tuple[float | None, float | None]:
+    """Bounds of a parameter as numbers: those of the field that bounds it, where there is one."""
+    table = parameters_of(kind)
+    p = table[name]
+    lower = table[p.lower].lower if isinstance(p.lower, str) else p.lower
+    upper = table[p.upper].upper if isinstance(p.upper, str) else p.upper
+    assert not isinstance(lower, str)
+    assert not isinstance(upper, str)
+    return lower, upper
+
+
+def require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
+    """ValueError with value, bound and cure, unless ``ok``."""
+    if not ok:
+        raise ValueError(f"{what} = {value!r} is out of range: it must be {bound}; {cure}")
+
+
+def require_in_bounds(data: Any) -> None:
+    """ValueError unless every field of ``data`` is finite, one of its choices, and within its bounds."""
+    order = check_order(type(data))
+    for name, _ in order:
+        value = getattr(data, name)
+        require(not isinstance(value, float) or math.isfinite(value), name, value, "finite", "give a number")
+    for name, p in order:
+        value = getattr(data, name)
+        if p.choices:
+            ok = value in p.choices
+        else:
+            lower, upper = (getattr(data, b) if isinstance(b, str) else b for b in (p.lower, p.upper))
+            ok = (lower is None or lower <= value) and (upper is None or value <= upper)
+        require(ok, name, value, p.bound.format(repr(getattr(data, p.other))) if p.other else p.bound, p.cure)
+
+
+def _words(bound: float | str | None) -> str:
+    if bound is None:
+        return ""
+    return f"{bound} = {{}}" if isinstance(bound, str) else f"{bound:g}"

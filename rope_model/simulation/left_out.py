@@ -1,0 +1,63 @@
+"""What each rung of the model leaves out: the outputs that are 0 and no results, and exact only without torque.
+
+One table for the warnings of both forms of the rope, the reports and the documents.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from .rungs import LADDER, RungName
+
+
+class Effect(NamedTuple):
+    """What the rungs from ``lowest`` on compute, and those below it leave out."""
+
+    lowest: RungName
+    words: str  # for reports
+    outputs: tuple[str, ...]  # names of outputs, or the part of the name that they share
+    by_torque: bool  # nothing without torque, so that 0 is then the result
+
+    def has(self, name: str) -> bool:
+        """Whether the output ``name`` is one of them."""
+        parts = f".{name.partition('[')[0]}."
+        return any(f".{output}." in parts for output in self.outputs)
+
+
+EFFECTS = (
+    Effect(
+        "planar",
+        "side forces, strain energy and damping in the rope",
+        ("fx", "mz", "energy.strain", "energy.dissipated_material"),
+        by_torque=False,
+    ),
+    Effect("spatial", "yaw and all else out of the plane", ("fz", "mx", "loop.z", "loop.yaw"), by_torque=True),
+    Effect(
+        "torsional",
+        "torque, twist, turning swivels and torsional stress",
+        (
+            *("my", "swivel", "twist", "stress.torsion_max", "shape.torsion"),
+            *("energy.dissipated_swivel", "energy.nonconservative"),
+        ),
+        by_torque=True,
+    ),
+)
+
+
+def left_out(rung: RungName) -> tuple[Effect, ...]:
+    """What the rung leaves out."""
+    return tuple(effect for effect in EFFECTS if LADDER.index(effect.lowest) > LADDER.index(rung))
+
+
+def left_out_text(rung: RungName) -> str:
+    """The warning of a rung that runs where it leaves out something; '' of the complete one."""
+    if not (effects := left_out(rung)):
+        return ""
+    names = [name for effect in effects for name in effect.outputs]
+    if rung == "spatial":
+        names.append("the yaw by torque")
+    bending = "bending and no " if rung == "rigid" else ""
+    return (
+        f"the {rung} rung computes no {bending}torsion: {', '.join(names[:-1])} and {names[-1]} are 0 and no results; "
+        "set model.rung = torsional (1) where they matter"
+    )
