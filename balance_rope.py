@@ -16,10 +16,10 @@ from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
 from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
 from fmu_src.ssp import Component, export_ssp
-from hoist_demo.cli import add_demo
+from hoist_demo.cases.scenes import SCENES
+from hoist_demo.command_line.demo import add_demo
+from hoist_demo.command_line.study import add_study
 from hoist_demo.drive_fmu.description import drive_model, duration
-from hoist_demo.scenes import SCENES
-from hoist_demo.study.command import add_study
 from rope_model import __version__
 from rope_model.parameters import LEVELS, rope_120
 

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from benchmarks.kinematic import H, ends_at
 from fmu_src.native.build import PLATFORMS, host_platform
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import SETUPS
-from hoist_demo.reference import s_curve
 
 ROOT = Path(__file__).resolve().parent.parent
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")

@@ -17,11 +17,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from hoist_demo.controller import ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.cases.presets import PRESETS
+from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.control.reference import s_curve
+from hoist_demo.drive.plant import HoistPlant, PlantInput, energy_residual
 from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding
-from hoist_demo.plant import HoistPlant, PlantInput, energy_residual
-from hoist_demo.presets import PRESETS
-from hoist_demo.reference import s_curve
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 SHOWN = "monopol-1000"

@@ -30,11 +30,11 @@ from tqdm import tqdm
 from fmu_src.export import export_fmu
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.inprocess_rope import rope_data
-from hoist_demo.reference import s_curve
-from hoist_demo.rope_plant import EndMotion
-from hoist_demo.scenes import SCENES
+from hoist_demo.cases.scenes import SCENES
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from rope_model import SIGNALS, Solver, balance_rope
 
 from .kinematic import ends_at

@@ -20,10 +20,10 @@ from fmu_src.native.export import native_table, rope_sources, shell_sources
 from fmu_src.native.model_fmu import model_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
+from hoist_demo.cases.scenes import SCENES, SceneData
 from hoist_demo.drive_fmu.description import drive_model, without_brake
 from hoist_demo.drive_fmu.kernels import generated as drive_kernels
 from hoist_demo.drive_fmu.kernels import kernels_file
-from hoist_demo.scenes import SCENES, SceneData
 from rope_model.native.build import NAME, generated, generated_file, sources
 from rope_model.native.platforms import prebuilt_file
 from rope_model.parameters import rope_120

@@ -22,21 +22,21 @@ from benchmarks.coupling.oscillator import Data, error, started
 from benchmarks.coupling.page import page
 from benchmarks.coupling.reading import PROMISED, foretold, order_on_hoist, rows, theory
 from benchmarks.reproduction.tables import read
-from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.coupling.catalogue import SCHEMES, scheme_named
-from hoist_demo.coupling.energy import EnergyControlled
-from hoist_demo.coupling.extrapolation import extrapolated
-from hoist_demo.coupling.gauss_seidel import GaussSeidel, ImpulsePreserving
-from hoist_demo.coupling.interface import Load, Sample, Scheme
-from hoist_demo.coupling.iterative import Iterative
-from hoist_demo.coupling.semi_implicit import SemiImplicit
-from hoist_demo.coupling.stability import MARGIN, growth
-from hoist_demo.host import Host, Result
-from hoist_demo.inprocess_rope import InProcessRope, rope_in_process
+from hoist_demo.cases.scenes import SCENES
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_in_process
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopeStatus
+from hoist_demo.cosimulation.schemes.catalogue import SCHEMES, scheme_named
+from hoist_demo.cosimulation.schemes.energy import EnergyControlled
+from hoist_demo.cosimulation.schemes.extrapolation import extrapolated
+from hoist_demo.cosimulation.schemes.gauss_seidel import GaussSeidel, ImpulsePreserving
+from hoist_demo.cosimulation.schemes.interface import Load, Sample, Scheme
+from hoist_demo.cosimulation.schemes.iterative import Iterative
+from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
+from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
+from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantInputPath
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.plant import HoistPlant, PlantInput, PlantInputPath
-from hoist_demo.rope_plant import EndMotion, RopeStatus
-from hoist_demo.scenes import SCENES
 from rope_model.parameters import PRESETS, Level
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -290,11 +290,11 @@ def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
 THROUGH_THE_FMU = """
 import sys
 from pathlib import Path
-from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.rope_plant import EndMotion
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 
 path, folder = Path(sys.argv[1]), Path(sys.argv[2])
 trip = Winding(travel=0.002, settle=0.0, start_delay=0.0)

@@ -15,12 +15,12 @@ from numpy.testing import assert_allclose
 from fmu_src.interface import Variable
 from fmu_src.native.start import Start, c_start
 from fmu_src.native.table import c_table, start_values
-from hoist_demo.controller import ControllerState, Measurement, SpeedController
+from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
+from hoist_demo.control.reference import s_curve
+from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.drive_fmu.description import DriveModel, drive_model
 from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces, start_heights
 from hoist_demo.parameters import SETUPS, Setup
-from hoist_demo.plant import HoistPlant, PlantInput
-from hoist_demo.reference import s_curve
 from rope_model.numerics.kernels import find_compiler
 
 NATIVE = Path(__file__).parents[1] / "fmu_src" / "native"
@@ -108,7 +108,7 @@ def drive(compiled: tuple[ctypes.CDLL, DriveModel]) -> Iterator[Drive]:
 
 
 def in_process(setup: Setup, forces: list[tuple[float, float]]) -> list[list[float]]:
-    """Motions after each step under the given forces of the balance rope; the loop of hoist_demo.host."""
+    """Motions after each step under the given forces of the balance rope; the loop of hoist_demo.cosimulation.host."""
     plant, reference = HoistPlant(setup.hoist, tolerance=1e-12), s_curve(setup.winding)
     heights = start_heights(setup)
     state = plant.equilibrium(*heights, *rest_forces(setup))

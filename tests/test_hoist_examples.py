@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from exports import FLAVOURS
 
-from hoist_demo.recording import read_csv
+from hoist_demo.recording.time_series import read_csv
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = re.findall(r"## Your own (\w+)\n.*?```python\n(.*?)```", (ROOT / "docs/hoist.md").read_text("utf-8"), re.S)

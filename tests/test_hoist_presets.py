@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from benchmarks.hoist import Run, stop, wind
-from hoist_demo.inprocess_rope import rope_in_process
+from hoist_demo.cases.presets import PRESETS, TAIL_SPARE, Preset, round_rope
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from hoist_demo.parameters import require_trip_fits
-from hoist_demo.presets import PRESETS, TAIL_SPARE, Preset, round_rope
-from hoist_demo.rope_plant import EndMotion
 from rope_model.parameters import Layout, Rope
 
 

@@ -17,24 +17,24 @@ import pytest
 from exports import FLAVOURS
 
 from balance_rope import _levels
-from hoist_demo.cli import _patient, _scene_of
-from hoist_demo.events import marks
-from hoist_demo.fmu_parameters import read_parameters
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host, Result
-from hoist_demo.html.given import rope_tables
-from hoist_demo.html.page import number
-from hoist_demo.html.run import run_report
-from hoist_demo.inprocess_rope import InProcessRope, rope_data, rope_in_process
+from hoist_demo.cases.scenes import SCENES
+from hoist_demo.command_line.demo import _patient, _scene_of
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_in_process
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.recording import Recording
-from hoist_demo.reference import s_curve
-from hoist_demo.report import render_markdown
-from hoist_demo.rope_plant import EndMotion
-from hoist_demo.rungs import RUNG, code_of, computed, remark, rungs_of
-from hoist_demo.scenes import SCENES
+from hoist_demo.recording.rungs import RUNG, code_of, computed, remark, rungs_of
+from hoist_demo.recording.time_series import Recording
+from hoist_demo.report.events import marks
+from hoist_demo.report.html.given import rope_tables
+from hoist_demo.report.html.page import number
+from hoist_demo.report.html.run import run_report
+from hoist_demo.report.markdown import render_markdown
+from hoist_demo.report.summary import render, summarize
 from hoist_demo.study.metrics import Arrival, measure
-from hoist_demo.summary import render, summarize
 from rope_model.parameters import Mesh, Model, Rope, Scene, rope_120
 
 ROOT = Path(__file__).parents[1]

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from hoist_demo.inprocess_rope import rope_data
+from hoist_demo.cases.scenes import scene_named
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from hoist_demo.reference import s_curve
-from hoist_demo.scenes import scene_named
 from rope_model.native.build import library
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, RungChoice, Scene, Solver, Swivel, rope_120, rope_240

@@ -12,13 +12,13 @@ from numpy.testing import assert_allclose
 
 import balance_rope
 from fmu_src.interface import preset_with, scene_of, variables
-from hoist_demo.host import Host, Result
-from hoist_demo.inprocess_rope import rope_data, rope_in_process
+from hoist_demo.cases.presets import PRESETS
+from hoist_demo.cases.scenes import SCENES, scene_named
+from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.parameters import GRAVITY, SETUPS, Coupling
-from hoist_demo.presets import PRESETS
-from hoist_demo.scenes import SCENES, scene_named
+from hoist_demo.report.summary import made_up
 from hoist_demo.study.run import build
-from hoist_demo.summary import made_up
 from rope_model import parameters
 from rope_model.parameters import rope_120
 

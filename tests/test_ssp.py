@@ -28,11 +28,11 @@ from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
 from fmu_src.ssp import OMS, OSP, SSC, SSD, Component, export_ssp
+from hoist_demo.cases.scenes import SCENES
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive_fmu.description import drive_model, duration
-from hoist_demo.host import Host
-from hoist_demo.inprocess_rope import rope_in_process
 from hoist_demo.parameters import SETUPS, Coupling
-from hoist_demo.scenes import SCENES
 
 STOP = duration(SETUPS["rope-120"].winding)
 STEPS = 2600  # the trip of 90 m and its arrival

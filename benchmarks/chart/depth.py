@@ -19,10 +19,10 @@ from benchmarks.kinematic import wind
 from benchmarks.reproduction.costs import SOURCE_SAVED
 from benchmarks.reproduction.drawing import ACCENTS, COLOURS, figure
 from benchmarks.reproduction.tables import Table, Tables, table
-from hoist_demo.inprocess_rope import rope_data
+from hoist_demo.cases.scenes import scene_named
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import s_curve
-from hoist_demo.scenes import scene_named
 from rope_model.parameters import Mesh, Model, Scene, Solver
 
 from .front import cost_at

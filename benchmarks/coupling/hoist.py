@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.coupling.interface import Scheme
-from hoist_demo.coupling.iterative import Iterative
-from hoist_demo.host import Host, Result
-from hoist_demo.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cases.scenes import SCENES
+from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.schemes.interface import Scheme
+from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Winding
-from hoist_demo.scenes import SCENES
 from rope_model.parameters import Level
 
 Array = NDArray[np.float64]

@@ -9,13 +9,13 @@ from tqdm import tqdm
 
 from benchmarks.chart.measure import machine
 from benchmarks.reproduction.tables import Table, Tables, table
-from hoist_demo.coupling.catalogue import SCHEMES
-from hoist_demo.coupling.energy import EnergyControlled
-from hoist_demo.coupling.gauss_seidel import ImpulsePreserving
-from hoist_demo.coupling.iterative import Iterative
+from hoist_demo.cases.presets import PRESETS
+from hoist_demo.cases.scenes import SCENES
+from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
+from hoist_demo.cosimulation.schemes.energy import EnergyControlled
+from hoist_demo.cosimulation.schemes.gauss_seidel import ImpulsePreserving
+from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Winding
-from hoist_demo.presets import PRESETS
-from hoist_demo.scenes import SCENES
 
 from . import light, oscillator
 from .hoist import CONVERGED, Case, errors, wound

@@ -2,12 +2,12 @@
 
 Three masses, sheave rim p = R phi and suspension heights y_L, y_R, on head ropes of changing length; the balance
 rope's legs, of length (L + y_L - y_R) / 2 and (L - y_L + y_R) / 2, move and weigh with the conveyances. Energies as in
-`hoist_demo.plant`, with the legs' added,
+`hoist_demo.drive`, with the legs' added,
 
     K += rho / 2 (leg_L v_L^2 + leg_R v_R^2) ,   V += rho g [ leg_L (y_L - leg_L / 2) + leg_R (y_R - leg_R / 2) ] ,
 
-and Lagrange's equation gives the motion. The controller is that of `hoist_demo.controller`, continuous in time, and
-the motor torque lags. Bending, waves and all lateral motion of the rope are left out; a trip that was designed here
+and Lagrange's equation gives the motion. The controller is that of `hoist_demo.control`, continuous in time, and the
+motor torque lags. Bending, waves and all lateral motion of the rope are left out; a trip that was designed here
 is verified on the complete rope.
 
 State x = (s, v, a of the reference; p, y_L, y_R; p', v_L, v_R; torque / R; integral part), measured from the start at
@@ -23,7 +23,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
 from hoist_demo.parameters import GRAVITY, Hoist
 
 Vector = NDArray[np.float64]

@@ -16,7 +16,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-from hoist_demo.reference import Reference, ReferencePoint
+from hoist_demo.control.reference import Reference, ReferencePoint
 
 KINDS = ("ZV", "ZVD")
 

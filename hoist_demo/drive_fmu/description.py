@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
+from hoist_demo.control.reference import s_curve
+from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive_fmu.documentation import attachments
 from hoist_demo.drive_fmu.interface import INPUTS, Variable, plant_outputs, side_forces, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
-from hoist_demo.equations import INPUT_NAMES
 from hoist_demo.parameters import Setup, Winding, require_trip_fits
-from hoist_demo.reference import s_curve
 
 NAME = "HoistDrive"
 MOST_STEPS = 100_000

@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Literal, NamedTuple
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
+from hoist_demo.drive.plant import SIDE_FORCES, PlantOutput
 from hoist_demo.parameters import GRAVITY, Hoist, Setup
-from hoist_demo.plant import SIDE_FORCES, PlantOutput
 
 _SIDES = ("left", "right")
 INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)

@@ -20,10 +20,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
+from hoist_demo.drive.plant import HoistPlant, PlantOutput
 from hoist_demo.drive_fmu.interface import plant_outputs, start_heights
 from hoist_demo.parameters import GRAVITY, Hoist, Setup
-from hoist_demo.plant import HoistPlant, PlantOutput
 
 LIMIT = 0.1
 """RK4's step times the largest eigenvalue: an error of 1e-7 of the fastest oscillation per step; 2.8 is unstable."""

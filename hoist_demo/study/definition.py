@@ -22,16 +22,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.fmu_parameters import read_outputs, read_parameters
-from hoist_demo.host import DRIVE_UNITS
-from hoist_demo.recording import matching
-from hoist_demo.scenes import SCENES, scene_named
+from hoist_demo.cases.scenes import SCENES, scene_named
+from hoist_demo.cosimulation.host import DRIVE_UNITS
+from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
+from hoist_demo.parameters.units import spelled
+from hoist_demo.recording.time_series import matching
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.run import RunData, build, fmu_part
 from hoist_demo.study.sampling import Range, grid, latin_hypercube
-from hoist_demo.study.units import spelled
 
 METHODS = ("grid", "latin-hypercube")
 

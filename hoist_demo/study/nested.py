@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, get_args, get_type_hints
 
-from hoist_demo.study.units import field_units
+from hoist_demo.parameters.units import field_units
 
 _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 

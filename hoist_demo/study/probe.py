@@ -6,10 +6,10 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.progress import warnings_of
-from hoist_demo.rope_plant import EndMotion
-from hoist_demo.scenes import SCENES
+from hoist_demo.cases.scenes import SCENES
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
+from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.study.catalogue import Value
 from hoist_demo.study.run import RunData
 

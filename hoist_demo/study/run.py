@@ -16,20 +16,20 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.controller import Gains
+from hoist_demo.cases.scenes import scene_named
+from hoist_demo.control.controller import Gains
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.rope_plant import RopePlant
+from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
-from hoist_demo.fmu_parameters import read_outputs
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host, Result
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
-from hoist_demo.progress import warnings_of
-from hoist_demo.recording import TIME
-from hoist_demo.reference import s_curve
-from hoist_demo.rope_plant import RopePlant
-from hoist_demo.rungs import computed, rungs_of
-from hoist_demo.scenes import scene_named
+from hoist_demo.recording.rungs import computed, rungs_of
+from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
 from hoist_demo.study.nested import changed

@@ -1,0 +1,1 @@
+"""What is wound: hoist, winding, controller gains and balance rope by name."""
