@@ -5,8 +5,8 @@ Rooms, each on those above it; tests/test_layers.py holds the directions:
     parameters       data of hoist, trip and coupling, checked
     drive | control  the hoist as a model | the reference and the controller that follows it
     design           trips shaped and optimised on a reduced model
-    drive_fmu        drive and control as C, for an FMU
     cases            hoist, trip, gains and rope by name
+    drive_fmu        drive and control of a case as C, for an FMU
     recording        signals of a run over time
     cosimulation     participants (hoist, ropes), the schemes that couple them, the host's loop, checkpoints
     report           summary, figures, Markdown and HTML

@@ -22,7 +22,7 @@ from benchmarks.coupling.oscillator import Data, error, started
 from benchmarks.coupling.page import page
 from benchmarks.coupling.reading import PROMISED, foretold, order_on_hoist, rows, theory
 from benchmarks.reproduction.tables import read
-from hoist_demo.cases.scenes import SCENES
+from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host, Result
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_in_process
@@ -202,10 +202,10 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
     assert result.warning in caplog.text
 
 
-@pytest.mark.parametrize("preset", SCENES)
+@pytest.mark.parametrize("preset", CASES)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
 def test_the_default_is_expected_to_be_stable_on_every_preset(preset: str, H: float) -> None:
-    scene, plant = SCENES[preset], rope_in_process(preset, level="draft")
+    scene, plant = CASES[preset], rope_in_process(preset, level="draft")
     host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
     result = host.run(lambda fraction, t: False)
     assert result.warning == ""
@@ -347,7 +347,7 @@ def test_the_page_is_what_the_committed_data_make() -> None:
 
 def test_the_default_errs_by_less_than_promised_on_every_preset() -> None:
     t = TABLES["presets"]
-    assert set(t["preset"]) == set(SCENES)
+    assert set(t["preset"]) == set(CASES)
     assert set(t["scheme"]) == {Coupling().scheme}
     assert_array_equal(t["H [s]"], 0.01)
     assert np.all(t["force error"] < PROMISED)
@@ -384,7 +384,7 @@ def test_load_through_has_its_mean_and_ends() -> None:
 
 @pytest.mark.parametrize(("level", "warned"), [("reference", True), ("standard", False)])
 def test_at_40_ms_the_host_warns_where_the_rope_s_own_steps_do_not_damp_the_waves(level: Level, warned: bool) -> None:
-    scene = SCENES["rope-120"]
+    scene = CASES["rope-120"]
     host = Host(rope_in_process("rope-120", level=level), scene.hoist, TRIP, Coupling(step=0.04, scheme="jacobi-2"))
     result = host.run(lambda fraction, t: False)
     assert bool(result.warning) == warned

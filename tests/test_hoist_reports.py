@@ -17,7 +17,7 @@ import pytest
 from exports import FLAVOURS
 
 from balance_rope import _levels
-from hoist_demo.cases.scenes import SCENES
+from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.demo import _patient, _scene_of
 from hoist_demo.control.reference import s_curve
 from hoist_demo.cosimulation.host import Host, Result
@@ -203,7 +203,7 @@ def test_the_residual_keeps_its_sign_and_is_set_against_the_kinetic_energy(plana
 
 @pytest.mark.slow
 def test_the_residual_of_a_long_rope_is_what_its_time_integration_dissipates() -> None:
-    scene = SCENES["monopol-1000"]
+    scene = CASES["monopol-1000"]
     trip, top = s_curve(scene.winding), scene.hoist.shaft_travel
 
     def dissipated(**solver: float) -> float:
@@ -270,7 +270,7 @@ def test_a_state_of_another_kind_of_rope_is_refused() -> None:
 
 
 def test_a_checkpoint_leads_back_to_its_scene_and_names_what_differs() -> None:
-    scene = SCENES["rope-120"]
+    scene = CASES["rope-120"]
     rope = rope_in_process("rope-120", level="draft")
     stopped = Host(rope, scene.hoist, SHORT, gains=scene.gains).run(lambda fraction, t: t < 0.1)
     assert stopped.checkpoint is not None

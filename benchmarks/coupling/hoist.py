@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cases.scenes import SCENES
+from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host, Result
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.schemes.interface import Scheme
@@ -53,7 +53,7 @@ class Run:
 
 def wound(case: Case, scheme: str | Scheme, H: float) -> Run:
     """One run; a scheme may be given that has no name."""
-    scene = SCENES[case.preset]
+    scene = CASES[case.preset]
     data = rope_data(scene.rope, case.level)
     if case.rope_step is not None:
         data = data.with_(solver=replace(data.solver, step_max=case.rope_step))

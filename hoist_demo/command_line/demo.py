@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-from hoist_demo.cases.scenes import SCENES
+from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.settings import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import DRIVE_UNITS, Host, Result
@@ -87,9 +87,9 @@ def add_demo(
     demo.set_defaults(run=partial(_demo, levels=levels))
     demo.add_argument(
         "--scene",
-        choices=tuple(SCENES),
+        choices=tuple(CASES),
         metavar="NAME",
-        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(SCENES)} ({_SCENE}, or that of --resume)",
+        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(CASES)} ({_SCENE}, or that of --resume)",
     )
     rope = demo.add_mutually_exclusive_group()
     rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 (default: %(default)s)")
@@ -206,7 +206,7 @@ def _missing(units: Mapping[str, str]) -> str:
 
 def _scene_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
     """The scene of an interrupted run, which its hoist tells; `hoist` is what is set of it."""
-    hoists = {name: changed(scene.hoist, hoist) for name, scene in SCENES.items()}
+    hoists = {name: changed(scene.hoist, hoist) for name, scene in CASES.items()}
     found = next((name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")), None)
     if found is None:
         raise ValueError(
@@ -248,7 +248,7 @@ def _winding(options: argparse.Namespace) -> dict[str, Value]:
         "emergency_law": options.estop_law,
     }
     given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
-    winding = replace(SCENES[options.scene].winding, **((_QUICK if options.quick else {}) | given))
+    winding = replace(CASES[options.scene].winding, **((_QUICK if options.quick else {}) | given))
     if options.creep_speed is not None and not winding.creeps:
         raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
     values = {f"winding.{name}": value for name, value in ((_QUICK if options.quick else {}) | given).items()}

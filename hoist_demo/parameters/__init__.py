@@ -2,17 +2,14 @@
 
 from hoist_demo.parameters.coupling import Coupling
 from hoist_demo.parameters.hoist import ASSUMED_DATA, GRAVITY, Hoist
-from hoist_demo.parameters.setups import SETUPS, Setup
 from hoist_demo.parameters.winding import EmergencyLaw, Winding, require_trip_fits
 
 __all__ = [
     "ASSUMED_DATA",
     "GRAVITY",
-    "SETUPS",
     "Coupling",
     "EmergencyLaw",
     "Hoist",
-    "Setup",
     "Winding",
     "require_trip_fits",
 ]

@@ -16,7 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cases.scenes import scene_named
+from hoist_demo.cases.table import case_named
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.reference import s_curve
 from hoist_demo.cosimulation.host import Host, Result
@@ -93,7 +93,7 @@ class Outcome:
 
 def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
     """The scene's data with the given values; a `ValueError` names what does not fit together."""
-    given = scene_named(scene)
+    given = case_named(scene)
     data: dict[str, Any] = {"hoist": given.hoist, "winding": given.winding, "gains": given.gains}
     data |= {name: kind() for name, kind in SECTIONS.items() if name not in data}
     chosen: dict[str, dict[str, Value]] = {name: {} for name in SECTIONS}

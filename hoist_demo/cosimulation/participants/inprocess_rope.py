@@ -12,7 +12,7 @@ from dataclasses import asdict, fields, replace
 from importlib.metadata import version
 from typing import Any, Literal, get_args, get_type_hints
 
-from hoist_demo.cases.scenes import scene_named
+from hoist_demo.cases.table import case_named
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamped, unstamped
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopeStatus
@@ -116,7 +116,7 @@ def rope_in_process(
     parameters: Mapping[str, Value] | None = None,
 ) -> InProcessRope:
     """The rope of a named scene at a level of accuracy, with other parameters by FMI name."""
-    data = rope_data({**scene_named(scene).rope, **(parameters or {})}, level)
+    data = rope_data({**case_named(scene).rope, **(parameters or {})}, level)
     return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
 
 

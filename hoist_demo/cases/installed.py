@@ -1,22 +1,21 @@
-"""Hoists of the size of installed ones, by name: hoist, winding, controller, and the balance rope that belongs to them.
+"""Cases of the size of installed hoists: hoist, winding, controller, and the balance rope that belongs to them.
 
-`published` tells what the source states; those numbers stand as such in PRESETS. Everything else is ours [assumed]: the
-empty conveyances and the depth where none are given, acceleration and jerk, head ropes, inertias, shaft, brake (three
-times the torque of the payload), guides, losses, friction, spacing, and balance ropes that balance the head ropes
-exactly. Deflection sheaves and what they change in wrap and length are left out. So a preset is a hoist of that size
-and not that hoist, and no number computed with it may be used to judge the installation.
+`published` tells what the source states; those numbers stand as such in INSTALLED. Everything else is ours [assumed]:
+the empty conveyances and the depth where none are given, acceleration and jerk, head ropes, inertias, shaft, brake
+(three times the torque of the payload), guides, losses, friction, spacing, and balance ropes that balance the head
+ropes exactly. Deflection sheaves and what they change in wrap and length are left out. So a case is a hoist of that
+size and not that hoist, and no number computed with it may be used to judge the installation.
 
 The stiffnesses of a balance rope follow from the known one of 44 mm and 8 kg/m by geometric similarity, with its
 diameter d = 44 mm sqrt(m / 8): Qa ~ d^2, Qb and Qc ~ d^3, Qd, EI and rhoJ ~ d^4. Of Qb and Qc a rope has a share that
-its lay decides; that of the presets is COUPLING.
+its lay decides; here it is COUPLING.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
 
+from hoist_demo.cases.case import LOCKED, Case, swivels
 from hoist_demo.control.controller import Gains
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
 from hoist_demo.parameters.components import Brake, Guides, Play, Shaft
@@ -39,23 +38,11 @@ TAIL_SPARE = 40.0
 """Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing."""
 
 COUPLING = 0.1
-"""Qb and Qc of a preset's balance rope over those of a rope similar to the known one [-, assumed].
+"""Qb and Qc of an installed size's balance rope over those of a rope similar to the known one [-, assumed].
 
 Balance ropes of deep shafts are made to turn little. With the known rope's coupling, the weight of 1000 m held at both
 ends would turn the loop through more than a full turn before it moves: the legs would pass through each other.
 """
-
-
-@dataclass(frozen=True)
-class Preset:
-    """A hoist of the size of an installed one, wound as that one is."""
-
-    hoist: Hoist
-    winding: Winding
-    gains: Gains
-    rope: Mapping[str, float]  # parameters of one balance rope, by FMI name
-    published: str
-    source: str
 
 
 def round_rope(length: float, mass_per_length: float, spacing: float, coupling: float) -> dict[str, float]:
@@ -79,7 +66,7 @@ def round_rope(length: float, mass_per_length: float, spacing: float, coupling: 
     }
 
 
-def _preset(
+def _installed(
     *,
     travel: float,
     speed: float,
@@ -95,7 +82,7 @@ def _preset(
     source: str,
     length_up: float = 40.0,
     spacing: float = 2.4,
-) -> Preset:
+) -> Case:
     """Data of a hoist; head_ropes are their number and the mass per length of one [kg/m].
 
     [assumed] A peak torque and power of twice the rated ones, EA of 13 MN per kg/m (a modulus of 110 GPa of the steel),
@@ -130,20 +117,20 @@ def _preset(
         guides=Guides(coulomb=0.005 * conveyance * GRAVITY, viscous=0.01 * payload),
         play=Play(),
     )
-    return Preset(
+    return Case(
         hoist=hoist,
         winding=Winding(
             travel=travel, speed=speed, acceleration=acceleration, jerk=0.5, settle=15.0, emergency_deceleration=2.0
         ),
         gains=Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5),
-        rope=round_rope(travel + TAIL_SPARE, tail_mass, spacing, COUPLING),
+        rope=round_rope(travel + TAIL_SPARE, tail_mass, spacing, COUPLING) | swivels(LOCKED),
         published=published,
         source=source,
     )
 
 
-PRESETS: dict[str, Preset] = {
-    "kiruna-355": _preset(
+INSTALLED = {
+    "kiruna-355": _installed(
         travel=355.0,
         speed=11.0,
         payload=30.0e3,
@@ -158,7 +145,7 @@ PRESETS: dict[str, Preset] = {
         "rope attachment 36.5 t, motor 5600 kW at 64.7 rpm",
         source=_KIRUNA,
     ),
-    "kiruna-710": _preset(
+    "kiruna-710": _installed(
         travel=710.0,
         speed=17.0,
         payload=34.0e3,
@@ -173,7 +160,7 @@ PRESETS: dict[str, Preset] = {
         "rope attachment 40 t, motor 5600 kW at 100 rpm",
         source=_KIRUNA,
     ),
-    "monopol-1000": _preset(
+    "monopol-1000": _installed(
         travel=1000.0,
         speed=16.0,
         payload=20.0e3,
@@ -189,7 +176,7 @@ PRESETS: dict[str, Preset] = {
         source=_MONOPOL,
         length_up=70.0,
     ),
-    "robert-1096": _preset(
+    "robert-1096": _installed(
         travel=1096.0,
         speed=17.0,
         payload=18.0e3,
@@ -205,7 +192,7 @@ PRESETS: dict[str, Preset] = {
         source=_ROBERT,
         length_up=70.0,
     ),
-    "palabora-1282": _preset(
+    "palabora-1282": _installed(
         travel=1282.0,
         speed=18.0,
         payload=32.0e3,
