@@ -24,9 +24,10 @@ from benchmarks.coupling.reading import PROMISED, foretold, order_on_hoist, rows
 from benchmarks.reproduction.tables import read
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.checkpoint import Checkpoint
-from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_in_process
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopeStatus
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES, scheme_named
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
 from hoist_demo.cosimulation.schemes.extrapolation import extrapolated

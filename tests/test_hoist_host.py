@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant, RopeStatus
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import TIME, Recorder, Recording, read_csv, shape_rows, write_csv, write_shapes

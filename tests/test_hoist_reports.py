@@ -20,11 +20,12 @@ from balance_rope import _levels
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.demo import _patient, _scene_of
 from hoist_demo.control.reference import s_curve
-from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_in_process
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.rungs import RUNG, code_of, computed, remark, rungs_of
 from hoist_demo.recording.time_series import Recording

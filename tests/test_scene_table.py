@@ -14,8 +14,9 @@ import balance_rope
 from fmu_src.interface import preset_with, scene_of, variables
 from hoist_demo.cases.installed import INSTALLED
 from hoist_demo.cases.table import CASES, case_named
-from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.report.summary import made_up
 from hoist_demo.study.run import build

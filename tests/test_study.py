@@ -22,7 +22,8 @@ from exports import FLAVOURS
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.reference import s_curve
-from hoist_demo.cosimulation.host import Result, Stopwatch
+from hoist_demo.cosimulation.participants.partners import Stopwatch
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
 from hoist_demo.parameters import Coupling, Hoist, Winding

@@ -15,11 +15,13 @@ from typing import TYPE_CHECKING, Any, get_args
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.settings import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
-from hoist_demo.cosimulation.host import DRIVE_UNITS, Host, Result
+from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter, read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import NOT_READ, FmuRope
 from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import progress_bar
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw
 from hoist_demo.recording.rungs import computed, rungs_of

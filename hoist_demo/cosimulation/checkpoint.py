@@ -7,6 +7,7 @@ serialized state), the recording up to there, and the data of the run as text, w
 from __future__ import annotations
 
 import json
+import re
 import zipfile
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,6 +21,9 @@ from hoist_demo.drive.plant import PlantInput, PlantOutput, PlantState
 from hoist_demo.recording.time_series import Recording
 
 _FIELDS = ("force", "mean", "acceleration")
+
+_FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")
+"""A single value in the text of a dataclass."""
 
 CONTROLLER = "the controller's state"
 """What messages call it."""
@@ -69,6 +73,19 @@ class Checkpoint:
         with path.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
 
+    def require_fits(self, data: str) -> None:
+        """ValueError unless a run of this data can go on from here."""
+        if self.data != data:
+            raise ValueError(
+                f"the checkpoint at t = {self.t:g} s must be of the same hoist, winding, controller, gains and "
+                f"sample time, but {_differences(self.data, data)}: give the scene and the options of that run"
+            )
+        if not self.rope:
+            raise ValueError(
+                f"the checkpoint at t = {self.t:g} s must hold the rope's state, which its rope could not save: "
+                "start anew, or take an FMU with canGetAndSetFMUstate"
+            )
+
     @staticmethod
     def read(path: Path) -> Checkpoint:
         """What `write` has written; ValueError for anything else."""
@@ -96,3 +113,13 @@ class Checkpoint:
         except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
             raise ValueError(f"'{path}' must be a checkpoint of a run, but: {error}: give another file") from error
         return replace(kept, controller=decoded(kept.controller))
+
+
+def _differences(there: str, here: str, most: int = 6) -> str:
+    """Which numbers and words differ between the `Host.data` of a checkpoint and of this run."""
+    old, new = (_FIELD.findall(data) for data in (there, here))
+    changed = [f"{name} is {value} there" for name, value in old if (name, value) not in new]
+    changed += [f"{name} is {value} here" for name, value in new if (name, value) not in old]
+    changed.sort()
+    more = f" and {len(changed) - most} more" if len(changed) > most else ""
+    return (", ".join(changed[:most]) or "they differ") + more

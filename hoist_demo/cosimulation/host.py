@@ -11,123 +11,33 @@ from __future__ import annotations
 
 import logging
 import math
-import re
 from collections.abc import Callable
 from copy import deepcopy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from hoist_demo.control.controller import Command, Controller, Gains, Measurement, SpeedController
-from hoist_demo.control.reference import Reference, ReferencePoint, s_curve
+from hoist_demo.control.reference import Reference, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
+from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, drive_signals
 from hoist_demo.cosimulation.participants.partners import HangingPartner, HoistPartner, Stopwatch, input_of
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
 from hoist_demo.cosimulation.plain_data import encoded
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.catalogue import scheme_named
-from hoist_demo.cosimulation.schemes.interface import Advance, Load, Memory, Pair
-from hoist_demo.cosimulation.schemes.stability import Outlook, measured_answer, outlook
-from hoist_demo.drive.plant import (
-    SIDE_FORCES,
-    HoistPlant,
-    PlantInput,
-    PlantOutput,
-    PlantState,
-    energy_residual,
-    side_forces,
-)
+from hoist_demo.cosimulation.schemes.interface import Advance, Pair, Scheme
+from hoist_demo.cosimulation.schemes.stability import Outlook
+from hoist_demo.cosimulation.stability import outlook_at_rest
+from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant, PlantInput, side_forces
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
-from hoist_demo.recording.time_series import TIME, Recorder, Recording
+from hoist_demo.recording.time_series import Recorder
 
 _log = logging.getLogger(__name__)
 
-_FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")
-"""A single value in the text of a dataclass."""
-
 Progress = Callable[[float, float], bool]
 """Called after every step with the fraction done and the time [s]; False stops the run."""
-
-DRIVE_UNITS = {
-    TIME: "s",
-    "reference.position": "m",
-    "reference.speed": "m/s",
-    "reference.acceleration": "m/s2",
-    "reference.jerk": "m/s3",
-    "conveyance.left.y": "m",
-    "conveyance.left.vy": "m/s",
-    "conveyance.left.ay": "m/s2",
-    "conveyance.right.y": "m",
-    "conveyance.right.vy": "m/s",
-    "conveyance.right.ay": "m/s2",
-    "drive.angle": "rad",
-    "drive.rate": "rad/s",
-    "drive.torque_command": "N.m",
-    "drive.torque": "N.m",
-    "drive.torque_limited": "1",
-    "drive.motor_power": "W",
-    "drive.brake_torque": "N.m",
-    "drive.tension_left": "N",
-    "drive.tension_right": "N",
-    "drive.tension_ratio": "1",
-    "drive.slip_safety": "1",
-    "drive.work_motor": "J",
-    "drive.work_losses": "J",
-    "drive.work_rope_damping": "J",
-    "drive.work_from_balance_rope": "J",
-    "drive.energy_kinetic": "J",
-    "drive.energy_potential": "J",
-    "drive.energy_residual": "J",
-    "coupling.energy": "J",
-    "coupling.exchanges": "1",
-}
-
-
-@dataclass(frozen=True)
-class Result:
-    """What a run leaves behind."""
-
-    recording: Recording
-    completed: bool
-    cause: str  # "" when completed
-    steps: int  # communication steps done
-    planned_steps: int
-    reference: Reference
-    drive_clock: Stopwatch  # of the drive's steps
-    rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
-    start_clock: Stopwatch  # of the rope's initialization
-    warning: str = ""  # of the coupling, before the start
-    checkpoint: Checkpoint | None = None  # the last good state, when the run stopped after its first sample
-    saved: Path | None = None  # where it was written
-
-
-@dataclass
-class _Run:
-    """What changes during a run, at the latest communication point."""
-
-    drive: HoistPartner
-    rope: HangingPartner
-    controller: Any  # the controller's state
-    memory: Memory
-    at_rest: PlantOutput  # of the drive, at the start
-    recorder: Recorder
-    first: int = 0  # sample from which it goes on
-
-    @property
-    def pair(self) -> Pair:
-        """For the scheme."""
-        return Pair(self.drive, self.rope)
-
-
-@dataclass(frozen=True)
-class _Kept:
-    """A run's state at one sample; that of the rope as a snapshot in memory."""
-
-    k: int
-    drive: tuple[PlantState, PlantInput]
-    controller: Any
-    memory: Memory
-    rope: Any
 
 
 class Host:
@@ -141,18 +51,25 @@ class Host:
         coupling: Coupling | None = None,
         gains: Gains | None = None,
         controller: Callable[[Hoist, float], Controller] | None = None,
+        *,
+        reference: Reference | None = None,
+        scheme: Scheme | None = None,
     ) -> None:
-        """`controller` makes one's own from the hoist and the motor's torque at rest [N m]; else a speed controller."""
+        """`controller` makes one's own from the hoist and the motor's torque at rest [N m]; else a speed controller.
+
+        `reference` is the trip asked for, of its own shape; else the winding's S-curve. `scheme` is one that the
+        coupling cannot name.
+        """
         self.rope = rope
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
         self.coupling = Coupling() if coupling is None else coupling
-        self.scheme = scheme_named(self.coupling.scheme)
+        self.scheme = scheme_named(self.coupling.scheme) if scheme is None else scheme
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
         self._controller = partial(SpeedController, gains=gains) if controller is None else controller
         self.plant = HoistPlant(self.hoist)
-        self.reference = s_curve(self.winding)
+        self.reference = s_curve(self.winding) if reference is None else reference
         self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
         self.outlook: Outlook | None = None
 
@@ -161,6 +78,11 @@ class Host:
         """Heights of left and right conveyance before the trip [m]: the landings, left below when it is to rise."""
         low, high = 0.0, self.hoist.shaft_travel
         return (low, high) if self.winding.travel > 0.0 else (high, low)
+
+    @property
+    def samples(self) -> int:
+        """Sample times of the controller in the whole run."""
+        return math.ceil((self.reference.duration + self.winding.settle) / self.coupling.sample_time - 1e-9)
 
     @property
     def data(self) -> str:
@@ -179,53 +101,13 @@ class Host:
         ValueError at the first sample for a controller whose state cannot be written. With `resume` the run goes on
         from such a state, with the same bits as if it had never stopped.
         """
-        H, T, start = self.coupling.step, self.coupling.sample_time, self.coupling.start
-        samples = math.ceil((self.reference.duration + self.winding.settle) / T - 1e-9)
-        run = self._started(resume)
+        run = self._start(resume)
         if isinstance(run, str):
-            return self._result(Recorder({}), 0, samples, run)
-        controller = self._controller(self.hoist, run.at_rest.torque)
-        steps, per_sample = run.first * self.coupling.per_sample, self.coupling.per_sample
-        kept: _Kept | None = None
-        cause = ""
-
-        for k in range(run.first, samples + 1):
-            t = start + k * T
-            if k > run.first and k < samples and progress is not None and not progress(k / samples, t):
-                cause = f"t = {t:.6g} s: stopped by the user"
-            self.rope.free(kept.rope if kept is not None else None)
-            kept = _Kept(k, run.drive.save(), run.controller, run.memory, run.rope.save())
-            if cause:
-                break
-
-            # sample and record
-            reference, shown = self.reference.at(t - start), run.drive.output()
-            measured = Measurement(shown.y_left - self.start_heights[0], self.hoist.sheave_radius * shown.rate)
-            command = controller.command(reference, measured, deepcopy(run.controller), T)
-            if k == run.first and save_to is not None:
-                encoded(command.state, CONTROLLER)  # told now and not after a long run
-            run.recorder.add(self._row(run, t, reference, command, shown))
-            if k == samples:
-                break
-            run.drive.held = replace(
-                run.drive.held, torque_command=command.torque, brake=command.brake, **self._side_forces()
-            )
-
-            # drive and rope over the same interval
-            for j in range(per_sample):
-                advance = self._advanced(run, start + (k * per_sample + j) * H, H)
-                if cause := advance.cause:
-                    break
-                run.memory = advance.memory
-                steps += 1
-            if cause:
-                break
-            run.controller = command.state
-
-        if not cause and progress is not None:
-            progress(1.0, start + samples * T)
-        checkpoint = self._checkpoint(run, kept, cause) if cause and kept is not None else None
-        self.rope.free(kept.rope if kept is not None else None)
+            return self._result(Recorder({}), 0, run)
+        cause = self._wind(run, progress, save_to)
+        start, T = self.coupling.start, self.coupling.sample_time
+        checkpoint = run.checkpoint(start, T, self.data, cause) if cause else None
+        run.forget()
         saved = None
         if checkpoint is not None and save_to is not None:
             try:
@@ -233,13 +115,13 @@ class Host:
                 saved = save_to
             except ValueError as error:  # the record of the run is worth more
                 cause += f"; {save_to} is not written: {error}"
-        return replace(self._result(run.recorder, steps, samples, cause), checkpoint=checkpoint, saved=saved)
+        return replace(self._result(run.recorder, run.steps, cause), checkpoint=checkpoint, saved=saved)
 
-    def _started(self, resume: Checkpoint | None) -> _Run | str:
+    def _start(self, resume: Checkpoint | None) -> RunState | str:
         """A run at rest, or as it was when it stopped; the cause when the rope does not hang."""
         start, (y_left, y_right) = self.coupling.start, self.start_heights
         if resume is not None:
-            self._require_resumable(resume)
+            resume.require_fits(self.data)
         rope = HangingPartner(self.rope, self.rope_clock)
         if cause := rope.start(start, EndMotion(y=y_left), EndMotion(y=y_right), self.start_clock):
             return cause
@@ -250,91 +132,67 @@ class Host:
         drive = HoistPartner(self.plant, state, held, self.drive_clock)
         if self.hoist.play is not None:
             rope.beside = drive.ends
-        run = _Run(drive, rope, None, Pair(drive, rope).start(start), drive.output(), recorder)
-        self.outlook = self._outlook(run)
+        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), recorder)
+        self.outlook = outlook_at_rest(self.scheme, self.coupling, run.pair, run.memory)
         if resume is not None:
-            drive.restore((resume.plant, resume.input))
-            snapshot = self.rope.from_bytes(resume.rope)
-            rope.restore(snapshot)
-            rope.free(snapshot)
-            recorder.resume(resume.recording, resume.sample)
-            drive.held = resume.input
-            run.controller, run.memory, run.at_rest = resume.controller, resume.memory, resume.at_rest
-            run.first = resume.sample
+            run.go_on_from(resume, resume.sample * self.coupling.per_sample)
         return run
 
-    def _outlook(self, run: _Run) -> Outlook | None:
-        """Whether the scheme will be stable, from a trial at rest that is taken back; None where nobody can tell."""
-        H, name = self.coupling.step, self.coupling.scheme
-        if self.scheme.needs_added_mass and run.rope.added_mass() is None:
-            raise ValueError(
-                f"scheme = '{name}' needs the rope's added mass, outputs left.added_mass and right.added_mass, "
-                "which this rope has not got: take gauss-seidel-1 or iterative-secant"
-            )
-        if (snapshot := run.rope.save()) is None:
-            if self.scheme.needs_rollback:
-                raise ValueError(
-                    f"scheme = '{name}' takes steps back, but this rope cannot save its state: take semi-implicit-1 "
-                    "or gauss-seidel-1, or an FMU with canGetAndSetFMUstate"
-                )
-            return None
-        run.rope.free(snapshot)
-        here = run.drive.motion(Load.constant(run.memory.last.force), 1.0)
-        answer, cause = measured_answer(run.pair, self.coupling.start, H, here)
-        if cause:
-            _log.info("the coupling's stability is not known: %s", cause)
-            return None
-        seen = outlook(self.scheme, answer, run.drive.mobility())
-        if warning := seen.warning(name, H):
-            _log.warning("%s", warning)
-        return seen
+    def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
+        """Sample and exchange until the end; the cause when that is not reached."""
+        controller = self._controller(self.hoist, run.at_rest.torque)
+        start, T, last = self.coupling.start, self.coupling.sample_time, self.samples
+        for k in range(run.first, last + 1):
+            t = start + k * T
+            stopped = run.first < k < last and progress is not None and not progress(k / last, t)
+            run.keep(k)
+            if stopped:
+                return f"t = {t:.6g} s: stopped by the user"
+            command = self._sample(run, controller, t)
+            if k == run.first and save_to is not None:
+                encoded(command.state, CONTROLLER)  # told now and not after a long run
+            if k < last:
+                if cause := self._exchange(run, k, command):
+                    return cause
+                run.controller = command.state
+        if progress is not None:
+            progress(1.0, start + last * T)
+        return ""
 
-    def _side_forces(self) -> dict[str, float]:
-        """What the rope does to conveyances that have play, held until the next sample."""
-        return side_forces(self.rope.read(SIDE_FORCES)) if self.hoist.play is not None else {}
+    def _sample(self, run: RunState, controller: Controller, t: float) -> Command:
+        """The controller's command at t [s]; it and all signals are recorded."""
+        reference, shown = self.reference.at(t - self.coupling.start), run.drive.output()
+        measured = Measurement(shown.y_left - self.start_heights[0], self.hoist.sheave_radius * shown.rate)
+        command = controller.command(reference, measured, deepcopy(run.controller), self.coupling.sample_time)
+        drive = drive_signals(t, reference, command, run.drive, run.at_rest, run.memory)
+        with self.rope_clock.running():
+            signals = self.rope.signals()
+        run.recorder.add(drive | {name: value for name, value in signals.items() if name not in drive})
+        return command
 
-    def _advanced(self, run: _Run, t: float, h: float) -> Advance:
+    def _exchange(self, run: RunState, k: int, command: Command) -> str:
+        """Drive and rope from sample k to the next under the command; the cause when they do not get there."""
+        # what the rope does to conveyances that have play is held until the next sample
+        sides = side_forces(self.rope.read(SIDE_FORCES)) if self.hoist.play is not None else {}
+        run.drive.held = replace(run.drive.held, torque_command=command.torque, brake=command.brake, **sides)
+        H, per_sample = self.coupling.step, self.coupling.per_sample
+        for j in range(per_sample):
+            advance = self._advance(run, self.coupling.start + (k * per_sample + j) * H, H)
+            if advance.cause:
+                return advance.cause
+            run.memory = advance.memory
+            run.steps += 1
+        return ""
+
+    def _advance(self, run: RunState, t: float, h: float) -> Advance:
         """One communication step of the scheme; what it raises is the cause for which the run stops."""
         try:
             return self.scheme.advance(run.pair, run.memory, t, h)
         except (ValueError, RuntimeError) as error:
             return Advance(run.memory, f"t = {t:.6g} s: {error}")
 
-    def _checkpoint(self, run: _Run, kept: _Kept, cause: str) -> Checkpoint:
-        rope = b""
-        if kept.rope is not None:
-            try:
-                rope = self.rope.to_bytes(kept.rope)
-            except RuntimeError as error:
-                _log.warning("the rope's last good state is lost: %s", error)
-        return Checkpoint(
-            sample=kept.k,
-            t=self.coupling.start + kept.k * self.coupling.sample_time,
-            plant=kept.drive[0],
-            controller=kept.controller,
-            input=kept.drive[1],
-            at_rest=run.at_rest,
-            memory=kept.memory,
-            rope=rope,
-            recording=run.recorder.recording(),
-            data=self.data,
-            cause=cause,
-        )
-
-    def _require_resumable(self, resume: Checkpoint) -> None:
-        if resume.data != self.data:
-            raise ValueError(
-                f"the checkpoint at t = {resume.t:g} s must be of the same hoist, winding, controller, gains and "
-                f"sample time, but {_differences(resume.data, self.data)}: give the scene and the options of that run"
-            )
-        if not resume.rope:
-            raise ValueError(
-                f"the checkpoint at t = {resume.t:g} s must hold the rope's state, which its rope could not save: "
-                "start anew, or take an FMU with canGetAndSetFMUstate"
-            )
-
-    def _result(self, recorder: Recorder, steps: int, samples: int, cause: str) -> Result:
-        planned = samples * self.coupling.per_sample
+    def _result(self, recorder: Recorder, steps: int, cause: str) -> Result:
+        planned = self.samples * self.coupling.per_sample
         if cause:
             _log.info("co-simulation stopped after %d of %d steps: %s", steps, planned, cause)
         seen = self.outlook
@@ -350,57 +208,3 @@ class Host:
             start_clock=self.start_clock,
             warning=seen.warning(self.coupling.scheme, self.coupling.step) if seen is not None else "",
         )
-
-    def _row(
-        self, run: _Run, t: float, reference: ReferencePoint, command: Command, shown: PlantOutput
-    ) -> dict[str, float]:
-        """One line of the recording, in the order of DRIVE_UNITS, then the rope's signals."""
-        work = run.drive.state.work
-        motor, losses, ropes, left, right = (float(value) for value in work)
-        values = (
-            t,
-            reference.position,
-            reference.speed,
-            reference.acceleration,
-            reference.jerk,
-            shown.y_left,
-            shown.v_left,
-            shown.a_left,
-            shown.y_right,
-            shown.v_right,
-            shown.a_right,
-            shown.angle,
-            shown.rate,
-            command.torque,
-            shown.torque,
-            float(command.limited),
-            shown.power,
-            shown.brake_torque,
-            shown.tension_left,
-            shown.tension_right,
-            shown.tension_ratio,
-            self.hoist.slip_safety(shown.tension_ratio),
-            motor,
-            losses,
-            ropes,
-            left + right,
-            shown.energy_kinetic,
-            shown.energy_potential,
-            energy_residual(run.at_rest, shown, work),
-            run.memory.residual,
-            float(run.memory.exchanges),
-        )
-        with self.rope_clock.running():
-            signals = self.rope.signals()
-        drive = dict(zip(DRIVE_UNITS, values, strict=True))
-        return drive | {name: value for name, value in signals.items() if name not in drive}
-
-
-def _differences(there: str, here: str, most: int = 6) -> str:
-    """Which numbers and words differ between the `Host.data` of a checkpoint and of this run."""
-    old, new = (_FIELD.findall(data) for data in (there, here))
-    changed = [f"{name} is {value} there" for name, value in old if (name, value) not in new]
-    changed += [f"{name} is {value} here" for name, value in new if (name, value) not in old]
-    changed.sort()
-    more = f" and {len(changed) - most} more" if len(changed) > most else ""
-    return (", ".join(changed[:most]) or "they differ") + more

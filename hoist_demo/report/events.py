@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoist_demo.cosimulation.host import Result
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recording
 

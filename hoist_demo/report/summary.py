@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.host import Result
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.rungs import remark, rungs_of
 from hoist_demo.recording.time_series import Array, Recording

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from hoist_demo.cases.table import CASES, case_named
-from hoist_demo.cosimulation.host import DRIVE_UNITS
+from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
 from hoist_demo.parameters.units import spelled
 from hoist_demo.recording.time_series import matching

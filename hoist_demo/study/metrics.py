@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoist_demo.cosimulation.host import Result
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.rungs import RUNG

@@ -19,11 +19,12 @@ from typing import Any
 from hoist_demo.cases.table import case_named
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.reference import s_curve
-from hoist_demo.cosimulation.host import Host, Result
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.rope_plant import RopePlant
 from hoist_demo.cosimulation.progress import warnings_of
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
@@ -152,6 +153,5 @@ def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:
     begin = time.perf_counter()
     chosen = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
     design_time = time.perf_counter() - begin
-    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains)
-    host.reference = chosen.reference
+    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, reference=chosen.reference)
     return host.run(), design_time

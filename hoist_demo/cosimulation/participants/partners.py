@@ -213,6 +213,16 @@ class HangingPartner:
     def free(self, snapshot: object) -> None:
         self.rope.free(snapshot)
 
+    def to_bytes(self, snapshot: object) -> bytes:
+        """A snapshot for a file."""
+        return self.rope.to_bytes(snapshot)
+
+    def restore_bytes(self, data: bytes) -> None:
+        """Go on from what `to_bytes` wrote."""
+        snapshot = self.rope.from_bytes(data)
+        self.restore(snapshot)
+        self.free(snapshot)
+
     def _heard(self, status: RopeStatus, where: str) -> str:
         """Why the rope's answer cannot be used; "" when it can."""
         self._read = None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hoist_demo.cosimulation.host import Result
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
 from hoist_demo.recording.time_series import TIME, Array, Recording
 from hoist_demo.report import events
