@@ -50,7 +50,7 @@ MAY_IMPORT = {
     "hoist_demo.drive": {"hoist_demo.parameters"},
     "hoist_demo.control": {"hoist_demo.parameters"},
     "hoist_demo.recording": set(),
-    "hoist_demo.design": {"hoist_demo.parameters", "hoist_demo.control"},
+    "hoist_demo.design": {"hoist_demo.parameters", "hoist_demo.drive", "hoist_demo.control"},
     "hoist_demo.drive_fmu": {
         "hoist_demo.parameters",
         "hoist_demo.drive",

@@ -167,8 +167,7 @@ class HoistPlant:
     def __init__(self, hoist: Hoist, tolerance: float = 1e-9) -> None:
         self.hoist = hoist
         self.state_names = state_names(hoist)
-        model = equations(hoist)
-        self._outputs, self._rates, self._hold, self._dae = model.outputs, model.rates, model.hold, model.dae
+        self.equations = equations(hoist)
         self._under_path: Any = None
         self._options: dict[str, Any] = {
             "reltol": tolerance,
@@ -182,7 +181,7 @@ class HoistPlant:
             "disable_internal_warnings": True,
         }
         # time scaled to [0, 1], so that one integrator serves every step length
-        self._integrator: Any = ca.integrator("drive", "cvodes", self._dae, 0.0, 1.0, self._options)
+        self._integrator: Any = ca.integrator("drive", "cvodes", self.equations.dae, 0.0, 1.0, self._options)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.
@@ -212,7 +211,7 @@ class HoistPlant:
             sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
             for side, length in zip(("left", "right"), lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
-        x[0] = float(self._hold(x, *lengths))
+        x[0] = float(self.equations.hold(x, *lengths))
         if hoist.shaft is not None:
             x[self.state_names.index("twist")] = x[0] / hoist.shaft.stiffness
         return PlantState(x=x, work=np.zeros(len(WORK_NAMES)), free_lengths=lengths)
@@ -265,17 +264,17 @@ class HoistPlant:
 
     def rates(self, state: PlantState, u: PlantInput) -> Vector:
         """dx/dt, in the order of state_names."""
-        return np.asarray(self._rates(state.x, _pack(u), *state.free_lengths), dtype=np.float64).ravel()
+        return np.asarray(self.equations.rates(state.x, _pack(u), *state.free_lengths), dtype=np.float64).ravel()
 
     def outputs(self, state: PlantState, u: PlantInput) -> PlantOutput:
         """Measured quantities; accelerations and tensions belong to the held input u."""
-        values = self._outputs(state.x, _pack(u), *state.free_lengths)
+        values = self.equations.outputs(state.x, _pack(u), *state.free_lengths)
         return PlantOutput(*np.asarray(values).ravel().tolist())
 
     def _along_path(self) -> Any:
         """The integrator for inputs that change within a step, made when the first is met."""
         if self._under_path is None:
-            dae = under_changing_load(self._dae, len(INPUT_NAMES), FORCES, ACCELERATIONS)
+            dae = under_changing_load(self.equations.dae, len(INPUT_NAMES), FORCES, ACCELERATIONS)
             self._under_path = ca.integrator("drive_path", "cvodes", dae, 0.0, 1.0, self._options)
         return self._under_path
 

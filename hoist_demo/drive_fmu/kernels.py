@@ -80,8 +80,8 @@ def generated(case: Case) -> Kernels:
     work = tuple(max(getattr(f, size)() for f in functions) for size in ("sz_arg", "sz_res", "sz_iw", "sz_w"))
     return Kernels(
         c=str(generator.dump()),
-        states=int(plant._rates.size1_in(0)),
-        inputs=int(plant._rates.size1_in(1)),
+        states=int(plant.equations.rates.size1_in(0)),
+        inputs=int(plant.equations.rates.size1_in(1)),
         step=_largest_step(plant, case, rest),
         lowest_force=lowest,
         work=(int(work[0]), int(work[1]), max(1, int(work[2])), max(1, int(work[3]))),
@@ -118,7 +118,7 @@ def _lagrange(nodes: NDArray[np.float64], at: Any) -> list[Any]:
 
 
 def _arguments(plant: HoistPlant) -> tuple[Any, Any, Any]:
-    rates = plant._rates
+    rates = plant.equations.rates
     return ca.SX.sym("x", rates.size1_in(0)), ca.SX.sym("u", rates.size1_in(1)), ca.SX.sym("l0", 2)
 
 
@@ -128,7 +128,7 @@ def _step(plant: HoistPlant) -> Any:
     h = ca.SX.sym("h")
 
     def f(at: Any) -> Any:
-        return plant._rates(at, u, l0[0], l0[1])
+        return plant.equations.rates(at, u, l0[0], l0[1])
 
     k1 = f(x)
     k2 = f(x + h / 2 * k1)
@@ -141,7 +141,7 @@ def _outputs(plant: HoistPlant) -> Any:
     """(x, u, l0) -> the fields that the interface shows."""
     x, u, l0 = _arguments(plant)
     names = [field.name for field in fields(PlantOutput)]
-    shown = plant._outputs(x, u, l0[0], l0[1])
+    shown = plant.equations.outputs(x, u, l0[0], l0[1])
     return ca.Function(
         "drive_outputs", [x, u, l0], [ca.vertcat(*(shown[names.index(n)] for n in plant_outputs(plant.hoist)))]
     )
@@ -170,7 +170,7 @@ def _control(hoist: Hoist) -> Any:
 def _largest_step(plant: HoistPlant, case: Case, rest: Any) -> float:
     """Two significant digits [s]; the fastest oscillation is that of the shortest head rope, at either landing."""
     x, u, l0 = _arguments(plant)
-    jacobian = ca.Function("J", [x, u, l0], [ca.jacobian(plant._rates(x, u, l0[0], l0[1]), x)])
+    jacobian = ca.Function("J", [x, u, l0], [ca.jacobian(plant.equations.rates(x, u, l0[0], l0[1]), x)])
     fastest = 0.0
     for force in (0.0, -GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length):
         for heights in (start_heights(case), start_heights(case)[::-1]):
