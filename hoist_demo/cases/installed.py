@@ -92,7 +92,6 @@ def _installed(
     tail_mass = number * mass / tail_ropes
     motor_mass = 0.4 * sheave_mass
     reduced = motor_mass * (sheave_mass - motor_mass) / sheave_mass * radius**2
-    load = payload * GRAVITY * radius
     hoist = Hoist(
         conveyance_mass=conveyance,
         payload_left=payload,
@@ -113,7 +112,7 @@ def _installed(
         tail_rope_length=travel + TAIL_SPARE,
         tail_rope_number=tail_ropes,
         shaft=Shaft(motor_mass=motor_mass, stiffness=(2.0 * math.pi * 12.0) ** 2 * reduced),
-        brake=Brake(torque=3.0 * load),
+        brake=Brake(torque=3.0 * (payload * GRAVITY * radius)),
         guides=Guides(coulomb=0.005 * conveyance * GRAVITY, viscous=0.01 * payload),
         play=Play(),
     )

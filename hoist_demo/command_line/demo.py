@@ -106,6 +106,13 @@ def add_demo(
         help=f"how drive and rope exchange, see docs/coupling.md: {', '.join(SCHEMES)} (%(default)s)",
     )
     demo.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
+    _add_trip(demo)
+    _add_data(demo)
+    demo.add_argument("--quick", action="store_true", help="10 m of travel and 2 s of settling: a check, not a result")
+
+
+def _add_trip(demo: argparse.ArgumentParser) -> None:
+    """What changes the scene's winding."""
     demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the scene)")
     demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the scene)")
     demo.add_argument(
@@ -126,6 +133,10 @@ def add_demo(
         choices=get_args(EmergencyLaw),
         help="who stops: the drive (the default), or the brake of an installed hoist, regulated or by its torque",
     )
+
+
+def _add_data(demo: argparse.ArgumentParser) -> None:
+    """What the rope computes with, and what is written of it."""
     demo.add_argument(
         "--kernels",
         choices=KERNELS,
@@ -152,7 +163,6 @@ def add_demo(
         metavar="NAME",
         help="columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)",
     )
-    demo.add_argument("--quick", action="store_true", help="10 m of travel and 2 s of settling: a check, not a result")
 
 
 def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:

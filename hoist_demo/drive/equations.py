@@ -150,24 +150,10 @@ def equations(hoist: Hoist) -> Equations:
         2 * shaft_damping,
     )  # fmt: skip
 
-    # a leg's row of Lagrange's equation is its moment on the sheave
-    tensions = []
-    for sign, leg in zip((1.0, -1.0), legs, strict=True):
-        row = ca.gradient(leg.kinetic, rate)
-        change = ca.jtimes(row, q, v) + ca.jtimes(row, v, a) - ca.gradient(leg.kinetic, phi)
-        moment = change + ca.gradient(leg.potential, phi) + ca.gradient(leg.rope_damping, rate)
-        tensions.append(sign * moment / R + hoist.rope_mass * rim_speed**2 / 2)
-
-    index = at.names.index
-    motion = [ca.vertcat(q[index(f"y_{s}")], v[index(f"y_{s}")], a[index(f"y_{s}")]) for s in SIDES]
-    upright = [ca.vertcat(left, right) for left, right in zip(*(ca.vertsplit(m) for m in motion), strict=True)]
-    lateral: list[Any] = []
-    for name in (f"{n}_{s}" for s in SIDES for n in ("x", "z", "yaw")):
-        k = index(name) if name in at.names else None
-        lateral += [0.0, 0.0, 0.0] if k is None else [q[k], v[k], a[k]]
+    tensions = [_tension(hoist, at, sign, leg, a, rim_speed) for sign, leg in zip((1.0, -1.0), legs, strict=True)]
     shown = ca.vertcat(
-        *upright, phi, rate, motor, *tensions, K, V,
-        rate + twist_rate, brake.torque, *(leg.static_tension for leg in legs), *lateral,
+        *_upright(at, a), phi, rate, motor, *tensions, K, V,
+        rate + twist_rate, brake.torque, *(leg.static_tension for leg in legs), *_lateral_motion(at, a),
     )  # fmt: skip
     arguments = [x, u, l0[0], l0[1]]
     return Equations(
@@ -176,6 +162,30 @@ def equations(hoist: Hoist) -> Equations:
         outputs=ca.Function("outputs", arguments, [shown]),
         hold=ca.Function("hold", [x, l0[0], l0[1]], [ca.gradient(V, q)[0]]),
     )
+
+
+def _tension(hoist: Hoist, at: _Coordinates, sign: float, leg: _Leg, a: Any, rim_speed: Any) -> Any:
+    """Of all head ropes of a leg at the sheave [N]: its row of Lagrange's equation is its moment on the sheave."""
+    phi, rate = at("phi")
+    row = ca.gradient(leg.kinetic, rate)
+    change = ca.jtimes(row, at.q, at.v) + ca.jtimes(row, at.v, a) - ca.gradient(leg.kinetic, phi)
+    moment = change + ca.gradient(leg.potential, phi) + ca.gradient(leg.rope_damping, rate)
+    return sign * moment / hoist.sheave_radius + hoist.rope_mass * rim_speed**2 / 2
+
+
+def _upright(at: _Coordinates, a: Any) -> list[Any]:
+    """Heights of both sides, their rates, their second derivatives."""
+    places = [at.names.index(f"y_{side}") for side in SIDES]
+    return [ca.vertcat(*(values[k] for k in places)) for values in (at.q, at.v, a)]
+
+
+def _lateral_motion(at: _Coordinates, a: Any) -> list[Any]:
+    """Place, rate and second derivative in x, z and yaw, left then right; zeros where the hoist has no play."""
+    shown: list[Any] = []
+    for name in (f"{n}_{s}" for s in SIDES for n in ("x", "z", "yaw")):
+        k = at.names.index(name) if name in at.names else None
+        shown += [0.0, 0.0, 0.0] if k is None else [at.q[k], at.v[k], a[k]]
+    return shown
 
 
 def _available(hoist: Hoist, rate: Any) -> Any:

@@ -75,36 +75,14 @@ def _creep(winding: Winding) -> str:
 
 def _table(case: Case, table: Sequence[Variable], generated: Kernels) -> str:
     """drive_table.h: sizes, places in the table and the trip."""
-    names = [v.name for v in table]
-    parameters = [v for v in table if v.causality == "parameter"]
-    shown = plant_outputs(case.hoist)
     # the delay before the trip is a parameter of its own
     reference = s_curve(replace(case.winding, start_delay=0.0))
     trip = [
         (start, p.position, p.speed, p.acceleration, p.jerk)
         for start, p in zip(reference.starts, reference.points, strict=True)
     ]
-    controls = sum(v.causality == "output" and v.kind == "Real" for v in table) - len(shown)
-    integers = {
-        "STATES": generated.states,
-        "INPUTS": generated.inputs,
-        "PARAMETERS": len(parameters),
-        "FORCE": names.index(INPUTS[0]),
-        "SIDE_FORCE": names.index(INPUTS[0]) + len(INPUTS),
-        "SIDE_FORCES": len(side_forces(case.hoist)),
-        "SIDE_INPUT": INPUT_NAMES.index("fx_left"),
-        "FIRST_OUTPUT": names.index(next(v.name for v in table if v.causality == "output")),
-        "PLANT_OUTPUTS": len(shown),
-        "OUTPUTS": len(shown) + controls,
-        "LEFT_Y": shown.index("y_left"),
-        "RATE": shown.index("rate"),
-        "TRIP_START": names.index("trip.start"),
-        "STEP_MAX": names.index("solver.step_max"),
-        "GAINS": names.index("controller.speed"),
-        "SEGMENTS": len(trip),
-        "MOST_STEPS": MOST_STEPS,
-        **dict(zip(("ARG", "RES", "IW", "W"), generated.work, strict=True)),
-    }
+    integers = _sizes(case, table, generated, len(trip))
+    parameters = (v for v in table if v.causality == "parameter")
     bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]
     lines = [
         "/* Generated: the drive's sizes, its places in the table of variables, and the trip. */",
@@ -135,6 +113,32 @@ def _table(case: Case, table: Sequence[Variable], generated: Kernels) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, segments: int) -> dict[str, int]:
+    """Sizes of kernels and trip, and places in the table of variables."""
+    names, shown = [v.name for v in table], plant_outputs(case.hoist)
+    controls = sum(v.causality == "output" and v.kind == "Real" for v in table) - len(shown)
+    return {
+        "STATES": generated.states,
+        "INPUTS": generated.inputs,
+        "PARAMETERS": sum(v.causality == "parameter" for v in table),
+        "FORCE": names.index(INPUTS[0]),
+        "SIDE_FORCE": names.index(INPUTS[0]) + len(INPUTS),
+        "SIDE_FORCES": len(side_forces(case.hoist)),
+        "SIDE_INPUT": INPUT_NAMES.index("fx_left"),
+        "FIRST_OUTPUT": names.index(next(v.name for v in table if v.causality == "output")),
+        "PLANT_OUTPUTS": len(shown),
+        "OUTPUTS": len(shown) + controls,
+        "LEFT_Y": shown.index("y_left"),
+        "RATE": shown.index("rate"),
+        "TRIP_START": names.index("trip.start"),
+        "STEP_MAX": names.index("solver.step_max"),
+        "GAINS": names.index("controller.speed"),
+        "SEGMENTS": segments,
+        "MOST_STEPS": MOST_STEPS,
+        **dict(zip(("ARG", "RES", "IW", "W"), generated.work, strict=True)),
+    }
 
 
 def _rows(rows: Sequence[Sequence[float]]) -> str:

@@ -16,6 +16,21 @@ LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"
 
 _DEGREES = 180.0 / math.pi
 
+_DRIVE_ENERGIES = {
+    "drive.work_motor": "motor",
+    "drive.energy_potential": "potential",
+    "drive.energy_kinetic": "kinetic",
+    "drive.work_losses": "losses",
+    "drive.work_from_balance_rope": "from the rope",
+}
+_ROPE_ENERGIES = {
+    "energy.work_ends": "work at the ends",
+    "energy.gravity": "gravity",
+    "energy.kinetic": "kinetic",
+    "energy.strain": "strain",
+    "energy.total": "total",
+}
+
 
 @dataclass(frozen=True)
 class Line:
@@ -86,7 +101,10 @@ def _energies(pairs: dict[str, str], factor: float) -> tuple[Line, ...]:
 
 
 def _all(hoist: Hoist) -> tuple[Panel, ...]:
-    slip = hoist.tension_ratio_limit
+    return (*_winding(), *_drive(hoist), *_rope(), *_swivels(), *_stress(), *_energy())
+
+
+def _winding() -> tuple[Panel, ...]:
     return (
         Panel(
             "Winding",
@@ -107,6 +125,12 @@ def _all(hoist: Hoist) -> tuple[Panel, ...]:
             (*_ends("conveyance.{}.ay"), Line("reference.acceleration", "reference, left", ASKED)),
         ),
         Panel("Winding", "Tracking error, left", "mm", (Line("derived.tracking_error", "error", "a", 1e3),), 1.0),
+    )
+
+
+def _drive(hoist: Hoist) -> tuple[Panel, ...]:
+    slip = hoist.tension_ratio_limit
+    return (
         Panel(
             "Drive",
             "Motor torque",
@@ -123,6 +147,11 @@ def _all(hoist: Hoist) -> tuple[Panel, ...]:
             (Line("drive.tension_ratio", "larger / smaller", "b"),),
             limit=(slip, f"ropes slip at exp(µα) = {slip:.2f}"),
         ),
+    )
+
+
+def _rope() -> tuple[Panel, ...]:
+    return (
         Panel("Balance rope", "Pull on the conveyances", "kN", _ends("{}.fy", -1e-3)),
         Panel("Balance rope", "Side force on the conveyances, in plane", "N", _ends("{}.fx"), 1.0),
         Panel("Balance rope", "Moment on the conveyances about the vertical", "N m", _ends("{}.my"), 1.0),
@@ -136,6 +165,11 @@ def _all(hoist: Hoist) -> tuple[Panel, ...]:
         ),
         Panel("Balance rope", "Yaw of the loop", "deg", (Line("loop.yaw", "yaw", "b", _DEGREES),), 0.02),
         Panel("Balance rope", "Clearance between the legs", "m", (Line("loop.clearance", "clearance", "c"),), 0.02),
+    )
+
+
+def _swivels() -> tuple[Panel, ...]:
+    return (
         Panel("Swivels", "Swivel angle", "deg", _ends("{}.swivel.angle", _DEGREES), 0.1),
         Panel("Swivels", "Swivel rate", "rad/s", _ends("{}.swivel.rate"), 0.01),
         Panel("Swivels", "Moment of the swivel on the rope", "N m", _ends("{}.swivel.torque"), 0.1),
@@ -146,6 +180,11 @@ def _all(hoist: Hoist) -> tuple[Panel, ...]:
             (*_ends("{}.twist"), Line("loop.twist", "loop", "c")),
             1e-3,
         ),
+    )
+
+
+def _stress() -> tuple[Panel, ...]:
+    return (
         Panel(
             "Stress",
             "Largest nominal stress of the rope",
@@ -155,18 +194,17 @@ def _all(hoist: Hoist) -> tuple[Panel, ...]:
                 Line("stress.torsion_max", "torsion", "b", 1e-6),
             ),
         ),
+    )
+
+
+def _energy() -> tuple[Panel, ...]:
+    return (
         Panel(
             "Energy",
             "Drive, since the start",
             "kJ",
             _energies(
-                {
-                    "drive.work_motor": "motor",
-                    "drive.energy_potential": "potential",
-                    "drive.energy_kinetic": "kinetic",
-                    "drive.work_losses": "losses",
-                    "drive.work_from_balance_rope": "from the rope",
-                },
+                _DRIVE_ENERGIES,
                 1e-3,
             ),
         ),
@@ -175,13 +213,7 @@ def _all(hoist: Hoist) -> tuple[Panel, ...]:
             "Balance rope, since the start",
             "kJ",
             _energies(
-                {
-                    "energy.work_ends": "work at the ends",
-                    "energy.gravity": "gravity",
-                    "energy.kinetic": "kinetic",
-                    "energy.strain": "strain",
-                    "energy.total": "total",
-                },
+                _ROPE_ENERGIES,
                 1e-3,
             ),
         ),
