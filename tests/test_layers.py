@@ -172,6 +172,10 @@ def test_imports_point_down(name: str) -> None:
     assert {i for i in ours if room(i) not in allowed and i not in allowed} == set()
 
 
+def test_every_module_of_the_hoist_is_in_a_room() -> None:
+    assert [name for name in modules() if room(name) == "hoist_demo"] == ["hoist_demo"]
+
+
 @pytest.mark.parametrize("library", sorted(HOMES))
 def test_third_party_library_stays_in_its_rooms(library: str) -> None:
     users = {n for n, path in modules().items() if any(i.split(".")[0] == library for i in imports(n, path))}
