@@ -16,10 +16,10 @@ from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
 from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
 from fmu_src.ssp import Component, export_ssp
-from hoist_demo.cli import add_demo
+from hoist_demo.cases.table import CASES
+from hoist_demo.command_line.demo import add_demo
+from hoist_demo.command_line.study import add_study
 from hoist_demo.drive_fmu.description import drive_model, duration
-from hoist_demo.scenes import SCENES
-from hoist_demo.study.command import add_study
 from rope_model import __version__
 from rope_model.parameters import LEVELS, rope_120
 
@@ -102,10 +102,10 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     )
     export.add_argument(
         "--scene",
-        choices=tuple(SCENES),
+        choices=tuple(CASES),
         default="rope-120",
         metavar="NAME",
-        help=f"start values: the rope of {', '.join(SCENES)}, see docs/hoist.md (%(default)s)",
+        help=f"start values: the rope of {', '.join(CASES)}, see docs/hoist.md (%(default)s)",
     )
     export.add_argument(
         "--level",
@@ -157,7 +157,7 @@ def _export(options: argparse.Namespace) -> int:
     if options.scalar and ("native", 3) not in wanted:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
     paths = _paths(options.out, wanted)
-    scene = SCENES[options.scene]
+    scene = CASES[options.scene]
     start = {**scene.rope, "right.y": abs(scene.winding.travel)}
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar, stop=duration(scene.winding))
@@ -202,7 +202,7 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
 
 def _system(rope: Path, scene: str, platforms: Sequence[str], fmi: int) -> Path:
     """The rope's FMU and the hoist drive of its scene as one system, ``rope`` with the ending .ssp."""
-    drive = drive_model(SCENES[scene], SCENES[scene].gains)
+    drive = drive_model(CASES[scene])
     table = [Variable(*variable) for variable in drive.variables]
     with tempfile.TemporaryDirectory() as folder:
         fmu = export_model(

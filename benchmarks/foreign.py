@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from benchmarks.kinematic import H, ends_at
 from fmu_src.native.build import PLATFORMS, host_platform
-from hoist_demo.parameters import SETUPS
-from hoist_demo.reference import s_curve
+from hoist_demo.cases.table import CASES
+from hoist_demo.control.reference import s_curve
 
 ROOT = Path(__file__).resolve().parent.parent
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
@@ -87,7 +87,7 @@ def script(described: ElementTree.Element) -> str:
     """Commands for foreign_host: the rope follows the reference, the drive runs under the forces at the start."""
     references = {str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")}
     outputs = {v.get("name") for v in described.iter("ScalarVariable") if v.get("causality") == "output"}
-    reference = s_curve(SETUPS["rope-120"].winding)
+    reference = s_curve(CASES["rope-120"].winding)
     lines = []
     if "inputs_at_step_end" in references:
         lines.append(f"b {references['inputs_at_step_end']} 1")

@@ -17,11 +17,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from hoist_demo.controller import ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.cases.installed import INSTALLED
+from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.control.reference import s_curve
+from hoist_demo.drive.plant import HoistPlant, PlantInput, energy_residual
 from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding
-from hoist_demo.plant import HoistPlant, PlantInput, energy_residual
-from hoist_demo.presets import PRESETS
-from hoist_demo.reference import s_curve
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 SHOWN = "monopol-1000"
@@ -108,7 +108,7 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = STEP) -> Ru
 
 def stop(name: str, law: EmergencyLaw, at: float) -> Run:
     """A preset's trip, stopped by the brake at a time [s]."""
-    preset = PRESETS[name]
+    preset = INSTALLED[name]
     winding = replace(preset.winding, emergency_at=at, emergency_law=law)
     return wind(preset.hoist, winding, preset.gains)
 
@@ -159,7 +159,7 @@ def _creep() -> Figure:
     """Reference of the trip without creep and with two of them, over time and over the way to the landing."""
     figure = Figure(figsize=(8.0, 3.2), layout="constrained")
     over_time, over_way = figure.subplots(1, 2, sharey=True)
-    trip = PRESETS[SHOWN].winding
+    trip = INSTALLED[SHOWN].winding
     for k, (c, length) in enumerate(CREEPS):
         reference = s_curve(replace(trip, creep_speed=c, creep_distance=length))
         t = np.linspace(trip.start_delay, reference.duration, 4001)
@@ -220,7 +220,7 @@ def main() -> None:
     data, images = DOCS / "data" / "hoist", DOCS / "images" / "hoist"
     data.mkdir(parents=True, exist_ok=True)
     images.mkdir(parents=True, exist_ok=True)
-    runs = {name: wind(preset.hoist, preset.winding, preset.gains) for name, preset in PRESETS.items()}
+    runs = {name: wind(preset.hoist, preset.winding, preset.gains) for name, preset in INSTALLED.items()}
     lines = [list(SUMMARY), *(_summary(name, run) for name, run in runs.items())]
     with (data / "presets.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows(lines)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from hoist_demo.reference import Reference
+from hoist_demo.control.reference import Reference
 from rope_model import BalanceRope, EndMotion, Scene, Status, balance_rope
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
 from rope_model.simulation.state import Event

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import s_curve
 from rope_model.parameters import Mesh, Solver
 from rope_model.simulation.mesh import suited
 

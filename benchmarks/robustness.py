@@ -9,8 +9,8 @@ import itertools
 from collections import Counter
 from dataclasses import replace
 
+from hoist_demo.control.reference import Reference, emergency_stop, s_curve
 from hoist_demo.parameters import Winding
-from hoist_demo.reference import Reference, emergency_stop, s_curve
 from rope_model.parameters import Layout, rope_120
 
 from .kinematic import wind

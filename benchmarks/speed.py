@@ -30,11 +30,11 @@ from tqdm import tqdm
 from fmu_src.export import export_fmu
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.inprocess_rope import rope_data
-from hoist_demo.reference import s_curve
-from hoist_demo.rope_plant import EndMotion
-from hoist_demo.scenes import SCENES
+from hoist_demo.cases.table import case_named
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from rope_model import SIGNALS, Solver, balance_rope
 
 from .kinematic import ends_at
@@ -72,9 +72,9 @@ def window(form: str, scene: str) -> float:
 
 def in_process(form: str, name: str) -> Stepper:
     """The rope in this process."""
-    winding = replace(SCENES[name].winding, start_delay=0.0)
+    winding = replace(case_named(name).winding, start_delay=0.0)
     reference, travel = s_curve(winding), winding.travel
-    scene = rope_data(SCENES[name].rope)
+    scene = rope_data(case_named(name).rope)
     if form == "native":
         rope = balance_rope(scene, "native")
     else:
@@ -91,10 +91,10 @@ def in_process(form: str, name: str) -> Stepper:
 
 def through_fmu(form: str, path: Path, name: str) -> Stepper:
     """The rope in an FMU, stepped by FMPy."""
-    winding = replace(SCENES[name].winding, start_delay=0.0)
+    winding = replace(case_named(name).winding, start_delay=0.0)
     reference, travel = s_curve(winding), winding.travel
     unread = [name for name in SIGNALS if name not in READ]
-    fmu = FmuRope(path, {**SCENES[name].rope, "solver.kernels": KERNELS[form]}, unread)
+    fmu = FmuRope(path, {**case_named(name).rope, "solver.kernels": KERNELS[form]}, unread)
 
     def motions(t: float) -> list[EndMotion]:
         return [EndMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends_at(reference, travel, t)]

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.figure import Figure
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.run import execute
 

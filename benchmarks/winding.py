@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import s_curve
 from rope_model.parameters import Mesh, Scene, rope_120
 
 from .kinematic import Winding, progress_bar, wind

@@ -7,13 +7,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.controller import Command, Measurement
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host
+from hoist_demo.cases.table import CASES
+from hoist_demo.control.controller import Command, Measurement
+from hoist_demo.control.reference import ReferencePoint
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.parameters import Coupling, Hoist
-from hoist_demo.reference import ReferencePoint
-from hoist_demo.scenes import SCENES
-from hoist_demo.summary import render, summarize
+from hoist_demo.report.summary import render, summarize
 
 
 class Proportional:
@@ -31,8 +31,8 @@ class Proportional:
         return Command(min(max(torque, -limit), limit), abs(torque) > limit, state)
 
 
-scene = SCENES["rope-120"]
-rope = FmuRope(Path(sys.argv[1]), scene.rope)
-result = Host(rope, scene.hoist, scene.winding, controller=Proportional).run()
+case = CASES["rope-120"]
+rope = FmuRope(Path(sys.argv[1]), case.rope)
+result = Host(rope, case.hoist, case.winding, controller=Proportional).run()
 rope.close()
-print(render(summarize(result, scene.hoist, scene.winding, Coupling())))
+print(render(summarize(result, case.hoist, case.winding, Coupling())))

@@ -8,14 +8,14 @@ Writes the recording to signals.csv.
 import sys
 from pathlib import Path
 
-from hoist_demo.components import Brake
-from hoist_demo.controller import Gains
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host
+from hoist_demo.cases.installed import round_rope
+from hoist_demo.control.controller import Gains
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.presets import round_rope
-from hoist_demo.recording import write_csv
-from hoist_demo.summary import render, summarize
+from hoist_demo.parameters.components import Brake
+from hoist_demo.recording.time_series import write_csv
+from hoist_demo.report.summary import render, summarize
 
 hoist = Hoist(
     conveyance_mass=14e3, payload_left=8e3, sheave_mass=12e3, sheave_radius=1.6, torque_limit=4e5,

@@ -1,9 +1,17 @@
 """Host of the balance rope: a friction hoist in CasADi, co-simulated with the rope.
 
-Reads from top to bottom as components -> parameters -> reference -> rope_plant (fmu_rope, inprocess_rope) -> equations
--> plant (loads) -> emergency -> controller -> presets -> coupling -> partners -> recording, plain_data -> checkpoint ->
-host -> summary, events, html, figures, report -> cli. `design` shapes and optimises trips, `study` winds many times;
-see there. `settings` and `progress` serve the commands.
+Rooms, each on those above it; tests/test_layers.py holds the directions:
+
+    parameters       data of hoist, trip and coupling, checked
+    drive | control  the hoist as a model | the reference and the controller that follows it
+    design           trips shaped and optimised on a reduced model
+    cases            hoist, trip, gains and rope by name
+    drive_fmu        drive and control of a case as C, for an FMU
+    recording        signals of a run over time
+    cosimulation     participants (hoist, ropes), the schemes that couple them, the host's loop, checkpoints
+    report           summary, figures, Markdown and HTML
+    study            many windings over chosen parameters
+    command_line     the commands demo and study
 
 Signs. Heights and vertical forces are positive upwards; a positive travel, sheave angle and torque lift the left
 conveyance. Forces of the balance rope are those on the conveyance, so that a hanging rope has `fy` < 0. SI units.

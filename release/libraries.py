@@ -20,10 +20,11 @@ from fmu_src.native.export import native_table, rope_sources, shell_sources
 from fmu_src.native.model_fmu import model_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
+from hoist_demo.cases.case import Case
+from hoist_demo.cases.table import CASES
 from hoist_demo.drive_fmu.description import drive_model, without_brake
 from hoist_demo.drive_fmu.kernels import generated as drive_kernels
 from hoist_demo.drive_fmu.kernels import kernels_file
-from hoist_demo.scenes import SCENES, SceneData
 from rope_model.native.build import NAME, generated, generated_file, sources
 from rope_model.native.platforms import prebuilt_file
 from rope_model.parameters import rope_120
@@ -42,8 +43,8 @@ def libraries() -> Iterator[Library]:
     yield Library(without_start(library_sources(table), len(start_values(table, 2))), MODEL)
     for fmi in (2, 3):
         yield _rope(fmi)
-        for scene in SCENES.values():
-            yield _drive(scene, fmi)
+        for case in CASES.values():
+            yield _drive(case, fmi)
 
 
 def _rope(fmi: int) -> Library:
@@ -52,8 +53,8 @@ def _rope(fmi: int) -> Library:
     return Library(shared, MODEL)
 
 
-def _drive(scene: SceneData, fmi: int) -> Library:
-    drive = drive_model(scene, scene.gains)
+def _drive(case: Case, fmi: int) -> Library:
+    drive = drive_model(case)
     table = [Variable(*variable) for variable in drive.variables]
     shared = without_start(model_sources(table, drive.sources, fmi), len(start_values(table, fmi)))
     return Library(shared, drive.name)
@@ -62,9 +63,8 @@ def _drive(scene: SceneData, fmi: int) -> Library:
 def add_prebuilt(root: Path) -> None:
     """Write what the packages below ``root``, copies of ours, are to bring."""
     _write(generated_file(root / "rope_model"), generated())
-    for scene in SCENES.values():
-        setup = without_brake(scene)
-        _write(kernels_file(root / "hoist_demo", setup), asdict(drive_kernels(setup)))
+    for case in map(without_brake, CASES.values()):
+        _write(kernels_file(root / "hoist_demo", case), asdict(drive_kernels(case)))
     for name in PLATFORMS:
         rope = prebuilt_file(root / "rope_model" / "native", sources(), NAME, name)
         shutil.copyfile(open_library(sources(), NAME, name), rope)

@@ -15,8 +15,8 @@ from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
 from fmu_src.profile import ALL, FULL, Profile
+from hoist_demo.cases.table import CASES
 from hoist_demo.drive_fmu.description import drive_model
-from hoist_demo.parameters import SETUPS
 from rope_model.parameters import Level
 
 
@@ -57,7 +57,7 @@ if host_platform() in available_platforms():
 
 def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),), fmi: int = 2) -> Path:
     """The hoist drive of the 120 m scene."""
-    drive = drive_model(SETUPS["rope-120"])
+    drive = drive_model(CASES["rope-120"])
     table = [Variable(*variable) for variable in drive.variables]
     return export_model(
         destination, drive.name, drive.description, table, drive.sources, drive.attachments, platforms, fmi

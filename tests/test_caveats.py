@@ -15,8 +15,8 @@ import pytest
 from caveat_driver import RUNS
 from exports import FLAVOURS
 
-import hoist_demo.rope_plant
-from hoist_demo.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants import rope_plant
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from rope_model.parameters import Layout, Rope, rope_120
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.simulator import RopeSimulator
@@ -120,7 +120,7 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
 
 def test_rope_in_process_logs_each_thing_once(caplog: pytest.LogCaptureFixture) -> None:
     rope = InProcessRope(hung_up("passed").scene)
-    left, right = hoist_demo.rope_plant.EndMotion(), hoist_demo.rope_plant.EndMotion(y=90.0)
+    left, right = rope_plant.EndMotion(), rope_plant.EndMotion(y=90.0)
     assert rope.initialize(0.0, left, right).valid
     assert all(rope.step(k * 0.01, 0.01, left, right).valid for k in range(3))
     assert [r.levelname for r in caplog.records if "passed through" in r.getMessage()] == ["WARNING"]

@@ -22,21 +22,22 @@ from benchmarks.coupling.oscillator import Data, error, started
 from benchmarks.coupling.page import page
 from benchmarks.coupling.reading import PROMISED, foretold, order_on_hoist, rows, theory
 from benchmarks.reproduction.tables import read
-from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.coupling.catalogue import SCHEMES, scheme_named
-from hoist_demo.coupling.energy import EnergyControlled
-from hoist_demo.coupling.extrapolation import extrapolated
-from hoist_demo.coupling.gauss_seidel import GaussSeidel, ImpulsePreserving
-from hoist_demo.coupling.interface import Load, Sample, Scheme
-from hoist_demo.coupling.iterative import Iterative
-from hoist_demo.coupling.semi_implicit import SemiImplicit
-from hoist_demo.coupling.stability import MARGIN, growth
-from hoist_demo.host import Host, Result
-from hoist_demo.inprocess_rope import InProcessRope, rope_in_process
+from hoist_demo.cases.table import CASES
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_in_process
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopeStatus
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.schemes.catalogue import SCHEMES, scheme_named
+from hoist_demo.cosimulation.schemes.energy import EnergyControlled
+from hoist_demo.cosimulation.schemes.extrapolation import extrapolated
+from hoist_demo.cosimulation.schemes.gauss_seidel import GaussSeidel, ImpulsePreserving
+from hoist_demo.cosimulation.schemes.interface import Load, Sample, Scheme
+from hoist_demo.cosimulation.schemes.iterative import Iterative
+from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
+from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
+from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantInputPath
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.plant import HoistPlant, PlantInput, PlantInputPath
-from hoist_demo.rope_plant import EndMotion, RopeStatus
-from hoist_demo.scenes import SCENES
 from rope_model.parameters import PRESETS, Level
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -202,10 +203,10 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
     assert result.warning in caplog.text
 
 
-@pytest.mark.parametrize("preset", SCENES)
+@pytest.mark.parametrize("preset", CASES)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
 def test_the_default_is_expected_to_be_stable_on_every_preset(preset: str, H: float) -> None:
-    scene, plant = SCENES[preset], rope_in_process(preset, level="draft")
+    scene, plant = CASES[preset], rope_in_process(preset, level="draft")
     host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
     result = host.run(lambda fraction, t: False)
     assert result.warning == ""
@@ -290,11 +291,11 @@ def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
 THROUGH_THE_FMU = """
 import sys
 from pathlib import Path
-from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.rope_plant import EndMotion
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 
 path, folder = Path(sys.argv[1]), Path(sys.argv[2])
 trip = Winding(travel=0.002, settle=0.0, start_delay=0.0)
@@ -347,7 +348,7 @@ def test_the_page_is_what_the_committed_data_make() -> None:
 
 def test_the_default_errs_by_less_than_promised_on_every_preset() -> None:
     t = TABLES["presets"]
-    assert set(t["preset"]) == set(SCENES)
+    assert set(t["preset"]) == set(CASES)
     assert set(t["scheme"]) == {Coupling().scheme}
     assert_array_equal(t["H [s]"], 0.01)
     assert np.all(t["force error"] < PROMISED)
@@ -384,7 +385,7 @@ def test_load_through_has_its_mean_and_ends() -> None:
 
 @pytest.mark.parametrize(("level", "warned"), [("reference", True), ("standard", False)])
 def test_at_40_ms_the_host_warns_where_the_rope_s_own_steps_do_not_damp_the_waves(level: Level, warned: bool) -> None:
-    scene = SCENES["rope-120"]
+    scene = CASES["rope-120"]
     host = Host(rope_in_process("rope-120", level=level), scene.hoist, TRIP, Coupling(step=0.04, scheme="jacobi-2"))
     result = host.run(lambda fraction, t: False)
     assert bool(result.warning) == warned

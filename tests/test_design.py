@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
+from hoist_demo.control.reference import Reference, s_curve
 from hoist_demo.design.controllers import drive
 from hoist_demo.design.low_rung import low_rung
 from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.design.swing import fit_swing
 from hoist_demo.design.trajectory import Trajectory, optimise
 from hoist_demo.design.tuning import search
+from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.plant import HoistPlant, PlantInput
-from hoist_demo.reference import Reference, s_curve
 
 TRIP = Winding(travel=20.0, speed=3.0, jerk=2.0)
 SHORT = Winding(travel=6.0, speed=2.0, jerk=2.0, start_delay=0.5)

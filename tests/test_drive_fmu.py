@@ -15,16 +15,17 @@ from numpy.testing import assert_allclose
 from fmu_src.interface import Variable
 from fmu_src.native.start import Start, c_start
 from fmu_src.native.table import c_table, start_values
-from hoist_demo.controller import ControllerState, Measurement, SpeedController
+from hoist_demo.cases.case import Case
+from hoist_demo.cases.table import CASES
+from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
+from hoist_demo.control.reference import s_curve
+from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.drive_fmu.description import DriveModel, drive_model
 from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces, start_heights
-from hoist_demo.parameters import SETUPS, Setup
-from hoist_demo.plant import HoistPlant, PlantInput
-from hoist_demo.reference import s_curve
 from rope_model.numerics.kernels import find_compiler
 
 NATIVE = Path(__file__).parents[1] / "fmu_src" / "native"
-SETUP = SETUPS["rope-120"]
+SETUP = CASES["rope-120"]
 MOTIONS = motions(SETUP.hoist)
 H = 0.01
 
@@ -107,16 +108,16 @@ def drive(compiled: tuple[ctypes.CDLL, DriveModel]) -> Iterator[Drive]:
     instance.close()
 
 
-def in_process(setup: Setup, forces: list[tuple[float, float]]) -> list[list[float]]:
-    """Motions after each step under the given forces of the balance rope; the loop of hoist_demo.host."""
-    plant, reference = HoistPlant(setup.hoist, tolerance=1e-12), s_curve(setup.winding)
-    heights = start_heights(setup)
-    state = plant.equilibrium(*heights, *rest_forces(setup))
-    shown = plant.outputs(state, PlantInput(float(state.x[0]), *rest_forces(setup)))
-    controller, memory = SpeedController(setup.hoist, shown.torque), ControllerState()
+def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float]]:
+    """Motions after each step under the given forces of the balance rope; the loop of hoist_demo.cosimulation.host."""
+    plant, reference = HoistPlant(case.hoist, tolerance=1e-12), s_curve(case.winding)
+    heights = start_heights(case)
+    state = plant.equilibrium(*heights, *rest_forces(case))
+    shown = plant.outputs(state, PlantInput(float(state.x[0]), *rest_forces(case)))
+    controller, memory = SpeedController(case.hoist, shown.torque), ControllerState()
     rows = []
     for k, (left, right) in enumerate(forces):
-        measured = Measurement(shown.y_left - heights[0], setup.hoist.sheave_radius * shown.rate)
+        measured = Measurement(shown.y_left - heights[0], case.hoist.sheave_radius * shown.rate)
         command = controller.command(reference.at(k * H), measured, memory, H)
         memory, held = command.state, PlantInput(command.torque, left, right)
         moved = plant.step(state, H, held)
@@ -208,10 +209,10 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Drive) -> 
 
 @pytest.mark.parametrize("creep", [0.0, 3.0])
 def test_another_trip_has_its_own_reference(creep: float) -> None:
-    setup = replace(SETUP, winding=replace(SETUP.winding, travel=-20.0, creep_distance=creep))
-    text = drive_model(setup).sources["drive_table.h"]
+    case = replace(SETUP, winding=replace(SETUP.winding, travel=-20.0, creep_distance=creep))
+    text = drive_model(case).sources["drive_table.h"]
     last = text.partition("DRIVE_TRIP[][5] = {")[2].partition("};")[0].rpartition("{")[2]
-    duration = s_curve(setup.winding).duration - setup.winding.start_delay
+    duration = s_curve(case.winding).duration - case.winding.start_delay
     assert_allclose([float(x) for x in last.rstrip("}").split(",")], [duration, -20.0, 0.0, 0.0, 0.0], rtol=1e-15)
 
 

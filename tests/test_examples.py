@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from exports import FLAVOURS
 
-from hoist_demo.recording import read_csv
+from hoist_demo.recording.time_series import read_csv
 from rope_model.numerics.kernels import find_compiler
 
 ROOT = Path(__file__).resolve().parent.parent

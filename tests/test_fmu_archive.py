@@ -23,8 +23,8 @@ from fmpy.validation import validate_fmu
 from fmu_src.interface import variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.profile import ALL, ALWAYS, DEFAULT, group_of
+from hoist_demo.cases.table import CASES
 from hoist_demo.drive_fmu.description import drive_model
-from hoist_demo.parameters import SETUPS
 from rope_model.parameters import rope_120
 
 HEADERS = Path(__file__).parents[1] / "fmu_src" / "native" / "include"
@@ -180,7 +180,7 @@ def test_outputs_depend_on_nothing_at_their_instant_and_on_everything_while_init
 
 def test_variables_have_the_value_references_of_the_whole_table_whatever_is_described(fmu: Archive) -> None:
     if fmu.kind.startswith("drive"):
-        table = drive_model(SETUPS["rope-120"]).variables
+        table = drive_model(CASES["rope-120"]).variables
         whole = [v.name for v in table]
     else:
         whole = [v.name for v in variables(rope_120())]

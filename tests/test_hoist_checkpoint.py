@@ -16,14 +16,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.components import Brake
-from hoist_demo.controller import Command, Controller, Measurement, SpeedController
-from hoist_demo.host import Host, Result
-from hoist_demo.inprocess_rope import rope_in_process
+from hoist_demo.control.controller import Command, Controller, Measurement, SpeedController
+from hoist_demo.control.reference import ReferencePoint
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+from hoist_demo.cosimulation.plain_data import decoded, encoded
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.plain_data import decoded, encoded
-from hoist_demo.reference import ReferencePoint
+from hoist_demo.parameters.components import Brake
 
 TRIP = Winding(travel=0.5, settle=0.0, start_delay=0.0)
 

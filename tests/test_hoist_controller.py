@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from hoist_demo.controller import ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.control.reference import ReferencePoint
 from hoist_demo.parameters import Hoist
-from hoist_demo.reference import ReferencePoint
 
 HOIST = Hoist()
 REST = ReferencePoint(0.0, 0.0, 0.0, 0.0)

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from hoist_demo.control.reference import Reference, s_curve
 from hoist_demo.parameters import Winding
-from hoist_demo.reference import Reference, s_curve
 
 LANDING = Winding(creep_distance=3.0, creep_speed=0.5)
 BOTH = Winding(travel=-60.0, speed=4.0, creep_distance=2.0, departure_creep_distance=1.5, creep_speed=0.6)

@@ -90,10 +90,10 @@ HEAD = """
 import sys
 from pathlib import Path
 import numpy as np
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.parameters import Winding
-from hoist_demo.rope_plant import EndMotion
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 path = Path(sys.argv[1])
 """
 

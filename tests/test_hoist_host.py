@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hoist_demo.components import Brake
-from hoist_demo.figures import write_figures
-from hoist_demo.host import Host, Result
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant, RopeStatus
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.recording import TIME, Recorder, Recording, read_csv, shape_rows, write_csv, write_shapes
-from hoist_demo.report import write_report
-from hoist_demo.rope_plant import EndMotion, RopePlant, RopeStatus
-from hoist_demo.summary import render, summarize
+from hoist_demo.parameters.components import Brake
+from hoist_demo.recording.time_series import TIME, Recorder, Recording, read_csv, shape_rows, write_csv, write_shapes
+from hoist_demo.report.figures import write_figures
+from hoist_demo.report.markdown import write_report
+from hoist_demo.report.summary import render, summarize
 
 RHO, G, LENGTH = 8.0, 9.81, 120.0
 

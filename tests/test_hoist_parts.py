@@ -11,10 +11,10 @@ import pytest
 from scipy.optimize import brentq
 
 from benchmarks.hoist import dead_weights
-from hoist_demo.components import Brake, Guides, Play, Shaft
-from hoist_demo.controller import ControllerState, Gains, Measurement, SpeedController
-from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding, require_trip_fits
-from hoist_demo.plant import (
+from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.control.reference import Braking, ReferencePoint, s_curve
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
+from hoist_demo.drive.plant import (
     LOSS_NAMES,
     STATE_NAMES,
     HoistPlant,
@@ -24,8 +24,8 @@ from hoist_demo.plant import (
     energy_residual,
     side_forces,
 )
-from hoist_demo.reference import Braking, ReferencePoint, s_curve
-from hoist_demo.rope_plant import EndMotion
+from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding, require_trip_fits
+from hoist_demo.parameters.components import Brake, Guides, Play, Shaft
 
 FULL = Hoist(
     head_rope_modes=2,

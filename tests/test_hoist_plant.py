@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantState, energy_residual
 from hoist_demo.parameters import GRAVITY, Hoist
-from hoist_demo.plant import HoistPlant, PlantInput, PlantState, energy_residual
 
 TAIL = 8.0 * GRAVITY
 RELAXED = (-TAIL * 15.0, -TAIL * 105.0)

@@ -10,30 +10,31 @@ import numpy as np
 import pytest
 
 from benchmarks.hoist import Run, stop, wind
-from hoist_demo.inprocess_rope import rope_in_process
+from hoist_demo.cases.installed import INSTALLED, TAIL_SPARE, Case, round_rope
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from hoist_demo.parameters import require_trip_fits
-from hoist_demo.presets import PRESETS, TAIL_SPARE, Preset, round_rope
-from hoist_demo.rope_plant import EndMotion
 from rope_model.parameters import Layout, Rope
 
 
 def _rope_and_layout(parameters: Mapping[str, float]) -> tuple[Rope, Layout]:
-    """Parameters by FMI name in rope_model's own types, which check them."""
+    """Parameters by FMI name in rope_model's own types, which check them; those of the swivels left out."""
     parts: dict[str, dict[str, float]] = {"rope": {}, "layout": {}}
     for name, value in parameters.items():
         part, _, field = name.partition(".")
-        parts[part][field] = value
+        if part in parts:
+            parts[part][field] = value
     return Rope(**parts["rope"]), Layout(**parts["layout"])
 
 
-presets = pytest.mark.parametrize("preset", PRESETS.values(), ids=PRESETS.keys())
+presets = pytest.mark.parametrize("preset", INSTALLED.values(), ids=INSTALLED.keys())
 
 #: ropes must not slip: twice the friction at rest and a quarter more than the moving hoist asks for
 STATIC_SAFETY, SAFETY = 1.75, 1.25
 
 
 @presets
-def test_the_balance_rope_is_that_of_the_hoist(preset: Preset) -> None:
+def test_the_balance_rope_is_that_of_the_hoist(preset: Case) -> None:
     hoist = preset.hoist
     assert preset.rope["rope.length"] == hoist.tail_rope_length == hoist.shaft_travel + TAIL_SPARE
     assert preset.rope["rope.mass_per_length"] == hoist.tail_rope_mass
@@ -42,7 +43,7 @@ def test_the_balance_rope_is_that_of_the_hoist(preset: Preset) -> None:
 
 
 @presets
-def test_the_balance_rope_s_parameters_are_those_of_a_rope(preset: Preset) -> None:
+def test_the_balance_rope_s_parameters_are_those_of_a_rope(preset: Case) -> None:
     rope, layout = _rope_and_layout(preset.rope)
     assert (rope.length, layout.spacing) == (preset.rope["rope.length"], preset.rope["layout.spacing"])
 
@@ -52,7 +53,7 @@ def test_the_known_rope_is_similar_to_itself() -> None:
 
 
 @presets
-def test_source_and_published_numbers_are_told(preset: Preset) -> None:
+def test_source_and_published_numbers_are_told(preset: Case) -> None:
     assert "http" in preset.source
     assert f"{preset.winding.speed:g} m/s" in preset.published
     assert f"{1e-3 * preset.hoist.payload_left:g} t" in preset.published
@@ -60,12 +61,12 @@ def test_source_and_published_numbers_are_told(preset: Preset) -> None:
 
 @pytest.mark.parametrize(("name", "rpm"), [("kiruna-355", 64.7), ("kiruna-710", 100.0)])
 def test_rope_speed_and_pulley_give_the_published_motor_speed(name: str, rpm: float) -> None:
-    preset = PRESETS[name]
+    preset = INSTALLED[name]
     found = preset.winding.speed / preset.hoist.sheave_radius * 30.0 / math.pi
     np.testing.assert_allclose(found, rpm, rtol=2e-3)  # the speed is published to two digits
 
 
-def _assert_within_its_limits(run: Run, preset: Preset) -> None:
+def _assert_within_its_limits(run: Run, preset: Case) -> None:
     hoist, travel = preset.hoist, preset.winding.travel
     np.testing.assert_allclose(run["position"][-1], travel, rtol=0, atol=1e-3)
     assert np.max(np.abs(run["speed"])) < preset.winding.speed + 0.05
@@ -78,7 +79,7 @@ def _assert_within_its_limits(run: Run, preset: Preset) -> None:
 
 
 @presets
-def test_a_short_trip_arrives_within_all_limits(preset: Preset) -> None:
+def test_a_short_trip_arrives_within_all_limits(preset: Case) -> None:
     # from the upper landing: at the lower one the long ropes swing on for minutes
     winding = replace(preset.winding, travel=-25.0, start_delay=0.0)
     run = wind(preset.hoist, winding, preset.gains, step=0.04)
@@ -87,7 +88,7 @@ def test_a_short_trip_arrives_within_all_limits(preset: Preset) -> None:
 
 @pytest.mark.slow
 @presets
-def test_the_whole_trip_arrives_within_all_limits(preset: Preset) -> None:
+def test_the_whole_trip_arrives_within_all_limits(preset: Case) -> None:
     _assert_within_its_limits(wind(preset.hoist, preset.winding, preset.gains), preset)
 
 
@@ -102,10 +103,10 @@ def test_a_regulated_stop_from_full_speed_does_not_slip_and_the_full_torque_woul
     np.testing.assert_allclose(distance, 16.0**2 / 4.0, rtol=0.05)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", INSTALLED)
 def test_the_loop_does_not_turn_over_at_rest(name: str) -> None:
     rope = rope_in_process(name)
-    assert rope.initialize(0.0, EndMotion(), EndMotion(y=PRESETS[name].hoist.shaft_travel)).valid
+    assert rope.initialize(0.0, EndMotion(), EndMotion(y=INSTALLED[name].hoist.shaft_travel)).valid
     found = rope.read(["loop.yaw"])["loop.yaw"]
     # the torque turns it one way, and by an angle at which the legs stay well apart
     assert 0.0 < found < math.radians(15.0)

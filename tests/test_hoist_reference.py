@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from hoist_demo.control.reference import Reference, s_curve
 from hoist_demo.parameters import Winding
-from hoist_demo.reference import Reference, s_curve
 
 TRIPS = {
     "default, speed limit not reached": Winding(),

@@ -17,24 +17,25 @@ import pytest
 from exports import FLAVOURS
 
 from balance_rope import _levels
-from hoist_demo.cli import _patient, _scene_of
-from hoist_demo.events import marks
-from hoist_demo.fmu_parameters import read_parameters
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host, Result
-from hoist_demo.html.given import rope_tables
-from hoist_demo.html.page import number
-from hoist_demo.html.run import run_report
-from hoist_demo.inprocess_rope import InProcessRope, rope_data, rope_in_process
+from hoist_demo.cases.table import CASES
+from hoist_demo.command_line.demo import _patient, _scene_of
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_in_process
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.recording import Recording
-from hoist_demo.reference import s_curve
-from hoist_demo.report import render_markdown
-from hoist_demo.rope_plant import EndMotion
-from hoist_demo.rungs import RUNG, code_of, computed, remark, rungs_of
-from hoist_demo.scenes import SCENES
+from hoist_demo.recording.rungs import RUNG, code_of, computed, remark, rungs_of
+from hoist_demo.recording.time_series import Recording
+from hoist_demo.report.events import marks
+from hoist_demo.report.html.given import rope_tables
+from hoist_demo.report.html.page import number
+from hoist_demo.report.html.run import run_report
+from hoist_demo.report.markdown import render_markdown
+from hoist_demo.report.summary import render, summarize
 from hoist_demo.study.metrics import Arrival, measure
-from hoist_demo.summary import render, summarize
 from rope_model.parameters import Mesh, Model, Rope, Scene, rope_120
 
 ROOT = Path(__file__).parents[1]
@@ -203,7 +204,7 @@ def test_the_residual_keeps_its_sign_and_is_set_against_the_kinetic_energy(plana
 
 @pytest.mark.slow
 def test_the_residual_of_a_long_rope_is_what_its_time_integration_dissipates() -> None:
-    scene = SCENES["monopol-1000"]
+    scene = CASES["monopol-1000"]
     trip, top = s_curve(scene.winding), scene.hoist.shaft_travel
 
     def dissipated(**solver: float) -> float:
@@ -270,7 +271,7 @@ def test_a_state_of_another_kind_of_rope_is_refused() -> None:
 
 
 def test_a_checkpoint_leads_back_to_its_scene_and_names_what_differs() -> None:
-    scene = SCENES["rope-120"]
+    scene = CASES["rope-120"]
     rope = rope_in_process("rope-120", level="draft")
     stopped = Host(rope, scene.hoist, SHORT, gains=scene.gains).run(lambda fraction, t: t < 0.1)
     assert stopped.checkpoint is not None

@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 
 from balance_rope import main
-from hoist_demo.checkpoint import Checkpoint
-from hoist_demo.host import Host
-from hoist_demo.inprocess_rope import rope_in_process, rope_parameters
+from hoist_demo.command_line.settings import settings
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process, rope_parameters
+from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.progress import progress_bar, warnings_of
-from hoist_demo.recording import matching, read_csv
-from hoist_demo.settings import settings
+from hoist_demo.recording.time_series import matching, read_csv
 from hoist_demo.study.catalogue import Catalogue
 from rope_model.numerics import kernels
 

@@ -21,11 +21,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from hoist_demo.html.along import ROPE_ROWS
-from hoist_demo.html.run import run_report
-from hoist_demo.html.study import study_report
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.recording import Recording
+from hoist_demo.recording.time_series import Recording
+from hoist_demo.report.html.along import ROPE_ROWS
+from hoist_demo.report.html.run import run_report
+from hoist_demo.report.html.study import study_report
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)

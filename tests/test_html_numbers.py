@@ -14,13 +14,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from hoist_demo import events
-from hoist_demo.html import along, given, packing, page, panels
-from hoist_demo.html.study import study_report
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.quantity import quantity
-from hoist_demo.recording import Recording
-from hoist_demo.reference import s_curve
+from hoist_demo.parameters.quantity import quantity
+from hoist_demo.recording.time_series import Recording
+from hoist_demo.report import events
+from hoist_demo.report.html import along, given, packing, page, panels
+from hoist_demo.report.html.study import study_report
 
 
 def unpack(packed: dict) -> np.ndarray:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from benchmarks.chart.depth import scene_of
 from benchmarks.kinematic import ends_at, wind
 from benchmarks.legs import Case, apart, meshes, wound
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding
-from hoist_demo.reference import s_curve
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh
 from rope_model.simulation.mesh import suited

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from hoist_demo.inprocess_rope import rope_data
+from hoist_demo.cases.table import case_named
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from hoist_demo.reference import s_curve
-from hoist_demo.scenes import scene_named
 from rope_model.native.build import library
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, RungChoice, Scene, Solver, Swivel, rope_120, rope_240
@@ -470,7 +470,7 @@ def test_a_rigid_rope_that_cannot_hang_is_a_status_in_both() -> None:
 
 def test_a_search_for_a_swivel_event_that_fails_is_taken_up_again_with_a_shorter_step() -> None:
     released = Swivel(mode="coulomb", release_time=10.0)
-    scene = rope_data(scene_named("kiruna-710").rope).with_(left=released, right=released, solver=Solver())
+    scene = rope_data(case_named("kiruna-710").rope).with_(left=released, right=released, solver=Solver())
     rope = NativeRope(scene.with_(rope=replace(scene.rope, installed_twist=5.0), model=Model("torsional")))
     step, ends = scene.solver.step_max, winding(400.0, 16.0)
     assert rope.initialize(0.0, *ends(0.0)).valid

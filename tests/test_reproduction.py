@@ -14,8 +14,8 @@ from benchmarks.reproduction.page import DATA, IMAGES, page
 from benchmarks.reproduction.section import Claim
 from benchmarks.reproduction.tables import Tables, read, table, write
 from benchmarks.stability.entry import Measured
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import s_curve
 from rope_model import RopeSimulator
 
 TABLES = read(DOCS / DATA)

@@ -12,41 +12,42 @@ from numpy.testing import assert_allclose
 
 import balance_rope
 from fmu_src.interface import preset_with, scene_of, variables
-from hoist_demo.host import Host, Result
-from hoist_demo.inprocess_rope import rope_data, rope_in_process
-from hoist_demo.parameters import GRAVITY, SETUPS, Coupling
-from hoist_demo.presets import PRESETS
-from hoist_demo.scenes import SCENES, scene_named
+from hoist_demo.cases.installed import INSTALLED
+from hoist_demo.cases.table import CASES, case_named
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.parameters import GRAVITY, Coupling
+from hoist_demo.report.summary import made_up
 from hoist_demo.study.run import build
-from hoist_demo.summary import made_up
 from rope_model import parameters
 from rope_model.parameters import rope_120
 
-every_scene = pytest.mark.parametrize("name", SCENES)
+every_scene = pytest.mark.parametrize("name", CASES)
 
 
 def test_the_table_holds_the_published_case_and_all_installed_sizes() -> None:
-    assert set(SCENES) == set(SETUPS) | set(PRESETS)
-    assert set(parameters.PRESETS) <= set(SCENES)
+    assert set(CASES) == {"rope-120", "rope-240"} | set(INSTALLED)
+    assert set(parameters.PRESETS) <= set(CASES)
 
 
 @every_scene
 def test_the_fmu_reads_the_scene_s_parameters_as_the_rope_in_process_does(name: str) -> None:
     values = {v.name: v.start for v in variables(rope_120()) if v.causality == "parameter" and v.start is not None}
-    assert SCENES[name].rope.keys() <= values.keys()
-    assert scene_of({**values, **SCENES[name].rope}) == rope_data(SCENES[name].rope)
+    assert CASES[name].rope.keys() <= values.keys()
+    assert scene_of({**values, **CASES[name].rope}) == rope_data(CASES[name].rope)
 
 
 @pytest.mark.parametrize("name", parameters.PRESETS)
 @pytest.mark.parametrize("level", ["draft", "standard"])
 def test_ropes_of_the_published_case_are_those_of_the_export(name: str, level: parameters.Level) -> None:
-    assert rope_data(SCENES[name].rope, level) == parameters.PRESETS[name](level).scene
+    assert rope_data(CASES[name].rope, level) == parameters.PRESETS[name](level).scene
 
 
 @every_scene
 @pytest.mark.parametrize("level", ["draft", "standard"])
 def test_an_export_of_a_scene_starts_with_its_rope_and_its_travel(name: str, level: parameters.Level) -> None:
-    scene = SCENES[name]
+    scene = CASES[name]
     preset = preset_with("rope-120", level, {**scene.rope, "right.y": abs(scene.winding.travel)})
     assert preset.scene == rope_data(scene.rope, level)
     starts = {v.name: v.start for v in variables(preset)}
@@ -73,7 +74,7 @@ def test_a_parameter_that_the_rope_has_not_is_refused_by_name(name: str) -> None
 @cache
 def started(name: str) -> tuple[Host, Result]:
     """A host and its run over 50 steps of the scene's trip, which begins at once."""
-    scene, rope = SCENES[name], rope_in_process(name, level="draft")
+    scene, rope = CASES[name], rope_in_process(name, level="draft")
     host = Host(rope, scene.hoist, replace(scene.winding, start_delay=0.0), Coupling(), scene.gains)
     return host, host.run(lambda fraction, t: t < 0.495)
 
@@ -133,9 +134,9 @@ def test_a_scene_that_is_not_there_is_answered_with_all_that_are(capsys: pytest.
         balance_rope.main(["demo", "--scene", "monopol"])
     assert left.value.code == 2
     told = capsys.readouterr().err
-    assert all(name in told for name in SCENES)
+    assert all(name in told for name in CASES)
     with pytest.raises(ValueError, match=r"scene = 'monopol' must be one of rope-120, .*palabora-1282"):
-        scene_named("monopol")
+        case_named("monopol")
 
 
 def test_a_stop_s_law_without_its_time_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -156,7 +157,7 @@ def test_a_brake_that_the_scene_has_not_is_refused(capsys: pytest.CaptureFixture
 
 
 def test_a_study_winds_the_scene_with_its_gains_and_its_rope_unless_told_otherwise() -> None:
-    scene = SCENES["monopol-1000"]
+    scene = CASES["monopol-1000"]
     plain, other = build("monopol-1000", {}), build("monopol-1000", {"rope.EI": 900.0, "gains.position": 0.7})
     assert (plain.gains, plain.fmu) == (scene.gains, scene.rope)
     assert other.gains == replace(scene.gains, position=0.7)
@@ -165,7 +166,7 @@ def test_a_study_winds_the_scene_with_its_gains_and_its_rope_unless_told_otherwi
 
 def rope_table() -> str:
     """The installed ropes as docs/hoist.md shows them."""
-    names = list(next(iter(PRESETS.values())).rope)
-    lines = ["| |" + "".join(f" `{name}` |" for name in PRESETS), "|---|" + "---|" * len(PRESETS)]
-    lines += [f"| `{key}` |" + "".join(f" {preset.rope[key]:.4g} |" for preset in PRESETS.values()) for key in names]
+    names = [name for name in next(iter(INSTALLED.values())).rope if "swivel" not in name]
+    lines = ["| |" + "".join(f" `{name}` |" for name in INSTALLED), "|---|" + "---|" * len(INSTALLED)]
+    lines += [f"| `{key}` |" + "".join(f" {preset.rope[key]:.4g} |" for preset in INSTALLED.values()) for key in names]
     return "\n".join(lines)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding
-from hoist_demo.reference import s_curve
 from rope_model.parameters import rope_240
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
 from rope_model.simulation.ends import EndMotion

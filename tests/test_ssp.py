@@ -28,13 +28,13 @@ from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
 from fmu_src.ssp import OMS, OSP, SSC, SSD, Component, export_ssp
+from hoist_demo.cases.table import CASES
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive_fmu.description import drive_model, duration
-from hoist_demo.host import Host
-from hoist_demo.inprocess_rope import rope_in_process
-from hoist_demo.parameters import SETUPS, Coupling
-from hoist_demo.scenes import SCENES
+from hoist_demo.parameters import Coupling
 
-STOP = duration(SETUPS["rope-120"].winding)
+STOP = duration(CASES["rope-120"].winding)
 STEPS = 2600  # the trip of 90 m and its arrival
 COUPLING = {"inputs_at_step_end": False}  # drive and rope step at the same time
 
@@ -99,9 +99,9 @@ def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
 def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path: Path) -> None:
     """Payload on one side, two balance ropes, shaft, head rope modes, guides and their play."""
     name, travel, steps = "monopol-1000", 4.0, 700
-    scene = SCENES[name]
+    scene = CASES[name]
     short = replace(scene, winding=replace(scene.winding, travel=travel))
-    drive = drive_model(short, scene.gains)
+    drive = drive_model(short)
     table = [Variable(*variable) for variable in drive.variables]
     here = (host_platform(),)
     export_model(

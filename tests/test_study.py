@@ -20,14 +20,16 @@ import pytest
 from dask.distributed import Client
 from exports import FLAVOURS
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.participants.partners import Stopwatch
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
-from hoist_demo.host import Result, Stopwatch
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.quantity import quantity
-from hoist_demo.recording import Recording
-from hoist_demo.reference import s_curve
+from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.units import spelled
+from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study, StudyError, read_study
 from hoist_demo.study.metrics import UNITS, Arrival, measure
@@ -37,7 +39,6 @@ from hoist_demo.study.probe import Probe
 from hoist_demo.study.run import Outcome, build
 from hoist_demo.study.sampling import Range, latin_hypercube
 from hoist_demo.study.store import Store, read_results
-from hoist_demo.study.units import spelled
 
 SHORT = """
 [fixed]
@@ -513,7 +514,7 @@ def test_table_holds_what_the_rope_did(read, tmp_path: Path, client: Client) -> 
 
 COMMAND = """
 import argparse, sys
-from hoist_demo.study.command import add_study
+from hoist_demo.command_line.study import add_study
 
 parser = argparse.ArgumentParser()
 add_study(parser.add_subparsers())

@@ -28,8 +28,8 @@ from collections.abc import Callable
 import fmpy
 import numpy as np
 
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding
-from hoist_demo.reference import s_curve
 
 H = 0.01
 TRAVEL = 90.0  # m, the winding of the 120 m rope

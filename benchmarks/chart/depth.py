@@ -19,10 +19,10 @@ from benchmarks.kinematic import wind
 from benchmarks.reproduction.costs import SOURCE_SAVED
 from benchmarks.reproduction.drawing import ACCENTS, COLOURS, figure
 from benchmarks.reproduction.tables import Table, Tables, table
-from hoist_demo.inprocess_rope import rope_data
+from hoist_demo.cases.table import case_named
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import s_curve
-from hoist_demo.scenes import scene_named
 from rope_model.parameters import Mesh, Model, Scene, Solver
 
 from .front import cost_at
@@ -64,7 +64,7 @@ def quick() -> Depth:
 
 def scene_of(rope: str, coupling: str) -> Scene:
     """The rope between locked ends; uncoupled without Qb and Qc, where the planar rung leaves nothing out."""
-    scene = rope_data(scene_named(rope).rope)
+    scene = rope_data(case_named(rope).rope)
     held = {"left": replace(scene.left, mode="locked"), "right": replace(scene.right, mode="locked")}
     scene = scene.with_(solver=Solver(step_max=STEP), model=Model("torsional"), **held)
     if coupling == "coupled":

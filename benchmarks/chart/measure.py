@@ -18,7 +18,7 @@ from tqdm import tqdm
 from benchmarks.kinematic import wind
 from benchmarks.reproduction.tables import Table, Tables, table
 from benchmarks.reproduction.windings import COUPLINGS, TRAVEL
-from hoist_demo.reference import s_curve
+from hoist_demo.control.reference import s_curve
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh import suited
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from benchmarks.kinematic import Winding, wind
 from benchmarks.robustness import LIMITS
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import s_curve
 from rope_model import Layout, Model, Scene, Swivel, balance_rope
 from rope_model.parameters import RungChoice
 from rope_model.physics.estimates import Travel, lean_error, longitudinal_error

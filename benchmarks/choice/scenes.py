@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from benchmarks.kinematic import Winding, ends_at, wind
+from hoist_demo.control.reference import Reference, emergency_stop, s_curve
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import Reference, emergency_stop, s_curve
 from rope_model.parameters import Model, RungChoice, Scene, Swivel, rope_120, rope_240
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.rungs import RungName

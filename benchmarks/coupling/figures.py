@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.reproduction.drawing import ACCENTS, COLOURS, REFERENCE, figure
 from benchmarks.reproduction.tables import Table, Tables
-from hoist_demo.coupling.stability import MARGIN
+from hoist_demo.cosimulation.schemes.stability import MARGIN
 
 from .light import IMPEDANCE, LEG
 from .reading import rows

@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.coupling.interface import Scheme
-from hoist_demo.coupling.iterative import Iterative
-from hoist_demo.host import Host, Result
-from hoist_demo.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cases.table import CASES
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.schemes.interface import Scheme
+from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Winding
-from hoist_demo.scenes import SCENES
 from rope_model.parameters import Level
 
 Array = NDArray[np.float64]
@@ -53,15 +54,16 @@ class Run:
 
 def wound(case: Case, scheme: str | Scheme, H: float) -> Run:
     """One run; a scheme may be given that has no name."""
-    scene = SCENES[case.preset]
+    scene = CASES[case.preset]
     data = rope_data(scene.rope, case.level)
     if case.rope_step is not None:
         data = data.with_(solver=replace(data.solver, step_max=case.rope_step))
-    named = scheme if isinstance(scheme, str) else "gauss-seidel-1"
-    coupling = Coupling(step=H, scheme=named, sample=case.sample)
-    host = Host(InProcessRope(data), scene.hoist, case.winding, coupling, scene.gains)
-    if not isinstance(scheme, str):
-        host.scheme = scheme
+    coupling, unnamed = Coupling(step=H, sample=case.sample), None
+    if isinstance(scheme, str):
+        coupling = replace(coupling, scheme=scheme)
+    else:
+        unnamed = scheme
+    host = Host(InProcessRope(data), scene.hoist, case.winding, coupling, scene.gains, scheme=unnamed)
     start = time.process_time()
     result: Result = host.run()
     spent = time.process_time() - start

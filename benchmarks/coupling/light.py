@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from hoist_demo.coupling.catalogue import SCHEMES
-from hoist_demo.coupling.interface import Motion, Pair, Scheme, Vector
-from hoist_demo.coupling.stability import MARGIN, growth, measured_answer
+from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
+from hoist_demo.cosimulation.schemes.interface import Motion, Pair, Scheme, Vector
+from hoist_demo.cosimulation.schemes.stability import MARGIN, growth, measured_answer
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.simulator import RopeSimulator

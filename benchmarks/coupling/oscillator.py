@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from hoist_demo.coupling.interface import Load, Memory, Motion, Pair, Sample, Scheme, Vector
+from hoist_demo.cosimulation.schemes.interface import Load, Memory, Motion, Pair, Sample, Scheme, Vector
 
 Array = NDArray[np.float64]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.reproduction.tables import Table, Tables
-from hoist_demo.coupling.catalogue import SCHEMES
-from hoist_demo.coupling.stability import MARGIN
+from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
+from hoist_demo.cosimulation.schemes.stability import MARGIN
 from hoist_demo.parameters import Coupling
 
 from .reading import PROMISED, foretold, order, order_on_hoist, rows, theory

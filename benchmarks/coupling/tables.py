@@ -9,13 +9,13 @@ from tqdm import tqdm
 
 from benchmarks.chart.measure import machine
 from benchmarks.reproduction.tables import Table, Tables, table
-from hoist_demo.coupling.catalogue import SCHEMES
-from hoist_demo.coupling.energy import EnergyControlled
-from hoist_demo.coupling.gauss_seidel import ImpulsePreserving
-from hoist_demo.coupling.iterative import Iterative
+from hoist_demo.cases.installed import INSTALLED
+from hoist_demo.cases.table import CASES
+from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
+from hoist_demo.cosimulation.schemes.energy import EnergyControlled
+from hoist_demo.cosimulation.schemes.gauss_seidel import ImpulsePreserving
+from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Winding
-from hoist_demo.presets import PRESETS
-from hoist_demo.scenes import SCENES
 
 from . import light, oscillator
 from .hoist import CONVERGED, Case, errors, wound
@@ -73,8 +73,8 @@ def schemes() -> Table:
 def presets() -> Table:
     """The default scheme at 10 ms on every preset's trip."""
     rows = []
-    for name, setup in tqdm(SCENES.items(), desc="presets", unit="preset", leave=False):
-        travel = SHORTENED if name in PRESETS else setup.winding.travel
+    for name, setup in tqdm(CASES.items(), desc="presets", unit="preset", leave=False):
+        travel = SHORTENED if name in INSTALLED else setup.winding.travel
         winding = replace(setup.winding, travel=travel, settle=2.0)
         case = Case(name, winding, rope_step=PRESET_REFERENCE, sample=PRESET_STEP)
         exact = wound(case, CONVERGED, PRESET_REFERENCE)

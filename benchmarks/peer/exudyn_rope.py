@@ -20,7 +20,7 @@ from exudyn import itemInterface as items
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
 from numpy.typing import NDArray
 
-from hoist_demo.reference import Reference
+from hoist_demo.control.reference import Reference
 from rope_model.parameters import Rope, Scene
 from rope_model.simulation.transfer import interpolated
 

@@ -8,7 +8,7 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from hoist_demo.reference import Reference
+from hoist_demo.control.reference import Reference
 
 
 def s_curve(reference: Reference, sense: float, symbolic: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import ends_at
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import s_curve
 from rope_model import EndMotion, Mesh, Scene, Swivel, balance_rope, rope_120
 from rope_model.simulation.diagnostics import loop_bottom
 from rope_model.simulation.rope_system import arc_lengths

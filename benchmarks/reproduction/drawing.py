@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hoist_demo.figures import ACCENTS, COLOURS, REFERENCE
+from hoist_demo.report.figures import ACCENTS, COLOURS, REFERENCE
 
 from .tables import Tables
 

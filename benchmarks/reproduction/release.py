@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import H, Winding, progress_bar, wind
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import s_curve
 from rope_model import BalanceRope, RopeSimulator, Scene, Swivel, rope_240
 from rope_model.physics.costello import torque
 from rope_model.simulation.ends import SIDES

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import Winding, progress_bar, wind
+from hoist_demo.control.reference import s_curve
 from hoist_demo.parameters import Winding as Trip
-from hoist_demo.reference import s_curve
 from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, rope_120
 from rope_model.simulation.mesh import suited
 from rope_model.simulation.rope_system import arc_lengths

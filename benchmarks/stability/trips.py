@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.kinematic import ends_at
+from hoist_demo.control.reference import Reference, s_curve
 from hoist_demo.parameters import Winding
-from hoist_demo.reference import Reference, s_curve
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends import EndMotion

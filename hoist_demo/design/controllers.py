@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
+from hoist_demo.control.reference import Reference, s_curve
 from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.design.trajectory import Trajectory, optimise, require_no_creep
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.reference import Reference, s_curve
 
 CONTROLLERS = ("pi", "pi-feed-forward", "input-shaping", "optimised-trajectory")
 DESIGNED = ("input-shaping", "optimised-trajectory")

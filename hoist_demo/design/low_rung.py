@@ -1,29 +1,32 @@
 """The hoist with its controller on the lowest rung that serves the drive: a balance rope without elasticity.
 
-Three masses, sheave rim p = R phi and suspension heights y_L, y_R, on head ropes of changing length; the balance
-rope's legs, of length (L + y_L - y_R) / 2 and (L - y_L + y_R) / 2, move and weigh with the conveyances. Energies as in
-`hoist_demo.plant`, with the legs' added,
+The drive's own equations, without shaft, brake, guides, play and modes of the head ropes, under balance ropes that are
+only mass: their legs, of length (L + y_L - y_R) / 2 and (L - y_L + y_R) / 2, move and weigh with the conveyances,
 
-    K += rho / 2 (leg_L v_L^2 + leg_R v_R^2) ,   V += rho g [ leg_L (y_L - leg_L / 2) + leg_R (y_R - leg_R / 2) ] ,
+    K = rho / 2 (leg_L v_L^2 + leg_R v_R^2) ,   V = rho g [ leg_L (y_L - leg_L / 2) + leg_R (y_R - leg_R / 2) ] ,
 
-and Lagrange's equation gives the motion. The controller is that of `hoist_demo.controller`, continuous in time, and
-the motor torque lags. Bending, waves and all lateral motion of the rope are left out; a trip that was designed here
-is verified on the complete rope.
+so that their forces are F = -(M a + c) with the M and c of Lagrange's equation. The drive's accelerations are linear in
+the forces, a = a_0 + B F. The controller is that of `hoist_demo.control`, continuous in time, and the motor torque
+lags. Bending, waves and all lateral motion of the rope are left out; a trip that was designed here is verified on the
+complete rope.
 
 State x = (s, v, a of the reference; p, y_L, y_R; p', v_L, v_R; torque / R; integral part), measured from the start at
-rest; the heights' deviations are those from the start. The input is the reference's jerk.
+rest, with p = R phi at the sheave's rim; the heights' deviations are those from the start. The input is the
+reference's jerk.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
+from hoist_demo.drive.equations import INPUT_NAMES, STATE_NAMES
+from hoist_demo.drive.plant import FORCES, HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
 
 Vector = NDArray[np.float64]
@@ -42,63 +45,64 @@ class LowRung:
 
 def low_rung(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowRung:
     """The closed loop for a trip that begins at rest with the conveyances at the given heights [m]."""
-    EA, mu, rho, g = hoist.rope_stiffness, hoist.rope_mass, hoist.tail_rope_number * hoist.tail_rope_mass, GRAVITY
-    q, v = ca.SX.sym("q", 3), ca.SX.sym("v", 3)
-    y, l0 = (y_left + q[1], y_right + q[2]), _free_lengths(hoist, y_left, y_right)
-    legs = ((hoist.tail_rope_length + y[0] - y[1]) / 2, (hoist.tail_rope_length - y[0] + y[1]) / 2)
+    hoist = replace(hoist, head_rope_modes=0, shaft=None, brake=None, guides=None, play=None, power_limit=None)
+    plant, R = HoistPlant(hoist), hoist.sheave_radius
+    weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]
+    rest = plant.hanging(y_left, y_right, *weights)
+    held = float(rest.x[0]) / R
 
-    kinetic, potential = hoist.sheave_mass * v[0] ** 2 / 2, ca.SX(0)
-    damping = ca.SX(0)
-    for i, (sign, mass) in enumerate(((1.0, hoist.mass_left), (-1.0, hoist.mass_right))):
-        w, vy, leg = sign * v[0], v[1 + i], legs[i]
-        length, s = l0[i] - sign * q[0], hoist.sheave_height - y[i]
-        flow = s / length * w  # the head rope is stretched where it runs on the sheave
-        kinetic += (mass + rho * leg) * vy**2 / 2 + mu * length * (flow**2 + flow * vy + vy**2) / 6
-        potential += EA * (s - length) ** 2 / (2 * length) - mu * g * length * s / 2 + mass * g * y[i]
-        potential += rho * g * leg * (y[i] - leg / 2)
-        damping += hoist.head_rope_damping * ca.sqrt(mass * EA / length) * (w - vy) ** 2
-    momentum = ca.gradient(kinetic, v)
-    carried = ca.jtimes(momentum, q, v)
-    conservative = ca.gradient(kinetic, q) - ca.gradient(potential, q) - ca.gradient(damping, v) - carried
-    hold = ca.Function("hold", [q], [ca.gradient(potential, q)[0]])
-
-    # the controller, and the motor behind it; forces at the rim
-    reference, motor, integral = ca.SX.sym("r", 3), ca.SX.sym("m"), ca.SX.sym("I")
+    # the controller; forces at the rim
+    reference, q, v = ca.SX.sym("r", 3), ca.SX.sym("q", 3), ca.SX.sym("v", 3)
+    motor, integral, jerk = ca.SX.sym("m"), ca.SX.sym("I"), ca.SX.sym("j")
     error = reference[1] + gains.position * (reference[0] - q[1]) - v[0]
-    ahead = hoist.moving_mass * reference[2] + 2.0 * g * (rho - mu) * reference[0] + _loss(hoist, reference[1])
-    held = hold(ca.DM.zeros(3))
+    coulomb, viscous = hoist.travel_loss
+    loss = coulomb * ca.tanh(reference[1] / hoist.loss_speed) + viscous * reference[1]
+    ahead = hoist.moving_mass * reference[2] + hoist.imbalance_rate * reference[0] + loss
     command = held + gains.feed_forward * ahead + gains.speed * error + integral
 
-    jerk = ca.SX.sym("j")
-    force = ca.vertcat(motor - _loss(hoist, v[0]), 0, 0)
-    acceleration = ca.solve(ca.jacobian(momentum, v), force + conservative)
-    x = ca.vertcat(reference, q, v, motor, integral)
+    drive = ca.vertcat(R * motor, q[0] / R, y_left + q[1], y_right + q[2], v[0] / R, v[1:])
+    acceleration = _accelerations(plant, rest)(drive)
     rates = ca.vertcat(
         reference[1],
         reference[2],
         jerk,
         v,
-        acceleration,
+        R * acceleration[0],
+        acceleration[1:],
         (command - motor) / hoist.torque_lag,
         gains.speed * error / gains.integral_time,
     )
     start = np.zeros(STATES)
-    start[9] = float(held)
+    start[9] = held
+    x = ca.vertcat(reference, q, v, motor, integral)
     fed = ca.Function("ahead", ca.vertsplit(reference), [held + ahead], ["r0", "r1", "r2"], ["force"])
+    rates = ca.cse(rates)  # the mass matrix is in the accelerations and in B
     return LowRung(ca.Function("low_rung", [x, jerk], [rates]), fed, start)
 
 
-def _loss(hoist: Hoist, speed: Any) -> Any:
-    return hoist.loss_coulomb * ca.tanh(speed / hoist.loss_speed) + hoist.loss_viscous * speed
+def _accelerations(plant: HoistPlant, rest: PlantState) -> Any:
+    """(state of the drive) -> (phi'', a_L, a_R) under balance ropes that are only mass."""
+    x, F = ca.SX.sym("x", len(STATE_NAMES)), ca.SX.sym("F", 2)
+    u = ca.SX.zeros(len(INPUT_NAMES))
+    u[list(FORCES)] = F
+    moved = plant.equations.rates(x, u, *rest.free_lengths)[4:7]
+    B = ca.jacobian(moved, F)
+    M, c = _mass_and_load(plant.hoist)(x[2:4], x[5:7])
+    a_0 = ca.substitute(moved, F, -c)
+    ends = ca.solve(ca.SX.eye(2) + B[1:, :] @ M, a_0[1:])
+    return ca.Function("accelerations", [x], [a_0 - B @ M @ ends])
 
 
-def _free_lengths(hoist: Hoist, y_left: float, y_right: float) -> tuple[float, float]:
-    """Free lengths of the head ropes at rest [m]: positive roots of s = l (1 + (W + mu g l / 2) / EA)."""
-    legs = ((hoist.tail_rope_length + y_left - y_right) / 2, (hoist.tail_rope_length - y_left + y_right) / 2)
-    lengths = []
-    for y, mass, leg in zip((y_left, y_right), (hoist.mass_left, hoist.mass_right), legs, strict=True):
-        s = hoist.sheave_height - y
-        b = 1.0 + (mass + hoist.tail_rope_number * hoist.tail_rope_mass * leg) * GRAVITY / hoist.rope_stiffness
-        c = hoist.rope_mass * GRAVITY / (2.0 * hoist.rope_stiffness)
-        lengths.append(2.0 * s / (b + float(np.sqrt(b * b + 4.0 * c * s))))
-    return lengths[0], lengths[1]
+def _mass_and_load(hoist: Hoist) -> Any:
+    """(heights, speeds) -> M, c of the legs of one balance rope."""
+    y, v = ca.SX.sym("y", 2), ca.SX.sym("v", 2)
+    legs, rho = ca.vertcat(*_legs(hoist, y[0], y[1])), hoist.tail_rope_mass
+    kinetic, potential = rho / 2 * ca.dot(legs, v**2), rho * GRAVITY * ca.dot(legs, y - legs / 2)
+    momentum = ca.gradient(kinetic, v)
+    c = ca.jtimes(momentum, y, v) - ca.gradient(kinetic, y) + ca.gradient(potential, y)
+    return ca.Function("legs", [y, v], [ca.jacobian(momentum, v), c])
+
+
+def _legs(hoist: Hoist, y_left: Any, y_right: Any) -> tuple[Any, Any]:
+    """Lengths of a balance rope's legs [m]."""
+    return (hoist.tail_rope_length + y_left - y_right) / 2, (hoist.tail_rope_length - y_left + y_right) / 2

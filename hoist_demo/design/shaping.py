@@ -16,8 +16,8 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-from hoist_demo.quantity import quantity
-from hoist_demo.reference import Reference, ReferencePoint
+from hoist_demo.control.reference import Reference, ReferencePoint
+from hoist_demo.parameters.quantity import quantity
 
 KINDS = ("ZV", "ZVD")
 

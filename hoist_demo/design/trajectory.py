@@ -19,11 +19,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
+from hoist_demo.control.reference import Reference, ReferencePoint, s_curve
 from hoist_demo.design.low_rung import STATES, LowRung, low_rung
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.quantity import quantity
-from hoist_demo.reference import Reference, ReferencePoint, s_curve
+from hoist_demo.parameters.quantity import quantity
 
 Vector = NDArray[np.float64]
 

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 
-from hoist_demo.controller import Gains
+from hoist_demo.cases.case import Case
+from hoist_demo.control.reference import s_curve
+from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive_fmu.documentation import attachments
 from hoist_demo.drive_fmu.interface import INPUTS, Variable, plant_outputs, side_forces, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
-from hoist_demo.equations import INPUT_NAMES
-from hoist_demo.parameters import Setup, Winding, require_trip_fits
-from hoist_demo.reference import s_curve
+from hoist_demo.parameters import Winding, require_trip_fits
 
 NAME = "HoistDrive"
 MOST_STEPS = 100_000
@@ -37,33 +37,33 @@ def duration(winding: Winding) -> float:
     return float(math.ceil(s_curve(winding).duration + winding.settle))
 
 
-def drive_model(setup: Setup, gains: Gains | None = None) -> DriveModel:
-    """Hoist and trip of ``setup`` as C; the trip is part of the export.
+def drive_model(case: Case) -> DriveModel:
+    """Hoist and trip of ``case`` as C; the trip is part of the export.
 
     The brake is left out: it is for emergency stops, which an exported trip has not got.
     """
-    if setup.winding.emergency_at is not None:
-        raise ValueError(f"emergency_at = {setup.winding.emergency_at:g} s must be None: export a trip without a stop")
-    setup = without_brake(setup)
-    require_trip_fits(setup.hoist, setup.winding)
-    generated = kernels(setup)
-    table = variables(setup, Gains() if gains is None else gains, generated.step)
-    trip = f"{abs(setup.winding.travel):g} m {'up' if setup.winding.travel > 0.0 else 'down'} at up to"
+    if case.winding.emergency_at is not None:
+        raise ValueError(f"emergency_at = {case.winding.emergency_at:g} s must be None: export a trip without a stop")
+    case = without_brake(case)
+    require_trip_fits(case.hoist, case.winding)
+    generated = kernels(case)
+    table = variables(case, generated.step)
+    trip = f"{abs(case.winding.travel):g} m {'up' if case.winding.travel > 0.0 else 'down'} at up to"
     text = (
         "Drive of a friction hoist with motor, sheave, head ropes and two conveyances, S-curve reference and speed "
-        f"controller; left conveyance {trip} {setup.winding.speed:g} m/s{_creep(setup.winding)}"
+        f"controller; left conveyance {trip} {case.winding.speed:g} m/s{_creep(case.winding)}"
     )
     sources = {
         "drive_model.c": files(__package__).joinpath("drive_model.c").read_text(encoding="utf-8"),
         "drive_kernels.c": generated.c,
-        "drive_table.h": _table(setup, table, generated),
+        "drive_table.h": _table(case, table, generated),
     }
-    return DriveModel(NAME, text, table, sources, attachments(text, table), duration(setup.winding))
+    return DriveModel(NAME, text, table, sources, attachments(text, table), duration(case.winding))
 
 
-def without_brake(setup: Setup) -> Setup:
+def without_brake(case: Case) -> Case:
     """Hoist and trip as they are exported."""
-    return Setup(replace(setup.hoist, brake=None), setup.winding)
+    return replace(case, hoist=replace(case.hoist, brake=None))
 
 
 def _creep(winding: Winding) -> str:
@@ -73,38 +73,16 @@ def _creep(winding: Winding) -> str:
     return f", {where} at {winding.creep_speed:g} m/s" if where else ""
 
 
-def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
+def _table(case: Case, table: Sequence[Variable], generated: Kernels) -> str:
     """drive_table.h: sizes, places in the table and the trip."""
-    names = [v.name for v in table]
-    parameters = [v for v in table if v.causality == "parameter"]
-    shown = plant_outputs(setup.hoist)
     # the delay before the trip is a parameter of its own
-    reference = s_curve(replace(setup.winding, start_delay=0.0))
+    reference = s_curve(replace(case.winding, start_delay=0.0))
     trip = [
         (start, p.position, p.speed, p.acceleration, p.jerk)
         for start, p in zip(reference.starts, reference.points, strict=True)
     ]
-    controls = sum(v.causality == "output" and v.kind == "Real" for v in table) - len(shown)
-    integers = {
-        "STATES": generated.states,
-        "INPUTS": generated.inputs,
-        "PARAMETERS": len(parameters),
-        "FORCE": names.index(INPUTS[0]),
-        "SIDE_FORCE": names.index(INPUTS[0]) + len(INPUTS),
-        "SIDE_FORCES": len(side_forces(setup.hoist)),
-        "SIDE_INPUT": INPUT_NAMES.index("fx_left"),
-        "FIRST_OUTPUT": names.index(next(v.name for v in table if v.causality == "output")),
-        "PLANT_OUTPUTS": len(shown),
-        "OUTPUTS": len(shown) + controls,
-        "LEFT_Y": shown.index("y_left"),
-        "RATE": shown.index("rate"),
-        "TRIP_START": names.index("trip.start"),
-        "STEP_MAX": names.index("solver.step_max"),
-        "GAINS": names.index("controller.speed"),
-        "SEGMENTS": len(trip),
-        "MOST_STEPS": MOST_STEPS,
-        **dict(zip(("ARG", "RES", "IW", "W"), generated.work, strict=True)),
-    }
+    integers = _sizes(case, table, generated, len(trip))
+    parameters = (v for v in table if v.causality == "parameter")
     bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]
     lines = [
         "/* Generated: the drive's sizes, its places in the table of variables, and the trip. */",
@@ -115,9 +93,9 @@ def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
         *(f"    DRIVE_{name} = {value}," for name, value in integers.items()),
         "};",
         "",
-        f"#define DRIVE_RADIUS {setup.hoist.sheave_radius!r}",
+        f"#define DRIVE_RADIUS {case.hoist.sheave_radius!r}",
         f"#define DRIVE_LOWEST_FORCE ({generated.lowest_force!r})",
-        f"#define DRIVE_TORQUE_LIMIT {setup.hoist.torque_limit!r}",
+        f"#define DRIVE_TORQUE_LIMIT {case.hoist.torque_limit!r}",
         "",
         "/* lowest and highest value of each parameter */",
         f"static const double DRIVE_BOUNDS[][2] = {_rows(bounds)};",
@@ -135,6 +113,32 @@ def _table(setup: Setup, table: Sequence[Variable], generated: Kernels) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, segments: int) -> dict[str, int]:
+    """Sizes of kernels and trip, and places in the table of variables."""
+    names, shown = [v.name for v in table], plant_outputs(case.hoist)
+    controls = sum(v.causality == "output" and v.kind == "Real" for v in table) - len(shown)
+    return {
+        "STATES": generated.states,
+        "INPUTS": generated.inputs,
+        "PARAMETERS": sum(v.causality == "parameter" for v in table),
+        "FORCE": names.index(INPUTS[0]),
+        "SIDE_FORCE": names.index(INPUTS[0]) + len(INPUTS),
+        "SIDE_FORCES": len(side_forces(case.hoist)),
+        "SIDE_INPUT": INPUT_NAMES.index("fx_left"),
+        "FIRST_OUTPUT": names.index(next(v.name for v in table if v.causality == "output")),
+        "PLANT_OUTPUTS": len(shown),
+        "OUTPUTS": len(shown) + controls,
+        "LEFT_Y": shown.index("y_left"),
+        "RATE": shown.index("rate"),
+        "TRIP_START": names.index("trip.start"),
+        "STEP_MAX": names.index("solver.step_max"),
+        "GAINS": names.index("controller.speed"),
+        "SEGMENTS": segments,
+        "MOST_STEPS": MOST_STEPS,
+        **dict(zip(("ARG", "RES", "IW", "W"), generated.work, strict=True)),
+    }
 
 
 def _rows(rows: Sequence[Sequence[float]]) -> str:

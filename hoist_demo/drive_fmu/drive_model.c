@@ -1,7 +1,8 @@
 /* The hoist drive as a model: controller and plant over one communication step.
 
    Per step: the reference at its start, the controller's torque, then plant steps of equal length with torque and rope
-   forces held, as hoist_demo.host does it.  The numbers of drive_table.h and the functions drive_... are generated. */
+   forces held, as hoist_demo.cosimulation does it.  The numbers of drive_table.h and the functions drive_... are
+   generated. */
 #include "drive_table.h"
 
 #include <math.h>

@@ -11,9 +11,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Literal, NamedTuple
 
-from hoist_demo.controller import Gains
-from hoist_demo.parameters import GRAVITY, Hoist, Setup
-from hoist_demo.plant import SIDE_FORCES, PlantOutput
+from hoist_demo.cases.case import Case
+from hoist_demo.control.controller import Gains
+from hoist_demo.drive.plant import SIDE_FORCES, PlantOutput
+from hoist_demo.parameters import GRAVITY, Hoist
 
 _SIDES = ("left", "right")
 INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
@@ -81,17 +82,17 @@ class Variable(NamedTuple):
     maximum: float | None = None
 
 
-def start_heights(setup: Setup) -> tuple[float, float]:
+def start_heights(case: Case) -> tuple[float, float]:
     """Of left and right conveyance [m]: the landings, left below when it is to rise."""
-    low, high = 0.0, setup.hoist.shaft_travel
-    return (low, high) if setup.winding.travel > 0.0 else (high, low)
+    low, high = 0.0, case.hoist.shaft_travel
+    return (low, high) if case.winding.travel > 0.0 else (high, low)
 
 
-def rest_forces(setup: Setup) -> tuple[float, float]:
+def rest_forces(case: Case) -> tuple[float, float]:
     """Weight of the balance rope's legs on the conveyances at the start [N], negative: the bend's size neglected."""
-    left, right = start_heights(setup)
-    weight = GRAVITY * setup.hoist.tail_rope_mass  # of one metre of one of the ropes
-    middle = 0.5 * setup.hoist.tail_rope_length
+    left, right = start_heights(case)
+    weight = GRAVITY * case.hoist.tail_rope_mass  # of one metre of one of the ropes
+    middle = 0.5 * case.hoist.tail_rope_length
     return -weight * (middle + 0.5 * (left - right)), -weight * (middle - 0.5 * (left - right))
 
 
@@ -113,37 +114,37 @@ def plant_outputs(hoist: Hoist) -> tuple[str, ...]:
     return (*motions(hoist).values(), *_DRIVE)
 
 
-def variables(setup: Setup, gains: Gains, step: float) -> tuple[Variable, ...]:
+def variables(case: Case, step: float) -> tuple[Variable, ...]:
     """The table; ``step`` is the largest internal step [s]."""
-    outputs = [(name, *_words(_MOTION_WORDS, name)) for name in motions(setup.hoist)]
+    outputs = [(name, *_words(_MOTION_WORDS, name)) for name in motions(case.hoist)]
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
-    assert {f.name for f in fields(PlantOutput)} >= set(plant_outputs(setup.hoist))
+    assert {f.name for f in fields(PlantOutput)} >= set(plant_outputs(case.hoist))
     return (
-        *_parameters(setup, gains, step),
-        *_inputs(setup),
+        *_parameters(case, step),
+        *_inputs(case),
         *(Variable(name, "output", "continuous", "Real", unit, None, text) for name, unit, text in outputs),
         Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded"),
         Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty"),
     )
 
 
-def _parameters(setup: Setup, gains: Gains, step: float) -> Iterator[Variable]:
-    start, wait = setup.winding.start_delay, "wait before the trip begins"
+def _parameters(case: Case, step: float) -> Iterator[Variable]:
+    start, wait = case.winding.start_delay, "wait before the trip begins"
     yield Variable("trip.start", "parameter", "fixed", "Real", "s", start, wait, 0.0, _MOST)
     text = "largest internal step, no longer than that of the export"
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
     for field in fields(Gains):
         unit, text = _GAINS[field.name]
         least, most = (0.0, 1.0) if field.name == "feed_forward" else (1e-6, _MOST)
-        value = getattr(gains, field.name)
+        value = getattr(case.gains, field.name)
         yield Variable(f"controller.{field.name}", "parameter", "tunable", "Real", unit, value, text, least, most)
 
 
-def _inputs(setup: Setup) -> Iterator[Variable]:
-    for side, force in zip(_SIDES, rest_forces(setup), strict=True):
+def _inputs(case: Case) -> Iterator[Variable]:
+    for side, force in zip(_SIDES, rest_forces(case), strict=True):
         text = f"vertical force of the balance rope on the {side} conveyance, mean of a step, negative pulls down"
         yield Variable(f"{side}.fy_mean", "input", "continuous", "Real", "N", force, text)
-    for name in side_forces(setup.hoist):
+    for name in side_forces(case.hoist):
         unit, text = _words(_FORCE_WORDS, name)
         yield Variable(name, "input", "continuous", "Real", unit, 0.0, text)
 

@@ -20,10 +20,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.controller import Gains
+from hoist_demo.cases.case import Case
+from hoist_demo.control.controller import Gains
+from hoist_demo.drive.plant import HoistPlant, PlantOutput
 from hoist_demo.drive_fmu.interface import plant_outputs, start_heights
-from hoist_demo.parameters import GRAVITY, Hoist, Setup
-from hoist_demo.plant import HoistPlant, PlantOutput
+from hoist_demo.parameters import GRAVITY, Hoist
 
 LIMIT = 0.1
 """RK4's step times the largest eigenvalue: an error of 1e-7 of the fastest oscillation per step; 2.8 is unstable."""
@@ -46,32 +47,32 @@ class Kernels:
 _HOST = Path(__file__).resolve().parent.parent
 
 
-def kernels(setup: Setup) -> Kernels:
+def kernels(case: Case) -> Kernels:
     """C functions drive_rest, drive_step, drive_outputs and drive_control; the installed package brings some."""
-    brought = kernels_file(_HOST, setup)
+    brought = kernels_file(_HOST, case)
     if not brought.exists():
-        return generated(setup)
+        return generated(case)
     data = json.loads(brought.read_text(encoding="utf-8"))
     return Kernels(**data | {"work": tuple(data["work"])})
 
 
-def kernels_file(package: Path, setup: Setup) -> Path:
-    """Where the kernels of ``setup`` are as JSON, if ``package``, a folder hoist_demo, brings them for its Python text.
+def kernels_file(package: Path, case: Case) -> Path:
+    """Where the kernels of ``case`` are as JSON, if ``package``, a folder hoist_demo, brings them for its Python text.
 
     Made anew elsewhere, they differ in rounding and in the words of another CasADi.
     """
-    digest = hashlib.sha256(repr(setup).encode())
+    digest = hashlib.sha256(repr((case.hoist, case.winding)).encode())
     for path in sorted(package.rglob("*.py")):
         digest.update(f"{path.relative_to(package).as_posix()}\0{path.read_text(encoding='utf-8')}\0".encode())
     return package / "drive_fmu" / "prebuilt" / f"kernels-{digest.hexdigest()[:20]}.json"
 
 
-def generated(setup: Setup) -> Kernels:
+def generated(case: Case) -> Kernels:
     """The kernels, made anew."""
-    plant = HoistPlant(setup.hoist)
-    lowest = -2.0 * GRAVITY * setup.hoist.tail_rope_mass * setup.hoist.tail_rope_length
-    rest = _rest(plant, setup, lowest)
-    functions = [rest, _step(plant), _outputs(plant), _control(setup.hoist)]
+    plant = HoistPlant(case.hoist)
+    lowest = -2.0 * GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length
+    rest = _rest(plant, case, lowest)
+    functions = [rest, _step(plant), _outputs(plant), _control(case.hoist)]
     options: dict[str, Any] = {"with_header": False, "casadi_int": "int", "indent": 4}
     generator = ca.CodeGenerator("drive_kernels", options)
     for function in functions:
@@ -79,18 +80,18 @@ def generated(setup: Setup) -> Kernels:
     work = tuple(max(getattr(f, size)() for f in functions) for size in ("sz_arg", "sz_res", "sz_iw", "sz_w"))
     return Kernels(
         c=str(generator.dump()),
-        states=int(plant._rates.size1_in(0)),
-        inputs=int(plant._rates.size1_in(1)),
-        step=_largest_step(plant, setup, rest),
+        states=int(plant.equations.rates.size1_in(0)),
+        inputs=int(plant.equations.rates.size1_in(1)),
+        step=_largest_step(plant, case, rest),
         lowest_force=lowest,
         work=(int(work[0]), int(work[1]), max(1, int(work[2])), max(1, int(work[3]))),
     )
 
 
-def _rest(plant: HoistPlant, setup: Setup, lowest: float) -> Any:
+def _rest(plant: HoistPlant, case: Case, lowest: float) -> Any:
     """(F_left, F_right) -> x, l0 (2), at the start heights."""
     nodes = 0.5 * lowest * (1.0 - np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)))
-    states = [[plant.hanging(*start_heights(setup), float(f), float(g)) for g in nodes] for f in nodes]
+    states = [[plant.hanging(*start_heights(case), float(f), float(g)) for g in nodes] for f in nodes]
     values = np.array([[[*s.x, *s.free_lengths] for s in row] for row in states])
     force = ca.SX.sym("F", 2)
     weights = [_lagrange(nodes, force[i]) for i in range(2)]
@@ -117,7 +118,7 @@ def _lagrange(nodes: NDArray[np.float64], at: Any) -> list[Any]:
 
 
 def _arguments(plant: HoistPlant) -> tuple[Any, Any, Any]:
-    rates = plant._rates
+    rates = plant.equations.rates
     return ca.SX.sym("x", rates.size1_in(0)), ca.SX.sym("u", rates.size1_in(1)), ca.SX.sym("l0", 2)
 
 
@@ -127,7 +128,7 @@ def _step(plant: HoistPlant) -> Any:
     h = ca.SX.sym("h")
 
     def f(at: Any) -> Any:
-        return plant._rates(at, u, l0[0], l0[1])
+        return plant.equations.rates(at, u, l0[0], l0[1])
 
     k1 = f(x)
     k2 = f(x + h / 2 * k1)
@@ -140,7 +141,7 @@ def _outputs(plant: HoistPlant) -> Any:
     """(x, u, l0) -> the fields that the interface shows."""
     x, u, l0 = _arguments(plant)
     names = [field.name for field in fields(PlantOutput)]
-    shown = plant._outputs(x, u, l0[0], l0[1])
+    shown = plant.equations.outputs(x, u, l0[0], l0[1])
     return ca.Function(
         "drive_outputs", [x, u, l0], [ca.vertcat(*(shown[names.index(n)] for n in plant_outputs(plant.hoist)))]
     )
@@ -166,13 +167,13 @@ def _control(hoist: Hoist) -> Any:
     return ca.Function("drive_control", [sample, ca.vertcat(*gains.values())], [torque, grown])
 
 
-def _largest_step(plant: HoistPlant, setup: Setup, rest: Any) -> float:
+def _largest_step(plant: HoistPlant, case: Case, rest: Any) -> float:
     """Two significant digits [s]; the fastest oscillation is that of the shortest head rope, at either landing."""
     x, u, l0 = _arguments(plant)
-    jacobian = ca.Function("J", [x, u, l0], [ca.jacobian(plant._rates(x, u, l0[0], l0[1]), x)])
+    jacobian = ca.Function("J", [x, u, l0], [ca.jacobian(plant.equations.rates(x, u, l0[0], l0[1]), x)])
     fastest = 0.0
-    for force in (0.0, -GRAVITY * setup.hoist.tail_rope_mass * setup.hoist.tail_rope_length):
-        for heights in (start_heights(setup), start_heights(setup)[::-1]):
+    for force in (0.0, -GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length):
+        for heights in (start_heights(case), start_heights(case)[::-1]):
             state = plant.hanging(*heights, force, force)
             held = np.zeros(u.size1())
             held[:3] = state.x[0], force, force

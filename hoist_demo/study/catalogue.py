@@ -12,15 +12,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hoist_demo.controller import Gains
+from hoist_demo.control.controller import Gains
+from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.design.controllers import CONTROLLERS
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
-from hoist_demo.fmu_parameters import FmuParameter
 from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.parameters.units import spelled
 from hoist_demo.study.metrics import Arrival
 from hoist_demo.study.nested import leaves
-from hoist_demo.study.units import spelled
 
 Value = float | int | bool | str
 

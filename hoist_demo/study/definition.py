@@ -22,16 +22,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.fmu_parameters import read_outputs, read_parameters
-from hoist_demo.host import DRIVE_UNITS
-from hoist_demo.recording import matching
-from hoist_demo.scenes import SCENES, scene_named
+from hoist_demo.cases.table import CASES, case_named
+from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
+from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
+from hoist_demo.parameters.units import spelled
+from hoist_demo.recording.time_series import matching
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.run import RunData, build, fmu_part
 from hoist_demo.study.sampling import Range, grid, latin_hypercube
-from hoist_demo.study.units import spelled
 
 METHODS = ("grid", "latin-hypercube")
 
@@ -136,7 +136,7 @@ class _Reader:
             self._open(fmu)
         scene, signals = head.get("scene", "rope-120"), tuple[str, ...]()
         with self._collect("[study]"):
-            scene_named(str(scene))
+            case_named(str(scene))
         with self._collect("[study]"):
             signals = self._signals(head.get("signals", []), fmu)
         best: dict[str, str] | None = None
@@ -146,7 +146,7 @@ class _Reader:
         vary = self._vary()
         tuning = self._tuning() if "tune" in self.raw else None
         drawn = self._draw(vary, tuning)
-        if scene not in SCENES:
+        if scene not in CASES:
             raise StudyError(self.path, self.problems)
         samples = self._checked(scene, signals, Probe(fmu) if self.fmu_is_there else None, cases, progress(drawn))
         if self.problems:

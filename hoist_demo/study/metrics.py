@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.swing import SwingMode, fit_swing
-from hoist_demo.host import Result
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.quantity import quantity
-from hoist_demo.recording import Array, Recording
-from hoist_demo.rungs import RUNG
-from hoist_demo.summary import made_up
+from hoist_demo.parameters.quantity import quantity
+from hoist_demo.recording.rungs import RUNG
+from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.report.summary import made_up
 
 ENDS = ("left", "right")
 

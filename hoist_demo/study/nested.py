@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, get_args, get_type_hints
 
-from hoist_demo.quantity import stated_units
-from hoist_demo.study.units import spelled
+from hoist_demo.parameters.quantity import stated_units
+from hoist_demo.parameters.units import spelled
 
 _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 

@@ -6,10 +6,10 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.progress import warnings_of
-from hoist_demo.rope_plant import EndMotion
-from hoist_demo.scenes import SCENES
+from hoist_demo.cases.table import CASES
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
+from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.study.catalogue import Value
 from hoist_demo.study.run import RunData
 
@@ -27,7 +27,7 @@ class Probe:
         together = self._asked(run.fmu, high, rises)
         if not together:
             return []
-        own = SCENES[run.scene].rope
+        own = CASES[run.scene].rope
         set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
         alone = {key: self._asked({**own, key: value}, high, rises) for key, value in set_here.items()}
         blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]

@@ -16,20 +16,21 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.controller import Gains
+from hoist_demo.cases.table import case_named
+from hoist_demo.control.controller import Gains
+from hoist_demo.control.reference import s_curve
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.rope_plant import RopePlant
+from hoist_demo.cosimulation.progress import warnings_of
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.design.trajectory import Trajectory
-from hoist_demo.fmu_parameters import read_outputs
-from hoist_demo.fmu_rope import FmuRope
-from hoist_demo.host import Host, Result
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
-from hoist_demo.progress import warnings_of
-from hoist_demo.recording import TIME
-from hoist_demo.reference import s_curve
-from hoist_demo.rope_plant import RopePlant
-from hoist_demo.rungs import computed, rungs_of
-from hoist_demo.scenes import scene_named
+from hoist_demo.recording.rungs import computed, rungs_of
+from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
 from hoist_demo.study.nested import changed
@@ -93,7 +94,7 @@ class Outcome:
 
 def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
     """The scene's data with the given values; a `ValueError` names what does not fit together."""
-    given = scene_named(scene)
+    given = case_named(scene)
     data: dict[str, Any] = {"hoist": given.hoist, "winding": given.winding, "gains": given.gains}
     data |= {name: kind() for name, kind in SECTIONS.items() if name not in data}
     chosen: dict[str, dict[str, Value]] = {name: {} for name in SECTIONS}
@@ -152,6 +153,5 @@ def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:
     begin = time.perf_counter()
     chosen = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
     design_time = time.perf_counter() - begin
-    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains)
-    host.reference = chosen.reference
+    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, reference=chosen.reference)
     return host.run(), design_time

@@ -1,0 +1,209 @@
+"""Cases of the size of installed hoists: hoist, winding, controller, and the balance rope that belongs to them.
+
+`published` tells what the source states; those numbers stand as such in INSTALLED. Everything else is ours [assumed]:
+the empty conveyances and the depth where none are given, acceleration and jerk, head ropes, inertias, shaft, brake
+(three times the torque of the payload), guides, losses, friction, spacing, and balance ropes that balance the head
+ropes exactly. Deflection sheaves and what they change in wrap and length are left out. So a case is a hoist of that
+size and not that hoist, and no number computed with it may be used to judge the installation.
+
+The stiffnesses of a balance rope follow from the known one of 44 mm and 8 kg/m by geometric similarity, with its
+diameter d = 44 mm sqrt(m / 8): Qa ~ d^2, Qb and Qc ~ d^3, Qd, EI and rhoJ ~ d^4. Of Qb and Qc a rope has a share that
+its lay decides; here it is COUPLING.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hoist_demo.cases.case import LOCKED, Case, swivels
+from hoist_demo.control.controller import Gains
+from hoist_demo.parameters import GRAVITY, Hoist, Winding
+from hoist_demo.parameters.components import Brake, Guides, Play, Shaft
+
+_KIRUNA = (
+    "ABB, 'LKAB Kiruna's new haulage level: ABB mine hoist upgrade for production increase', table of hoist data; "
+    "https://paperzz.com/doc/7036438/lkab-kiruna-s-new-haulage-level-abb-mine-hoist-upgrade-for"
+)
+_PALABORA = (
+    "Palabora Mining Company, 'Underground fixed plant'; "
+    "http://www.palabora.com/Our-Activities/Our-operations/UG-Mining-Lift-I/Underground-fixed-plant"
+)
+_MONOPOL = "pro-bergbau, 'Die Foerdermaschine'; http://pro-bergbau.de/grubenfahrt/foerdermaschine.html"
+_ROBERT = (
+    "pro-bergbau, tour of the Heinrich Robert colliery; http://pro-bergbau.de/bilder/hrtour/hreinfachdaten.html and "
+    "http://pro-bergbau.de/bilder/hrtour/hrdoppeldaten.html"
+)
+
+TAIL_SPARE = 40.0
+"""Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing."""
+
+COUPLING = 0.1
+"""Qb and Qc of an installed size's balance rope over those of a rope similar to the known one [-, assumed].
+
+Balance ropes of deep shafts are made to turn little. With the known rope's coupling, the weight of 1000 m held at both
+ends would turn the loop through more than a full turn before it moves: the legs would pass through each other.
+"""
+
+
+def round_rope(length: float, mass_per_length: float, spacing: float, coupling: float) -> dict[str, float]:
+    """Parameters by FMI name of a rope similar to the known one, from length [m], mass [kg/m] and spacing [m].
+
+    `coupling` is the share of the similar rope's Qb and Qc that this one has [-]: 1 keeps them, COUPLING suits deep
+    shafts, 0 makes a rope without torque. The yaw at rest grows with it and with the length.
+    """
+    s = math.sqrt(mass_per_length / 8.0)
+    return {
+        "rope.length": length,
+        "rope.mass_per_length": mass_per_length,
+        "rope.Qa": 1.2e8 * s**2,
+        "rope.Qb": coupling * 2.336e5 * s**3,
+        "rope.Qc": coupling * 2.336e5 * s**3,
+        "rope.Qd": 3.3e3 * s**4,
+        "rope.EI": 300.0 * s**4,
+        "rope.rhoJ": 1.94e-3 * s**4,
+        "rope.diameter": 0.044 * s,
+        "layout.spacing": spacing,
+    }
+
+
+def _installed(
+    *,
+    travel: float,
+    speed: float,
+    payload: float,
+    conveyance: float,
+    diameter: float,
+    rated_power: float,
+    head_ropes: tuple[int, float],
+    tail_ropes: int,
+    sheave_mass: float,
+    acceleration: float,
+    published: str,
+    source: str,
+    length_up: float = 40.0,
+    spacing: float = 2.4,
+) -> Case:
+    """Data of a hoist; head_ropes are their number and the mass per length of one [kg/m].
+
+    [assumed] A peak torque and power of twice the rated ones, EA of 13 MN per kg/m (a modulus of 110 GPa of the steel),
+    a shaft of 12 Hz, two modes of the head ropes.
+    """
+    radius, (number, mass) = diameter / 2.0, head_ropes
+    tail_mass = number * mass / tail_ropes
+    motor_mass = 0.4 * sheave_mass
+    reduced = motor_mass * (sheave_mass - motor_mass) / sheave_mass * radius**2
+    hoist = Hoist(
+        conveyance_mass=conveyance,
+        payload_left=payload,
+        sheave_mass=sheave_mass,
+        sheave_radius=radius,
+        torque_limit=2.0 * rated_power / (speed / radius),
+        power_limit=2.0 * rated_power,
+        head_rope_number=number,
+        head_rope_mass=mass,
+        head_rope_stiffness=1.3e7 * mass,
+        head_rope_damping=0.02,
+        head_rope_length_up=length_up,
+        head_rope_modes=2,
+        loss_coulomb=0.01 * conveyance * GRAVITY,
+        loss_viscous=0.02 * payload,
+        shaft_travel=travel,
+        tail_rope_mass=tail_mass,
+        tail_rope_length=travel + TAIL_SPARE,
+        tail_rope_number=tail_ropes,
+        shaft=Shaft(motor_mass=motor_mass, stiffness=(2.0 * math.pi * 12.0) ** 2 * reduced),
+        brake=Brake(torque=3.0 * (payload * GRAVITY * radius)),
+        guides=Guides(coulomb=0.005 * conveyance * GRAVITY, viscous=0.01 * payload),
+        play=Play(),
+    )
+    return Case(
+        hoist=hoist,
+        winding=Winding(
+            travel=travel, speed=speed, acceleration=acceleration, jerk=0.5, settle=15.0, emergency_deceleration=2.0
+        ),
+        gains=Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5),
+        rope=round_rope(travel + TAIL_SPARE, tail_mass, spacing, COUPLING) | swivels(LOCKED),
+        published=published,
+        source=source,
+    )
+
+
+INSTALLED = {
+    "kiruna-355": _installed(
+        travel=355.0,
+        speed=11.0,
+        payload=30.0e3,
+        conveyance=36.5e3,
+        diameter=3.25,
+        rated_power=5.6e6,
+        head_ropes=(6, 5.6),
+        tail_ropes=3,
+        sheave_mass=35.0e3,
+        acceleration=0.9,
+        published="hoisting distance 355 m, 11 m/s, pulley 3.25 m, 6 head ropes, two skips, payload 30 t, skip with "
+        "rope attachment 36.5 t, motor 5600 kW at 64.7 rpm",
+        source=_KIRUNA,
+    ),
+    "kiruna-710": _installed(
+        travel=710.0,
+        speed=17.0,
+        payload=34.0e3,
+        conveyance=40.0e3,
+        diameter=3.25,
+        rated_power=5.6e6,
+        head_ropes=(6, 5.6),
+        tail_ropes=3,
+        sheave_mass=35.0e3,
+        acceleration=0.9,
+        published="hoisting distance 710 m, 17 m/s, pulley 3.25 m, 6 head ropes, two skips, payload 34 t, skip with "
+        "rope attachment 40 t, motor 5600 kW at 100 rpm",
+        source=_KIRUNA,
+    ),
+    "monopol-1000": _installed(
+        travel=1000.0,
+        speed=16.0,
+        payload=20.0e3,
+        conveyance=22.0e3,
+        diameter=6.5,
+        rated_power=4.2e6,
+        head_ropes=(3, 9.5),
+        tail_ropes=2,
+        sheave_mass=32.0e3,
+        acceleration=0.8,
+        published="16 m/s, driving wheel 6.5 m, 3 head ropes, payload of the skips up to 20 t (of the machine 27 t); "
+        "no depth: 1000 m is ours",
+        source=_MONOPOL,
+        length_up=70.0,
+    ),
+    "robert-1096": _installed(
+        travel=1096.0,
+        speed=17.0,
+        payload=18.0e3,
+        conveyance=20.0e3,
+        diameter=7.0,
+        rated_power=4.0e6,
+        head_ropes=(1, 19.5),
+        tail_ropes=1,
+        sheave_mass=32.0e3,
+        acceleration=0.8,
+        published="driving wheel 7 m, head rope 19.5 kg/m over 1096 m, payload 18 t, 17 m/s; that the 1096 m are the "
+        "travel and that there is one rope is our reading",
+        source=_ROBERT,
+        length_up=70.0,
+    ),
+    "palabora-1282": _installed(
+        travel=1282.0,
+        speed=18.0,
+        payload=32.0e3,
+        conveyance=34.0e3,
+        diameter=6.0,
+        rated_power=6.0e6,
+        head_ropes=(4, 9.0),
+        tail_ropes=3,
+        sheave_mass=45.0e3,
+        acceleration=0.8,
+        published="total length of wind 1282 m, 18 m/s, payload 32 t, motor 6000 kW, a cycle of 118 s, tower 106 m",
+        source=_PALABORA,
+        length_up=60.0,
+    ),
+}

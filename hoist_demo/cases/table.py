@@ -1,0 +1,34 @@
+"""All cases by name: hoist, winding, controller gains, and the balance rope that belongs to them.
+
+rope-120 and rope-240 are the hoists around the ropes of the published case, the others those of installed sizes. The
+rope is given by its FMI parameters, so that one FMU, or the rope in process, serves every case.
+"""
+
+from __future__ import annotations
+
+from hoist_demo.cases.case import COULOMB, LOCKED, Case, swivels
+from hoist_demo.cases.installed import INSTALLED
+from hoist_demo.parameters import Hoist, Winding
+
+
+def _published(hoist: Hoist, winding: Winding, ends: dict[str, float]) -> Case:
+    """The published rope, which has the FMU's own data but for its length and its swivels."""
+    return Case(hoist, winding, rope={"rope.length": hoist.tail_rope_length, **ends})
+
+
+CASES = {
+    "rope-120": _published(Hoist(), Winding(), swivels(LOCKED)),
+    "rope-240": _published(
+        Hoist(shaft_travel=200.0, tail_rope_length=240.0),
+        Winding(travel=200.0, speed=10.0),
+        swivels(COULOMB, release_time=20.0),
+    ),
+    **INSTALLED,
+}
+
+
+def case_named(name: str) -> Case:
+    """The case of this name; ValueError with all names when there is none."""
+    if name not in CASES:
+        raise ValueError(f"scene = {name!r} must be one of {', '.join(CASES)}: choose one")
+    return CASES[name]

@@ -1,0 +1,363 @@
+"""The command `balance-rope demo`."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+from hoist_demo.cases.table import CASES
+from hoist_demo.command_line.settings import settings
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter, read_outputs, read_parameters
+from hoist_demo.cosimulation.participants.fmu_rope import NOT_READ, FmuRope
+from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
+from hoist_demo.cosimulation.progress import progress_bar
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw
+from hoist_demo.recording.rungs import computed, rungs_of
+from hoist_demo.recording.time_series import matching, shape_rows, write_csv, write_shapes
+from hoist_demo.report.summary import CAUSE, WARNING, SummaryRow, render, summarize
+from hoist_demo.study.catalogue import Catalogue, Value
+from hoist_demo.study.nested import changed
+from hoist_demo.study.probe import Probe
+from hoist_demo.study.run import RunData, build, fmu_part
+
+if TYPE_CHECKING:
+    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
+
+KERNELS = ("auto", "compiled", "portable")
+"""Choices of the FMU's integer parameter `solver.kernels`, in the order of its codes."""
+
+LAST_GOOD = "last_good.npz"
+"""File in the output folder with the last good state of a run that stopped."""
+
+LEVELS = ("draft", "standard", "reference")
+
+_DRAWN = ("shape.", "loop.", "stress.", "energy.", "left.swivel.")
+"""Outputs that an FMU may have been exported without, and reports show."""
+
+_SCENE = "rope-120"
+
+_QUICK = {"travel": 10.0, "settle": 2.0}
+
+_DEMO_DESCRIPTION = """\
+Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
+PNG figures, report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
+The summary table is printed at the end."""
+
+_DEMO_EPILOG = """\
+examples:
+  balance-rope demo --speed 4 --travel 60
+  balance-rope demo --scene rope-240             240 m rope, swivels released at 20 s
+  balance-rope demo --scene monopol-1000         a hoist of installed size: 1000 m, 16 m/s
+  balance-rope demo --scene monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
+  balance-rope demo --travel -90                 lower the left conveyance instead
+  balance-rope demo --creep-distance 3           the last 3 m at creep speed, 0.5 m/s
+  balance-rope demo --estop-at 12                emergency stop at 5 m/s^2 near full speed
+  balance-rope demo --step 0.005 --out out/fine  a finer coupling, to see whether the results change
+  balance-rope demo --scheme iterative-secant    each exchange iterated to convergence
+  balance-rope demo --set rope.EI=450 --set hoist.payload_left=4000    other data
+  balance-rope demo --signals left.fy right.fy "loop.*"    these columns of signals.csv only
+  balance-rope demo --resume out/demo/last_good.npz  go on with a run that was interrupted or stopped
+
+exit code: 0 wound to the end, 1 the rope or the drive stopped the run (the cause is printed and what was recorded
+is written all the same), 2 wrong arguments, 130 interrupted while the results were written.
+"""
+
+
+def add_demo(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu: Path, levels: Callable[[], Levels] = dict
+) -> None:
+    """Add the subcommand `demo`; its options hold the function to run as `run`. `levels` name a rope's accuracy."""
+    demo = commands.add_parser(
+        "demo",
+        help="wind once and write figures, CSV and a report",
+        description=_DEMO_DESCRIPTION,
+        epilog=_DEMO_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    demo.set_defaults(run=partial(_demo, levels=levels))
+    demo.add_argument(
+        "--scene",
+        choices=tuple(CASES),
+        metavar="NAME",
+        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(CASES)} ({_SCENE}, or that of --resume)",
+    )
+    rope = demo.add_mutually_exclusive_group()
+    rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 (default: %(default)s)")
+    rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without the FMU")
+    demo.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
+    demo.add_argument("--step", type=float, default=Coupling().step, metavar="H", help="communication step [s] (0.01)")
+    demo.add_argument(
+        "--scheme",
+        choices=tuple(SCHEMES),
+        default=Coupling().scheme,
+        metavar="NAME",
+        help=f"how drive and rope exchange, see docs/coupling.md: {', '.join(SCHEMES)} (%(default)s)",
+    )
+    demo.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
+    _add_trip(demo)
+    _add_data(demo)
+    demo.add_argument("--quick", action="store_true", help="10 m of travel and 2 s of settling: a check, not a result")
+
+
+def _add_trip(demo: argparse.ArgumentParser) -> None:
+    """What changes the scene's winding."""
+    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the scene)")
+    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the scene)")
+    demo.add_argument(
+        "--creep-distance",
+        type=float,
+        metavar="S",
+        help="creep over the last S [m], stop included (that of the scene)",
+    )
+    demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the scene)")
+    demo.add_argument(
+        "--estop-at",
+        type=float,
+        metavar="T",
+        help="emergency stop from time T [s], at 5 m/s^2 with rope-120 and rope-240, else 2 m/s^2",
+    )
+    demo.add_argument(
+        "--estop-law",
+        choices=get_args(EmergencyLaw),
+        help="who stops: the drive (the default), or the brake of an installed hoist, regulated or by its torque",
+    )
+
+
+def _add_data(demo: argparse.ArgumentParser) -> None:
+    """What the rope computes with, and what is written of it."""
+    demo.add_argument(
+        "--kernels",
+        choices=KERNELS,
+        default="auto",
+        help="rope's computing kernels: compiled C, CasADi's virtual machine, or what is there (default: %(default)s)",
+    )
+    demo.add_argument(
+        "--level",
+        choices=LEVELS,
+        help="accuracy against speed of the rope in process (standard); an FMU has that of its export",
+    )
+    demo.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a parameter of the rope by its name in docs/interface.md, or of the host as hoist.payload_left, in SI "
+        "units; may be repeated, and counts more than other options",
+    )
+    demo.add_argument(
+        "--signals",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)",
+    )
+
+
+def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
+    resume = Checkpoint.read(options.resume) if options.resume else None
+    chosen = settings(options.set, Catalogue(_parameters(options)))
+    hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
+    options.scene = _scene_of(resume, options.scene, hoist_values) if resume else options.scene or _SCENE
+    run = build(options.scene, _winding(options) | chosen)
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"--out {options.out} cannot be made a folder ({error.strerror}): choose another") from error
+    rope, signals = _rope(options, run, bool(fmu_part(chosen)))
+    hoist, winding, coupling = run.hoist, run.winding, run.coupling
+    if missing := _missing(rope.units()):
+        print(f"balance-rope: {missing}", file=sys.stderr)
+    try:
+        result = _run(Host(rope, hoist, winding, coupling, run.gains), options.out / LAST_GOOD, resume)
+        data = rope.data()
+    finally:
+        rope.close()
+    result = replace(result, recording=computed(result.recording, data.torque_free))
+    rows = summarize(result, hoist, winding, coupling)
+    before = set(options.out.iterdir())
+    with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
+        written = _write(options, result, rows, run, (data, data.level(levels())), signals)
+    # warnings have been told when they arose, and the cause is told last
+    print(render([row for row in rows if row.quantity not in (WARNING, CAUSE)]))
+    print(f"\n{ASSUMED_DATA}\n")
+    print("written: " + ", ".join(str(path) for path in written))
+    if replaced := before.intersection(written):
+        names = ", ".join(sorted(path.name for path in replaced))
+        print(f"replaced in {options.out}: {names} of an earlier run; --out DIR keeps runs apart")
+    print(f"open in a browser: {written[-1]}")
+    if not result.completed:
+        print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
+        if result.saved is not None:
+            print(f"balance-rope: the last good state is in {result.saved}; see --resume", file=sys.stderr)
+        return 1
+    return 130 if interrupted() else 0
+
+
+def _missing(units: Mapping[str, str]) -> str:
+    """What a rope with these outputs leaves out of the reports, "" for nothing."""
+    groups = [f"{group}*" for group in _DRAWN if not any(name.startswith(group) for name in units)]
+    if not groups:
+        return ""
+    return (
+        f"the FMU was exported without the outputs {', '.join(groups)}: the reports leave out what they show; "
+        "`balance-rope export --outputs all` has them"
+    )
+
+
+def _scene_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
+    """The scene of an interrupted run, which its hoist tells; `hoist` is what is set of it."""
+    hoists = {name: changed(scene.hoist, hoist) for name, scene in CASES.items()}
+    found = next((name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")), None)
+    if found is None:
+        raise ValueError(
+            "the run to go on with is of no scene's hoist: repeat its --set hoist..., or go on with it where it was "
+            "begun"
+        )
+    if asked not in (None, found):
+        raise ValueError(f"--scene {asked} must be {found}, that of the run to go on with: leave it out")
+    return found
+
+
+@contextmanager
+def _patient(doing: str) -> Iterator[Callable[[], bool]]:
+    """An interrupt is only noted: what is begun is finished."""
+    noted = False
+
+    def note(*_: object) -> None:
+        nonlocal noted
+        noted = True
+        print(f"\nbalance-rope: {doing}; a moment", file=sys.stderr)
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: noted
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _winding(options: argparse.Namespace) -> dict[str, Value]:
+    """Trip and coupling by the names of a study; values given by hand count more than --quick."""
+    if options.estop_law and options.estop_at is None:
+        raise ValueError(f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T")
+    chosen = {
+        "travel": options.travel,
+        "speed": options.speed,
+        "creep_distance": options.creep_distance,
+        "creep_speed": options.creep_speed,
+        "emergency_at": options.estop_at,
+        "emergency_law": options.estop_law,
+    }
+    given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
+    winding = replace(CASES[options.scene].winding, **((_QUICK if options.quick else {}) | given))
+    if options.creep_speed is not None and not winding.creeps:
+        raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
+    values = {f"winding.{name}": value for name, value in ((_QUICK if options.quick else {}) | given).items()}
+    return values | {"coupling.step": options.step, "coupling.scheme": options.scheme}
+
+
+def _parameters(options: argparse.Namespace) -> dict[str, FmuParameter]:
+    """Those of the rope that can be set."""
+    if options.in_process:
+        from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+
+        return rope_parameters()
+    if not options.fmu.is_file():
+        raise ValueError(
+            f"FMU '{options.fmu}' is missing: export it with `balance-rope export --outputs all`, "
+            "give another file with --fmu, or run with --in-process"
+        )
+    return read_parameters(options.fmu)
+
+
+def _rope(options: argparse.Namespace, run: RunData, asked: bool) -> tuple[FmuRope | InProcessRope, tuple[str, ...]]:
+    """The rope, and the signals to write (none: the usual); an FMU is `asked` whether it takes its parameters."""
+    rope: FmuRope | InProcessRope
+    if options.in_process:
+        # only this plant needs rope_model; the FMU brings its own
+        from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+
+        rope = rope_in_process(options.scene, options.kernels, options.level or "standard", run.fmu)
+        return rope, matching(options.signals, [*DRIVE_UNITS, *rope.units()])
+    if options.level:
+        raise ValueError(
+            f"--level {options.level} is for --in-process; an FMU has the level of its export: "
+            f"`balance-rope export --level {options.level}`"
+        )
+    signals = matching(options.signals, [*DRIVE_UNITS, *read_outputs(options.fmu)])
+    if asked and (problems := Probe(options.fmu).rejected(run)):
+        raise ValueError("; ".join(problems))
+    kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
+    return FmuRope(options.fmu, {**kernels, **run.fmu}, NOT_READ.difference(signals)), signals
+
+
+def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
+    """The run under a progress bar, until it is interrupted."""
+    stopped = False
+
+    def stop(*_: object) -> None:
+        nonlocal stopped
+        stopped = True  # heard between two steps, never inside the FMU
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        with progress_bar() as progress:
+            return host.run(lambda fraction, t: progress(fraction, t) and not stopped, save_to, resume)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _write(
+    options: argparse.Namespace,
+    result: Result,
+    rows: Sequence[SummaryRow],
+    run: RunData,
+    rope: tuple[RopeData, str],
+    signals: Sequence[str],
+) -> list[Path]:
+    """All files of a run, report.html last; a run that stopped before its first row leaves the reports only."""
+    # matplotlib loads slowly and is needed here only
+    from hoist_demo.report.events import marks
+    from hoist_demo.report.figures import write_figures
+    from hoist_demo.report.html.given import rope_tables, tables
+    from hoist_demo.report.html.run import run_report
+    from hoist_demo.report.markdown import write_report
+
+    hoist, winding, coupling = run.hoist, run.winding, run.coupling
+    more = [*tables({"Controller": run.gains}), *rope_tables(*rope, rungs_of(result.recording))]
+    directory: Path = options.out
+    directory.mkdir(parents=True, exist_ok=True)
+    written: list[Path] = []
+    pictures: list[Path] = []
+    if result.recording.signals:
+        written = [directory / "signals.csv"]
+        write_csv(result.recording, written[0], signals)
+        if result.recording.shape_at(0) is not None:
+            written.append(directory / "shapes.csv")
+            write_shapes(result.recording, shape_rows(result.recording), written[1])
+        pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
+    kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
+    stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s"
+    title = ", ".join([f"Winding {winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}", *options.set])
+    reports = [
+        write_report(
+            directory / "report.md",
+            title,
+            rows,
+            pictures,
+            [*tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more],
+        ),
+        run_report(result, hoist, winding, coupling, rows, title, directory / "report.html", more),
+    ]
+    return written + pictures + reports

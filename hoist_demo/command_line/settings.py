@@ -1,0 +1,41 @@
+"""Values for one run from the command line, `NAME=VALUE`: parameters of rope and host under the names of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from hoist_demo.cosimulation.participants.rope_data import code
+from hoist_demo.study.catalogue import Catalogue, Parameter, Value
+
+STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")
+"""First parts of the names that only a study takes."""
+
+
+def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:
+    """The values by name, each of its parameter's type and within its bounds; ValueError names what is not."""
+    found: dict[str, Value] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals:
+            raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
+        if name.partition(".")[0] in STUDY_ONLY:
+            raise ValueError(f"--set {text}: {name} is for studies: see docs/study.md")
+        parameter = catalogue[name]
+        if name in found:
+            raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
+        found[name] = parameter.read(_value(parameter, value))
+    return found
+
+
+def _value(parameter: Parameter, text: str) -> Value:
+    """What the text means to the parameter; a text that means nothing is left for its check."""
+    if parameter.kind == "Boolean":
+        return {"true": True, "false": False}.get(text.lower(), text)
+    if parameter.kind in ("Real", "Integer"):
+        if (number := code(parameter.key, text)) is not None:
+            return number
+        try:
+            return float(text)
+        except ValueError:
+            return text
+    return text

@@ -1,0 +1,103 @@
+"""The command `balance-rope study`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+_DESCRIPTION = """\
+Wind many times with the rope's FMU, over parameters that a TOML file names, on all cores or on a dask cluster.
+Every finished run is kept at once: start the same command again to go on after an interruption."""
+
+_EPILOG = """\
+examples:
+  balance-rope study docs/studies/controllers.toml
+  balance-rope study STUDY.toml --check                        read and check the file and every start, run nothing
+  balance-rope study STUDY.toml --scheduler tcp://host:8786    on the workers of a dask scheduler
+
+Results in --out: results.parquet (pandas.read_parquet opens it) and results.csv, one row per run, and report.html.
+exit code: 0 all runs wound to the end, 1 some did not (their causes are printed and in the table), 2 wrong study
+file or arguments, 130 interrupted.
+"""
+
+
+def add_study(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the subcommand `study`; its options hold the function to run as `run`."""
+    study = commands.add_parser(
+        "study",
+        help="wind many times over chosen parameters",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    study.set_defaults(run=_study)
+    study.add_argument("study", type=Path, metavar="STUDY.toml", help="what to vary, see docs/study.md")
+    study.add_argument("--fmu", type=Path, metavar="PATH", help="the rope, instead of the file's")
+    study.add_argument("--out", type=Path, metavar="DIR", help="results (out/study/ and the file's name)")
+    where = study.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=int, metavar="N", help="processes on this machine (one per core)")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="a dask scheduler, e.g. tcp://host:8786")
+    study.add_argument("--check", action="store_true", help="check only")
+
+
+def _study(options: argparse.Namespace) -> int:
+    # dask, pandas and pyarrow are needed here only, and load slowly
+    try:
+        from hoist_demo.report.html.study import study_report
+        from hoist_demo.study.cluster import cluster, run_samples
+        from hoist_demo.study.perform import perform, write_what_is_there
+        from hoist_demo.study.store import Store, read_results
+    except ModuleNotFoundError as error:
+        raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
+    from hoist_demo.study.definition import read_study
+
+    if options.workers is not None and options.workers < 1:
+        raise ValueError(f"--workers {options.workers} must be at least 1: leave it out for one per core")
+    watched = partial(tqdm, desc="checking", unit="run", file=sys.stderr, leave=False, disable=None)
+    study = read_study(options.study, options.fmu, watched)
+    if options.check:
+        print(f"{options.study}: {len(study.samples)} runs, nothing wrong")
+        return 0
+
+    store = Store(options.out or Path("out") / "study" / options.study.stem)
+    keys = [sample.data.key(study.fmu_hash) for sample in study.samples] if study.tuning is None else []
+    total = len(set(keys)) or None
+    there = len(store.finished(keys))
+    if there:
+        print(f"{there} of {total} runs are there already")
+    try:
+        with (
+            cluster(options.workers, options.scheduler) as client,
+            tqdm(total=total, initial=there, desc="winding", unit="run", file=sys.stderr, disable=None) as bar,
+        ):
+            performed = perform(
+                study,
+                store,
+                partial(run_samples, client, study, store=store, finished=lambda *_: bar.update()),
+            )
+    except KeyboardInterrupt:
+        kept = f"{store.directory}" if study.tuning else f"{write_what_is_there(study, store).table}"
+        print(f"\ninterrupted: what is finished is kept in {kept}; the same command goes on", file=sys.stderr)
+        return 130
+    for text, numbers in performed.warnings.items():
+        more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
+        print(f"run {numbers[0]}{more}: warning: {text}", file=sys.stderr)
+    for run, cause in performed.causes.items():
+        print(f"{run}: {cause}", file=sys.stderr)
+    print(f"{performed.runs - len(performed.causes)} of {performed.runs} runs wound to the end: {performed.table}")
+    if performed.best is not None:
+        units = study.units
+        print("best: " + ", ".join(f"{key} = {value:.6g} {units[key]}" for key, value in performed.best.items()))
+    results = read_results(performed.table)
+    parameters = [name for name in results.table.columns if name in study.units or name in ("case", "controller")]
+    meta: dict[str, Any] = {"title": study.title, "parameters": parameters, "best": performed.judged}
+    meta |= {"study file": options.study.name, "scene": study.scene, "FMU": study.fmu.name, "SHA-256": study.fmu_hash}
+    meta["version"] = version("balance-rope")
+    print(f"open in a browser: {study_report(results.table, results.units, meta, store.directory / 'report.html')}")
+    return 1 if performed.causes else 0

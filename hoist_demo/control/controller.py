@@ -1,0 +1,126 @@
+"""Speed controller of the hoist, sampled at the communication step H.
+
+    e   = v_ref + k_s (s_ref - s) - v ,     v, s: rim speed of the sheave, measured travel of the left conveyance
+    M_c = R [ m a_ref + F_hold + f s_ref + F_loss(v_ref) + k_v e + I ] ,     I <- I + H k_v e / T_i
+
+F_hold holds the imbalance at the start, f = 2 g (tail - head rope mass per length) is its change per metre of travel,
+F_loss the known friction at the reference speed. The three terms that follow the reference are the feed-forward; a
+share of them between 0 (plain PI) and 1 is used.
+The command is cut at the limits of torque and power, and the integral then stands still as long as it would push
+further (conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5).
+When the reference says that the safety brake stops the hoist, the motor is off and `emergency.py` asks for the brake.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from hoist_demo.control.emergency import BrakeState, EmergencyBrake
+from hoist_demo.control.reference import Braking, ReferencePoint
+from hoist_demo.parameters import Hoist
+from hoist_demo.parameters.quantity import quantity
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Tuning; the defaults are ours [assumed] for the default hoist."""
+
+    speed: float = quantity(1.5e5, "N s/m", "k_v")
+    integral_time: float = quantity(1.0, "s", "T_i")
+    position: float = quantity(1.0, "1/s", "k_s")
+    feed_forward: float = quantity(1.0, "1", "share of the feed-forward that is used")
+
+    def __post_init__(self) -> None:
+        for name in ("speed", "integral_time", "position"):
+            value = getattr(self, name)
+            if not value > 0.0:
+                raise ValueError(f"gain {name} = {value!r} must be above 0: start from the default")
+        if not 0.0 <= self.feed_forward <= 1.0:
+            raise ValueError(f"gain feed_forward = {self.feed_forward!r} must be within 0 and 1: it is a share")
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What the controller sees at its sample."""
+
+    travel: float  # m, of the left conveyance since the start
+    speed: float  # m/s, at the sheave's rim
+
+
+@dataclass(frozen=True)
+class ControllerState:
+    """Integral part I [N], and what a regulated emergency stop remembers."""
+
+    integral: float = 0.0
+    brake: BrakeState | None = None
+
+
+@dataclass(frozen=True)
+class Command:
+    """Torque to hold until the next sample, and the state to go on with."""
+
+    torque: float  # N m
+    limited: bool
+    state: Any  # see Controller
+    brake: float = 0.0  # -, fraction of the brake's full torque
+
+
+class Controller(Protocol):
+    """A control law that the host can sample.
+
+    Whatever it remembers from sample to sample is in the state of its command, and nowhere else: the host takes samples
+    back, and saves and restores them. The state is any plain data (`hoist_demo.cosimulation.plain_data` tells which),
+    and the host hands over a copy, which may be changed.
+    """
+
+    def command(self, reference: ReferencePoint, measured: Measurement, state: Any, h: float) -> Command:
+        """Command for the step of length h [s] that begins now; `state` is the last command's, None at first."""
+        ...
+
+
+class SpeedController:
+    """The control law; its state is explicit."""
+
+    def __init__(self, hoist: Hoist, holding_torque: float, gains: Gains | None = None) -> None:
+        """`holding_torque` [N m] is the motor's torque at rest at the start."""
+        self._gains = Gains() if gains is None else gains
+        self._radius = hoist.sheave_radius
+        self._mass = hoist.moving_mass
+        self._holding_torque = holding_torque
+        self._hoist = hoist
+        self._emergency = EmergencyBrake(hoist, self._gains.speed, self._gains.integral_time)
+
+    def command(
+        self, reference: ReferencePoint, measured: Measurement, state: ControllerState | None, h: float
+    ) -> Command:
+        """Torque command for the step of length h [s] that begins now."""
+        state = ControllerState() if state is None else state
+        if reference.braking is not None:
+            return self._brake(reference.braking, measured, state, h)
+        k_v = self._gains.speed
+        error = reference.speed + self._gains.position * (reference.position - measured.travel) - measured.speed
+        ahead = self._mass * reference.acceleration + self._hoist.imbalance_rate * reference.position
+        ahead += self._loss(reference.speed)
+        force = self._gains.feed_forward * ahead + k_v * error + state.integral
+        wanted = self._holding_torque + self._radius * force
+        limit = self._hoist.torque_available(measured.speed / self._radius)
+        torque = min(max(wanted, -limit), limit)
+        limited = torque != wanted
+        # anti-windup: integrate unless that would push further into the limit
+        if limited and error * wanted > 0.0:
+            return Command(torque, limited, state)
+        return Command(torque, limited, ControllerState(state.integral + h * k_v * error / self._gains.integral_time))
+
+    def _brake(self, braking: Braking, measured: Measurement, state: ControllerState, h: float) -> Command:
+        """Motor off, brake after its law."""
+        holding_force = self._holding_torque / self._radius + self._hoist.imbalance_rate * measured.travel
+        resistance = math.copysign(1.0, measured.speed) * holding_force + abs(self._loss(measured.speed))
+        asked = self._emergency.command(braking, measured.speed, resistance, state.brake, h)
+        return Command(0.0, False, ControllerState(0.0, asked.state), asked.fraction)
+
+    def _loss(self, speed: float) -> float:
+        """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""
+        coulomb, viscous = self._hoist.travel_loss
+        return coulomb * math.tanh(speed / self._hoist.loss_speed) + viscous * speed

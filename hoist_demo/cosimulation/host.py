@@ -1,0 +1,210 @@
+"""The co-simulation: a controller that samples, and between two samples drive and rope coupled by a scheme.
+
+    controller(t_k) -> record -> scheme over [t_k, t_k + T] in communication steps H -> ... ,      t_k = start + k T.
+
+T is H unless the controller samples less often. A rope or drive that cannot go on, or a coupling that cannot be
+solved, ends the loop; what was recorded stays, the result names the cause, and the state at the last sample is kept as
+a checkpoint, from which `run` goes on.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from hoist_demo.control.controller import Command, Controller, Gains, Measurement, SpeedController
+from hoist_demo.control.reference import Reference, s_curve
+from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
+from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, drive_signals
+from hoist_demo.cosimulation.participants.partners import HangingPartner, HoistPartner, Stopwatch, input_of
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
+from hoist_demo.cosimulation.plain_data import encoded
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import RunState
+from hoist_demo.cosimulation.schemes.catalogue import scheme_named
+from hoist_demo.cosimulation.schemes.interface import Advance, Pair, Scheme
+from hoist_demo.cosimulation.schemes.stability import Outlook
+from hoist_demo.cosimulation.stability import outlook_at_rest
+from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant, PlantInput, side_forces
+from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
+from hoist_demo.recording.time_series import Recorder
+
+_log = logging.getLogger(__name__)
+
+Progress = Callable[[float, float], bool]
+"""Called after every step with the fraction done and the time [s]; False stops the run."""
+
+
+class Host:
+    """Marries a drive and a rope for one trip."""
+
+    def __init__(
+        self,
+        rope: RopePlant,
+        hoist: Hoist | None = None,
+        winding: Winding | None = None,
+        coupling: Coupling | None = None,
+        gains: Gains | None = None,
+        controller: Callable[[Hoist, float], Controller] | None = None,
+        *,
+        reference: Reference | None = None,
+        scheme: Scheme | None = None,
+    ) -> None:
+        """`controller` makes one's own from the hoist and the motor's torque at rest [N m]; else a speed controller.
+
+        `reference` is the trip asked for, of its own shape; else the winding's S-curve. `scheme` is one that the
+        coupling cannot name.
+        """
+        self.rope = rope
+        self.hoist = Hoist() if hoist is None else hoist
+        self.winding = Winding() if winding is None else winding
+        self.coupling = Coupling() if coupling is None else coupling
+        self.scheme = scheme_named(self.coupling.scheme) if scheme is None else scheme
+        require_trip_fits(self.hoist, self.winding)
+        self._gains = gains
+        self._controller = partial(SpeedController, gains=gains) if controller is None else controller
+        self.plant = HoistPlant(self.hoist)
+        self.reference = s_curve(self.winding) if reference is None else reference
+        self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
+        self.outlook: Outlook | None = None
+
+    @property
+    def start_heights(self) -> tuple[float, float]:
+        """Heights of left and right conveyance before the trip [m]: the landings, left below when it is to rise."""
+        low, high = 0.0, self.hoist.shaft_travel
+        return (low, high) if self.winding.travel > 0.0 else (high, low)
+
+    @property
+    def samples(self) -> int:
+        """Sample times of the controller in the whole run."""
+        return math.ceil((self.reference.duration + self.winding.settle) / self.coupling.sample_time - 1e-9)
+
+    @property
+    def data(self) -> str:
+        """What must be the same for a run to go on from a checkpoint; scheme and step may change."""
+        coupling, made = self.coupling, self._controller
+        controller = getattr(made.func if isinstance(made, partial) else made, "__qualname__", "")
+        data = (self.hoist, self.winding, self._gains, coupling.start, coupling.sample_time)
+        return f"{repr(data)[:-1]}, controller={controller})"
+
+    def run(
+        self, progress: Progress | None = None, save_to: Path | None = None, resume: Checkpoint | None = None
+    ) -> Result:
+        """Wind once; `progress` hears of every sample and may stop the run.
+
+        When the run stops before its end, its last good state is in the result and is written to `save_to`;
+        ValueError at the first sample for a controller whose state cannot be written. With `resume` the run goes on
+        from such a state, with the same bits as if it had never stopped.
+        """
+        run = self._start(resume)
+        if isinstance(run, str):
+            return self._result(Recorder({}), 0, run)
+        cause = self._wind(run, progress, save_to)
+        start, T = self.coupling.start, self.coupling.sample_time
+        checkpoint = run.checkpoint(start, T, self.data, cause) if cause else None
+        run.forget()
+        saved = None
+        if checkpoint is not None and save_to is not None:
+            try:
+                checkpoint.write(save_to)
+                saved = save_to
+            except ValueError as error:  # the record of the run is worth more
+                cause += f"; {save_to} is not written: {error}"
+        return replace(self._result(run.recorder, run.steps, cause), checkpoint=checkpoint, saved=saved)
+
+    def _start(self, resume: Checkpoint | None) -> RunState | str:
+        """A run at rest, or as it was when it stopped; the cause when the rope does not hang."""
+        start, (y_left, y_right) = self.coupling.start, self.start_heights
+        if resume is not None:
+            resume.require_fits(self.data)
+        rope = HangingPartner(self.rope, self.rope_clock)
+        if cause := rope.start(start, EndMotion(y=y_left), EndMotion(y=y_right), self.start_clock):
+            return cause
+        recorder = Recorder(DRIVE_UNITS | {n: u for n, u in self.rope.units().items() if n not in DRIVE_UNITS})
+        forces, _ = rope.forces()
+        state = self.plant.equilibrium(y_left, y_right, float(forces[0]), float(forces[1]))
+        held = input_of(PlantInput(float(state.x[0]), 0.0, 0.0), forces)
+        drive = HoistPartner(self.plant, state, held, self.drive_clock)
+        if self.hoist.play is not None:
+            rope.beside = drive.ends
+        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), recorder)
+        self.outlook = outlook_at_rest(self.scheme, self.coupling, run.pair, run.memory)
+        if resume is not None:
+            run.go_on_from(resume, resume.sample * self.coupling.per_sample)
+        return run
+
+    def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
+        """Sample and exchange until the end; the cause when that is not reached."""
+        controller = self._controller(self.hoist, run.at_rest.torque)
+        start, T, last = self.coupling.start, self.coupling.sample_time, self.samples
+        for k in range(run.first, last + 1):
+            t = start + k * T
+            stopped = run.first < k < last and progress is not None and not progress(k / last, t)
+            run.keep(k)
+            if stopped:
+                return f"t = {t:.6g} s: stopped by the user"
+            command = self._sample(run, controller, t)
+            if k == run.first and save_to is not None:
+                encoded(command.state, CONTROLLER)  # told now and not after a long run
+            if k < last:
+                if cause := self._exchange(run, k, command):
+                    return cause
+                run.controller = command.state
+        if progress is not None:
+            progress(1.0, start + last * T)
+        return ""
+
+    def _sample(self, run: RunState, controller: Controller, t: float) -> Command:
+        """The controller's command at t [s]; it and all signals are recorded."""
+        reference, shown = self.reference.at(t - self.coupling.start), run.drive.output()
+        measured = Measurement(shown.y_left - self.start_heights[0], self.hoist.sheave_radius * shown.rate)
+        command = controller.command(reference, measured, deepcopy(run.controller), self.coupling.sample_time)
+        drive = drive_signals(t, reference, command, run.drive, run.at_rest, run.memory)
+        with self.rope_clock.running():
+            signals = self.rope.signals()
+        run.recorder.add(drive | {name: value for name, value in signals.items() if name not in drive})
+        return command
+
+    def _exchange(self, run: RunState, k: int, command: Command) -> str:
+        """Drive and rope from sample k to the next under the command; the cause when they do not get there."""
+        # what the rope does to conveyances that have play is held until the next sample
+        sides = side_forces(self.rope.read(SIDE_FORCES)) if self.hoist.play is not None else {}
+        run.drive.held = replace(run.drive.held, torque_command=command.torque, brake=command.brake, **sides)
+        H, per_sample = self.coupling.step, self.coupling.per_sample
+        for j in range(per_sample):
+            advance = self._advance(run, self.coupling.start + (k * per_sample + j) * H, H)
+            if advance.cause:
+                return advance.cause
+            run.memory = advance.memory
+            run.steps += 1
+        return ""
+
+    def _advance(self, run: RunState, t: float, h: float) -> Advance:
+        """One communication step of the scheme; what it raises is the cause for which the run stops."""
+        try:
+            return self.scheme.advance(run.pair, run.memory, t, h)
+        except (ValueError, RuntimeError) as error:
+            return Advance(run.memory, f"t = {t:.6g} s: {error}")
+
+    def _result(self, recorder: Recorder, steps: int, cause: str) -> Result:
+        planned = self.samples * self.coupling.per_sample
+        if cause:
+            _log.info("co-simulation stopped after %d of %d steps: %s", steps, planned, cause)
+        seen = self.outlook
+        return Result(
+            recording=recorder.recording(),
+            completed=not cause,
+            cause=cause,
+            steps=steps,
+            planned_steps=planned,
+            reference=self.reference,
+            drive_clock=self.drive_clock,
+            rope_clock=self.rope_clock,
+            start_clock=self.start_clock,
+            warning=seen.warning(self.coupling.scheme, self.coupling.step) if seen is not None else "",
+        )

@@ -1,0 +1,4 @@
+"""Who takes part: the hoist, and a balance rope from an FMU or in this process.
+
+rope_plant says what is asked of a rope; fmu_rope and inprocess_rope answer; partners joins hoist and rope to a scheme.
+"""

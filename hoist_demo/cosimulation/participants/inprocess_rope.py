@@ -1,0 +1,176 @@
+"""The balance rope in this process: the same RopePlant as the FMU, without the FMU.
+
+The only module of the host that knows rope_model; it serves as the FMU's twin and for debugging.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import asdict, fields, replace
+from importlib.metadata import version
+from typing import Any, Literal, get_args, get_type_hints
+
+from hoist_demo.cases.table import case_named
+from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
+from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamped, unstamped
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopeStatus
+from hoist_demo.parameters.quantity import stated_units
+from hoist_demo.recording.rungs import RUNG, code_of
+from rope_model import SIGNALS, Level, RopeState, Scene, Status, at_level, balance_rope
+from rope_model import EndMotion as RopeEndMotion
+
+_log = logging.getLogger(__name__)
+
+_PARTS = {
+    **{name: name for name in ("rope", "layout", "mesh", "solver", "model")},
+    **{f"{side}.swivel": side for side in ("left", "right")},
+}
+"""Part of the rope's data for each group of FMI names."""
+
+_TAG = b"rope in process\n"
+
+
+class InProcessRope:
+    """A RopePlant around rope_model's BalanceRope."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._rope = balance_rope(scene)
+        self._warned: set[str] = set()  # subjects of what was logged
+
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """Find the hanging shape at t0 [s]."""
+        self._warned.clear()
+        return self._told(self._rope.initialize(t0, _motion(left), _motion(right)))
+
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """Advance to t + h [s]; the motions hold there."""
+        return self._told(self._rope.advance_to(t + h, _motion(left), _motion(right)))
+
+    def _told(self, status: Status) -> RopeStatus:
+        """The status; what is to be minded in a valid state is logged, each thing once, as the FMU does it."""
+        for subject, text in self._rope.warnings().items() if status.valid else ():
+            if subject not in self._warned:
+                self._warned.add(subject)
+                _log.warning("%s", text)
+        return RopeStatus(bool(status.valid), str(status.message))
+
+    def signals(self) -> dict[str, float]:
+        """All outputs by FMI name, and the rung by its code."""
+        return self._rope.signals() | {RUNG: code_of(self._rope.rung)}
+
+    def data(self) -> RopeData:
+        """What this rope is: its engine, and all parameters by FMI name."""
+        model = {"rope": f"in process, {type(self._rope).__name__}", "version": version("balance-rope")}
+        values, units = dict[str, Value](), dict[str, str]()
+        for group, part in _PARTS.items():
+            data = getattr(self._rope.scene, part)
+            for item, unit in _units(data).items():
+                value = getattr(data, item)
+                values[f"{group}.{item}"] = str(value) if isinstance(value, tuple) else value
+                units[f"{group}.{item}"] = unit
+        reason = ""
+        with suppress(RuntimeError):  # a rope that could not be hung up has no state
+            reason = self._rope.rung_reason
+        return RopeData(model, values, units, reason)
+
+    def read(self, names: Iterable[str]) -> dict[str, float]:
+        """Some outputs."""
+        return self._rope.signals(name for name in names if name in SIGNALS)
+
+    def save(self) -> RopeState:
+        """The state, which nothing changes."""
+        return self._rope.state
+
+    def restore(self, snapshot: RopeState) -> None:
+        """Go on from a state."""
+        self._rope.restore(snapshot)
+
+    def free(self, snapshot: RopeState) -> None:
+        """Nothing is held."""
+
+    def to_bytes(self, snapshot: RopeState) -> bytes:
+        """The state as bytes."""
+        return _TAG + stamped(snapshot.to_bytes(), self.data().parameters)
+
+    def from_bytes(self, data: bytes) -> RopeState:
+        """The state that these bytes hold."""
+        if not data.startswith(_TAG):
+            raise ValueError("the state must be that of a rope in process, it is of an FMU: give that with --fmu FILE")
+        return RopeState.from_bytes(unstamped(data.removeprefix(_TAG), self.data().parameters))
+
+    def units(self) -> dict[str, str]:
+        """Unit of each output."""
+        return {name: str(signal.unit) for name, signal in SIGNALS.items()} | {RUNG: "1"}
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+def rope_in_process(
+    scene: str,
+    kernels: Literal["auto", "compiled", "portable"] = "auto",
+    level: Level = "standard",
+    parameters: Mapping[str, Value] | None = None,
+) -> InProcessRope:
+    """The rope of a named scene at a level of accuracy, with other parameters by FMI name."""
+    data = rope_data({**case_named(scene).rope, **(parameters or {})}, level)
+    return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
+
+
+def rope_parameters() -> dict[str, FmuParameter]:
+    """What can be set of a rope in process, as an FMU would state it; the data classes know the bounds."""
+    found = {}
+    for group, part in _PARTS.items():
+        data = getattr(Scene(), part)
+        units, hints = _units(data), get_type_hints(type(data))
+        for item, unit in units.items():
+            name, value, words = f"{group}.{item}", getattr(data, item), get_args(hints[item])
+            if isinstance(value, float):
+                found[name] = FmuParameter(name, unit, "Real", value, None, None)
+            elif isinstance(value, int):
+                found[name] = FmuParameter(name, unit, "Integer", value, None, None)
+            elif isinstance(value, str):
+                found[name] = FmuParameter(name, unit, "Integer", words.index(value), 0.0, len(words) - 1.0)
+    return found
+
+
+def _units(data: Any) -> dict[str, str]:
+    """FMI unit of each value of a part of the scene."""
+    stated = stated_units(type(data))
+    return {field.name: stated.get(field.name, "1") for field in fields(data)}
+
+
+def rope_data(parameters: Mapping[str, Value], level: Level = "standard") -> Scene:
+    """The rope's data at a level, with parameters by FMI name as an FMU takes them: choices by their code."""
+    data = at_level(Scene(), level)
+    chosen: dict[str, dict[str, Any]] = {}
+    for name, value in parameters.items():
+        group, _, item = name.rpartition(".")
+        part = getattr(data, _PARTS.get(group, ""), None)
+        if part is None or item not in {f.name for f in fields(part)}:
+            raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/interface.md")
+        chosen.setdefault(group, {})[item] = _decoded(part, name, value)
+    for group, values in chosen.items():
+        try:
+            data = data.with_(**{_PARTS[group]: replace(getattr(data, _PARTS[group]), **values)})
+        except ValueError as error:
+            raise ValueError(f"{group}: {error}") from error
+    return data
+
+
+def _motion(end: EndMotion) -> RopeEndMotion:
+    """The same numbers in rope_model's own type."""
+    return RopeEndMotion(**asdict(end))
+
+
+def _decoded(part: Any, name: str, value: Value) -> Any:
+    """A value as the field of this FMI name takes it: the word for the code of one that chooses."""
+    words = get_args(get_type_hints(type(part))[name.rpartition(".")[2]])
+    if not words:
+        return value
+    if value not in range(len(words)):
+        codes = ", ".join(f"{code} {word}" for code, word in enumerate(words))
+        raise ValueError(f"{name} = {value!r} is none of the choices: {codes}")
+    return words[int(value)]

@@ -1,0 +1,29 @@
+"""What a run leaves behind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from hoist_demo.control.reference import Reference
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.participants.partners import Stopwatch
+from hoist_demo.recording.time_series import Recording
+
+
+@dataclass(frozen=True)
+class Result:
+    """Record, outcome and clocks of one run."""
+
+    recording: Recording
+    completed: bool
+    cause: str  # "" when completed
+    steps: int  # communication steps done
+    planned_steps: int
+    reference: Reference
+    drive_clock: Stopwatch  # of the drive's steps
+    rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
+    start_clock: Stopwatch  # of the rope's initialization
+    warning: str = ""  # of the coupling, before the start
+    checkpoint: Checkpoint | None = None  # the last good state, when the run stopped after its first sample
+    saved: Path | None = None  # where it was written

@@ -1,0 +1,91 @@
+"""What changes during a run, how it is kept at each sample, and how a checkpoint is made of it and goes on."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from typing import Any
+
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.participants.partners import HangingPartner, HoistPartner
+from hoist_demo.cosimulation.schemes.interface import Memory, Pair
+from hoist_demo.drive.plant import PlantInput, PlantOutput, PlantState
+from hoist_demo.recording.time_series import Recorder
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A run's state at one sample; that of the rope as a snapshot in memory."""
+
+    k: int
+    drive: tuple[PlantState, PlantInput]
+    controller: Any
+    memory: Memory
+    rope: Any
+
+
+@dataclass
+class RunState:
+    """Everything at the latest communication point, and at the latest sample."""
+
+    drive: HoistPartner
+    rope: HangingPartner
+    memory: Memory
+    at_rest: PlantOutput  # of the drive, at the start
+    recorder: Recorder
+    controller: Any = None  # the controller's state
+    first: int = 0  # sample from which it goes on
+    steps: int = 0  # communication steps done
+    _kept: _Kept | None = None
+
+    @property
+    def pair(self) -> Pair:
+        """For the scheme."""
+        return Pair(self.drive, self.rope)
+
+    def keep(self, k: int) -> None:
+        """Keep the state at sample k, and none before."""
+        self.forget()
+        self._kept = _Kept(k, self.drive.save(), self.controller, self.memory, self.rope.save())
+
+    def forget(self) -> None:
+        """Free what is kept."""
+        if self._kept is not None:
+            self.rope.free(self._kept.rope)
+        self._kept = None
+
+    def go_on_from(self, checkpoint: Checkpoint, steps: int) -> None:
+        """Take over a checkpoint, made after so many communication steps."""
+        self.drive.restore((checkpoint.plant, checkpoint.input))
+        self.drive.held = checkpoint.input
+        self.rope.restore_bytes(checkpoint.rope)
+        self.recorder.resume(checkpoint.recording, checkpoint.sample)
+        self.controller, self.memory, self.at_rest = checkpoint.controller, checkpoint.memory, checkpoint.at_rest
+        self.first, self.steps = checkpoint.sample, steps
+
+    def checkpoint(self, start: float, sample_time: float, data: str, cause: str) -> Checkpoint | None:
+        """The state that is kept, with the run's data and why it stopped; None when nothing is kept."""
+        kept = self._kept
+        if kept is None:
+            return None
+        rope = b""
+        if kept.rope is not None:
+            try:
+                rope = self.rope.to_bytes(kept.rope)
+            except RuntimeError as error:
+                _log.warning("the rope's last good state is lost: %s", error)
+        return Checkpoint(
+            sample=kept.k,
+            t=start + kept.k * sample_time,
+            plant=kept.drive[0],
+            controller=kept.controller,
+            input=kept.drive[1],
+            at_rest=self.at_rest,
+            memory=kept.memory,
+            rope=rope,
+            recording=self.recorder.recording(),
+            data=data,
+            cause=cause,
+        )

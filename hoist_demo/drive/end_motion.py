@@ -1,0 +1,22 @@
+"""What the drive gives a balance rope: the motion of one of its ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class EndMotion:
+    """Motion of one suspension: x, z from the nominal hanging point, y the height in the shaft."""
+
+    x: float = 0.0  # m
+    y: float = 0.0  # m
+    z: float = 0.0  # m
+    vx: float = 0.0  # m/s
+    vy: float = 0.0  # m/s
+    vz: float = 0.0  # m/s
+    ax: float = 0.0  # m/s^2
+    ay: float = 0.0  # m/s^2
+    az: float = 0.0  # m/s^2
+    yaw: float = 0.0  # rad
+    yaw_rate: float = 0.0  # rad/s

@@ -1,0 +1,304 @@
+"""Equations of motion of a hoist, written once in CasADi from its energies.
+
+Generalised coordinates q = (phi, y_L, y_R) and, where the hoist has the part: the motor's angle against the sheave,
+the head ropes' modes eta_j of either side, and x, z, yaw of either conveyance. With Lagrange's equation,
+
+    d/dt dK/dq' - dK/dq + dV/dq + dD/dq' = Q ,
+
+    K = 1/2 (m_s - m_m) (R phi')^2 + 1/2 m_m (R phi' + R delta')^2 + sum_i K_i ,   V = 1/2 k delta^2 + sum_i V_i
+    K_i = 1/2 m v_y^2 + 1/2 mu l int_0^1 v(zeta)^2 dzeta + 1/2 (m + mu l/3) (v_x^2 + v_z^2) + 1/2 m r^2 yaw'^2
+    V_i = 1/2 EA [(s - l)^2 + sum_j (j pi)^2 eta_j^2 / 2] / l - mu g l [H/2 - sum_j (1 - cos j pi)/(j pi) eta_j] + m g y
+          + contact ,     s = H + (x^2 + z^2 + b^2 yaw^2) / (2 H) ,     H = y_s - y
+
+A point of the head ropes at the part zeta of their free length l, from the conveyance up, is at the height
+y + H zeta + sum_j eta_j sin(j pi zeta): linear, with fixed-interface modes (R. R. Craig and M. C. C. Bampton, AIAA
+Journal 6, 1968). The rope flows through that field, zeta' = zeta w / l, as the sheave takes it in with the speed w =
++-R phi', so that
+
+    v(zeta) = (1 - zeta) v_y + zeta (H/l) w + sum_j [eta_j' sin(j pi zeta) + eta_j j pi cos(j pi zeta) zeta w / l] .
+
+Material damping is proportional to strain rates, with the damping ratio zeta_h for a conveyance on massless ropes. The
+ropes neither slip on the sheave nor slacken.
+A row of Lagrange's equation holds a leg up to the sheave's top point, through which mu |w| kg/s flow: what it puts on
+the sheave is the tension less mu w^2 / 2, on both sides alike.
+
+Brake: torque p T z / z_max with the pressure p and the elastic deflection z of its linings at the rim, which sticks
+and slips after P. R. Dahl (Aerospace Corp. TOR-0158, 1968), z' = v - |v| z / z_max. It holds without creeping.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.parameters.components import Play
+
+STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")
+"""First entries of every state."""
+
+SIDES = ("left", "right")
+INPUT_NAMES = (
+    *("torque_command", "force_left", "force_right", "brake"),
+    *(f"{name}_{side}" for side in SIDES for name in ("fx", "fz", "my")),
+)
+POWER_NAMES = ("motor", "ropes", "left", "right", "rim", "guides", "brake", "shaft")
+
+
+def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
+    """Names of the coordinates that the hoist has beyond phi, y_left and y_right."""
+    names = ["twist"] if hoist.shaft is not None else []
+    names += [f"eta{j}_{side}" for side in SIDES for j in range(1, hoist.head_rope_modes + 1)]
+    if hoist.play is not None:
+        names += [f"{name}_{side}" for side in SIDES for name in ("x", "z", "yaw")]
+    return tuple(names)
+
+
+def state_names(hoist: Hoist) -> tuple[str, ...]:
+    """Names of all states: STATE_NAMES, further coordinates, their rates, the brake's pressure and deflection."""
+    extra = extra_coordinates(hoist)
+    brake = ("brake_pressure", "brake_deflection") if hoist.brake is not None else ()
+    return STATE_NAMES + extra + tuple(f"{name}_rate" for name in extra) + brake
+
+
+@dataclass(frozen=True)
+class _Leg:
+    """One side's share of the equations; forces are generalised, one per coordinate."""
+
+    kinetic: Any
+    potential: Any
+    rope_damping: Any  # Rayleigh's function of the head ropes
+    play_damping: Any  # of the conveyance's motion between its guides
+    friction: Any  # N, of the guides along y
+    side_force: Any  # generalised forces of the balance ropes on (y, x, z, yaw)
+    static_tension: Any  # N at the sheave, were everything at rest here
+
+
+@dataclass(frozen=True)
+class Equations:
+    """CasADi functions of a hoist; x is the state, u the input in the order of INPUT_NAMES, l0 the free lengths."""
+
+    dae: dict[str, Any]  # for the integrator over scaled time
+    rates: Any  # (x, u, l0_left, l0_right) -> dx/dt
+    outputs: Any  # the same arguments -> PlantOutput's numbers in their order
+    hold: Any  # (x, l0_left, l0_right) -> motor torque that holds the state at rest
+
+
+class _Coordinates:
+    """Symbols of q and q' by name."""
+
+    def __init__(self, hoist: Hoist) -> None:
+        self.names = ("phi", "y_left", "y_right", *extra_coordinates(hoist))
+        self.q, self.v = ca.SX.sym("q", len(self.names)), ca.SX.sym("v", len(self.names))
+
+    def __call__(self, name: str) -> tuple[Any, Any]:
+        """Coordinate and its rate; zeros where the hoist has not got it."""
+        if name not in self.names:
+            return 0.0, 0.0
+        k = self.names.index(name)
+        return self.q[k], self.v[k]
+
+
+def equations(hoist: Hoist) -> Equations:
+    """The equations of motion of this hoist."""
+    at = _Coordinates(hoist)
+    q, v, R = at.q, at.v, hoist.sheave_radius
+    torque, l0, H = ca.SX.sym("M"), ca.SX.sym("l0", 2), ca.SX.sym("H")
+    u = ca.SX.sym("u", len(INPUT_NAMES))
+    given = dict(zip(INPUT_NAMES, ca.vertsplit(u), strict=True))
+    (phi, rate), (_, twist_rate) = at("phi"), at("twist")
+    rim_speed = R * rate
+
+    # motor: the torque follows its command with a lag, both within the limits
+    available = _available(hoist, rate + twist_rate)
+    motor = torque if hoist.power_limit is None else ca.fmin(ca.fmax(torque, -available), available)
+    command = ca.fmin(ca.fmax(given["torque_command"], -hoist.torque_limit), hoist.torque_limit)
+
+    # energies of the legs, of the sheave and of the shaft
+    legs = [_leg(hoist, at, side, l0[i], given) for i, side in enumerate(SIDES)]
+    K, V, shaft_damping = _rotation(hoist, at)
+    K, V = K + sum(leg.kinetic for leg in legs), V + sum(leg.potential for leg in legs)
+    rope_damping = sum(leg.rope_damping for leg in legs)
+    play_damping = sum(leg.play_damping for leg in legs)
+    D = shaft_damping + rope_damping + play_damping
+
+    # what acts from outside and the dry friction, as generalised forces
+    rim = hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed) + hoist.loss_viscous * rim_speed
+    brake = _Brake(hoist, given["brake"], rim_speed)
+    outside = {"phi": motor - R * rim - brake.torque, "twist": motor}
+    for side, leg in zip(SIDES, legs, strict=True):
+        y, x, z, yaw = ca.vertsplit(leg.side_force)
+        outside |= {f"y_{side}": y - leg.friction, f"x_{side}": x, f"z_{side}": z, f"yaw_{side}": yaw}
+    Q = ca.vertcat(*(outside.get(name, 0.0) for name in at.names))
+
+    # Lagrange's equation: mass matrix times acceleration = everything else
+    momentum = ca.gradient(K, v)
+    mass_matrix = ca.jacobian(momentum, v)
+    carried = ca.jtimes(momentum, q, v)
+    a = ca.solve(mass_matrix, Q - carried + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v))
+
+    x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *brake.states)
+    rates = ca.vertcat((command - torque) / hoist.torque_lag, v[:3], a[:3], v[3:], a[3:], *brake.rates)
+    ends = [ca.dot(leg.side_force, ca.vertcat(*(at(f"{n}_{s}")[1] for n in ("y", "x", "z", "yaw"))))
+            for s, leg in zip(SIDES, legs, strict=True)]  # fmt: skip
+    guides = sum(leg.friction * at(f"y_{side}")[1] for side, leg in zip(SIDES, legs, strict=True)) + 2 * play_damping
+    powers = ca.vertcat(
+        motor * (rate + twist_rate), 2 * rope_damping, *ends, rim * rim_speed, guides, brake.torque * rate,
+        2 * shaft_damping,
+    )  # fmt: skip
+
+    tensions = [_tension(hoist, at, sign, leg, a, rim_speed) for sign, leg in zip((1.0, -1.0), legs, strict=True)]
+    shown = ca.vertcat(
+        *_upright(at, a), phi, rate, motor, *tensions, K, V,
+        rate + twist_rate, brake.torque, *(leg.static_tension for leg in legs), *_lateral_motion(at, a),
+    )  # fmt: skip
+    arguments = [x, u, l0[0], l0[1]]
+    return Equations(
+        dae={"x": x, "p": ca.vertcat(H, u, l0), "ode": H * rates, "quad": H * powers},
+        rates=ca.Function("rates", arguments, [rates]),
+        outputs=ca.Function("outputs", arguments, [shown]),
+        hold=ca.Function("hold", [x, l0[0], l0[1]], [ca.gradient(V, q)[0]]),
+    )
+
+
+def _tension(hoist: Hoist, at: _Coordinates, sign: float, leg: _Leg, a: Any, rim_speed: Any) -> Any:
+    """Of all head ropes of a leg at the sheave [N]: its row of Lagrange's equation is its moment on the sheave."""
+    phi, rate = at("phi")
+    row = ca.gradient(leg.kinetic, rate)
+    change = ca.jtimes(row, at.q, at.v) + ca.jtimes(row, at.v, a) - ca.gradient(leg.kinetic, phi)
+    moment = change + ca.gradient(leg.potential, phi) + ca.gradient(leg.rope_damping, rate)
+    return sign * moment / hoist.sheave_radius + hoist.rope_mass * rim_speed**2 / 2
+
+
+def _upright(at: _Coordinates, a: Any) -> list[Any]:
+    """Heights of both sides, their rates, their second derivatives."""
+    places = [at.names.index(f"y_{side}") for side in SIDES]
+    return [ca.vertcat(*(values[k] for k in places)) for values in (at.q, at.v, a)]
+
+
+def _lateral_motion(at: _Coordinates, a: Any) -> list[Any]:
+    """Place, rate and second derivative in x, z and yaw, left then right; zeros where the hoist has no play."""
+    shown: list[Any] = []
+    for name in (f"{n}_{s}" for s in SIDES for n in ("x", "z", "yaw")):
+        k = at.names.index(name) if name in at.names else None
+        shown += [0.0, 0.0, 0.0] if k is None else [at.q[k], at.v[k], a[k]]
+    return shown
+
+
+def _available(hoist: Hoist, rate: Any) -> Any:
+    """Torque that the power limit leaves at a speed of rotation [N m]; see Hoist.torque_available."""
+    if hoist.power_limit is None:
+        return hoist.torque_limit
+    return hoist.power_limit / ca.fmax(ca.fabs(rate), hoist.power_limit / hoist.torque_limit)
+
+
+def _rotation(hoist: Hoist, at: _Coordinates) -> tuple[Any, Any, Any]:
+    """Kinetic and potential energy and Rayleigh's function of sheave, shaft and motor."""
+    (_, rate), (twist, twist_rate) = at("phi"), at("twist")
+    R, shaft = hoist.sheave_radius, hoist.shaft
+    if shaft is None:
+        return hoist.sheave_mass * (R * rate) ** 2 / 2, 0.0, 0.0
+    motor, sheave = shaft.motor_mass * R**2, (hoist.sheave_mass - shaft.motor_mass) * R**2
+    kinetic = sheave * rate**2 / 2 + motor * (rate + twist_rate) ** 2 / 2
+    damping = 2 * shaft.damping * (shaft.stiffness * motor * sheave / (motor + sheave)) ** 0.5
+    return kinetic, shaft.stiffness * twist**2 / 2, damping * twist_rate**2 / 2
+
+
+def _leg(hoist: Hoist, at: _Coordinates, side: str, l0: Any, given: dict[str, Any]) -> _Leg:
+    """Energies and forces of the head ropes and the conveyance of one side."""
+    sign, mass = (1.0, hoist.mass_left) if side == "left" else (-1.0, hoist.mass_right)
+    other = "right" if side == "left" else "left"
+    EA, mu, g, R, n = hoist.rope_stiffness, hoist.rope_mass, GRAVITY, hoist.sheave_radius, hoist.head_rope_modes
+    (phi, rate), (y, vy) = at("phi"), at(f"y_{side}")
+    modes = [(j * np.pi, *at(f"eta{j}_{side}")) for j in range(1, n + 1)]
+    length, height, w = l0 - sign * R * phi, hoist.sheave_height - y, sign * R * rate
+
+    # head ropes, with Gauss points for the square of their velocity: exact without modes
+    kinetic, potential = mass * vy**2 / 2, mass * g * y - mu * g * length * height / 2
+    points, weights = np.polynomial.legendre.leggauss(2 if n == 0 else 2 * n + 4)
+    for zeta, weight in zip((points + 1) / 2, weights / 2, strict=True):
+        speed = (1 - zeta) * vy + zeta * height / length * w
+        for k, eta, eta_rate in modes:
+            speed += eta_rate * np.sin(k * zeta) + eta * k * np.cos(k * zeta) * zeta * w / length
+        kinetic += mu * length * weight * speed**2 / 2
+    stretched, contact, play_damping, normal = height, 0.0, 0.0, 0.0
+    if hoist.play is not None:
+        lateral = _lateral(hoist.play, at, side, mass, mu * length)
+        stretched += lateral.pull / (2 * height)
+        kinetic, contact = kinetic + lateral.kinetic, lateral.potential
+        play_damping, normal = lateral.damping, lateral.normal
+    potential += contact + EA * (stretched - length) ** 2 / (2 * length)
+    c = 2.0 * hoist.head_rope_damping * ca.sqrt(mass * EA / length)
+    damping = c * (w - vy) ** 2 / 2
+    for k, eta, eta_rate in modes:
+        potential += EA * (k * eta) ** 2 / (4 * length) + mu * g * length * (1 - np.cos(k)) / k * eta
+        damping += c * (k * eta_rate) ** 2 / 4
+
+    friction = 0.0
+    if hoist.guides is not None:
+        friction = hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed) + hoist.guides.viscous * vy
+    if hoist.play is not None:
+        friction += hoist.play.friction * normal * ca.tanh(vy / hoist.loss_speed)
+    pulls = [given[f"force_{side}"], *(given[f"{name}_{side}"] for name in ("fx", "fz", "my"))]
+    hanging = (hoist.tail_rope_length + y - at(f"y_{other}")[0]) / 2
+    return _Leg(
+        kinetic=kinetic,
+        potential=potential,
+        rope_damping=damping,
+        play_damping=play_damping,
+        friction=friction,
+        side_force=hoist.tail_rope_number * ca.vertcat(*pulls),
+        static_tension=g * (mass + mu * length + hoist.tail_mass * hanging),
+    )
+
+
+@dataclass(frozen=True)
+class _Lateral:
+    """Motion of a conveyance between its guides."""
+
+    kinetic: Any
+    potential: Any
+    damping: Any
+    pull: Any  # m^2, x^2 + z^2 + b^2 yaw^2
+    normal: Any  # N, sum of the contact forces' sizes
+
+
+def _lateral(play: Play, at: _Coordinates, side: str, mass: float, rope_mass: Any) -> _Lateral:
+    """Energies in x, z and yaw; a shoe at the arm a has the play c / a and the stiffness k a^2 in yaw."""
+    k, c, arm = play.stiffness, play.clearance, play.arm
+    freedoms = (
+        ("x", mass + rope_mass / 3, 1.0, 1.0),
+        ("z", mass + rope_mass / 3, 1.0, 1.0),
+        ("yaw", mass * play.gyration**2, arm, play.rope_spread),
+    )
+    kinetic, potential, damping, pull, normal = 0.0, 0.0, 0.0, 0.0, 0.0
+    for name, inertia, lever, spread in freedoms:
+        place, speed = at(f"{name}_{side}")
+        force = k * ca.fmax(lever * ca.fabs(place) - c, 0.0)
+        kinetic += inertia * speed**2 / 2
+        potential += force**2 / (2 * k)
+        damping += (play.damping + play.contact_damping * force) * (lever * speed) ** 2 / 2
+        pull += (spread * place) ** 2
+        normal += force
+    return _Lateral(kinetic, potential, damping, pull, normal)
+
+
+class _Brake:
+    """Torque, states and rates of the brake; nothing where there is none."""
+
+    def __init__(self, hoist: Hoist, asked: Any, rim_speed: Any) -> None:
+        self.torque: Any = 0.0
+        self.states: tuple[Any, ...] = ()
+        self.rates: tuple[Any, ...] = ()
+        if hoist.brake is not None:
+            pressure, z = ca.SX.sym("brake_pressure"), ca.SX.sym("brake_deflection")
+            travel = hoist.brake.travel
+            self.torque = hoist.brake.torque * pressure * z / travel
+            self.states = (pressure, z)
+            self.rates = (
+                (ca.fmin(ca.fmax(asked, 0.0), 1.0) - pressure) / hoist.brake.lag,
+                rim_speed - ca.fabs(rim_speed) * z / travel,
+            )

@@ -1,0 +1,103 @@
+"""Parts of a hoist that a model may leave out: shaft, brake, guides and their play. SI units, checked here.
+
+A `Hoist` whose part is None has not the part's equations; there are no stiff or weak dummies.
+Masses "referred to the rope" are J / R^2 with the sheave's radius R.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass, fields
+from typing import Any
+
+from hoist_demo.parameters.quantity import quantity
+
+
+def require(value: float, holds: bool, name: str, bound: str, cure: str) -> None:
+    """Raise the ValueError that names value, bound and cure, unless the value is finite and the bound holds."""
+    if not (math.isfinite(value) and holds):
+        raise ValueError(f"{name} = {value!r} must be {bound}: {cure}")
+
+
+def require_magnitudes(data: Any, may_vanish: Collection[str], prefix: str = "") -> None:
+    """Every number of a dataclass above 0, or at least 0 where it may vanish; None and parts are passed over."""
+    for field in fields(data):
+        value = getattr(data, field.name)
+        if isinstance(value, (int, float)):
+            vanishes = field.name in may_vanish
+            bound = "finite and at least 0" if vanishes else "finite and above 0"
+            holds = value >= 0.0 if vanishes else value > 0.0
+            require(value, holds, prefix + field.name, bound, "give its magnitude in SI units")
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """Elastic shaft between motor and sheave; all values [assumed]."""
+
+    motor_mass: float = quantity(
+        3.0e3, "kg", "of the motor's rotor referred to the rope, a part of the hoist's sheave_mass"
+    )
+    stiffness: float = quantity(2.0e8, "N m/rad")
+    damping: float = quantity(0.02, "-", "damping ratio of motor against sheave")
+
+    def __post_init__(self) -> None:
+        require_magnitudes(self, {"damping"}, "shaft.")
+
+
+@dataclass(frozen=True)
+class Brake:
+    """Disc brake on the sheave; all values [assumed].
+
+    The torque asked for is a fraction of the full one. It comes after a dead time and with the lag of its hydraulics.
+    """
+
+    torque: float = quantity(5.5e5, "N m", "full braking torque, of both directions of rotation")
+    delay: float = quantity(0.15, "s", "from the trip to the first torque")
+    lag: float = quantity(0.10, "s", "time constant of the pressure")
+    travel: float = quantity(2.0e-3, "m", "at the rim: elastic deflection of the stuck brake at its full torque")
+    first_stage: float = quantity(0.5, "-", "fraction of the torque in the first stage of a two-stage stop")
+    first_stage_time: float = quantity(1.5, "s", "from the trip to the second stage")
+
+    def __post_init__(self) -> None:
+        require_magnitudes(self, {"delay"}, "brake.")
+        require(
+            self.first_stage,
+            self.first_stage <= 1.0,
+            "brake.first_stage",
+            "at most 1, the full torque",
+            "give a fraction",
+        )
+
+
+@dataclass(frozen=True)
+class Guides:
+    """Friction of one conveyance along its guides; all values [assumed]."""
+
+    coulomb: float = quantity(1.0e3, "N")
+    viscous: float = quantity(50.0, "N s/m")
+
+    def __post_init__(self) -> None:
+        require_magnitudes(self, {"coulomb", "viscous"}, "guides.")
+
+
+@dataclass(frozen=True)
+class Play:
+    """Freedom of a conveyance between its guides: x, z and yaw; all values [assumed].
+
+    Within the play the head ropes alone pull it back, a pendulum with several ropes; beyond it the shoes are springs.
+    """
+
+    clearance: float = quantity(5.0e-3, "m", "to either side, in x and in z")
+    stiffness: float = quantity(2.0e6, "N/m", "of the guides of a conveyance, in x and in z")
+    contact_damping: float = quantity(0.5, "s/m", "damping force over elastic force and speed (Hunt and Crossley)")
+    damping: float = quantity(500.0, "N s/m", "of air and rollers, at any place")
+    arm: float = quantity(
+        1.5, "m", "from the conveyance's axis to the shoes: play and stiffness in yaw are c / a and k a^2"
+    )
+    gyration: float = quantity(1.2, "m", "radius of gyration of the loaded conveyance about the vertical")
+    rope_spread: float = quantity(0.4, "m", "radius of gyration of the head ropes' attachments about the vertical")
+    friction: float = quantity(0.1, "-", "shoe on guide: the contact forces brake the conveyance along the guides")
+
+    def __post_init__(self) -> None:
+        require_magnitudes(self, {"contact_damping", "damping", "friction", "clearance"}, "play.")

@@ -1,0 +1,156 @@
+"""Data of the hoist.
+
+All numbers of the hoist are ours [assumed]: plausible for a friction hoist of 90 m travel with 10 t conveyances and
+5 t payload over the 120 m balance rope of 8 kg/m, and taken from no particular installation.
+
+The shaft. Heights y point up and are those of the rope suspension under a conveyance. The lower landing is y = 0 m,
+the upper one y = shaft_travel, and the sheave axis is head_rope_length_up above that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from hoist_demo.parameters.components import Brake, Guides, Play, Shaft, require, require_magnitudes
+from hoist_demo.parameters.quantity import quantity
+
+GRAVITY = 9.81
+"""Acceleration of free fall [m/s^2]."""
+
+ASSUMED_DATA = (
+    "The hoist, the winding and the rope data marked [assumed] in docs/model.md and docs/hoist.md are ours. They are "
+    "plausible, they belong to no installation, and no number shown here may be used to judge one."
+)
+"""Said wherever results are shown."""
+
+
+@dataclass(frozen=True)
+class Hoist:
+    """Friction (Koepe) hoist with its motor on the sheave; all values [assumed].
+
+    What is None or 0 among the last lines is left out of the equations.
+    """
+
+    conveyance_mass: float = quantity(10.0e3, "kg", "each conveyance with its attachments")
+    payload_left: float = quantity(5.0e3, "kg")
+    payload_right: float = quantity(0.0, "kg")
+    sheave_mass: float = quantity(8.0e3, "kg", "inertia of sheave and motor referred to the rope, J / R^2")
+    sheave_radius: float = quantity(1.25, "m")
+    torque_lag: float = quantity(0.05, "s", "time constant of the motor torque")
+    torque_limit: float = quantity(2.2e5, "N m", "motor with service brake")
+    head_rope_number: int = quantity(4, "-")
+    head_rope_stiffness: float = quantity(2.6e7, "N", "EA of one rope")
+    head_rope_mass: float = quantity(2.0, "kg/m", "of one rope")
+    head_rope_damping: float = quantity(0.03, "-", "damping ratio of a conveyance on its ropes")
+    head_rope_length_up: float = quantity(15.0, "m", "sheave axis above a conveyance at the upper landing")
+    loss_coulomb: float = quantity(4.0e3, "N", "at the sheave's rim")
+    loss_viscous: float = quantity(200.0, "N s/m", "at the sheave's rim")
+    loss_speed: float = quantity(0.02, "m/s", "width of the smooth Coulomb law F tanh(v / loss_speed)")
+    friction_coefficient: float = quantity(0.25, "-", "rope on lining")
+    wrap_angle: float = quantity(math.pi, "rad")
+    shaft_travel: float = quantity(90.0, "m", "between the landings")
+    tail_rope_mass: float = quantity(8.0, "kg/m", "of one balance rope: feed-forward and static tensions use it")
+    tail_rope_length: float = quantity(120.0, "m", "likewise")
+    tail_rope_number: int = quantity(
+        1, "-", "equal balance ropes; each pulls with the force of the one that is computed"
+    )
+    conveyance_mass_right: float | None = quantity(
+        None, "kg", "of a counterweight or another conveyance; None: as the left one"
+    )
+    power_limit: float | None = quantity(None, "W", "of the motor and its converter, in both directions")
+    head_rope_modes: int = quantity(0, "-", "longitudinal modes of the head ropes of a side, beyond their mean strain")
+    shaft: Shaft | None = quantity(None, "", "none: rigid")
+    brake: Brake | None = quantity(None, "", "none: no brake but the motor")
+    guides: Guides | None = quantity(None, "", "none: no friction along the guides")
+    play: Play | None = quantity(None, "", "none: conveyances move along straight lines")
+
+    def __post_init__(self) -> None:
+        may_vanish = {"payload_left", "payload_right", "head_rope_damping", "loss_coulomb", "loss_viscous"}
+        require_magnitudes(self, may_vanish | {"tail_rope_mass", "tail_rope_length", "head_rope_modes"})
+        for name, cure in (
+            ("head_rope_number", "count the ropes"),
+            ("tail_rope_number", "count the ropes"),
+            ("head_rope_modes", "2 suit most studies, 0 leaves them out"),
+        ):
+            value = getattr(self, name)
+            require(value, value == int(value) and value <= 20, name, "a whole number up to 20", cure)
+        if self.shaft is not None:
+            require(
+                self.shaft.motor_mass,
+                self.shaft.motor_mass < self.sheave_mass,
+                "shaft.motor_mass",
+                f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
+                "give the motor's share",
+            )
+
+    @property
+    def rope_stiffness(self) -> float:
+        """EA of all head ropes [N]."""
+        return self.head_rope_number * self.head_rope_stiffness
+
+    @property
+    def rope_mass(self) -> float:
+        """Mass per length of all head ropes [kg/m]."""
+        return self.head_rope_number * self.head_rope_mass
+
+    @property
+    def tail_mass(self) -> float:
+        """Mass per length of all balance ropes [kg/m]."""
+        return self.tail_rope_number * self.tail_rope_mass
+
+    @property
+    def tail_balance(self) -> float:
+        """Balance ropes' mass per length over that of the head ropes [-]; 1 keeps the motor torque at rest constant."""
+        return self.tail_mass / self.rope_mass
+
+    @property
+    def mass_left(self) -> float:
+        """Left conveyance with its payload [kg]."""
+        return self.conveyance_mass + self.payload_left
+
+    @property
+    def mass_right(self) -> float:
+        """Right conveyance with its payload [kg]."""
+        empty = self.conveyance_mass if self.conveyance_mass_right is None else self.conveyance_mass_right
+        return empty + self.payload_right
+
+    @property
+    def sheave_height(self) -> float:
+        """Height of the sheave's axis [m]."""
+        return self.shaft_travel + self.head_rope_length_up
+
+    @property
+    def moving_mass(self) -> float:
+        """All moving masses referred to the rope [kg], the balance ropes' included."""
+        ropes = self.rope_mass * (self.shaft_travel + 2.0 * self.head_rope_length_up)
+        tail = self.tail_mass * self.tail_rope_length
+        return self.sheave_mass + self.mass_left + self.mass_right + ropes + tail
+
+    @property
+    def travel_loss(self) -> tuple[float, float]:
+        """Coulomb [N] and viscous [N s/m] friction at the rim and along the guides of both conveyances."""
+        guides = self.guides
+        if guides is None:
+            return self.loss_coulomb, self.loss_viscous
+        return self.loss_coulomb + 2.0 * guides.coulomb, self.loss_viscous + 2.0 * guides.viscous
+
+    @property
+    def imbalance_rate(self) -> float:
+        """Change of the force that holds the hoist, per metre of travel of the left conveyance [N/m]."""
+        return 2.0 * GRAVITY * (self.tail_mass - self.rope_mass)
+
+    @property
+    def tension_ratio_limit(self) -> float:
+        """Tension ratio at which the ropes slip on the sheave, exp(mu alpha) (Euler-Eytelwein) [-]."""
+        return math.exp(self.friction_coefficient * self.wrap_angle)
+
+    def slip_safety(self, ratio: float) -> float:
+        """Friction that there is over friction that a tension ratio asks for, (exp(mu alpha) - 1) / (ratio - 1) [-]."""
+        return (self.tension_ratio_limit - 1.0) / (ratio - 1.0) if ratio > 1.0 else math.inf
+
+    def torque_available(self, rate: float) -> float:
+        """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power."""
+        if self.power_limit is None:
+            return self.torque_limit
+        return self.power_limit / max(abs(rate), self.power_limit / self.torque_limit)

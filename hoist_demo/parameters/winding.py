@@ -1,0 +1,109 @@
+"""Data of one trip, and whether the hoist can do it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from hoist_demo.parameters.components import require
+from hoist_demo.parameters.hoist import Hoist
+from hoist_demo.parameters.quantity import quantity
+
+EmergencyLaw = Literal["drive", "deceleration", "torque", "two-stage"]
+"""Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or
+a part of it first and the whole later."""
+
+
+@dataclass(frozen=True)
+class Winding:
+    """One trip of the left conveyance, up when travel is positive, with waiting times before and after."""
+
+    travel: float = quantity(90.0, "m", "negative lowers")
+    speed: float = quantity(8.0, "m/s", "limit")
+    acceleration: float = quantity(0.75, "m/s^2", "limit")
+    jerk: float = quantity(0.5, "m/s^3", "limit")
+    creep_speed: float = quantity(0.5, "m/s", "of a creep, where there is one")
+    creep_distance: float = quantity(
+        0.0, "m", "to the landing from where creep speed is reached, final stop included; 0: no creep"
+    )
+    departure_creep_distance: float = quantity(0.0, "m", "from the start to where creep speed is left; 0: no creep")
+    start_delay: float = quantity(1.0, "s")
+    settle: float = quantity(10.0, "s", "recorded after the reference has arrived")
+    emergency_at: float | None = quantity(None, "s", "emergency stop begins; None: no emergency stop")
+    emergency_deceleration: float = quantity(5.0, "m/s^2")
+    emergency_jerk: float = quantity(50.0, "m/s^3", "the short ramp of the emergency deceleration")
+    emergency_law: EmergencyLaw = "drive"
+
+    def __post_init__(self) -> None:
+        require(self.travel, self.travel != 0.0, "travel", "finite and not 0", "give the length of the trip in m")
+        for name in ("speed", "acceleration", "jerk"):
+            value = getattr(self, name)
+            require(value, value > 0.0, name, "finite and above 0", "give the limit's magnitude")
+        for name in ("start_delay", "settle"):
+            value = getattr(self, name)
+            require(value, value >= 0.0, name, "finite and at least 0", "give a waiting time in s")
+        for name in ("creep_distance", "departure_creep_distance"):
+            value = getattr(self, name)
+            require(value, value >= 0.0, name, "finite and at least 0", "give a length in m, 0 for no creep")
+        require(
+            self.creep_speed,
+            self.creep_speed > 0.0 and (not self.creeps or self.creep_speed <= self.speed),
+            "creep_speed",
+            f"above 0 and at most the speed limit {self.speed:g} m/s",
+            "creep more slowly",
+        )
+        if self.emergency_law not in get_args(EmergencyLaw):
+            known = ", ".join(get_args(EmergencyLaw))
+            raise ValueError(f"emergency_law = {self.emergency_law!r} must be one of {known}: choose one")
+        if self.emergency_at is not None:
+            require(self.emergency_at, self.emergency_at >= 0.0, "emergency_at", "at least 0", "give a time in s")
+        require(
+            self.emergency_deceleration,
+            self.emergency_deceleration >= self.acceleration,
+            "emergency_deceleration",
+            f"at least the acceleration limit {self.acceleration:g} m/s^2",
+            "brake harder or wind more gently",
+        )
+        require(
+            self.emergency_jerk,
+            self.emergency_jerk >= self.jerk,
+            "emergency_jerk",
+            f"at least the jerk limit {self.jerk:g} m/s^3",
+            "shorten the brake's ramp",
+        )
+
+    @property
+    def creeps(self) -> bool:
+        """Whether some of the trip is run at creep speed."""
+        return self.creep_distance > 0.0 or self.departure_creep_distance > 0.0
+
+    @property
+    def followed_until(self) -> float:
+        """Time [s] until which the drive follows the reference: an emergency stop with the brake ends that."""
+        return math.inf if self.emergency_at is None or self.emergency_law == "drive" else self.emergency_at
+
+
+def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
+    """Reject a trip longer than the shaft, and an emergency stop with a brake that is not there or too weak."""
+    require(
+        winding.travel,
+        abs(winding.travel) <= hoist.shaft_travel,
+        "travel",
+        f"within +- shaft_travel = {hoist.shaft_travel:g} m",
+        "shorten the trip",
+    )
+    if winding.emergency_at is None or winding.emergency_law == "drive":
+        return
+    if hoist.brake is None:
+        raise ValueError(
+            f"emergency_law = {winding.emergency_law!r} must be 'drive' for a hoist without a brake: give it a brake"
+        )
+    deceleration, capacity = winding.emergency_deceleration, hoist.brake.torque / hoist.sheave_radius
+    require(
+        deceleration,
+        winding.emergency_law != "deceleration" or deceleration * hoist.moving_mass <= capacity,
+        "emergency_deceleration",
+        f"at most {capacity / hoist.moving_mass:.3g} m/s^2, what brake.torque gives all moving masses",
+        "brake more gently or fit a stronger brake",
+    )

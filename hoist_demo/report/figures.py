@@ -1,0 +1,311 @@
+"""Figures of a run, as PNG files whose bytes depend on the data alone.
+
+The only module that knows matplotlib. Blue is always the left end, orange the right one, grey the reference or limit.
+A figure whose signals were not recorded is left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hoist_demo.parameters import Hoist
+from hoist_demo.recording.time_series import Array, Recording, shape_rows
+from hoist_demo.report.events import Mark
+
+COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
+REFERENCE = "#8a8a8a"
+ACCENTS = ("#2f8f5b", "#8e44ad", "#b03a2e", "#5d6d7e")
+
+_STYLE: dict[Any, Any] = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "bold",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e3e3e3",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.2,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "figure.constrained_layout.use": True,
+    "axes.formatter.useoffset": False,
+}
+
+
+_DRIVE_ENERGIES = {
+    "drive.work_motor": "work of the motor",
+    "drive.energy_potential": "potential energy",
+    "drive.energy_kinetic": "kinetic energy",
+    "drive.work_losses": "losses",
+    "drive.work_from_balance_rope": "work of the balance rope",
+}
+_ROPE_ENERGIES = {
+    "energy.kinetic": "kinetic energy",
+    "energy.strain": "strain energy",
+    "energy.gravity": "energy in gravity",
+    "energy.total": "total",
+    "energy.work_ends": "work at the ends",
+}
+_ROPE_LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"}
+_RESIDUALS = {"drive.energy_residual": "drive", "energy.residual": "balance rope"}
+
+
+def write_figures(recording: Recording, hoist: Hoist, directory: Path, marks: Sequence[Mark] = ()) -> list[Path]:
+    """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order."""
+    figures: tuple[tuple[str, Callable[[Recording, Hoist], Figure | None]], ...] = (
+        ("tracking", tracking),
+        ("forces", forces),
+        ("loop", loop),
+        ("shapes", shapes),
+        ("swivels", swivels),
+        ("energies", energies),
+    )
+    paths: list[Path] = []
+    with matplotlib.rc_context(_STYLE):
+        for name, draw in figures:
+            figure = draw(recording, hoist)
+            if figure is not None:
+                if name != "shapes":
+                    _mark(figure, marks)
+                paths.append(directory / f"{name}.png")
+                figure.savefig(paths[-1], dpi=150, metadata={"Software": None})
+    return paths
+
+
+def tracking(recording: Recording, hoist: Hoist) -> Figure | None:
+    """Heights, speeds and accelerations of both conveyances against the reference, and the error."""
+    figure, axes = _stack(recording, ("Height in the shaft", "Speed", "Acceleration", "Tracking error, left"))
+    start = recording["conveyance.left.y"][0]
+    for ax, quantity, offset in zip(axes, ("position", "speed", "acceleration"), (start, 0.0, 0.0), strict=False):
+        component = {"position": "y", "speed": "vy", "acceleration": "ay"}[quantity]
+        for end in ("left", "right"):
+            ax.plot(recording.time, recording[f"conveyance.{end}.{component}"], color=COLOURS[end], label=end)
+        asked = offset + recording[f"reference.{quantity}"]
+        ax.plot(recording.time, asked, color="black", lw=0.8, ls=(0, (4, 3)), label="reference, left")
+    error = recording["reference.position"] - (recording["conveyance.left.y"] - start)
+    axes[3].plot(recording.time, 1e3 * error, color=COLOURS["left"])
+    for ax, label in zip(axes, ("y [m]", "v [m/s]", "a [m/s²]", "reference - y [mm]"), strict=True):
+        ax.set_ylabel(label)
+    _legend(axes[0])
+    return figure
+
+
+def forces(recording: Recording, hoist: Hoist) -> Figure | None:
+    """Pull of the balance rope, tensions of the head ropes, torque of the drive and the tension ratio."""
+    titles = (
+        "Pull of the balance rope on the conveyances",
+        "Head rope tensions at the sheave",
+        "Motor torque",
+        "Tension ratio on the sheave (Euler-Eytelwein)",
+    )
+    figure, axes = _stack(recording, titles)
+    t = recording.time
+    for end in ("left", "right"):
+        axes[0].plot(t, -1e-3 * recording[f"{end}.fy"], color=COLOURS[end], label=end)
+        axes[1].plot(t, 1e-3 * recording[f"drive.tension_{end}"], color=COLOURS[end], label=end)
+    axes[2].plot(t, 1e-3 * recording["drive.torque_command"], color=REFERENCE, lw=0.9, label="command")
+    axes[2].plot(t, 1e-3 * recording["drive.torque"], color=ACCENTS[0], label="motor")
+    axes[3].plot(t, recording["drive.tension_ratio"], color=ACCENTS[1], label="larger / smaller tension")
+    limit = hoist.tension_ratio_limit
+    axes[3].axhline(limit, color=ACCENTS[2], lw=1.0, ls="--", label=f"slip at exp(µα) = {limit:.2f}")
+    for ax, label in zip(axes, ("$-f_y$ [kN]", "T [kN]", "M [kN m]", "$T_1/T_2$ [-]"), strict=True):
+        ax.set_ylabel(label)
+        _legend(ax)
+    return figure
+
+
+def loop(recording: Recording, hoist: Hoist) -> Figure | None:
+    """Lowest point of the loop, its yaw and the clearance of the legs."""
+    if not _shows(recording, "loop.x", "loop.y"):
+        return None
+    panels = [
+        ("Lowest point of the loop: height", "y [m]", 1.0, {"loop.y": ("", ACCENTS[0])}),
+        (
+            "Lowest point of the loop: sideways",
+            "x, z [m]",
+            1.0,
+            {"loop.x": ("in plane, x", ACCENTS[0]), "loop.z": ("out of plane, z", ACCENTS[1])},
+        ),
+        ("Yaw of the loop", "yaw [deg]", 180.0 / math.pi, {"loop.yaw": ("", ACCENTS[1])}),
+        ("Clearance between the legs", "clearance [m]", 1.0, {"loop.clearance": ("", ACCENTS[3])}),
+    ]
+    shown = [panel for panel in panels if any(_shows(recording, name) for name in panel[3])]
+    figure, axes = _stack(recording, [panel[0] for panel in shown])
+    for ax, (_, label, factor, lines) in zip(axes, shown, strict=True):
+        for name, (text, colour) in lines.items():
+            if _shows(recording, name):
+                ax.plot(recording.time, factor * recording[name], color=colour, label=text)
+        ax.set_ylabel(label)
+        _widen(ax, 0.01)
+    _legend(axes[1])
+    return figure
+
+
+def shapes(recording: Recording, hoist: Hoist) -> Figure | None:
+    """The rope from the front, the side and above at a few instants, and its loop enlarged."""
+    rows = shape_rows(recording, 6)
+    points = [(recording.time[row], recording.shape_at(row)) for row in rows]
+    drawn = [(t, shape) for t, shape in points if shape is not None and bool(np.all(np.isfinite(shape)))]
+    if not drawn:
+        return None
+    figure = Figure(figsize=(8.0, 7.2))
+    layout: Any = [["front", "side", "top"], ["front loop", "side loop", "top"]]
+    axes = figure.subplot_mosaic(layout, width_ratios=(1.0, 1.0, 1.15), height_ratios=(1.5, 1.0))
+    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(drawn)))
+    for colour, (t, shape) in zip(colours, drawn, strict=True):
+        x, y, z = shape.T
+        label = f"t = {t:.1f} s"
+        for name in ("front", "front loop"):
+            axes[name].plot(x, y, color=colour, label=label)
+        for name in ("side", "side loop"):
+            axes[name].plot(z, y, color=colour)
+        axes["top"].plot(x, z, color=colour)
+    low = min(float(np.min(shape[:, 1])) for _, shape in drawn)
+    labels = {"front": ("x [m]", "y [m]"), "side": ("z [m]", "y [m]"), "top": ("x [m]", "z [m]")}
+    titles = {
+        "front": "Front view, x stretched",
+        "front loop": "Loop, front view",
+        "side": "Side view, z stretched",
+        "side loop": "Loop, side, z stretched",
+        "top": "From above, z stretched",
+    }
+    for name, ax in axes.items():
+        view = name.removesuffix(" loop")
+        ax.set_title(titles[name])
+        ax.set_xlabel(labels[view][0])
+        ax.set_ylabel(labels[view][1])
+        if name != view:
+            ax.set_ylim(low - 0.3, low + 6.0)
+        if view == "side":
+            _widen(ax, 0.05, axis="x")
+    _widen(axes["top"], 0.05)
+    figure.legend(*axes["front"].get_legend_handles_labels(), loc="outside lower center", ncols=len(drawn))
+    return figure
+
+
+def swivels(recording: Recording, hoist: Hoist) -> Figure | None:
+    """Angle, rate and torque of both swivels, slip shaded."""
+    quantities = ("angle", "rate", "torque")
+    if not _shows(recording, *(f"{end}.swivel.{name}" for end in ("left", "right") for name in quantities)):
+        return None
+    figure, axes = _stack(recording, ("Swivel angle", "Swivel rate", "Moment of the swivel on the rope"))
+    for ax, name in zip(axes, quantities, strict=True):
+        for end, width in (("left", 2.0), ("right", 1.0)):
+            values = recording[f"{end}.swivel.{name}"]
+            scaled = np.degrees(values) if name == "angle" else values
+            ax.plot(recording.time, scaled, color=COLOURS[end], lw=width, label=end)
+            if f"{end}.swivel.slipping" in recording:
+                _shade(ax, recording.time, recording[f"{end}.swivel.slipping"], end)
+    for ax, label in zip(axes, ("angle [deg]", "rate [rad/s]", "torque [N m]"), strict=True):
+        ax.set_ylabel(label)
+        _widen(ax, 0.01)
+    _legend(axes[0])
+    return figure
+
+
+def energies(recording: Recording, hoist: Hoist) -> Figure | None:
+    """Energies of drive and rope against their start, the rope's losses, and what the two balances leave over."""
+    panels: list[tuple[str, str, float, dict[str, str]]] = [
+        ("Drive: work and energy since the start", "energy [kJ]", 1e-3, _DRIVE_ENERGIES),
+        ("Balance rope: work and energy since the start", "energy [kJ]", 1e-3, _ROPE_ENERGIES),
+        ("Balance rope: dissipated energy", "energy [J]", 1.0, _ROPE_LOSSES),
+        ("What the energy balances leave over", "residual [J]", 1.0, _RESIDUALS),
+    ]
+    shown = [panel for panel in panels if any(name in recording for name in panel[3])]
+    figure, axes = _stack(recording, [panel[0] for panel in shown])
+    for ax, (_, label, factor, names) in zip(axes, shown, strict=True):
+        present = {name: text for name, text in names.items() if name in recording}
+        for (name, text), colour in zip(present.items(), (*ACCENTS, "black"), strict=False):
+            values = factor * (recording[name] - recording[name][0])
+            ax.plot(recording.time, values, color=colour, ls="--" if colour == "black" else "-", label=text)
+        ax.set_ylabel(label)
+        _legend(ax)
+    return figure
+
+
+def _shows(recording: Recording, *names: str) -> bool:
+    """Whether all these signals were recorded; what a rung of the rope's model leaves out is NaN."""
+    return all(name in recording and bool(np.isfinite(recording[name]).any()) for name in names)
+
+
+def _stack(recording: Recording, titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
+    """Panels above one another over a common time axis."""
+    figure = Figure(figsize=(8.0, 1.75 * len(titles) + 0.5))
+    grid = figure.subplots(len(titles), 1, sharex=True, squeeze=False)
+    axes: list[Axes] = list(grid[:, 0])
+    for ax, title in zip(axes, titles, strict=True):
+        ax.set_title(title)
+    figure.align_ylabels(axes)
+    axes[-1].set_xlabel("time [s]")
+    axes[-1].set_xlim(float(recording.time[0]), max(float(recording.time[-1]), float(recording.time[0]) + 1e-9))
+    return figure, axes
+
+
+def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
+    """Named instants in all panels, their names over the first one."""
+    for mark in marks:
+        for ax in figure.axes:
+            ax.axvline(mark.t, color="black", lw=0.8, ls=(0, (4, 3)))
+    # names that would touch one another share a line
+    first, last = figure.axes[0].get_xlim()
+    named: list[tuple[float, str]] = []
+    for mark in marks:
+        if named and mark.t - named[-1][0] < 0.2 * (last - first):
+            named[-1] = named[-1][0], f"{named[-1][1]}, {mark.label}"
+        else:
+            named.append((mark.t, mark.label))
+    for t, label in named:
+        right = t > first + 0.6 * (last - first)
+        figure.axes[0].annotate(
+            label,
+            (t, 1.0),
+            xycoords=figure.axes[0].get_xaxis_transform(),
+            xytext=(-2 if right else 2, 1),
+            textcoords="offset points",
+            ha="right" if right else "left",
+            va="bottom",
+            fontsize=7.0,
+        )
+
+
+def _legend(ax: Axes) -> None:
+    """Legend beside the panel, where it hides nothing."""
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+
+
+def _widen(ax: Axes, least: float, axis: str = "y") -> None:
+    """Keep rounding errors from filling a panel: show at least a range of +- `least` about the middle."""
+    low, high = ax.get_ylim() if axis == "y" else ax.get_xlim()
+    if high - low < 2.0 * least and math.isfinite(high - low):
+        middle = (low + high) / 2.0
+        set_limits = ax.set_ylim if axis == "y" else ax.set_xlim
+        set_limits(middle - least, middle + least)
+
+
+def _shade(ax: Axes, t: Array, slipping: Array, end: str) -> None:
+    """Tint the upper half (left end) or lower half (right end) where the swivel slips."""
+    low, high = (0.5, 1.0) if end == "left" else (0.0, 0.5)
+    inside = slipping > 0.5
+    ax.fill_between(
+        t,
+        low,
+        high,
+        where=inside.tolist(),
+        step="post",
+        transform=ax.get_xaxis_transform(),
+        color=COLOURS[end],
+        alpha=0.12,
+        lw=0.0,
+        label=f"{end} slips" if bool(inside.any()) else None,
+    )

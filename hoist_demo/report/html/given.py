@@ -1,0 +1,60 @@
+"""The data a run was given, as table rows: each field of a frozen dataclass with the unit and the meaning it states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass
+
+from hoist_demo.cosimulation.participants.rope_data import RopeData
+from hoist_demo.parameters.quantity import meaning_of, unit_of
+from hoist_demo.report.html.page import Row, number, unit_text
+
+_NO_UNIT = "-"
+
+Table = tuple[str, list[Row]]
+"""Title and rows."""
+
+
+def tables(data: Mapping[str, object]) -> list[Table]:
+    """A table for each dataclass, by its title."""
+    return [(title, rows(part)) for title, part in data.items()]
+
+
+def rope_tables(rope: RopeData, level: str, rungs: Sequence[str]) -> list[Table]:
+    """Where the balance rope comes from, how much of it was computed, and all its parameters."""
+    ran = ", then ".join(rungs) or "not known"
+    head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
+    head += [
+        ("level of accuracy", level or "of none by name; see solver, mesh and model", ""),
+        ("rung that ran", ran, ""),
+    ]
+    if rope.rung_reason:
+        head.append(("because", rope.rung_reason, ""))
+    parameters = [(name, _word(rope.shown(name)), unit_text(rope.units.get(name, ""))) for name in rope.parameters]
+    return [("Balance rope", head), ("Parameters of the balance rope", parameters)]
+
+
+def _word(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return number(value) if isinstance(value, int | float) else str(value)
+
+
+def rows(data: object) -> list[Row]:
+    """One row per number, flag or word of a dataclass, those of dataclasses within it included."""
+    if not is_dataclass(data) or isinstance(data, type):
+        raise TypeError(f"data = {data!r} must be a dataclass instance: give the parameters themselves")
+    found: list[Row] = []
+    for field in fields(data):
+        value = getattr(data, field.name)
+        unit, meaning = unit_of(field), meaning_of(field)
+        name = field.name.replace("_", " ") + (f", {meaning}" if meaning else "")
+        if is_dataclass(value):
+            found += [(f"{field.name.replace('_', ' ')}: {inner}", text, u) for inner, text, u in rows(value)]
+        elif isinstance(value, bool):
+            found.append((name, "yes" if value else "no", ""))
+        elif isinstance(value, str) or value is None:
+            found.append((name, value or "none", ""))
+        elif isinstance(value, int | float):
+            found.append((name, number(value), "" if unit == _NO_UNIT else unit_text(unit)))
+    return found

@@ -1,0 +1,88 @@
+"""Joins a template of assets/ with text, data, style and scripts into one file without any outside reference.
+
+Every page forbids its browser the network (Content-Security-Policy), so a stray reference would be an error in the
+console and not a hidden dependence.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import re
+import string
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+from pathlib import Path
+
+LONG = 24
+"""Characters from which a value may break anywhere, such as a hash."""
+
+Row = tuple[str, str, str]
+"""Quantity, value and unit as texts."""
+
+
+def asset(name: str) -> str:
+    """Text of a file of assets/."""
+    return (files("hoist_demo.report.html") / "assets" / name).read_text(encoding="utf-8")
+
+
+def render(template: str, scripts: Sequence[str], data: Mapping[str, object], **texts: str) -> str:
+    """The page: `texts` are HTML for the template's places, `data` is what the scripts read."""
+    code = "\n".join(asset(name) for name in ("common.js", *scripts))
+    return string.Template(asset(template)).substitute(
+        texts, style=asset("report.css"), script=f'"use strict";\n{code}', data=_json(data)
+    )
+
+
+def write(path: Path, text: str) -> Path:
+    """Write a page; the same text gives the same bytes on every system."""
+    path.write_text(text, encoding="utf-8", newline="\n")
+    return path
+
+
+def escape(text: str) -> str:
+    """Text as HTML."""
+    return html.escape(text)
+
+
+def table(title: str, rows: Sequence[Row]) -> str:
+    """A titled table of quantity, value and unit; nothing without rows."""
+    lines = [
+        f'<tr><td>{escape(quantity)}</td><td class="{_value(value)}">{escape(value)}</td>'
+        f'<td class="unit">{escape(unit)}</td></tr>'
+        for quantity, value, unit in rows
+    ]
+    return f"<section><h3>{escape(title)}</h3><table>{''.join(lines)}</table></section>" if lines else ""
+
+
+def _value(text: str) -> str:
+    return "value long" if len(text) > LONG else "value"
+
+
+def number(value: float) -> str:
+    """Five significant digits for people, without an exponent where ten places do."""
+    text = f"{value:.5g}"
+    return f"{float(text):.10g}" if "e+" in text else text
+
+
+def unit_text(unit: str) -> str:
+    """A unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
+    text = unit.replace(".", " ").replace("^", "") if unit != "1" else ""
+    return re.sub(r"(?<=[A-Za-z])[23]", lambda match: {"2": "²", "3": "³"}[match[0]], text)
+
+
+def _json(data: object) -> str:
+    """JSON that can stand inside a script element."""
+    return json.dumps(_finite(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _finite(data: object) -> object:
+    """NaN and infinities as null, which JSON has no other word for."""
+    if isinstance(data, float):
+        return data if math.isfinite(data) else None
+    if isinstance(data, Mapping):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    return data

@@ -1,0 +1,128 @@
+"""The report of a run: its rope in motion over linked time plots, its numbers and its data, in one file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
+from hoist_demo.recording.time_series import TIME, Array, Recording
+from hoist_demo.report import events
+from hoist_demo.report.html import given, packing, page, panels
+from hoist_demo.report.html.along import along
+from hoist_demo.report.summary import WARNING, SummaryRow
+
+MOST_TIMES = 2000
+"""Points of a time plot: twice what a laptop's screen resolves; peaks are kept."""
+
+MOST_FRAMES = 600
+"""Positions of the rope; the browser interpolates between them."""
+
+SHAPE_RESOLUTION = 1e-4
+"""Error that packing may bring into a point of the rope [m]."""
+
+
+def run_report(
+    result: Result,
+    hoist: Hoist,
+    winding: Winding,
+    coupling: Coupling,
+    rows: Sequence[SummaryRow],
+    title: str,
+    path: Path,
+    more: Sequence[given.Table] = (),
+) -> Path:
+    """Write the report of a run to `path`; `rows` are its summary, `more` what else was given.
+
+    Same run, same bytes but the clock's.
+    """
+    said = [] if result.completed else [("Stopped.", result.cause)]
+    said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
+    note = "".join(f'<p class="note stopped"><strong>{w}</strong> {page.escape(text)}</p>' for w, text in said)
+    numbers = "".join(
+        page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows if row.group == group])
+        for group in dict.fromkeys(row.group for row in rows)
+    )
+    tables = [*given.tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more]
+    text = page.render(
+        "run.html",
+        ("player.js", "plots.js", "rope.js", "run.js"),
+        _data(result, hoist, winding),
+        title=page.escape(title),
+        assumed=page.escape(ASSUMED_DATA),
+        note=note,
+        numbers=numbers,
+        given="".join(page.table(name, rows) for name, rows in tables),
+    )
+    return page.write(path, text)
+
+
+def _data(result: Result, hoist: Hoist, winding: Winding) -> dict[str, object]:
+    """All that the scripts read; a run without a recorded row leaves the numbers of its end only."""
+    recording = result.recording
+    if not recording.signals:
+        return {"time": None}
+    start, extra = float(recording.time[0]), panels.derived(recording, hoist)
+    known = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
+    names = [name for name in known if name != TIME and not name.startswith("shape.")]
+    signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
+    signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}
+    shown = panels.panels(recording, hoist)
+    return {
+        "time": packing.pack_to(packing.thinned_times(recording.time, MOST_TIMES), 1e-4),
+        # a run that stopped at once has one row, and an axis needs a length
+        "span": [start, max(float(recording.time[-1]), start + 1e-3)],
+        "signals": signals,
+        "panels": [_panel(panel, recording) for panel in shown],
+        "marks": [{"t": mark.t, "label": mark.label} for mark in events.marks(result, winding)],
+        "transformations": events.transformations(recording),
+        "slips": {end: events.slips(recording, end) for end in ("left", "right")},
+        "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
+        "sheave": {"height": hoist.sheave_height, "radius": hoist.sheave_radius},
+        **_curve(recording),
+    }
+
+
+def _signal(values: Array, unit: str) -> dict[str, object]:
+    return {"unit": page.unit_text(unit), "values": packing.pack(packing.thinned(values, MOST_TIMES))}
+
+
+def _panel(panel: panels.Panel, recording: Recording) -> dict[str, object]:
+    lines = [
+        {
+            "signal": line.signal,
+            "label": line.label,
+            "style": line.style,
+            "factor": line.factor,
+            "rise": line.from_start,
+        }
+        for line in panel.lines
+    ]
+    return {
+        "group": panel.group,
+        "title": panel.title,
+        "unit": panel.unit,
+        "lines": lines,
+        "least": panel.least,
+        "steps": panel.steps,
+        "limit": None if panel.limit is None else {"value": panel.limit[0], "label": panel.limit[1]},
+        "quiet": panels.quiet(recording, panel),
+    }
+
+
+def _curve(recording: Recording) -> Mapping[str, object]:
+    """The rope's curve at its frames, and what is known along it; both null when no curve was recorded."""
+    rows = packing.frames(len(recording.time), MOST_FRAMES)
+    shapes = [recording.shape_at(row) for row in rows]
+    curves = np.array([shape for shape in shapes if shape is not None])
+    if curves.size == 0 or not bool(np.all(np.isfinite(curves))):
+        return {"rope": None, "along": None}
+    rope = {
+        "points": curves.shape[1],
+        "t": packing.pack_to(recording.time[rows], 1e-4),
+        **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},
+    }
+    return {"rope": rope, "along": along(recording)}

@@ -1,0 +1,132 @@
+"""The report of a study: all runs in parallel coordinates, a scatter plot and a sortable table, in one file.
+
+`meta` may hold `title`, `parameters` (names of the columns that were varied; the other columns are metrics) and
+`best` = {"metric": name, "sense": "min" or "max"}, by which the best run is chosen among those that did not fail.
+Whatever else it holds, a text or a number, is shown under Data, and so are parameters that are the same in all runs.
+Only what differs between runs has an axis. A run has failed when its `cause` is not empty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from hoist_demo.parameters import ASSUMED_DATA
+from hoist_demo.report.html import page
+
+STATUS, CAUSE = "status", "cause"
+RUN, KEY = "run", "key"  # the page counts the runs itself; a hash is no axis
+_OWN = ("title", "parameters", "best")
+
+
+def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[str, Any], path: str | Path) -> Path:
+    """Write the report to `path`: one row of `table` per run, `units` by column name ("" or "1" for none)."""
+    path = Path(path)
+    parameters, best = _checked(table, meta)
+    causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
+    values = {str(name): [_plain(value) for value in table[name]] for name in table.columns}
+    names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY)]
+    varied = {name for name in names if len(set(values[name])) > 1}
+    fixed = [name for name in parameters if name in names and name not in varied]
+    nowhere = [name for name in names if name not in parameters and set(values[name]) <= {None}]
+    listed = [name for name in names if name not in {*fixed, *nowhere}]
+    # parameters first: they are read before what follows from them
+    order = sorted(listed, key=lambda name: name not in parameters) + [KEY] * (KEY in values)
+    columns = [
+        {
+            "name": name,
+            "unit": page.unit_text(units.get(name, "")),
+            "role": "parameter" if name in parameters else "metric",
+            # without anything that differs, as with a single run, all numbers have one
+            "axis": name in varied if varied else name != KEY,
+            "values": values[name],
+        }
+        for name in order
+    ]
+    chosen = _best(table, causes, best)
+    data = {
+        "columns": columns,
+        "statuses": [str(status) for status in table[STATUS]],
+        "causes": causes,
+        "best": chosen,
+        "by": None if best is None else best[0],
+    }
+    title = str(meta.get("title", "Study"))
+    rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
+    text = page.render(
+        "study.html",
+        ("study.js",),
+        data,
+        title=page.escape(title),
+        assumed=page.escape(ASSUMED_DATA),
+        outcome=page.escape(_outcome(causes, chosen, best, table)),
+        given=page.table("Study", rest)
+        + page.table("The same in all runs", [(n, _said(values[n]), page.unit_text(units.get(n, ""))) for n in fixed])
+        + page.table("Not shown by any run", [(name, "", "") for name in nowhere]),
+    )
+    return page.write(path, text)
+
+
+def _checked(table: pd.DataFrame, meta: Mapping[str, Any]) -> tuple[list[str], tuple[str, str] | None]:
+    """Parameters, and metric and sense of the best run, once they are known to fit the table."""
+    have = ", ".join(str(name) for name in table.columns)
+    for name in (STATUS, CAUSE):
+        if name not in table.columns:
+            raise ValueError(f"the study's table has no column '{name}' but {have}: add it")
+    parameters = [str(name) for name in meta.get("parameters", ())]
+    for name in parameters:
+        if name not in table.columns:
+            raise ValueError(f"meta['parameters'] names '{name}', which is no column of {have}: correct the name")
+    if meta.get("best") is None:
+        return parameters, None
+    metric, sense = str(meta["best"]["metric"]), str(meta["best"]["sense"])
+    if metric not in table.columns:
+        raise ValueError(f"meta['best'] names '{metric}', which is no column of {have}: correct the name")
+    if sense not in ("min", "max"):
+        raise ValueError(f"meta['best']['sense'] = '{sense}' must be 'min' or 'max': choose one")
+    return parameters, (metric, sense)
+
+
+def _best(table: pd.DataFrame, causes: Sequence[str], best: tuple[str, str] | None) -> int | None:
+    """Place of the best run; None when none is asked for or none can be compared."""
+    if best is None:
+        return None
+    metric, sense = best
+    values = pd.to_numeric(table[metric])
+    candidates = [(float(value), k) for k, value in enumerate(values) if causes[k] == "" and not pd.isna(value)]
+    if not candidates:
+        return None
+    sign = 1.0 if sense == "min" else -1.0
+    return min(candidates, key=lambda pair: (sign * pair[0], pair[1]))[1]
+
+
+def _outcome(causes: Sequence[str], chosen: int | None, best: tuple[str, str] | None, table: pd.DataFrame) -> str:
+    failed = sum(cause != "" for cause in causes)
+    text = f"{len(causes)} runs, {failed} failed."
+    if best is None:
+        return f"{text} No metric was named by which a best run could be chosen: minimise or maximise in [study]."
+    if chosen is None:
+        return f"{text} No run that can be compared by {best[0]}."
+    smallest = "smallest" if best[1] == "min" else "largest"
+    value = page.number(float(table[best[0]].iloc[chosen]))
+    return f"{text} Best run: {chosen + 1}, with the {smallest} {best[0]} of {value}."
+
+
+def _plain(value: Any) -> float | str | None:
+    """A cell as JSON knows it; booleans as words, because they are no quantity."""
+    if pd.isna(value):
+        return None
+    if isinstance(value, str | bool) or pd.api.types.is_bool(value):
+        return str(value)
+    return float(value)
+
+
+def _said(values: Sequence[float | str | None]) -> str:
+    return "none" if values[0] in (None, "") else _text(values[0])
+
+
+def _text(value: Any) -> str:
+    return page.number(value) if isinstance(value, float) else str(value)

@@ -1,0 +1,61 @@
+"""The run as Markdown with PNG figures, to quote and to compare line by line; html has the page to look at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from hoist_demo.parameters import ASSUMED_DATA
+from hoist_demo.report.html.given import Table
+from hoist_demo.report.summary import SummaryRow
+
+CAPTIONS = {
+    "tracking": "Motion of both conveyances against the reference of the left one.",
+    "forces": "Pull of the balance rope, head rope tensions, motor torque and safety against slip on the sheave.",
+    "loop": "Lowest point of the balance rope's loop, its yaw and the clearance of the legs.",
+    "shapes": "Balance rope in three projections at several instants; the axes are scaled differently.",
+    "swivels": "Swivels at both ends; tinted where they slip, above for the left one, below for the right one.",
+    "energies": "Energies, work and losses, and what each balance leaves over.",
+}
+
+
+def write_report(
+    path: Path, title: str, rows: Sequence[SummaryRow], figures: Sequence[Path], tables: Sequence[Table] = ()
+) -> Path:
+    """Write the report; the figures lie next to it, `tables` are the data the run was given."""
+    path.write_text(render_markdown(title, rows, figures, tables), encoding="utf-8")
+    return path
+
+
+def render_markdown(
+    title: str, rows: Sequence[SummaryRow], figures: Sequence[Path], tables: Sequence[Table] = ()
+) -> str:
+    """The report as Markdown, figures by file name; Outcome says why a run stopped and what to be warned of."""
+    parts = [f"# {title}", ASSUMED_DATA]
+    for group, members in _groups(rows):
+        table = [f"## {group}", "", "| quantity | value | unit |", "|---|---:|---|"]
+        table += [f"| {_cell(row.quantity)} | {_cell(row.text)} | {row.unit} |" for row in members]
+        parts.append("\n".join(table))
+    parts.append("## Figures")
+    parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
+    for name, lines in tables:
+        table = [f"## Data: {name}", "", "| parameter | value | unit |", "|---|---:|---|"]
+        table += [f"| {_cell(what)} | {_cell(value)} | {unit} |" for what, value, unit in lines]
+        parts.append("\n".join(table))
+    return "\n\n".join(parts) + "\n"
+
+
+def _groups(rows: Sequence[SummaryRow]) -> list[tuple[str, list[SummaryRow]]]:
+    """Rows by group, in order."""
+    groups: dict[str, list[SummaryRow]] = {}
+    for row in rows:
+        groups.setdefault(row.group, []).append(row)
+    return list(groups.items())
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")
+
+
+def _caption(path: Path) -> str:
+    return CAPTIONS.get(path.stem, path.stem)

@@ -1,0 +1,286 @@
+"""A run in a table: what a hoist engineer asks, the rope's work counters, energy balances and the clock.
+
+Each row stands for itself; rows whose signals were not recorded are left out.
+"""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.recording.rungs import remark, rungs_of
+from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.report.html.page import number
+
+SWING_WINDOW = 5.0
+"""Length of the record's tail over which the residual swing is judged [s]."""
+
+
+WARNING = "warning"
+"""Quantity of the rows that every report shows first."""
+
+CAUSE = "cause"
+"""Quantity of the row that tells why a run stopped."""
+
+LONG = 40
+"""Characters from which a text has lines of its own in the table."""
+
+AT_REST = 0.01
+"""Speed of the sheave's rim that counts as standstill [m/s]."""
+
+
+@dataclass(frozen=True)
+class SummaryRow:
+    """One line of the summary table."""
+
+    group: str
+    quantity: str
+    value: float | str
+    unit: str = ""
+
+    @property
+    def text(self) -> str:
+        """Value for people."""
+        return self.value if isinstance(self.value, str) else number(self.value)
+
+
+def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling) -> tuple[SummaryRow, ...]:
+    """All rows of a run, in reading order."""
+    rows = _outcome(result, coupling)
+    if len(result.recording.signals):
+        recording = result.recording
+        rows += (
+            _trip(recording, hoist, winding)
+            + _swing(recording, result.reference.duration)
+            + _rope(recording, hoist)
+            + _energy(recording, hoist)
+            + _counts(recording)
+        )
+    return tuple(rows + _clock(result, coupling))
+
+
+def render(rows: Sequence[SummaryRow]) -> str:
+    """The table as plain text."""
+    width = max((len(row.quantity) for row in rows), default=0)
+    lines: list[str] = []
+    for k, row in enumerate(rows):
+        if k == 0 or row.group != rows[k - 1].group:
+            lines += ["", row.group]
+        if len(row.text) > LONG:
+            lines += textwrap.wrap(f"{row.quantity}: {row.text}", 110, initial_indent="  ", subsequent_indent="    ")
+        else:
+            lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {row.unit}".rstrip())
+    return "\n".join(lines[1:])
+
+
+def _outcome(result: Result, coupling: Coupling) -> list[SummaryRow]:
+    group = "Outcome"
+    rows = [
+        SummaryRow(group, "status", "completed" if result.completed else "stopped"),
+        SummaryRow(group, "simulated time", result.steps * coupling.step, "s"),
+        SummaryRow(group, "communication step", coupling.step, "s"),
+        SummaryRow(group, "communication steps done", float(result.steps)),
+    ]
+    if result.cause:
+        rows.insert(1, SummaryRow(group, CAUSE, result.cause))
+    return rows + [SummaryRow(group, WARNING, text) for text in warnings(result)]
+
+
+def warnings(result: Result) -> list[str]:
+    """What a reader of the numbers must know: an unstable coupling, and what the rope's rung leaves out."""
+    return [text for text in (result.warning, remark(result.recording)) if text]
+
+
+def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryRow]:
+    group = "Drive"
+    travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
+    error = recording["reference.position"] - travel
+    ratio = recording["drive.tension_ratio"]
+    rows = [
+        SummaryRow(group, "travel asked for", winding.travel, "m"),
+        SummaryRow(group, "travel reached, left conveyance", float(travel[-1]), "m"),
+        *_tracking(group, 1e3 * error, recording.time - recording.time[0] <= winding.followed_until),
+        *_stopping(group, recording, hoist, winding),
+        SummaryRow(group, "peak speed", _largest(recording["conveyance.left.vy"]), "m/s"),
+        SummaryRow(group, "peak motor torque", _largest(1e-3 * recording["drive.torque"]), "kN m"),
+        SummaryRow(group, "time at the torque limit", _duration(recording, "drive.torque_limited"), "s"),
+        SummaryRow(group, "largest head rope tension", _largest(1e-3 * _tensions(recording)), "kN"),
+        SummaryRow(group, "largest tension ratio on the sheave", float(np.max(ratio))),
+        SummaryRow(group, "ratio at which the ropes slip", hoist.tension_ratio_limit),
+        SummaryRow(group, "smallest slip safety, (limit - 1) / (ratio - 1)", hoist.slip_safety(float(np.max(ratio)))),
+    ]
+    if float(np.max(ratio)) > hoist.tension_ratio_limit:
+        above = recording.time[ratio > hoist.tension_ratio_limit]
+        quantity = "first time the ropes would slip (the model lets them hold)"
+        rows.append(SummaryRow(group, quantity, float(above[0]), "s"))
+    return rows
+
+
+def _tracking(group: str, error: Array, follows: NDArray[np.bool_]) -> list[SummaryRow]:
+    """Errors [mm] while the drive follows the reference; once the brake has tripped there is nothing to follow."""
+    last, until = ("final position error", "") if bool(follows.all()) else ("position error at the trip", " until then")
+    return [
+        SummaryRow(group, last, float(error[follows][-1]), "mm"),
+        SummaryRow(group, f"largest tracking error{until}", _largest(error[follows]), "mm"),
+    ]
+
+
+def _stopping(group: str, recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryRow]:
+    """Way and time of an emergency stop, at the sheave's rim."""
+    if winding.emergency_at is None:
+        return []
+    begun = recording.time - recording.time[0] >= winding.emergency_at
+    at_rest = begun & (np.abs(hoist.sheave_radius * recording["drive.rate"]) < AT_REST)
+    if not bool(at_rest.any()):
+        return [SummaryRow(group, "emergency stop", "not at rest within the record")]
+    first, last = int(np.argmax(begun)), int(np.argmax(at_rest))
+    way = hoist.sheave_radius * abs(float(recording["drive.angle"][last] - recording["drive.angle"][first]))
+    return [
+        SummaryRow(group, "emergency stop, way to standstill at the rim", way, "m"),
+        SummaryRow(
+            group, "emergency stop, time to standstill", float(recording.time[last] - recording.time[first]), "s"
+        ),
+    ]
+
+
+def _swing(recording: Recording, arrival: float) -> list[SummaryRow]:
+    """Swing of both conveyances at the end of the record, counted from the arrival of the reference [s] at most."""
+    elapsed = recording.time - recording.time[0]
+    tail = (elapsed >= arrival) & (elapsed >= elapsed[-1] - SWING_WINDOW)
+    if not bool(tail.any()):
+        return []
+    seconds = float(np.ptp(elapsed[tail]))
+    return [
+        SummaryRow(
+            "Drive",
+            f"residual swing, {end}, last {seconds:.2g} s, peak to peak",
+            1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])),
+            "mm",
+        )
+        for end in ("left", "right")
+    ]
+
+
+def _rope(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
+    group = "Balance rope"
+    rows: list[SummaryRow] = []
+    if hoist.tail_rope_number > 1:
+        rows.append(SummaryRow(group, "equal balance ropes; forces and energies are of one", hoist.tail_rope_number))
+    if rungs := rungs_of(recording):
+        rows.append(SummaryRow(group, "rung of the model that ran", ", then ".join(rungs)))
+    for end in ("left", "right"):
+        rows.append(SummaryRow(group, f"largest pull on the {end} conveyance", _pull(recording[f"{end}.fy"]), "kN"))
+    extremes = (
+        ("loop.y", "lowest point of the loop", 1.0, "m", np.nanmin),
+        ("loop.clearance", "smallest clearance between the legs", 1.0, "m", np.nanmin),
+        ("loop.yaw", "largest yaw of the loop", 180.0 / math.pi, "deg", _largest),
+        ("loop.z", "largest out-of-plane position of the loop", 1.0, "m", _largest),
+        ("left.swivel.torque", "largest torque at the left swivel", 1.0, "N m", _largest),
+        ("right.swivel.torque", "largest torque at the right swivel", 1.0, "N m", _largest),
+        ("stress.bending_max", "largest bending stress", 1e-6, "MPa", np.nanmax),
+        ("stress.torsion_max", "largest torsional stress", 1e-6, "MPa", np.nanmax),
+    )
+    for name, quantity, factor, unit, extreme in extremes:
+        # what the rung leaves out is NaN throughout
+        if name in recording and bool(np.isfinite(recording[name]).any()):
+            rows.append(SummaryRow(group, quantity, float(extreme(factor * recording[name])), unit))
+    if recording.has("left.swivel.slipping", "right.swivel.slipping"):
+        for end in ("left", "right"):
+            slipped = _duration(recording, f"{end}.swivel.slipping")
+            if math.isfinite(slipped):
+                rows.append(SummaryRow(group, f"time the {end} swivel slipped", slipped, "s"))
+    return rows
+
+
+def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
+    group = "Energy balance"
+    drive = "drive.work_from_balance_rope"
+    rows = [
+        SummaryRow(group, "motor work", 1e-3 * float(recording["drive.work_motor"][-1]), "kJ"),
+        SummaryRow(group, "losses", 1e-3 * float(recording["drive.work_losses"][-1]), "kJ"),
+        SummaryRow(group, "damping of the head ropes", 1e-3 * float(recording["drive.work_rope_damping"][-1]), "kJ"),
+        SummaryRow(group, "balance ropes' work on the conveyances", 1e-3 * float(recording[drive][-1]), "kJ"),
+        SummaryRow(group, "residual of the drive, largest", _largest(recording["drive.energy_residual"]), "J"),
+    ]
+    for name, quantity in (
+        ("energy.work_ends", "work on the balance rope at its ends"),
+        ("energy.dissipated_material", "dissipated in the balance rope"),
+        ("energy.dissipated_swivel", "dissipated in the swivels"),
+    ):
+        if name in recording:
+            rows.append(SummaryRow(group, quantity, float(recording[name][-1]), "J"))
+    if recording.has("energy.residual", "energy.kinetic"):
+        residual, kinetic = _furthest(recording["energy.residual"]), float(np.max(recording["energy.kinetic"]))
+        quantity = "residual of the rope, furthest from 0 (dissipated by the time steps: negative)"
+        rows.append(SummaryRow(group, quantity, residual, "J"))
+        if kinetic > 0.0:
+            share = 100.0 * residual / kinetic
+            rows.append(SummaryRow(group, "the same over the rope's largest kinetic energy", share, "%"))
+    if "energy.work_ends" in recording:
+        defect = made_up(recording, hoist)
+        rows.append(SummaryRow(group, "energy that the coupling's delay makes up, largest", _largest(defect), "J"))
+    return rows
+
+
+def made_up(recording: Recording, hoist: Hoist) -> Array:
+    """Energy that the exchange has made up since the start [J]: work on the hoist and on all its balance ropes."""
+    ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
+    total: Array = recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends
+    return total
+
+
+def _counts(recording: Recording) -> list[SummaryRow]:
+    names = (
+        ("count.steps", "internal steps"),
+        ("count.rejections", "rejected steps"),
+        ("count.transformations", "mesh transformations"),
+        ("count.newton", "Newton iterations"),
+    )
+    return [SummaryRow("Effort of the rope", q, float(recording[name][-1])) for name, q in names if name in recording]
+
+
+def _clock(result: Result, coupling: Coupling) -> list[SummaryRow]:
+    group = "Clock"
+    simulated = result.steps * coupling.step
+    both = result.rope_clock.wall + result.drive_clock.wall
+    rows = [
+        SummaryRow(group, "rope, initialization, wall", result.start_clock.wall, "s"),
+        SummaryRow(group, "rope, wall", result.rope_clock.wall, "s"),
+        SummaryRow(group, "rope, processor", result.rope_clock.cpu, "s"),
+        SummaryRow(group, "drive, wall", result.drive_clock.wall, "s"),
+    ]
+    if result.rope_clock.wall > 0.0:
+        rows.append(SummaryRow(group, "real-time factor, rope", simulated / result.rope_clock.wall))
+        rows.append(SummaryRow(group, "real-time factor, rope and drive", simulated / both))
+    return rows
+
+
+def _largest(values: Array) -> float:
+    """Value of largest magnitude, without its sign."""
+    return float(np.nanmax(np.abs(values)))
+
+
+def _furthest(values: Array) -> float:
+    """Value of largest magnitude, with its sign."""
+    return float(values[np.argmax(np.abs(values))])
+
+
+def _pull(force: Array) -> float:
+    """Largest downward force [kN]."""
+    return float(np.max(-1e-3 * force))
+
+
+def _tensions(recording: Recording) -> Array:
+    return np.concatenate([recording["drive.tension_left"], recording["drive.tension_right"]])
+
+
+def _duration(recording: Recording, flag: str) -> float:
+    """Time during which a 0/1 signal is 1 [s], each value holding until the next row."""
+    return float(np.sum(np.diff(recording.time) * recording[flag][:-1]))
