@@ -20,6 +20,7 @@ test-slow: $(READY)
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	git ls-files '*.c' '*.h' '*.inc' ':!fmu_src/native/include' | xargs $(BIN)/clang-format --dry-run -Werror
 	$(BIN)/mypy
 
 docs: $(READY)

@@ -38,7 +38,11 @@ static void *symbol(void *library, const char *name) {
 }
 
 #define GET(type, name) type *name = (type *)symbol(library, "fmi2" #name)
-#define MUST(call) if ((call) > fmi2Warning) { fprintf(stderr, "%s failed\n", #call); return 1; }
+#define MUST(call)                                                                                                     \
+    if ((call) > fmi2Warning) {                                                                                        \
+        fprintf(stderr, "%s failed\n", #call);                                                                         \
+        return 1;                                                                                                      \
+    }
 
 int main(int argc, char **argv) {
     fmi2CallbackFunctions callbacks = {say, calloc, free, NULL, NULL};

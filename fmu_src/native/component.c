@@ -22,8 +22,8 @@ struct Component {
     double start, stop;
     double time; /* where the host has brought it; the model is less than SHORTEST_STEP from it */
     int mode, changed, retune;
-    int started;      /* initialised, and not reset since */
-    int valid;        /* of the last initialisation or step */
+    int started; /* initialised, and not reset since */
+    int valid;   /* of the last initialisation or step */
     int stop_defined;
     unsigned warned; /* bit k: warning k has been in the log since initialisation began */
     char status[MODEL_MESSAGE], message[MODEL_MESSAGE];
@@ -91,7 +91,9 @@ void component_destroy(Component *c) {
     allocator.give_back(c);
 }
 
-const char *component_message(const Component *c) { return c->message; }
+const char *component_message(const Component *c) {
+    return c->message;
+}
 
 static int refuse(Component *c, const char *format, ...) {
     char message[MODEL_MESSAGE]; /* the arguments may point into c->message */
@@ -104,7 +106,9 @@ static int refuse(Component *c, const char *format, ...) {
     return 0;
 }
 
-int component_refuse(Component *c, const char *message) { return refuse(c, "%s", message); }
+int component_refuse(Component *c, const char *message) {
+    return refuse(c, "%s", message);
+}
 
 void component_fail(Component *c) {
     c->mode = FAILED;
@@ -115,13 +119,17 @@ void component_fail(Component *c) {
 int component_allows(Component *c, const char *function, int modes) {
     if (c->mode & modes) return 1;
     switch (c->mode) {
-        case INSTANTIATED: return refuse(c, "%s is not allowed before a successful initialisation", function);
-        case INITIALIZATION: return refuse(c, "%s is not allowed during initialisation; exit it first", function);
-        case STEPPING: return refuse(c, "%s is not allowed after initialisation; reset the FMU first", function);
-        case TERMINATED: return refuse(c, "%s is not allowed after termination; reset the FMU first", function);
-        default:
-            return refuse(c, "%s is not allowed after a failure; reset the FMU or restore a state; what failed: %s",
-                          function, c->status);
+    case INSTANTIATED:
+        return refuse(c, "%s is not allowed before a successful initialisation", function);
+    case INITIALIZATION:
+        return refuse(c, "%s is not allowed during initialisation; exit it first", function);
+    case STEPPING:
+        return refuse(c, "%s is not allowed after initialisation; reset the FMU first", function);
+    case TERMINATED:
+        return refuse(c, "%s is not allowed after termination; reset the FMU first", function);
+    default:
+        return refuse(c, "%s is not allowed after a failure; reset the FMU or restore a state; what failed: %s",
+                      function, c->status);
     }
 }
 
@@ -129,8 +137,7 @@ int component_allows(Component *c, const char *function, int modes) {
 
 int component_setup(Component *c, double start, int stop_defined, double stop) {
     char text[NUMBER], other[NUMBER];
-    if (!isfinite(start))
-        return refuse(c, "the start time %s s is not finite; give a number", shortest(start, text));
+    if (!isfinite(start)) return refuse(c, "the start time %s s is not finite; give a number", shortest(start, text));
     if (stop_defined && !(stop >= start))
         return refuse(c, "the stop time %s s is not at or after the start time %s s; give a later one",
                       shortest(stop, text), shortest(start, other));
@@ -232,9 +239,13 @@ int component_step(Component *c, double t, double h) {
     return 1;
 }
 
-double component_time(const Component *c) { return c->time; }
+double component_time(const Component *c) {
+    return c->time;
+}
 
-void component_terminate(Component *c) { c->mode = TERMINATED; }
+void component_terminate(Component *c) {
+    c->mode = TERMINATED;
+}
 
 void component_reset(Component *c) {
     size_t i;
@@ -273,19 +284,25 @@ int component_has_token(const char *token) {
 int component_get(Component *c, size_t scalar, double *value) {
     *value = 0.0;
     switch (MODEL_VARIABLES[scalar].source) {
-        case FROM_ENTRY: *value = c->values[scalar]; return 1;
-        case FROM_STATUS_VALID: *value = c->valid; return 1;
-        case FROM_TIME: *value = component_time(c); return 1;
-        default:
-            if (have_model(c)) {
-                *value = model_output(c->model, scalar);
-                /* of what counts on and on */
-                if (MODEL_VARIABLES[scalar].kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX);
-                return 1;
-            }
-            /* nothing that looks like a force */
-            if (MODEL_VARIABLES[scalar].kind == KIND_REAL) *value = NAN;
-            return 0;
+    case FROM_ENTRY:
+        *value = c->values[scalar];
+        return 1;
+    case FROM_STATUS_VALID:
+        *value = c->valid;
+        return 1;
+    case FROM_TIME:
+        *value = component_time(c);
+        return 1;
+    default:
+        if (have_model(c)) {
+            *value = model_output(c->model, scalar);
+            /* of what counts on and on */
+            if (MODEL_VARIABLES[scalar].kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX);
+            return 1;
+        }
+        /* nothing that looks like a force */
+        if (MODEL_VARIABLES[scalar].kind == KIND_REAL) *value = NAN;
+        return 0;
     }
 }
 
@@ -322,8 +339,7 @@ static void entry_checked(const Variable *variable, double value, char why[MODEL
 int component_set(Component *c, size_t scalar, double value) {
     const Variable *variable = &MODEL_VARIABLES[scalar];
     char why[MODEL_MESSAGE], text[NUMBER];
-    if (variable->causality == CAUSALITY_OUTPUT)
-        return refuse(c, "%s is an output and cannot be set", variable->name);
+    if (variable->causality == CAUSALITY_OUTPUT) return refuse(c, "%s is an output and cannot be set", variable->name);
     if (variable->causality == CAUSALITY_INDEPENDENT)
         return refuse(c, "%s is the independent variable; it advances with the steps and cannot be set",
                       variable->name);
@@ -368,7 +384,9 @@ int component_derivative(Component *c, const unsigned *unknown, size_t unknowns,
 
 /* states */
 
-static size_t model_bytes(const Component *c) { return c->started && c->model ? model_state_bytes(c->model) : 0; }
+static size_t model_bytes(const Component *c) {
+    return c->started && c->model ? model_state_bytes(c->model) : 0;
+}
 
 size_t component_state_bytes(const Component *c) {
     return sizeof(StateHeader) + MODEL_SCALARS * sizeof(double) + model_bytes(c);

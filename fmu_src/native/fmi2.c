@@ -37,7 +37,9 @@ static void log_message(void *context, Severity severity, const char *message) {
     if (severity != LOG_NOTE || i->logging) say(i->logger, i->environment, i->name, severity, message);
 }
 
-static fmi2Status status(int ok) { return ok ? fmi2OK : fmi2Error; }
+static fmi2Status status(int ok) {
+    return ok ? fmi2OK : fmi2Error;
+}
 
 /* the common start of a call: there is an instance, and its mode is one of `modes` */
 static int may(Instance *i, const char *function, int modes) {
@@ -55,9 +57,13 @@ static fmi2Status unsupported(fmi2Component c, const char *message) {
 
 /* inquiry, creation and destruction */
 
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+const char *fmi2GetTypesPlatform(void) {
+    return fmi2TypesPlatform;
+}
 
-const char *fmi2GetVersion(void) { return fmi2Version; }
+const char *fmi2GetVersion(void) {
+    return fmi2Version;
+}
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
                                const fmi2String categories[]) {
@@ -145,8 +151,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     Instance *i = c;
-    return status(may(i, "fmi2ExitInitializationMode", INITIALIZATION) &&
-                  component_exit_initialization(i->component));
+    return status(may(i, "fmi2ExitInitializationMode", INITIALIZATION) && component_exit_initialization(i->component));
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
@@ -183,18 +188,27 @@ static int may_access(Instance *i, const char *function, int modes, const void *
 
 static void put(void *values, size_t at, Kind kind, double value) {
     switch (kind) {
-        case KIND_REAL: ((fmi2Real *)values)[at] = value; break;
-        case KIND_INTEGER: ((fmi2Integer *)values)[at] = (fmi2Integer)value; break;
-        default: ((fmi2Boolean *)values)[at] = value != 0.0 ? fmi2True : fmi2False;
+    case KIND_REAL:
+        ((fmi2Real *)values)[at] = value;
+        break;
+    case KIND_INTEGER:
+        ((fmi2Integer *)values)[at] = (fmi2Integer)value;
+        break;
+    default:
+        ((fmi2Boolean *)values)[at] = value != 0.0 ? fmi2True : fmi2False;
     }
 }
 
 static double picked(const void *values, size_t at, Kind kind) {
     switch (kind) {
-        case KIND_REAL: return ((const fmi2Real *)values)[at];
-        case KIND_INTEGER: return ((const fmi2Integer *)values)[at];
-        case KIND_BOOLEAN: return ((const fmi2Boolean *)values)[at] != fmi2False ? 1.0 : 0.0;
-        default: return 0.0; /* strings are outputs, whatever is picked is refused */
+    case KIND_REAL:
+        return ((const fmi2Real *)values)[at];
+    case KIND_INTEGER:
+        return ((const fmi2Integer *)values)[at];
+    case KIND_BOOLEAN:
+        return ((const fmi2Boolean *)values)[at] != fmi2False ? 1.0 : 0.0;
+    default:
+        return 0.0; /* strings are outputs, whatever is picked is refused */
     }
 }
 
@@ -310,8 +324,8 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
 /* derivatives */
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
-                                        const fmi2ValueReference vKnown_ref[], size_t nKnown,
-                                        const fmi2Real dvKnown[], fmi2Real dvUnknown[]) {
+                                        const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
+                                        fmi2Real dvUnknown[]) {
     Instance *i = c;
     if (!may_access(i, "fmi2GetDirectionalDerivative", COMPUTED, vUnknown_ref, nUnknown, dvUnknown)) return fmi2Error;
     if (nKnown && !(given(i, vKnown_ref) && given(i, dvKnown))) return fmi2Error;
@@ -376,14 +390,18 @@ static fmi2Status no_model_exchange(fmi2Component c) {
     return unsupported(c, "this FMU is for co-simulation only; functions of model exchange are not supported");
 }
 
-fmi2Status fmi2EnterEventMode(fmi2Component c) { return no_model_exchange(c); }
+fmi2Status fmi2EnterEventMode(fmi2Component c) {
+    return no_model_exchange(c);
+}
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo) {
     (void)eventInfo;
     return no_model_exchange(c);
 }
 
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return no_model_exchange(c); }
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+    return no_model_exchange(c);
+}
 
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
                                        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation) {

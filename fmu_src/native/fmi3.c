@@ -25,7 +25,9 @@ static void log_message(void *context, Severity severity, const char *message) {
         i->log(i->environment, statuses[severity], log_category(severity), message);
 }
 
-static fmi3Status status(int ok) { return ok ? fmi3OK : fmi3Error; }
+static fmi3Status status(int ok) {
+    return ok ? fmi3OK : fmi3Error;
+}
 
 /* the common start of a call: there is an instance, and its mode is one of `modes` */
 static int may(Instance *i, const char *function, int modes) {
@@ -43,7 +45,9 @@ static fmi3Status unsupported(fmi3Instance instance, const char *message) {
 
 /* inquiry, creation and destruction */
 
-const char *fmi3GetVersion(void) { return fmi3Version; }
+const char *fmi3GetVersion(void) {
+    return fmi3Version;
+}
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
                                const fmi3String categories[]) {
@@ -67,8 +71,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
                                          const fmi3ValueReference requiredIntermediateVariables[],
                                          size_t nRequiredIntermediateVariables,
-                                         fmi3InstanceEnvironment instanceEnvironment,
-                                         fmi3LogMessageCallback logMessage,
+                                         fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
     static const Allocator allocator = {calloc, free};
     Instance *i;
@@ -108,8 +111,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage) {
     (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
-    if (logMessage)
-        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
+    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
     return NULL;
 }
 
@@ -121,8 +123,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption) {
     (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
     (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
-    if (logMessage)
-        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
+    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
     return NULL;
 }
 
@@ -150,8 +151,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
     Instance *i = instance;
-    return status(may(i, "fmi3ExitInitializationMode", INITIALIZATION) &&
-                  component_exit_initialization(i->component));
+    return status(may(i, "fmi3ExitInitializationMode", INITIALIZATION) && component_exit_initialization(i->component));
 }
 
 fmi3Status fmi3Terminate(fmi3Instance instance) {
@@ -204,20 +204,32 @@ static int exhausted(Instance *i, size_t used, size_t number) {
 
 static void put(void *values, size_t at, Kind kind, double value) {
     switch (kind) {
-        case KIND_REAL: ((fmi3Float64 *)values)[at] = value; break;
-        case KIND_INTEGER: ((fmi3Int32 *)values)[at] = (fmi3Int32)value; break;
-        case KIND_ENUMERATION: ((fmi3Int64 *)values)[at] = (fmi3Int64)value; break;
-        default: ((fmi3Boolean *)values)[at] = value != 0.0;
+    case KIND_REAL:
+        ((fmi3Float64 *)values)[at] = value;
+        break;
+    case KIND_INTEGER:
+        ((fmi3Int32 *)values)[at] = (fmi3Int32)value;
+        break;
+    case KIND_ENUMERATION:
+        ((fmi3Int64 *)values)[at] = (fmi3Int64)value;
+        break;
+    default:
+        ((fmi3Boolean *)values)[at] = value != 0.0;
     }
 }
 
 static double picked(const void *values, size_t at, Kind kind) {
     switch (kind) {
-        case KIND_REAL: return ((const fmi3Float64 *)values)[at];
-        case KIND_INTEGER: return ((const fmi3Int32 *)values)[at];
-        case KIND_ENUMERATION: return (double)((const fmi3Int64 *)values)[at];
-        case KIND_BOOLEAN: return ((const fmi3Boolean *)values)[at] ? 1.0 : 0.0;
-        default: return 0.0; /* strings are outputs, whatever is picked is refused */
+    case KIND_REAL:
+        return ((const fmi3Float64 *)values)[at];
+    case KIND_INTEGER:
+        return ((const fmi3Int32 *)values)[at];
+    case KIND_ENUMERATION:
+        return (double)((const fmi3Int64 *)values)[at];
+    case KIND_BOOLEAN:
+        return ((const fmi3Boolean *)values)[at] ? 1.0 : 0.0;
+    default:
+        return 0.0; /* strings are outputs, whatever is picked is refused */
     }
 }
 

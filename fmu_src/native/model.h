@@ -52,8 +52,8 @@ typedef struct ModelInstance ModelInstance;
    range, integers whole.  Functions that return int return 1 when all is well; 0 when not, then `message`
    (MODEL_MESSAGE bytes) names value, bound and cure, and the model is what it was before. */
 
-/* Whether models can be made in this process: before the first, and as often as wanted. `resources` is the FMU's folder of
-   that name, a URI in FMI 2.0, a path in 3.0; the model may need nothing of it. */
+/* Whether models can be made in this process: before the first, and as often as wanted. `resources` is the FMU's folder
+   of that name, a URI in FMI 2.0, a path in 3.0; the model may need nothing of it. */
 int model_open(const char *resources, char *message);
 /* With these parameters; takes all memory it will ever need.  NULL when that cannot be. */
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message);

@@ -20,30 +20,32 @@
 
 typedef struct PyObject PyObject;
 
-#define PYTHON_FUNCTIONS(F) \
-    F(int, Py_IsInitialized, (void)) \
-    F(void, Py_InitializeEx, (int signals)) \
-    F(void *, PyEval_SaveThread, (void)) \
-    F(int, PyGILState_Ensure, (void)) \
-    F(void, PyGILState_Release, (int)) \
-    F(void, Py_DecRef, (PyObject *)) \
-    F(void, PyErr_WriteUnraisable, (PyObject *)) \
-    F(int, PyObject_IsTrue, (PyObject *)) \
-    F(PyObject *, PyObject_GetAttrString, (PyObject *, const char *)) \
-    F(PyObject *, PyObject_CallFunction, (PyObject *, const char *format, ...)) \
-    F(PyObject *, PyObject_CallMethod, (PyObject *, const char *name, const char *format, ...)) \
-    F(PyObject *, PyImport_ImportModule, (const char *)) \
-    F(PyObject *, Py_BuildValue, (const char *format, ...)) \
-    F(PyObject *, PyDict_GetItemString, (PyObject *, const char *)) \
-    F(PyObject *, PyMemoryView_FromMemory, (char *, ptrdiff_t, int access)) \
-    F(const char *, PyUnicode_AsUTF8AndSize, (PyObject *, ptrdiff_t *)) \
-    F(double, PyFloat_AsDouble, (PyObject *)) \
+#define PYTHON_FUNCTIONS(F)                                                                                            \
+    F(int, Py_IsInitialized, (void))                                                                                   \
+    F(void, Py_InitializeEx, (int signals))                                                                            \
+    F(void *, PyEval_SaveThread, (void))                                                                               \
+    F(int, PyGILState_Ensure, (void))                                                                                  \
+    F(void, PyGILState_Release, (int))                                                                                 \
+    F(void, Py_DecRef, (PyObject *))                                                                                   \
+    F(void, PyErr_WriteUnraisable, (PyObject *))                                                                       \
+    F(int, PyObject_IsTrue, (PyObject *))                                                                              \
+    F(PyObject *, PyObject_GetAttrString, (PyObject *, const char *))                                                  \
+    F(PyObject *, PyObject_CallFunction, (PyObject *, const char *format, ...))                                        \
+    F(PyObject *, PyObject_CallMethod, (PyObject *, const char *name, const char *format, ...))                        \
+    F(PyObject *, PyImport_ImportModule, (const char *))                                                               \
+    F(PyObject *, Py_BuildValue, (const char *format, ...))                                                            \
+    F(PyObject *, PyDict_GetItemString, (PyObject *, const char *))                                                    \
+    F(PyObject *, PyMemoryView_FromMemory, (char *, ptrdiff_t, int access))                                            \
+    F(const char *, PyUnicode_AsUTF8AndSize, (PyObject *, ptrdiff_t *))                                                \
+    F(double, PyFloat_AsDouble, (PyObject *))                                                                          \
     F(int, PyBytes_AsStringAndSize, (PyObject *, char **, ptrdiff_t *))
 
 #define POINTER(type, name, arguments) type(*name) arguments;
 #define ENTRY(type, name, arguments) {#name, (void **)&python.name},
 
-static struct { PYTHON_FUNCTIONS(POINTER) } python;
+static struct {
+    PYTHON_FUNCTIONS(POINTER)
+} python;
 /* makes an object of the model's class; NULL until the package has been loaded */
 static PyObject *make;
 
@@ -95,7 +97,9 @@ static HMODULE library(void) {
     return found ? found : LoadLibraryA("python3.dll");
 }
 
-static void *symbol(HMODULE from, const char *name) { return (void *)GetProcAddress(from, name); }
+static void *symbol(HMODULE from, const char *name) {
+    return (void *)GetProcAddress(from, name);
+}
 
 #else
 
@@ -118,7 +122,9 @@ static void *library(void) {
     return NULL;
 }
 
-static void *symbol(void *from, const char *name) { return dlsym(from, name); }
+static void *symbol(void *from, const char *name) {
+    return dlsym(from, name);
+}
 
 #endif
 
@@ -138,8 +144,10 @@ static int have_python(char *message) {
     for (i = 0; i < sizeof entries / sizeof *entries; i++) {
         void *found = symbol(from, entries[i].name);
         if (!found) {
-            snprintf(message, MODEL_MESSAGE, "the Python of this process has no %s; this FMU needs Python 3.%d or "
-                     "newer", entries[i].name, OLDEST);
+            snprintf(message, MODEL_MESSAGE,
+                     "the Python of this process has no %s; this FMU needs Python 3.%d or "
+                     "newer",
+                     entries[i].name, OLDEST);
             return 0;
         }
         memcpy(entries[i].place, &found, sizeof found);
@@ -312,8 +320,8 @@ double model_output(ModelInstance *model, size_t scalar) {
     int gil, ok;
     if (model->known[scalar]) return model->outputs[scalar];
     gil = python.PyGILState_Ensure();
-    ok = succeeded(model->object,
-                   python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar), model->failure);
+    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar),
+                   model->failure);
     python.PyGILState_Release(gil);
     return ok ? model->outputs[scalar] : NAN;
 }
@@ -349,8 +357,8 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
     int gil = python.PyGILState_Ensure(), ok;
     size_t i;
     for (i = 0; i < MODEL_SCALARS; i++) model->derivatives[i] = NAN;
-    ok = succeeded(model->object,
-                   python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed), message);
+    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed),
+                   message);
     python.PyGILState_Release(gil);
     for (i = 0; ok && i < number; i++) {
         if (isnan(model->derivatives[unknown[i]])) {

@@ -21,7 +21,9 @@ struct ModelInstance {
     char warning[(ROPE_CAVEATS + 1) * (MODEL_MESSAGE + 2)];
 };
 
-static void *field(void *structure, size_t offset) { return (char *)structure + offset; }
+static void *field(void *structure, size_t offset) {
+    return (char *)structure + offset;
+}
 
 static void read_parameters(ModelInstance *model, const double *values) {
     size_t i;
@@ -103,7 +105,9 @@ int model_retune(ModelInstance *model, const double *values, char *message) {
     return 0;
 }
 
-double model_time(const ModelInstance *model) { return rope_time(model->rope); }
+double model_time(const ModelInstance *model) {
+    return rope_time(model->rope);
+}
 
 double model_output(ModelInstance *model, size_t scalar) {
     return rope_signal(model->rope, (int)ROPE_PLACES[scalar].offset);
@@ -173,7 +177,9 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
 
 /* the interval, then the rope */
 
-size_t model_state_bytes(const ModelInstance *model) { return sizeof(double) + rope_state_bytes(model->rope); }
+size_t model_state_bytes(const ModelInstance *model) {
+    return sizeof(double) + rope_state_bytes(model->rope);
+}
 
 void model_save(const ModelInstance *model, void *to) {
     memcpy(to, &model->interval, sizeof(double));

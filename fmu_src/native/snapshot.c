@@ -39,7 +39,9 @@ void snapshot_free(const Allocator *allocator, Snapshot *snapshot) {
     if (snapshot) allocator->give_back(snapshot);
 }
 
-size_t snapshot_bytes(const Snapshot *snapshot) { return snapshot->bytes; }
+size_t snapshot_bytes(const Snapshot *snapshot) {
+    return snapshot->bytes;
+}
 
 int snapshot_write(Component *c, const Snapshot *snapshot, void *to, size_t bytes) {
     if (bytes < snapshot->bytes)

@@ -74,9 +74,10 @@ static int read_parameters(double *parameters, const double *values, char *messa
     int i;
     for (i = 0; i < DRIVE_PARAMETERS; i++) {
         if (!(values[i] >= DRIVE_BOUNDS[i][0] && values[i] <= DRIVE_BOUNDS[i][1])) {
-            snprintf(message, MODEL_MESSAGE, "%s = %.9g is out of range: it must be at least %.9g and at most %.9g; "
-                     "give the value of the export, %.9g", MODEL_VARIABLES[i].name, values[i], DRIVE_BOUNDS[i][0],
-                     DRIVE_BOUNDS[i][1], model_start(i));
+            snprintf(message, MODEL_MESSAGE,
+                     "%s = %.9g is out of range: it must be at least %.9g and at most %.9g; "
+                     "give the value of the export, %.9g",
+                     MODEL_VARIABLES[i].name, values[i], DRIVE_BOUNDS[i][0], DRIVE_BOUNDS[i][1], model_start(i));
             return 0;
         }
     }
@@ -114,8 +115,8 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
         if (!(force >= DRIVE_LOWEST_FORCE && force <= 0.0)) {
             snprintf(message, MODEL_MESSAGE,
                      "%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "
-                     "check the rope's mass and the sign", MODEL_VARIABLES[DRIVE_FORCE + i].name, force,
-                     DRIVE_LOWEST_FORCE);
+                     "check the rope's mass and the sign",
+                     MODEL_VARIABLES[DRIVE_FORCE + i].name, force, DRIVE_LOWEST_FORCE);
             return 0;
         }
     }
@@ -126,10 +127,11 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
     m->res[1] = s->free_lengths;
     drive_rest(m->arg, m->res, m->iw, m->w, 0);
     if (!(fabs(s->x[0]) <= DRIVE_TORQUE_LIMIT)) {
-        snprintf(message, MODEL_MESSAGE, "holding torque = %.6g N m must be within +-%.6g N m, that of the motor: check "
-                 "the forces %s = %.9g N and %s = %.9g N at the start", s->x[0], DRIVE_TORQUE_LIMIT,
-                 MODEL_VARIABLES[DRIVE_FORCE].name, values[DRIVE_FORCE], MODEL_VARIABLES[DRIVE_FORCE + 1].name,
-                 values[DRIVE_FORCE + 1]);
+        snprintf(message, MODEL_MESSAGE,
+                 "holding torque = %.6g N m must be within +-%.6g N m, that of the motor: check "
+                 "the forces %s = %.9g N and %s = %.9g N at the start",
+                 s->x[0], DRIVE_TORQUE_LIMIT, MODEL_VARIABLES[DRIVE_FORCE].name, values[DRIVE_FORCE],
+                 MODEL_VARIABLES[DRIVE_FORCE + 1].name, values[DRIVE_FORCE + 1]);
         return 0;
     }
     s->u[0] = s->hold = s->x[0];
@@ -168,14 +170,17 @@ static int sound(const State *s, char *message) {
     int i;
     for (i = 0; i < DRIVE_STATES; i++)
         if (!isfinite(s->x[i])) {
-            snprintf(message, MODEL_MESSAGE, "the drive's state is not finite after t = %.9g s; check the forces "
-                     "%s = %.9g N and %s = %.9g N", s->t, MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1],
-                     MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2]);
+            snprintf(message, MODEL_MESSAGE,
+                     "the drive's state is not finite after t = %.9g s; check the forces "
+                     "%s = %.9g N and %s = %.9g N",
+                     s->t, MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2]);
             return 0;
         }
     if (fmin(left, right) > LEAST_ROPE) return 1;
-    snprintf(message, MODEL_MESSAGE, "head rope of %.3g m left at the sheave, not above %.3g m: overwind; check trip, "
-             "gains and rope forces", fmin(left, right), LEAST_ROPE);
+    snprintf(message, MODEL_MESSAGE,
+             "head rope of %.3g m left at the sheave, not above %.3g m: overwind; check trip, "
+             "gains and rope forces",
+             fmin(left, right), LEAST_ROPE);
     return 0;
 }
 
@@ -184,8 +189,10 @@ int model_step(ModelInstance *m, double t, double h, const double *values, char 
     long k;
     State *s = &m->next;
     if (!(steps <= DRIVE_MOST_STEPS)) {
-        snprintf(message, MODEL_MESSAGE, "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
-                 "take shorter ones", h, steps, m->parameters[DRIVE_STEP_MAX], DRIVE_MOST_STEPS);
+        snprintf(message, MODEL_MESSAGE,
+                 "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
+                 "take shorter ones",
+                 h, steps, m->parameters[DRIVE_STEP_MAX], DRIVE_MOST_STEPS);
         return 0;
     }
     if (steps < 1.0) steps = 1.0;
@@ -216,9 +223,13 @@ int model_retune(ModelInstance *m, const double *values, char *message) {
     return read_parameters(m->parameters, values, message);
 }
 
-double model_time(const ModelInstance *m) { return m->state.t; }
+double model_time(const ModelInstance *m) {
+    return m->state.t;
+}
 
-double model_output(ModelInstance *m, size_t scalar) { return m->state.outputs[scalar - DRIVE_FIRST_OUTPUT]; }
+double model_output(ModelInstance *m, size_t scalar) {
+    return m->state.outputs[scalar - DRIVE_FIRST_OUTPUT];
+}
 
 const char *model_text(ModelInstance *m, size_t scalar) {
     (void)m, (void)scalar;
@@ -242,9 +253,13 @@ int model_derivative(ModelInstance *m, size_t known, double seed, const unsigned
     return 0;
 }
 
-size_t model_state_bytes(const ModelInstance *m) { return sizeof m->state; }
+size_t model_state_bytes(const ModelInstance *m) {
+    return sizeof m->state;
+}
 
-void model_save(const ModelInstance *m, void *to) { memcpy(to, &m->state, sizeof m->state); }
+void model_save(const ModelInstance *m, void *to) {
+    memcpy(to, &m->state, sizeof m->state);
+}
 
 int model_restore(ModelInstance *m, const void *from, size_t bytes, char *message) {
     if (bytes != sizeof m->state) {

@@ -15,8 +15,7 @@
 #define SETTLING_TOLERANCE 1e-7
 #define DIFFERENCE 2e-3
 
-static void booked(Simulator *rope, State *state, int what, int64_t *count)
-{
+static void booked(Simulator *rope, State *state, int what, int64_t *count) {
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
     const double before = ledger_total(&state->ledger), kinetic = state->ledger.kinetic;
@@ -31,8 +30,7 @@ static void booked(Simulator *rope, State *state, int what, int64_t *count)
 
 /* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow; 0 when
    there is none, and the state is as it was */
-static int relaxed(Simulator *rope, State *state, double time, double tolerance, int with_reaction)
-{
+static int relaxed(Simulator *rope, State *state, double time, double tolerance, int with_reaction) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
@@ -47,13 +45,11 @@ static int relaxed(Simulator *rope, State *state, double time, double tolerance,
             .status != CONVERGED)
         return 0;
     memcpy(m.q, now->q, bytes);
-    if (with_reaction)
-        memcpy(m.reaction, now->reaction, bytes);
+    if (with_reaction) memcpy(m.reaction, now->reaction, bytes);
     return 1;
 }
 
-static void on_partition(Simulator *rope, State *state, int direction)
-{
+static void on_partition(Simulator *rope, State *state, int direction) {
     const Arrays m = state_arrays(state);
     double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
@@ -67,31 +63,26 @@ static void on_partition(Simulator *rope, State *state, int direction)
     booked(rope, state, TRANSFORMED, &state->counts.transformations);
 }
 
-void transformed_if_due(Simulator *rope, State *state)
-{
+void transformed_if_due(Simulator *rope, State *state) {
     int direction;
     while ((direction = mesh_transformation_due(&state->pattern, bottom_of(rope, state, state->t), 1e-7)))
         on_partition(rope, state, direction);
 }
 
-int lowest_node(const Arrays *x)
-{
+int lowest_node(const Arrays *x) {
     int node, lowest = 0;
     for (node = 1; node < x->nodes; ++node)
-        if (x->q[(size_t)node * DOF + 1] < x->q[(size_t)lowest * DOF + 1])
-            lowest = node;
+        if (x->q[(size_t)node * DOF + 1] < x->q[(size_t)lowest * DOF + 1]) lowest = node;
     return lowest;
 }
 
-void with_loop_yaw(State *state)
-{
+void with_loop_yaw(State *state) {
     const Arrays x = state_arrays(state);
     const double *d = x.q + (size_t)lowest_node(&x) * DOF + SLOPE;
     state->loop_yaw = frame_counted_on(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
-int better_pole(State *state, double pole[3])
-{
+int better_pole(State *state, double pole[3]) {
     const Arrays m = state_arrays(state);
     const double *d = m.q + (size_t)lowest_node(&m) * DOF + SLOPE, *old = state->pole;
     const double length = sqrt(dot(d, d));
@@ -100,20 +91,16 @@ int better_pole(State *state, double pole[3])
     if (state->rung != TORSIONAL) /* nothing is counted from the frame */
         return 0;
     margin = frame_pole_margin(old, m.nodes, m.q + SLOPE);
-    if (margin >= POLE_MARGIN && old[0] * across[0] + old[2] * across[1] >= POLE_FOLLOWS * size)
-        return 0;
+    if (margin >= POLE_MARGIN && old[0] * across[0] + old[2] * across[1] >= POLE_FOLLOWS * size) return 0;
     /* the lowest tangent suits a loop that hangs in any vertical plane as X suits it at the start */
     pole[0] = across[0] / fmax(size, 1e-12);
     pole[1] = 0;
     pole[2] = across[1] / fmax(size, 1e-12);
-    if (frame_pole_margin(pole, m.nodes, m.q + SLOPE) < POLE_MARGIN)
-        frame_best_pole(m.nodes, m.q + SLOPE, pole);
-    return frame_pole_margin(pole, m.nodes, m.q + SLOPE) > margin - 0.1 &&
-           dot(pole, old) <= 0.99;
+    if (frame_pole_margin(pole, m.nodes, m.q + SLOPE) < POLE_MARGIN) frame_best_pole(m.nodes, m.q + SLOPE, pole);
+    return frame_pole_margin(pole, m.nodes, m.q + SLOPE) > margin - 0.1 && dot(pole, old) <= 0.99;
 }
 
-void express_in(State *state, const double pole[3], double *angle)
-{
+void express_in(State *state, const double pole[3], double *angle) {
     const Arrays m = state_arrays(state);
     int node;
     frame_pole_change_angle(state->pole, pole, m.nodes, m.q + SLOPE, angle);
@@ -128,11 +115,9 @@ void express_in(State *state, const double pole[3], double *angle)
     state->offsets[RIGHT] += angle[m.nodes - 1];
 }
 
-void with_good_pole(Simulator *rope, State *state)
-{
+void with_good_pole(Simulator *rope, State *state) {
     double pole[3];
-    if (!better_pole(state, pole))
-        return;
+    if (!better_pole(state, pole)) return;
     state_copy(rope, rope->spare, state);
     express_in(state, pole, rope->x);
     if (relaxed(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 1))
@@ -141,8 +126,7 @@ void with_good_pole(Simulator *rope, State *state)
         state_copy(rope, state, rope->spare);
 }
 
-int rigid_state(Simulator *rope, State *state, double t, char *message)
-{
+int rigid_state(Simulator *rope, State *state, double t, char *message) {
     Arrays m;
     state->t = t;
     transformed_if_due(rope, state);
@@ -156,8 +140,7 @@ int rigid_state(Simulator *rope, State *state, double t, char *message)
 }
 
 /* q, v, a and the reaction as the equilibria between the moving ends have them; 0 and a message when there is none */
-static int flexible_start(Simulator *rope, State *state, char *message)
-{
+static int flexible_start(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     const double t = state->t;
@@ -166,8 +149,7 @@ static int flexible_start(Simulator *rope, State *state, char *message)
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
     int side, k, found;
     size_t i;
-    for (side = 0; side < 2; ++side)
-        state->paths[side] = path_coasting(&paths[side], t);
+    for (side = 0; side < 2; ++side) state->paths[side] = path_coasting(&paths[side], t);
     found = find_equilibrium(rope, state, message);
     memcpy(q, m.q, bytes);
     memcpy(reaction, m.reaction, bytes);
@@ -189,8 +171,7 @@ static int flexible_start(Simulator *rope, State *state, char *message)
     return found;
 }
 
-int raised(Simulator *rope, State *state, const char *why, char *message)
-{
+int raised(Simulator *rope, State *state, const char *why, char *message) {
     const Arrays m = state_arrays(state);
     const double before = ledger_total(&state->ledger);
     const int was = state->rung;
@@ -206,8 +187,7 @@ int raised(Simulator *rope, State *state, const char *why, char *message)
         restarted(rope, state);
         return 1;
     }
-    if (was == RIGID && !flexible_start(rope, state, message))
-        return 0;
+    if (was == RIGID && !flexible_start(rope, state, message)) return 0;
     relaxed(rope, state, SETTLING_TIME, SETTLING_TOLERANCE, 1);
     restarted(rope, state);
     s = system_of(rope, state);

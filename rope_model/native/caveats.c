@@ -10,29 +10,24 @@
 #define REST_SPEED 1e-3
 
 /* yaw of the line from the left to the right end */
-static double direction(const Arrays *m)
-{
+static double direction(const Arrays *m) {
     const double *left = end_row(m->q, m->nodes, LEFT), *right = end_row(m->q, m->nodes, RIGHT);
     return atan2(left[2] - right[2], right[0] - left[0]);
 }
 
 /* of the loop against its ends */
-static double yaw_of(State *state)
-{
+static double yaw_of(State *state) {
     const Arrays m = state_arrays(state);
     return state->loop_yaw - direction(&m);
 }
 
-static void left_out(Simulator *rope, char *message)
-{
+static void left_out(Simulator *rope, char *message) {
     static const char *const texts[] = LEFT_OUT_TEXTS;
     const int rung = rope->state->rung;
-    if (rung == RIGID || rung_carries_torque(&rope->scene))
-        snprintf(message, MESSAGE, "%s", texts[rung]);
+    if (rung == RIGID || rung_carries_torque(&rope->scene)) snprintf(message, MESSAGE, "%s", texts[rung]);
 }
 
-static void tangled(Simulator *rope, char *message)
-{
+static void tangled(Simulator *rope, char *message) {
     static const char cure[] =
         "contact is not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free the "
         "swivels, or widen the spacing";
@@ -52,16 +47,14 @@ static void tangled(Simulator *rope, char *message)
 }
 
 /* twist of the rope from end to end by conveyances and swivels that have turned against the ends' line */
-static double end_twist(State *state)
-{
+static double end_twist(State *state) {
     const Arrays m = state_arrays(state);
     const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
     return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * direction(&m);
 }
 
 /* why (MESSAGE): what makes the largest torque, and its cure */
-static void turning(Simulator *rope, char *why)
-{
+static void turning(Simulator *rope, char *why) {
     const Rope *data = &rope->scene.rope;
     const double turned = end_twist(rope->state), coupling = coupling_torque(data, rope->scene.layout.gravity);
     const double installed = twist_torque(data, data->installed_twist), ends = twist_torque(data, turned);
@@ -76,31 +69,28 @@ static void turning(Simulator *rope, char *why)
         snprintf(why, MESSAGE, "the ends, which twist the rope by %s rad: turn them back", ROUNDED(turned, 6));
 }
 
-static void yawed(Simulator *rope, char *message)
-{
+static void yawed(Simulator *rope, char *message) {
     const Rope *data = &rope->scene.rope;
     State *state = rope->state;
     const double rest = 0.5 * data->mass_per_length * data->length * (REST_SPEED * REST_SPEED), yaw = yaw_of(state);
     char why[MESSAGE];
-    if (!(state->ledger.kinetic < rest) || state->rung != TORSIONAL || fabs(yaw) <= YAWED_FAR)
-        return;
+    if (!(state->ledger.kinetic < rest) || state->rung != TORSIONAL || fabs(yaw) <= YAWED_FAR) return;
     tangled(rope, message);
     if (message[0]) {
         message[0] = '\0';
         return;
     }
     turning(rope, why);
-    snprintf(message, MESSAGE,
-             "the loop hangs yawed by %s rad against its ends at rest (bound %s rad), turned mostly by %.300s, or widen "
-             "the spacing",
-             ROUNDED(yaw, 3), ROUNDED(YAWED_FAR, 3), why);
+    snprintf(
+        message, MESSAGE,
+        "the loop hangs yawed by %s rad against its ends at rest (bound %s rad), turned mostly by %.300s, or widen "
+        "the spacing",
+        ROUNDED(yaw, 3), ROUNDED(YAWED_FAR, 3), why);
 }
 
-void rope_caveat(Simulator *rope, int number, char *message)
-{
+void rope_caveat(Simulator *rope, int number, char *message) {
     message[0] = '\0';
-    if (!rope->initialized)
-        return;
+    if (!rope->initialized) return;
     if (number == 0)
         left_out(rope, message);
     else if (number == 1)

@@ -25,8 +25,8 @@ typedef struct {
 } SwivelState;
 
 typedef struct {
-    double kinetic, strain, gravity, work_ends, dissipated_material, dissipated_swivel, nonconservative, transformations,
-        start;
+    double kinetic, strain, gravity, work_ends, dissipated_material, dissipated_swivel, nonconservative,
+        transformations, start;
 } Ledger;
 
 typedef struct {
@@ -45,8 +45,9 @@ typedef struct {
     int32_t what, which;
 } Event;
 
-/* Everything that influences the future, and what happened in the last advance.  Behind it lie the arrays q, v, a, b, a_rate, reaction (nodes x DOF each),
-   element lengths (elements) and arc lengths of the nodes (nodes): see state_arrays. */
+/* Everything that influences the future, and what happened in the last advance.  Behind it lie the arrays q, v, a, b,
+   a_rate, reaction (nodes x DOF each), element lengths (elements) and arc lengths of the nodes (nodes): see
+   state_arrays. */
 typedef struct {
     double t, h, step_next, last_interval, loop_yaw;
     double pole[3], offsets[2], force_mean[2];

@@ -8,8 +8,7 @@ enum { CANDIDATES = 800 };
 static void tangent_at(int node, const double *slopes, double t[3]) {
     const double *d = slopes + (ptrdiff_t)DOF * node;
     double length = sqrt(dot(d, d));
-    for (int axis = 0; axis < 3; axis++)
-        t[axis] = d[axis] / length;
+    for (int axis = 0; axis < 3; axis++) t[axis] = d[axis] / length;
 }
 
 double frame_pole_margin(const double pole[3], int nodes, const double *slopes) {
@@ -29,15 +28,12 @@ void frame_best_pole(int nodes, const double *slopes, double pole[3]) {
     }
     for (int i = 0; i < nodes; i++) {
         tangent_at(i, slopes, t);
-        for (int k = 0; k < CANDIDATES; k++)
-            least[k] = fmin(least[k], dot(poles[k], t));
+        for (int k = 0; k < CANDIDATES; k++) least[k] = fmin(least[k], dot(poles[k], t));
     }
     int best = 0;
     for (int k = 1; k < CANDIDATES; k++)
-        if (least[k] > least[best])
-            best = k;
-    for (int axis = 0; axis < 3; axis++)
-        pole[axis] = poles[best][axis];
+        if (least[k] > least[best]) best = k;
+    for (int axis = 0; axis < 3; axis++) pole[axis] = poles[best][axis];
 }
 
 void frame_pole_change_angle(const double old[3], const double new_[3], int nodes, const double *slopes,
@@ -52,8 +48,7 @@ void frame_pole_change_angle(const double old[3], const double new_[3], int node
         if (fabs(jump) >= half) {
             double within = fmod(jump + half, period);
             within = (within < 0 ? within + period : within) - half;
-            if (within == -half && jump > 0)
-                within = half;
+            if (within == -half && jump > 0) within = half;
             correction += within - jump;
         }
         before = area;

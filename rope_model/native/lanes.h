@@ -23,11 +23,9 @@ typedef double P2 __attribute__((vector_size(16)));
 #define LANE(x, i) ((x)[i])
 #define SPLAT2(x) ((P2){(x), (x)})
 #define SIDE(x, i) ((x)[i])
-static inline V SQRT_V(V x)
-{
+static inline V SQRT_V(V x) {
     int i;
-    for (i = 0; i < LANES; ++i)
-        x[i] = sqrt(x[i]);
+    for (i = 0; i < LANES; ++i) x[i] = sqrt(x[i]);
     return x;
 }
 #else

@@ -40,8 +40,7 @@ static int as_int(double x) {
 
 Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     Mesh suited = *mesh;
-    if (mesh->kind != AUTO_MESH)
-        return suited;
+    if (mesh->kind != AUTO_MESH) return suited;
     SuitedLengths of = suited_lengths(rope, layout, mesh->loop_error, log10(FADE_ERROR / mesh->loop_error));
     double coarse = RATIO * of.fine;
 
@@ -73,13 +72,10 @@ static int fill_leg(int units, double growth, double *lengths, int stride) {
         size = 1;
         for (int k = 0; growth > 0 && k < LENGTHS; k++) {
             int longer = LEG_LENGTHS[k], gap = units - (at + longer);
-            if (longer > at || gap < GRADING * (longer - 1) || gap * growth < (double)(longer * longer))
-                break;
-            if (at % longer == 0)
-                size = longer;
+            if (longer > at || gap < GRADING * (longer - 1) || gap * growth < (double)(longer * longer)) break;
+            if (at % longer == 0) size = longer;
         }
-        if (lengths != NULL)
-            lengths[(ptrdiff_t)stride * count] = size;
+        if (lengths != NULL) lengths[(ptrdiff_t)stride * count] = size;
     }
     return count;
 }
@@ -98,8 +94,7 @@ static int leg_elements(int units, double growth) {
 static int longest_of(const double *lengths, int stride, int count) {
     int found = 0;
     for (int k = 1; k < count; k++)
-        if (lengths[(ptrdiff_t)stride * k] >= lengths[(ptrdiff_t)stride * found])
-            found = k;
+        if (lengths[(ptrdiff_t)stride * k] >= lengths[(ptrdiff_t)stride * found]) found = k;
     return found;
 }
 
@@ -147,8 +142,7 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
     }
     double growth = mesh->leg_growth / (length / (outer + inner_of(mesh)));
     double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
-    for (int k = 0; k < SEGMENTS - 2; k++)
-        elements += mesh->counts[k];
+    for (int k = 0; k < SEGMENTS - 2; k++) elements += mesh->counts[k];
     if (elements > (double)MOST_ELEMENTS) {
         snprintf(message, MESSAGE, "coarse_length and counts make %.0f elements, more than %d; use fewer", elements,
                  MOST_ELEMENTS);
@@ -162,27 +156,23 @@ static void fill_lengths(const Pattern *pattern, int elements, double *lengths) 
     const int32_t *counts = pattern->counts;
     int first = counts[0], last = counts[SEGMENTS - 1], levels = pattern->end_levels, n = levels;
     int legs = elements - 2 * levels;
-    for (int k = 1; k < SEGMENTS - 1; k++)
-        legs -= counts[k];
+    for (int k = 1; k < SEGMENTS - 1; k++) legs -= counts[k];
 
     double *left = lengths + n, *right = lengths + elements - 1 - n;
     n += fill_legs(first, last, pattern->leg_growth / coarse, legs, left, right);
     const double ladder[SEGMENTS] = {1, HALF, QUARTER, fine_share(counts[1] > 0, counts[2] > 0), QUARTER, HALF, 1};
     for (int segment = 1; segment < SEGMENTS - 1; segment++)
-        for (int k = 0; k < counts[segment]; k++)
-            lengths[n++] = ladder[segment];
+        for (int k = 0; k < counts[segment]; k++) lengths[n++] = ladder[segment];
     /* the outermost: l/2, l/4 ... and the last length once more */
     for (int k = 0; k <= levels; k++)
         lengths[k] = lengths[elements - 1 - k] = ldexp(1.0, k == 0 ? -levels : k - 1 - levels);
-    for (int k = 0; k < elements; k++)
-        lengths[k] *= coarse;
+    for (int k = 0; k < elements; k++) lengths[k] *= coarse;
 }
 
 void mesh_partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths) {
     memset(pattern, 0, sizeof *pattern);
     if (mesh->kind == EEM) {
-        for (int k = 0; k < mesh->elements; k++)
-            lengths[k] = length / mesh->elements;
+        for (int k = 0; k < mesh->elements; k++) lengths[k] = length / mesh->elements;
         return;
     }
     double inner = inner_of(mesh), outer = outer_of(mesh, length);
@@ -193,8 +183,7 @@ void mesh_partition(const Mesh *mesh, double length, double bottom, int elements
     pattern->end_levels = mesh->end_levels;
     pattern->leg_growth = mesh->leg_growth;
     pattern->counts[0] = (int)first;
-    for (int k = 0; k < SEGMENTS - 2; k++)
-        pattern->counts[k + 1] = mesh->counts[k];
+    for (int k = 0; k < SEGMENTS - 2; k++) pattern->counts[k + 1] = mesh->counts[k];
     pattern->counts[SEGMENTS - 1] = (int)(outer - first);
     fill_lengths(pattern, elements, lengths);
 }
@@ -211,25 +200,21 @@ double mesh_centre(const Pattern *pattern) {
 }
 
 double mesh_distance_to_due(const Pattern *pattern, double bottom) {
-    if (pattern->counts[0] == 0)
-        return -HUGE_VAL;
+    if (pattern->counts[0] == 0) return -HUGE_VAL;
     double offset = bottom - mesh_centre(pattern);
-    if (pattern->counts[offset > 0 ? SEGMENTS - 1 : 0] == 1)
-        return -HUGE_VAL;
+    if (pattern->counts[offset > 0 ? SEGMENTS - 1 : 0] == 1) return -HUGE_VAL;
     return fabs(offset) - DUE * pattern->coarse;
 }
 
 int mesh_transformation_due(const Pattern *pattern, double bottom, double slack) {
-    if (mesh_distance_to_due(pattern, bottom) < -slack)
-        return 0;
+    if (mesh_distance_to_due(pattern, bottom) < -slack) return 0;
     double offset = bottom - mesh_centre(pattern);
     return (offset > 0) - (offset < 0);
 }
 
 void mesh_misplaced(const Pattern *pattern, double length, double bottom, char *message) {
     message[0] = '\0';
-    if (pattern->counts[0] == 0 || fabs(bottom - mesh_centre(pattern)) <= (DUE + 1.0) * pattern->coarse)
-        return;
+    if (pattern->counts[0] == 0 || fabs(bottom - mesh_centre(pattern)) <= (DUE + 1.0) * pattern->coarse) return;
     snprintf(message, MESSAGE,
              "the loop at %s m of the rope's %s m is too close to an end: the mesh's fine middle reaches no further "
              "than %s m; use a smaller coarse_length or fewer elements in segments II to VI, or keep the ends closer "
@@ -239,6 +224,5 @@ void mesh_misplaced(const Pattern *pattern, double length, double bottom, char *
 
 void mesh_arc_lengths(int elements, const double *lengths, double *s) {
     s[0] = 0.0;
-    for (int k = 0; k < elements; k++)
-        s[k + 1] = s[k] + lengths[k];
+    for (int k = 0; k < elements; k++) s[k + 1] = s[k] + lengths[k];
 }

@@ -46,9 +46,13 @@ static void choice(const Check *check, const Parameter *p, int code) {
                  p->bound);
 }
 
-static double real_at(const void *group, int at) { return *(const double *)((const char *)group + at); }
+static double real_at(const void *group, int at) {
+    return *(const double *)((const char *)group + at);
+}
 
-static int whole_at(const void *group, int at) { return *(const int *)((const char *)group + at); }
+static int whole_at(const void *group, int at) {
+    return *(const int *)((const char *)group + at);
+}
 
 static void bounded(const Check *check, const Parameter *p, const void *group) {
     const double lower = p->lower_at == NONE ? p->lower : real_at(group, p->lower_at);
@@ -109,8 +113,8 @@ static void counts_checked(const Mesh *mesh, const Check *check) {
     char given[80];
     snprintf(given, sizeof given, "(%d, %d, %d, %d, %d)", n[0], n[1], n[2], n[3], n[4]);
     require(check, (n[0] > 0) == (n[4] > 0) && (n[1] > 0) == (n[3] > 0) && (n[0] > 0 || n[1] == 0), "counts", given,
-         "all five segments, or none in III and V, or none in II and VI too",
-         "the ladder is the same on both sides and leaves out no step");
+            "all five segments, or none in III and V, or none in II and VI too",
+            "the ladder is the same on both sides and leaves out no step");
 }
 
 void scene_checked(const Scene *scene, char *message) {

@@ -70,10 +70,11 @@ int rope_is_initialized(const Simulator *rope);
 int rope_has_moved(const Simulator *rope); /* whether a step was made since it was hung up */
 double rope_time(const Simulator *rope);
 int rope_elements(const Simulator *rope);
-const char *rope_rung(const Simulator *rope);        /* "torsional" ... */
+const char *rope_rung(const Simulator *rope); /* "torsional" ... */
 const char *rope_rung_reason(const Simulator *rope);
 
-/* What to mind in results that are valid, by its number below ROPE_CAVEATS: a sentence in message (MESSAGE bytes), or "". */
+/* What to mind in results that are valid, by its number below ROPE_CAVEATS: a sentence in message (MESSAGE bytes), or
+ * "". */
 enum { ROPE_CAVEATS = 3 };
 void rope_caveat(Simulator *rope, int number, char *message);
 

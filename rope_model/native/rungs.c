@@ -22,9 +22,9 @@ static int moved(const EndMotion ends[2], int kinds, char *what) {
             const char *name;
             double value;
         } inputs[] = {
-            {OUT_OF_PLANE, "z", end->x[2]}, {OUT_OF_PLANE, "vz", end->v[2]}, {OUT_OF_PLANE, "az", end->a[2]},
-            {TURNED, "yaw", end->yaw},      {TURNED, "yaw_rate", end->yaw_rate},
-            {ALONG, "vx", end->v[0]},       {ALONG, "ax", end->a[0]},
+            {OUT_OF_PLANE, "z", end->x[2]}, {OUT_OF_PLANE, "vz", end->v[2]},     {OUT_OF_PLANE, "az", end->a[2]},
+            {TURNED, "yaw", end->yaw},      {TURNED, "yaw_rate", end->yaw_rate}, {ALONG, "vx", end->v[0]},
+            {ALONG, "ax", end->a[0]},
         };
         for (size_t i = 0; i < sizeof inputs / sizeof inputs[0]; i++)
             if ((inputs[i].kind & kinds) && inputs[i].value != 0) {
@@ -41,7 +41,9 @@ static int coupled(const Rope *rope) {
 }
 
 /* in the plane while its ends do not turn */
-int rung_carries_torque(const Scene *scene) { return coupled(&scene->rope) || scene->rope.installed_twist != 0; }
+int rung_carries_torque(const Scene *scene) {
+    return coupled(&scene->rope) || scene->rope.installed_twist != 0;
+}
 
 /* why (MESSAGE) a rope that carries torque does */
 static void torque(const Rope *rope, char *why) {

@@ -22,8 +22,7 @@ static void point_at(int nodes, const double *q, const double *s, double at, dou
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
     int lowest = 0;
     for (int k = 1; k < nodes; k++)
-        if (q[(ptrdiff_t)DOF * k + 1] < q[(ptrdiff_t)DOF * lowest + 1])
-            lowest = k;
+        if (q[(ptrdiff_t)DOF * k + 1] < q[(ptrdiff_t)DOF * lowest + 1]) lowest = k;
     int i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
 
     double fine[FINE], y[FINE], row[DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
@@ -32,8 +31,7 @@ LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
         fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
         point_at(nodes, q, s, fine[k], row);
         y[k] = row[1];
-        if (y[k] < y[j])
-            j = k;
+        if (y[k] < y[j]) j = k;
     }
     /* the lowest point of the parabola through three points */
     j = j < 1 ? 1 : j > FINE - 2 ? FINE - 2 : j;
@@ -90,15 +88,13 @@ void shape_tension(const Arrays *arrays, double rho, double gravity, int points,
 
 int shape_middle_before(int nodes, const double *s, double at) {
     int k = 0;
-    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at)
-        k++;
+    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at) k++;
     return k;
 }
 
 double shape_between_middles(int nodes, const double *s, int k, double at, double value, double next) {
     double middle = 0.5 * (s[k] + s[k + 1]);
-    if (k == nodes - 2 || at <= middle)
-        return value;
+    if (k == nodes - 2 || at <= middle) return value;
     return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (at - middle) + value;
 }
 
@@ -106,16 +102,12 @@ double shape_between_middles(int nodes, const double *s, int k, double at, doubl
    leg's lowest point, `stride` (in points) leads to the next. */
 static int part_above(const double *first, int stride, double height, double part[LEG][3]) {
     int i = 0, n = 0;
-    while (i < LEG && first[3 * stride * i + 1] < height)
-        i++;
-    if (i == LEG)
-        return 0;
+    while (i < LEG && first[3 * stride * i + 1] < height) i++;
+    if (i == LEG) return 0;
     const double *below = first + 3 * stride * (i > 0 ? i - 1 : 0), *above = first + 3 * stride * i;
     double rise = above[1] - below[1], share = rise > 0 ? (height - below[1]) / rise : 1.0;
-    for (int axis = 0; axis < 3; axis++)
-        part[0][axis] = below[axis] + share * (above[axis] - below[axis]);
-    for (n = 1, i += share >= 1.0; i < LEG; i++, n++)
-        memcpy(part[n], first + 3 * stride * i, sizeof part[n]);
+    for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + share * (above[axis] - below[axis]);
+    for (n = 1, i += share >= 1.0; i < LEG; i++, n++) memcpy(part[n], first + 3 * stride * i, sizeof part[n]);
     return n;
 }
 
@@ -124,10 +116,8 @@ static double smallest_distance(int points, double point[LEG][3], int corners, d
     double least = HUGE_VAL;
     for (int m = 0; m + 1 < corners; m++) {
         double along[3];
-        for (int axis = 0; axis < 3; axis++)
-            along[axis] = corner[m + 1][axis] - corner[m][axis];
-        for (int n = 0; n < points; n++)
-            least = fmin(least, squared_distance(point[n], corner[m], along));
+        for (int axis = 0; axis < 3; axis++) along[axis] = corner[m + 1][axis] - corner[m][axis];
+        for (int n = 0; n < points; n++) least = fmin(least, squared_distance(point[n], corner[m], along));
     }
     return sqrt(least);
 }
@@ -139,8 +129,7 @@ double shape_leg_clearance(int nodes, const double *q, const double *s, const Lo
     shape_points(nodes, q, s, OUTLINE, at, outline[0]);
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
-    if (lefts < 2 || rights < 2)
-        return HUGE_VAL;
+    if (lefts < 2 || rights < 2) return HUGE_VAL;
     return fmin(smallest_distance(lefts, left, rights, right), smallest_distance(rights, right, lefts, left)) -
            diameter;
 }
@@ -158,13 +147,13 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
     double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
     double width = hypot(across[0], across[2]);
     if (width == 0) {
-        snprintf(message, MESSAGE,
-                 "the ends hang exactly above each other, %s m apart, which leaves the loop no plane; move one sideways",
-                 ROUNDED(fabs(left[1] - right[1]), 6));
+        snprintf(
+            message, MESSAGE,
+            "the ends hang exactly above each other, %s m apart, which leaves the loop no plane; move one sideways",
+            ROUNDED(fabs(left[1] - right[1]), 6));
         return;
     }
-    for (int axis = 0; axis < 3; axis++)
-        across[axis] /= width;
+    for (int axis = 0; axis < 3; axis++) across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
     Hanging legs = hanging(length, middle, width, cell_at(nodes, s, middle));
     if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {

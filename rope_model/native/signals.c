@@ -19,8 +19,7 @@ static void end_signals(int side, const Scene *scene, const State *state, const 
     swivel_relative(state, side, state->t, q[ANGLE], v[ANGLE], relative);
 
     /* both ends have the same signals in the same order */
-    if (side == RIGHT)
-        values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX;
+    if (side == RIGHT) values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX;
     for (int axis = 0; axis < 3; axis++) {
         values[SIGNAL_LEFT_FX + axis] = -reaction[axis];
         values[SIGNAL_LEFT_MX + axis] = -moment[axis];
@@ -36,8 +35,8 @@ static void loop_signals(const Scene *scene, const State *state, const Arrays *a
                          double *values) {
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
     values[SIGNAL_LOOP_YAW] = frame_counted_on(bottom->yaw, state->loop_yaw);
-    values[SIGNAL_LOOP_CLEARANCE] = shape_leg_clearance(arrays->nodes, arrays->q, arrays->s, bottom,
-                                                        scene->rope.diameter, scene->layout.spacing);
+    values[SIGNAL_LOOP_CLEARANCE] =
+        shape_leg_clearance(arrays->nodes, arrays->q, arrays->s, bottom, scene->rope.diameter, scene->layout.spacing);
 }
 
 /* of an element; a rung without torsion has no torque */
@@ -53,8 +52,7 @@ static void stress_signals(const Rope *rope, int rung, const Arrays *arrays, con
         torsion = fmax(torsion, shear_stress(rope, rung, strains[k]));
     }
     int last = arrays->elements - 1, lowest = 0;
-    while (lowest < last && arrays->s[lowest + 1] < bottom->s)
-        lowest++;
+    while (lowest < last && arrays->s[lowest + 1] < bottom->s) lowest++;
     values[SIGNAL_LEFT_TWIST] = strains[0][1];
     values[SIGNAL_RIGHT_TWIST] = strains[last][1];
     values[SIGNAL_LOOP_TWIST] = strains[lowest][1];
@@ -100,8 +98,7 @@ static void along_signals(const Scene *scene, int rung, const Arrays *arrays, co
     shape_places(s[nodes - 1], bottom->s, SHAPE_POINTS, at);
     if (rung == RIGID) {
         shape_points(nodes, arrays->q, s, SHAPE_POINTS, at, xyz[0]);
-        for (int i = 0; i < SHAPE_POINTS; i++)
-            y[i] = xyz[i][1];
+        for (int i = 0; i < SHAPE_POINTS; i++) y[i] = xyz[i][1];
         rigid_tension(arrays, rope->mass_per_length, scene->layout.gravity, SHAPE_POINTS, at, y, tension);
     } else
         shape_tension(arrays, rope->mass_per_length, scene->layout.gravity, SHAPE_POINTS, at, tension);

@@ -12,20 +12,16 @@
 #define FARTHEST_START 1e10
 enum { MOST_POLES = 20, MOST_STEPS = 20000, ALIGNMENT = 64 };
 
-static int fails(Simulator *rope, const char *message)
-{
-    if (message != rope->message)
-        snprintf(rope->message, MESSAGE, "%s", message);
+static int fails(Simulator *rope, const char *message) {
+    if (message != rope->message) snprintf(rope->message, MESSAGE, "%s", message);
     return 0;
 }
 
-static size_t aligned(size_t bytes)
-{
+static size_t aligned(size_t bytes) {
     return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
 
-Simulator *rope_create(const Scene *scene, const Memory *memory, char *message)
-{
+Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) {
     Simulator *rope;
     Mesh mesh;
     size_t nodes, size, state_bytes, bytes;
@@ -33,8 +29,7 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message)
     int elements, k;
     message[0] = '\0';
     scene_checked(scene, message);
-    if (message[0])
-        return NULL;
+    if (message[0]) return NULL;
     mesh = mesh_suited(&scene->mesh, &scene->rope, &scene->layout);
     elements = mesh_elements(&mesh, scene->rope.length, message);
     if (elements == 0) {
@@ -55,8 +50,7 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message)
         rope->block = memory->take(1, bytes + ALIGNMENT);
     }
     if (rope == NULL || rope->block == NULL) {
-        if (rope != NULL)
-            memory->give_back(rope);
+        if (rope != NULL) memory->give_back(rope);
         snprintf(message, MESSAGE, "no memory for %d elements (%s MB); use fewer", elements,
                  ROUNDED(1e-6 * (double)bytes, 3));
         return NULL;
@@ -73,21 +67,19 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message)
     rope->spare = (State *)(at += aligned(state_bytes));
     at += aligned(state_bytes);
     {
-        double **const arrays[7] = {&rope->trial.q, &rope->trial.v,        &rope->trial.a, &rope->trial.b,
+        double **const arrays[7] = {&rope->trial.q,      &rope->trial.v,        &rope->trial.a, &rope->trial.b,
                                     &rope->trial.a_rate, &rope->trial.reaction, &rope->x};
-        for (k = 0; k < 7; ++k)
-            *arrays[k] = (double *)at + (size_t)k * size;
+        for (k = 0; k < 7; ++k) *arrays[k] = (double *)at + (size_t)k * size;
     }
     rope->trial.elements = elements;
     rope->trial.nodes = (int)nodes;
     at += aligned(sizeof(double) * 7 * size);
-    rope->strains = (double(*)[4])(void *)at;
+    rope->strains = (double (*)[4])(void *)at;
     rope->work = at + aligned(sizeof(double) * 4 * (size_t)elements);
     return rope;
 }
 
-void rope_destroy(Simulator *rope)
-{
+void rope_destroy(Simulator *rope) {
     if (rope != NULL) {
         const Memory memory = rope->memory;
         memory.give_back(rope->block);
@@ -95,44 +87,36 @@ void rope_destroy(Simulator *rope)
     }
 }
 
-const char *rope_message(const Simulator *rope)
-{
+const char *rope_message(const Simulator *rope) {
     return rope->message;
 }
 
-int rope_is_initialized(const Simulator *rope)
-{
+int rope_is_initialized(const Simulator *rope) {
     return rope->initialized;
 }
 
-int rope_has_moved(const Simulator *rope)
-{
+int rope_has_moved(const Simulator *rope) {
     return rope->initialized && rope->state->counts.steps > 0;
 }
 
-double rope_time(const Simulator *rope)
-{
+double rope_time(const Simulator *rope) {
     return rope->state->t;
 }
 
-int rope_elements(const Simulator *rope)
-{
+int rope_elements(const Simulator *rope) {
     return rope->elements;
 }
 
-const char *rope_rung(const Simulator *rope)
-{
+const char *rope_rung(const Simulator *rope) {
     return rope->initialized ? rung_name(rope->state->rung) : "";
 }
 
-const char *rope_rung_reason(const Simulator *rope)
-{
+const char *rope_rung_reason(const Simulator *rope) {
     return rope->initialized ? rope->state->rung_reason : "";
 }
 
 /* what was worked on becomes the state */
-static int accepted(Simulator *rope)
-{
+static int accepted(Simulator *rope) {
     State *before = rope->state;
     rope->state = rope->next;
     rope->next = before;
@@ -143,12 +127,10 @@ static int accepted(Simulator *rope)
     return 1;
 }
 
-int rope_retune(Simulator *rope, const Scene *scene)
-{
+int rope_retune(Simulator *rope, const Scene *scene) {
     char message[MESSAGE] = "";
     scene_checked(scene, message);
-    if (message[0])
-        return fails(rope, message);
+    if (message[0]) return fails(rope, message);
     rope->scene.solver = scene->solver;
     memcpy(rope->scene.swivels, scene->swivels, sizeof scene->swivels);
     rope->known = 0;
@@ -156,8 +138,7 @@ int rope_retune(Simulator *rope, const Scene *scene)
 }
 
 /* the state at rest in equilibrium, sought again after each change of the frame's pole */
-static int rested(Simulator *rope, State *state, char *message)
-{
+static int rested(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     int k;
@@ -165,8 +146,7 @@ static int rested(Simulator *rope, State *state, char *message)
         double balance[BALANCE], pole[3];
         System s;
         int changed;
-        if (!find_equilibrium(rope, state, message))
-            return 0;
+        if (!find_equilibrium(rope, state, message)) return 0;
         memset(m.v, 0, bytes);
         memset(m.a, 0, bytes);
         memset(m.b, 0, bytes);
@@ -176,18 +156,15 @@ static int rested(Simulator *rope, State *state, char *message)
         chain_of_state(state)->assess(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
         set_energies(&state->ledger, balance, &s, m.v);
         changed = better_pole(state, pole);
-        if (changed)
-            express_in(state, pole, rope->x);
+        if (changed) express_in(state, pole, rope->x);
         with_loop_yaw(state);
-        if (!changed)
-            break;
+        if (!changed) break;
     }
     return 1;
 }
 
 /* as mesh_misplaced; where the mesh was fitted to the rope, with what it was fitted to */
-static void misplaced(const Simulator *rope, const Pattern *pattern, double bottom, char *message)
-{
+static void misplaced(const Simulator *rope, const Pattern *pattern, double bottom, char *message) {
     const Rope *data = &rope->scene.rope;
     mesh_misplaced(pattern, data->length, bottom, message);
     if (message[0] && rope->scene.mesh.kind == AUTO_MESH)
@@ -196,12 +173,10 @@ static void misplaced(const Simulator *rope, const Pattern *pattern, double bott
                  "N m^2 bends, some (EI / rho g)^(1/3) = %s m to either side, and reaches no further than %s m; check "
                  "EI and length, take equal elements (mesh.kind = eem, code 1), or keep the ends closer in height",
                  ROUNDED(bottom, 3), ROUNDED(data->length, 4), ROUNDED(data->EI, 4),
-                 ROUNDED(bending_length(&rope->scene), 3),
-                 ROUNDED(mesh_centre(pattern), 3));
+                 ROUNDED(bending_length(&rope->scene), 3), ROUNDED(mesh_centre(pattern), 3));
 }
 
-int rope_initialize(Simulator *rope, double t, const EndMotion ends[2])
-{
+int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     const Scene *scene = &rope->scene;
     State *state = rope->next;
     char message[MESSAGE] = "";
@@ -223,18 +198,14 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2])
         double fastest = fabs(end->yaw_rate);
         state->paths[side] = path_resting(t, end);
         end_checked(end, &state->paths[side], side, message);
-        if (message[0])
-            return fails(rope, message);
-        for (k = 0; k < 3; ++k)
-            fastest = fmax(fastest, fabs(end->v[k]));
+        if (message[0]) return fails(rope, message);
+        for (k = 0; k < 3; ++k) fastest = fmax(fastest, fabs(end->v[k]));
         if (fastest > 1e-6) {
-            snprintf(rope->message, MESSAGE,
-                     "the %s end moves at the start; a run starts from rest: give zero speeds",
+            snprintf(rope->message, MESSAGE, "the %s end moves at the start; a run starts from rest: give zero speeds",
                      side == LEFT ? "left" : "right");
             return 0;
         }
-        for (k = 0; k < 3; ++k)
-            points[side][k] = end->x[k];
+        for (k = 0; k < 3; ++k) points[side][k] = end->x[k];
         points[side][0] += (side ? 0.5 : -0.5) * scene->layout.spacing;
     }
     state->rung = rung_chosen(scene, ends, state->rung_reason);
@@ -243,28 +214,22 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2])
     mesh_partition(&rope->mesh, scene->rope.length, bottom, m.elements, &state->pattern, m.lengths);
     mesh_arc_lengths(m.elements, m.lengths, m.s);
     shape_hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
-    if (!message[0])
-        rung_outgrown(scene, state->rung, ends, message);
-    if (!message[0])
-        misplaced(rope, &state->pattern, bottom, message);
-    if (message[0])
-        return fails(rope, message);
+    if (!message[0]) rung_outgrown(scene, state->rung, ends, message);
+    if (!message[0]) misplaced(rope, &state->pattern, bottom, message);
+    if (message[0]) return fails(rope, message);
     state->pole[0] = 1;
     state->step_next = state->last_interval = scene->solver.step_max;
     if (state->rung == RIGID) {
-        if (!rigid_state(rope, state, t, message))
-            return fails(rope, message);
+        if (!rigid_state(rope, state, t, message)) return fails(rope, message);
     } else {
         const double twist = scene->rope.installed_twist;
         const int parts = (int)fmax(ceil(fabs(twist) / TWIST_STEP), 1);
         for (k = 1; k <= parts; ++k) { /* bit by bit: that decides how the loop yaws */
             state->swivels[RIGHT].angle = twist * k / parts;
-            if (!rested(rope, state, message))
-                return fails(rope, message);
+            if (!rested(rope, state, message)) return fails(rope, message);
         }
     }
-    for (side = 0; side < 2; ++side)
-        state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
+    for (side = 0; side < 2; ++side) state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
     state->ledger.start = ledger_total(&state->ledger);
     state->happened = 0;
     return accepted(rope);
@@ -275,16 +240,14 @@ typedef struct {
     const State *state;
 } Looked;
 
-static double due_at(void *with, double time)
-{
+static double due_at(void *with, double time) {
     const Looked *at = with;
     return mesh_distance_to_due(&at->state->pattern, bottom_of(at->rope, at->state, time));
 }
 
 /* the instant at which the coming steps must end: the host's, a release, or a transformation that a step would carry
    the loop too far past */
-static double next_stop(const Simulator *rope, const State *state, double t_end)
-{
+static double next_stop(const Simulator *rope, const State *state, double t_end) {
     const double t = state->t, stop = fmin(t_end, next_release(rope, state));
     const double ahead = fmin(stop, t + fmin(state->step_next, rope->scene.solver.step_max));
     Looked at;
@@ -306,8 +269,7 @@ static double next_stop(const Simulator *rope, const State *state, double t_end)
 
 /* a step towards `stop` that converges and errs little enough, halved as often as it takes; 0 and a message if none */
 static int accepted_step(Simulator *rope, State *state, double stop, Trial *trial, double *step_next, int *reaches,
-                         char *message)
-{
+                         char *message) {
     const Solver *solver = &rope->scene.solver;
     double next = fmin(state->step_next, solver->step_max), h;
     double parts = fmax(ceil((stop - state->t) / next - 1e-9), 1);
@@ -317,8 +279,7 @@ static int accepted_step(Simulator *rope, State *state, double stop, Trial *tria
         char cause[MESSAGE / 2];
         *trial = trial_step(rope, state, h);
         state->counts.newton += trial->newton.iterations;
-        if (trial->reached && trial->error <= solver->tolerance)
-            break;
+        if (trial->reached && trial->error <= solver->tolerance) break;
         rejected = 1;
         state->counts.rejections += 1;
         if (h <= solver->step_min) {
@@ -337,18 +298,15 @@ static int accepted_step(Simulator *rope, State *state, double stop, Trial *tria
         parts *= 2;
         next = h;
     }
-    if (!rejected && trial->error < GROW_BELOW * solver->tolerance)
-        next = fmin(2 * next, solver->step_max);
+    if (!rejected && trial->error < GROW_BELOW * solver->tolerance) next = fmin(2 * next, solver->step_max);
     *step_next = next;
     *reaches = parts == 1;
     return 1;
 }
 
-static int rigid_step(Simulator *rope, State *state, double t_end, char *message)
-{
+static int rigid_step(Simulator *rope, State *state, double t_end, char *message) {
     const double h = t_end - state->t, before = state->power_ends;
-    if (!rigid_state(rope, state, t_end, message))
-        return 0;
+    if (!rigid_state(rope, state, t_end, message)) return 0;
     set_powers(rope, state);
     state->ledger.work_ends += 0.5 * h * (before + state->power_ends);
     state->counts.steps += 1;
@@ -356,27 +314,22 @@ static int rigid_step(Simulator *rope, State *state, double t_end, char *message
 }
 
 /* the state after one accepted step; 0 and a message when there is none */
-static int step_towards(Simulator *rope, State *state, double t_end, char *message)
-{
+static int step_towards(Simulator *rope, State *state, double t_end, char *message) {
     const double step_min = rope->scene.solver.step_min;
     double stop, step_next, whole;
     int reaches, switching;
     Trial trial;
-    if (state->rung == RIGID)
-        return rigid_step(rope, state, t_end, message);
+    if (state->rung == RIGID) return rigid_step(rope, state, t_end, message);
     transformed_if_due(rope, state);
     released(rope, state);
     misplaced(rope, &state->pattern, bottom_of(rope, state, state->t), message);
-    if (message[0])
-        return 0;
+    if (message[0]) return 0;
     stop = next_stop(rope, state, t_end);
     for (;;) {
-        if (!accepted_step(rope, state, stop, &trial, &step_next, &reaches, message))
-            return 0;
+        if (!accepted_step(rope, state, stop, &trial, &step_next, &reaches, message)) return 0;
         whole = trial.t - state->t;
         switching = switching_step(rope, state, &trial);
-        if (switching >= 0)
-            break;
+        if (switching >= 0) break;
         /* a shorter one may not reach the event, or find it more easily */
         state->step_next = fmax(0.5 * whole, step_min);
         if (state->step_next > 0.75 * whole) {
@@ -403,18 +356,15 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
     return 1;
 }
 
-int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within)
-{
+int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within) {
     State *state = rope->next;
     const double start = rope->state->t, step_max = rope->scene.solver.step_max;
     const int64_t before_steps = rope->state->counts.steps + rope->state->counts.rejections;
     double impulse[2] = {0, 0};
     char message[MESSAGE] = "";
     int side;
-    if (!rope->initialized)
-        return fails(rope, "the rope has no state yet; call initialize first");
-    if (fabs(t - start) < ROPE_SHORTEST_INTERVAL)
-        return 1;
+    if (!rope->initialized) return fails(rope, "the rope has no state yet; call initialize first");
+    if (fabs(t - start) < ROPE_SHORTEST_INTERVAL) return 1;
     if (!(isfinite(t) && t > start)) {
         snprintf(rope->message, MESSAGE, "cannot advance from t = %s s to %s s; time must go forward",
                  ROUNDED(start, 6), EXACT(t));
@@ -428,12 +378,10 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double with
         return 0;
     }
     state_copy(rope, state, rope->state);
-    for (side = 0; side < 2; ++side)
-        state->paths[side] = path_to(&rope->state->paths[side], t, &ends[side], within);
+    for (side = 0; side < 2; ++side) state->paths[side] = path_to(&rope->state->paths[side], t, &ends[side], within);
     for (side = 0; side < 2; ++side) {
         end_checked(&ends[side], &state->paths[side], side, message);
-        if (message[0])
-            return fails(rope, message);
+        if (message[0]) return fails(rope, message);
     }
     state->switched = state->happened = 0;
     rung_outgrown(&rope->scene, state->rung, ends, message);
@@ -442,13 +390,11 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double with
         memcpy(why, message, sizeof why);
         message[0] = '\0';
         if (rope->scene.model.rung != AUTO_RUNG) {
-            snprintf(rope->message, MESSAGE,
-                     "the %s rung cannot follow %.300s; set model.rung = auto (or torsional)", rung_name(state->rung),
-                     why);
+            snprintf(rope->message, MESSAGE, "the %s rung cannot follow %.300s; set model.rung = auto (or torsional)",
+                     rung_name(state->rung), why);
             return 0;
         }
-        if (!raised(rope, state, why, message))
-            return fails(rope, message);
+        if (!raised(rope, state, why, message)) return fails(rope, message);
     }
     while (state->t < t) {
         const Arrays m = state_arrays(state);
@@ -461,8 +407,7 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double with
                      ROUNDED(before_t, 6), MOST_STEPS, ROUNDED(start, 6), EXACT(t));
             return 0;
         }
-        for (side = 0; side < 2; ++side)
-            before[side] = end_row(m.reaction, m.nodes, side)[1];
+        for (side = 0; side < 2; ++side) before[side] = end_row(m.reaction, m.nodes, side)[1];
         if (!step_towards(rope, state, t, message)) {
             snprintf(rope->message, MESSAGE, "t = %s s: %.480s", ROUNDED(before_t, 6), message);
             return 0;
@@ -471,23 +416,19 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double with
             impulse[side] -= 0.5 * (state->t - before_t) * (before[side] + end_row(m.reaction, m.nodes, side)[1]);
     }
     state->last_interval = t - start;
-    for (side = 0; side < 2; ++side)
-        state->force_mean[side] = impulse[side] / (t - start);
+    for (side = 0; side < 2; ++side) state->force_mean[side] = impulse[side] / (t - start);
     return accepted(rope);
 }
 
-size_t rope_state_bytes(const Simulator *rope)
-{
+size_t rope_state_bytes(const Simulator *rope) {
     return rope->state_bytes;
 }
 
-void rope_save(const Simulator *rope, void *to)
-{
+void rope_save(const Simulator *rope, void *to) {
     memcpy(to, rope->state, rope->state_bytes);
 }
 
-int rope_restore(Simulator *rope, const void *from, size_t bytes)
-{
+int rope_restore(Simulator *rope, const void *from, size_t bytes) {
     State *state = rope->next;
     if (bytes != rope->state_bytes) {
         snprintf(rope->message, MESSAGE,
@@ -502,8 +443,7 @@ int rope_restore(Simulator *rope, const void *from, size_t bytes)
 }
 
 /* The unperturbed step as long as the last: its correction to trial.q; c are its coefficients. */
-static void unperturbed(Simulator *rope, double c[3])
-{
+static void unperturbed(Simulator *rope, double c[3]) {
     State *state = rope->state;
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
@@ -514,8 +454,7 @@ static void unperturbed(Simulator *rope, double c[3])
 
 /* The state `spare` with one degree of freedom of an end moved by d[0], d[1], d[2] in q, v, a at the end of that step,
    to which the rope answers: how its equations are linear.  Its residual goes to trial.a. */
-static void answered(Simulator *rope, int side, int dof, const double d[3], const double c[3])
-{
+static void answered(Simulator *rope, int side, int dof, const double d[3], const double c[3]) {
     State *moved = rope->spare;
     Arrays m;
     System s;
@@ -540,8 +479,7 @@ static void answered(Simulator *rope, int side, int dof, const double d[3], cons
 }
 
 /* kg: how much each end's downward force grows with an upward acceleration held over the last interval */
-static void added_masses(Simulator *rope, double masses[2])
-{
+static void added_masses(Simulator *rope, double masses[2]) {
     const double h = rope->state->last_interval, size = 1e-3;
     const double d[3] = {0.5 * h * h * size, h * size, size};
     double c[3];
@@ -561,15 +499,14 @@ static void added_masses(Simulator *rope, double masses[2])
     unperturbed(rope, c);
     for (side = 0; side < 2; ++side) {
         answered(rope, side, 1, d, c);
-        masses[side] = (end_row(rope->trial.a, rope->trial.nodes, side)[1] -
-                        end_row(rope->trial.v, rope->trial.nodes, side)[1]) /
-                       size;
+        masses[side] =
+            (end_row(rope->trial.a, rope->trial.nodes, side)[1] - end_row(rope->trial.v, rope->trial.nodes, side)[1]) /
+            size;
     }
 }
 
 /* forces and moments of the rope on both conveyances */
-static void loads(const Simulator *rope, const State *state, const double *q, const double *R, double loads[12])
-{
+static void loads(const Simulator *rope, const State *state, const double *q, const double *R, double loads[12]) {
     const int nodes = rope->trial.nodes;
     int side, k;
     for (side = 0; side < 2; ++side) {
@@ -584,8 +521,7 @@ static void loads(const Simulator *rope, const State *state, const double *q, co
     }
 }
 
-int rope_derivative(Simulator *rope, int input, double derivative[12])
-{
+int rope_derivative(Simulator *rope, int input, double derivative[12]) {
     /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
     static const double sizes[3] = {1e-7, 1e-5, 1e-3};
     const int side = input / 11, place = input % 11;
@@ -594,13 +530,10 @@ int rope_derivative(Simulator *rope, int input, double derivative[12])
     State *state = rope->state;
     Arrays m;
     int k;
-    if (input < 0 || input >= 22)
-        return fails(rope, "an input's number is 0 to 21");
-    if (!rope->initialized)
-        return fails(rope, "the rope has no state yet; call initialize first");
+    if (input < 0 || input >= 22) return fails(rope, "an input's number is 0 to 21");
+    if (!rope->initialized) return fails(rope, "the rope has no state yet; call initialize first");
     memset(derivative, 0, sizeof(double) * 12);
-    if (dof == ANGLE && state->swivels[side].phase == SLIP)
-        return 1; /* the friction does not know the yaw */
+    if (dof == ANGLE && state->swivels[side].phase == SLIP) return 1; /* the friction does not know the yaw */
     if (state->rung == RIGID) { /* no side forces, no moments, and only heights have speeds */
         double dx[2][3] = {{0}}, dv[2] = {0}, da[2] = {0}, rest[2], moved[2];
         rigid_tensions(&rope->scene, state->paths, state->t, dx, dv, da, rest);
@@ -623,16 +556,14 @@ int rope_derivative(Simulator *rope, int input, double derivative[12])
     loads(rope, state, m.q, rope->trial.v, before);
     answered(rope, side, dof, d, c);
     loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, derivative);
-    for (k = 0; k < 12; ++k)
-        derivative[k] = (derivative[k] - before[k]) / sizes[kind];
+    for (k = 0; k < 12; ++k) derivative[k] = (derivative[k] - before[k]) / sizes[kind];
     for (k = 0; k < 12; ++k)
         if (!isfinite(derivative[k]))
             return fails(rope, "the equations of this state have no finite derivative; take a smaller step_max");
     return 1;
 }
 
-static const LoopBottom *bottom_now(Simulator *rope)
-{
+static const LoopBottom *bottom_now(Simulator *rope) {
     if (!rope->bottom_known) {
         const Arrays m = state_arrays(rope->state);
         rope->bottom = shape_loop_bottom(m.nodes, m.q, m.s);
@@ -641,11 +572,9 @@ static const LoopBottom *bottom_now(Simulator *rope)
     return &rope->bottom;
 }
 
-double rope_signal(Simulator *rope, int signal)
-{
+double rope_signal(Simulator *rope, int signal) {
     const int group = signal_group(signal);
-    if (!rope->initialized || group < 0)
-        return NAN;
+    if (!rope->initialized || group < 0) return NAN;
     if (!(rope->known & 1u << group)) {
         const Arrays m = state_arrays(rope->state);
         if (group == ADDED_MASS_SIGNALS) {
@@ -658,7 +587,7 @@ double rope_signal(Simulator *rope, int signal)
                 const System s = system_of(rope, rope->state);
                 chain_of_state(rope->state)->strains(&s, m.q, rope->strains);
             }
-            signals_of(group, &rope->scene, rope->state, &m, (const double(*)[4])rope->strains,
+            signals_of(group, &rope->scene, rope->state, &m, (const double (*)[4])rope->strains,
                        group == END_SIGNALS || group == BOOK_SIGNALS ? NULL : bottom_now(rope), rope->values);
         }
         rope->known |= 1u << group;
@@ -666,9 +595,7 @@ double rope_signal(Simulator *rope, int signal)
     return rope->values[signal];
 }
 
-void rope_signals(Simulator *rope, size_t number, const int *signals, double *values)
-{
+void rope_signals(Simulator *rope, size_t number, const int *signals, double *values) {
     size_t k;
-    for (k = 0; k < number; ++k)
-        values[k] = rope_signal(rope, signals[k]);
+    for (k = 0; k < number; ++k) values[k] = rope_signal(rope, signals[k]);
 }

@@ -20,11 +20,11 @@ struct Simulator {
     Mesh mesh; /* never AUTO_MESH */
     int elements, initialized;
     size_t state_bytes;
-    void *block;        /* all the memory behind the pointers that follow */
+    void *block;         /* all the memory behind the pointers that follow */
     State *state, *next; /* next is what an advance works on; they change places when it succeeds */
-    State *spare;       /* what would be if a swivel stuck, and what is looked at but not kept */
-    Arrays trial;       /* of the latest trial; scratch at other times */
-    double *x;          /* nodes x DOF of scratch */
+    State *spare;        /* what would be if a swivel stuck, and what is looked at but not kept */
+    Arrays trial;        /* of the latest trial; scratch at other times */
+    double *x;           /* nodes x DOF of scratch */
     double (*strains)[4];
     void *work; /* of the chain */
     double values[SIGNALS];

@@ -6,8 +6,7 @@
 
 #include "simulator.h"
 
-Arrays state_arrays(State *state)
-{
+Arrays state_arrays(State *state) {
     const size_t nodes = (size_t)state->elements + 1, size = nodes * DOF;
     double *at = (double *)(state + 1);
     Arrays x;
@@ -24,13 +23,11 @@ Arrays state_arrays(State *state)
     return x;
 }
 
-void state_copy(const Simulator *rope, State *to, const State *from)
-{
+void state_copy(const Simulator *rope, State *to, const State *from) {
     memcpy(to, from, rope->state_bytes);
 }
 
-void happened(State *state, int what, int which, double kinetic, double potential)
-{
+void happened(State *state, int what, int which, double kinetic, double potential) {
     if (state->happened < LOGGED_EVENTS) {
         Event *event = &state->events[state->happened++];
         event->t = state->t;
@@ -41,23 +38,19 @@ void happened(State *state, int what, int which, double kinetic, double potentia
     }
 }
 
-static int all_finite(const double *x, size_t number)
-{
+static int all_finite(const double *x, size_t number) {
     size_t i;
     for (i = 0; i < number; ++i)
-        if (!isfinite(x[i]))
-            return 0;
+        if (!isfinite(x[i])) return 0;
     return 1;
 }
 
-static int within(int64_t x, int64_t least, int64_t most)
-{
+static int within(int64_t x, int64_t least, int64_t most) {
     return least <= x && x <= most;
 }
 
 /* the pattern is the mesh's, wherever its fine middle is, and the elements have its lengths */
-static int partition_plausible(const Simulator *rope, const State *state, const Arrays *m)
-{
+static int partition_plausible(const Simulator *rope, const State *state, const Arrays *m) {
     const double length = rope->scene.rope.length, rounding = 1e-12 * length;
     const Pattern *pattern = &state->pattern;
     double *lengths = rope->trial.q, *s = rope->trial.v;
@@ -68,11 +61,9 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
         pattern->coarse != expected.coarse)
         return 0;
     for (k = 1; k < SEGMENTS - 1; ++k)
-        if (pattern->counts[k] != expected.counts[k])
-            return 0;
+        if (pattern->counts[k] != expected.counts[k]) return 0;
     if (expected.counts[0] == 0) {
-        if (pattern->counts[0] != 0 || pattern->counts[SEGMENTS - 1] != 0)
-            return 0;
+        if (pattern->counts[0] != 0 || pattern->counts[SEGMENTS - 1] != 0) return 0;
     } else {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
         if (!within(pattern->counts[0], 1, outer - 1) || pattern->counts[SEGMENTS - 1] != outer - pattern->counts[0])
@@ -81,14 +72,12 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     }
     mesh_arc_lengths(m->elements, lengths, s);
     for (k = 0; k < m->elements; ++k)
-        if (!(fabs(m->lengths[k] - lengths[k]) <= rounding && fabs(m->s[k] - s[k]) <= rounding))
-            return 0;
+        if (!(fabs(m->lengths[k] - lengths[k]) <= rounding && fabs(m->s[k] - s[k]) <= rounding)) return 0;
     return fabs(m->s[k] - s[k]) <= rounding;
 }
 
 /* it ends now, in a motion that an end may have */
-static int path_plausible(const Path *path, double t)
-{
+static int path_plausible(const Path *path, double t) {
     const double distant = 1e5;
     double rates[3];
     int axis, k;
@@ -97,42 +86,37 @@ static int path_plausible(const Path *path, double t)
     for (axis = 0; axis < 4; ++axis) {
         path_rates(path, path->stop, axis, rates);
         for (k = 0; k < 3; ++k)
-            if (!(fabs(rates[k]) <= distant))
-                return 0;
+            if (!(fabs(rates[k]) <= distant)) return 0;
     }
     return 1;
 }
 
-static int happenings_plausible(const State *state)
-{
+static int happenings_plausible(const State *state) {
     const int64_t *counts = &state->counts.steps;
     int k;
-    if (!within(state->switched, 0, CHATTER_EVENTS) || !within(state->happened, 0, LOGGED_EVENTS))
-        return 0;
+    if (!within(state->switched, 0, CHATTER_EVENTS) || !within(state->happened, 0, LOGGED_EVENTS)) return 0;
     for (k = 0; k < state->happened; ++k)
         if (!within(state->events[k].what, TRANSFORMED, RAISED) || !within(state->events[k].which, 0, RIGID) ||
             !all_finite(&state->events[k].t, 3))
             return 0;
     for (k = 0; k < (int)(sizeof(Counts) / sizeof(int64_t)); ++k)
-        if (!within(counts[k], 0, (int64_t)1 << 50))
-            return 0;
+        if (!within(counts[k], 0, (int64_t)1 << 50)) return 0;
     return 1;
 }
 
-int state_plausible(const Simulator *rope, State *state)
-{
+int state_plausible(const Simulator *rope, State *state) {
     const double *pole = state->pole;
     Arrays m;
     int side;
     if (state->elements != rope->elements || !within(state->rung, TORSIONAL, RIGID) ||
         memchr(state->rung_reason, '\0', MESSAGE) == NULL)
         return 0;
-    if (rope->scene.model.rung != AUTO_RUNG && state->rung != rope->scene.model.rung)
-        return 0;
+    if (rope->scene.model.rung != AUTO_RUNG && state->rung != rope->scene.model.rung) return 0;
     m = state_arrays(state);
     /* the real numbers before the swivels lie in a row, and so do all arrays */
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
-        !all_finite(m.q, (size_t)(m.s + m.nodes - m.q)) || !all_finite(&state->ledger.kinetic, sizeof(Ledger) / sizeof(double)))
+        !all_finite(m.q, (size_t)(m.s + m.nodes - m.q)) ||
+        !all_finite(&state->ledger.kinetic, sizeof(Ledger) / sizeof(double)))
         return 0;
     if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0) ||
         !(fabs(pole[0] * pole[0] + pole[1] * pole[1] + pole[2] * pole[2] - 1) < 1e-6))

@@ -10,44 +10,37 @@
 enum { MAX_ITERATIONS = 2000 };
 #define TOLERANCE 1e-11
 
-static int is_free(const System *s, size_t i)
-{
+static int is_free(const System *s, size_t i) {
     const size_t node = i / DOF;
     return (node != 0 && node != (size_t)s->elements) || s->free[node != 0][i % DOF];
 }
 
 /* residual, and potential energy (J) of rope and dead loads; v and a of the state are zero */
 static double at_rest(const Chain *chain, const System *s, const double *q, const double *rest, const double *known,
-                      double *R)
-{
+                      double *R) {
     double balance[BALANCE], stored;
     int side;
     chain->assess(s, q, rest, rest, known, R, balance);
     stored = balance[AXIAL] + balance[COUPLING] + balance[TORSION] + balance[BENDING] + balance[GRAVITY];
-    for (side = 0; side < 2; ++side)
-        stored -= s->load[side] * end_row(q, s->elements + 1, side)[ANGLE];
+    for (side = 0; side < 2; ++side) stored -= s->load[side] * end_row(q, s->elements + 1, side)[ANGLE];
     return stored;
 }
 
 /* largest unbalanced force (N); infinite when one is not a number */
-static double unbalanced(const System *s, const double *R)
-{
+static double unbalanced(const System *s, const double *R) {
     const size_t size = (size_t)(s->elements + 1) * DOF;
     double largest = 0;
     size_t i;
     for (i = 0; i < size; ++i) {
         const size_t dof = i % DOF;
-        if (!is_free(s, i))
-            continue;
-        if (!isfinite(R[i]))
-            return INFINITY;
+        if (!is_free(s, i)) continue;
+        if (!isfinite(R[i])) return INFINITY;
         largest = fmax(largest, fabs(R[i]) * (dof >= SLOPE && dof < ANGLE ? 1. / s->shortest : 1.));
     }
     return largest;
 }
 
-int find_equilibrium(Simulator *rope, State *state, char *message)
-{
+int find_equilibrium(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state), *scratch = &rope->trial;
     const System s = system_of(rope, state);
     const Chain *chain = chain_of_state(state);
@@ -63,8 +56,7 @@ int find_equilibrium(Simulator *rope, State *state, char *message)
         double *q = m.q + (side ? size - DOF : 0);
         prescribed(rope, state, side, state->t, rows);
         for (dof = 0; dof < DOF; ++dof)
-            if (!s.free[side][dof])
-                q[dof] = rows[0][dof];
+            if (!s.free[side][dof]) q[dof] = rows[0][dof];
     }
     memset(R, 0, bytes);
     energy = at_rest(chain, &s, m.q, rest, R, m.reaction);
@@ -85,27 +77,23 @@ int find_equilibrium(Simulator *rope, State *state, char *message)
         }
         if (!finite) {
             tau *= 0.1;
-            if (tau < 1e-7)
-                break;
+            if (tau < 1e-7) break;
             continue;
         }
         step = fmin(1, largest_move / fmax(fmax(place, turn), 1e-300));
-        for (i = 0; i < size; ++i)
-            trial[i] = m.q[i] + step * x[i];
+        for (i = 0; i < size; ++i) trial[i] = m.q[i] + step * x[i];
         trial_energy = at_rest(chain, &s, trial, rest, m.reaction, R);
         force = unbalanced(&s, R);
         /* on its way down the rope may well pass larger forces; what it may not do is to gain energy with them */
         if (!isfinite(force) || !(trial_energy < energy + 1e-12 * fabs(energy) || force <= previous + 1e-6)) {
             tau *= 0.3;
-            if (tau < 1e-7)
-                break;
+            if (tau < 1e-7) break;
             continue;
         }
         memcpy(m.q, trial, bytes);
         memcpy(m.reaction, R, bytes);
         energy = trial_energy;
-        if (tau > 1e8 && step == 1 && norm < TOLERANCE * m.s[m.elements])
-            return 1;
+        if (tau > 1e8 && step == 1 && norm < TOLERANCE * m.s[m.elements]) return 1;
         tau *= fmin(10, fmax(1.5, previous / fmax(force, 1e-300)));
         tau = fmin(tau, 1e12);
         previous = force;

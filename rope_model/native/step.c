@@ -7,23 +7,19 @@
 
 /* a rate of change of the acceleration taken over a step this much shorter than the next is mostly noise */
 #define LARGEST_GROWTH 5.
-const double *end_row(const double *x, int nodes, int side)
-{
+const double *end_row(const double *x, int nodes, int side) {
     return x + (side ? (size_t)(nodes - 1) * DOF : 0);
 }
 
-static double *row(double *x, int nodes, int side)
-{
+static double *row(double *x, int nodes, int side) {
     return x + (side ? (size_t)(nodes - 1) * DOF : 0);
 }
 
-const Chain *chain_of_state(const State *state)
-{
+const Chain *chain_of_state(const State *state) {
     return chain_of(state->rung == RIGID ? PLANAR : state->rung);
 }
 
-System system_of(const Simulator *rope, State *state)
-{
+System system_of(const Simulator *rope, State *state) {
     const Rope *data = &rope->scene.rope;
     const Arrays x = state_arrays(state);
     System s;
@@ -42,8 +38,7 @@ System system_of(const Simulator *rope, State *state)
     s.P[8] = data->beta_K;
     memcpy(s.P + 9, state->pole, sizeof state->pole);
     s.shortest = x.lengths[0];
-    for (k = 1; k < x.elements; ++k)
-        s.shortest = fmin(s.shortest, x.lengths[k]);
+    for (k = 1; k < x.elements; ++k) s.shortest = fmin(s.shortest, x.lengths[k]);
     for (side = 0; side < 2; ++side) {
         const Swivel *swivel = &rope->scene.swivels[side];
         const SwivelState *now = &state->swivels[side];
@@ -58,23 +53,20 @@ System system_of(const Simulator *rope, State *state)
     return s;
 }
 
-void prescribed(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF])
-{
+void prescribed(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]) {
     const int place[4] = {0, 1, 2, ANGLE};
     int axis, k;
     memset(rows, 0, sizeof(double) * 3 * DOF);
     for (axis = 0; axis < 4; ++axis) {
         double rates[3];
         path_rates(&state->paths[side], t, axis, rates);
-        for (k = 0; k < 3; ++k)
-            rows[k][place[axis]] = axis == 3 ? YAW_SENSE[side] * rates[k] : rates[k];
+        for (k = 0; k < 3; ++k) rows[k][place[axis]] = axis == 3 ? YAW_SENSE[side] * rates[k] : rates[k];
     }
     rows[0][0] += (side ? 0.5 : -0.5) * rope->scene.layout.spacing;
     rows[0][ANGLE] += state->offsets[side] + state->swivels[side].angle;
 }
 
-Trial trial_step(Simulator *rope, State *state, double h)
-{
+Trial trial_step(Simulator *rope, State *state, double h) {
     const Arrays old = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
@@ -99,21 +91,17 @@ Trial trial_step(Simulator *rope, State *state, double h)
         prescribed(rope, state, side, trial.t, rows);
         for (k = 0; k < 3; ++k)
             for (dof = 0; dof < DOF; ++dof)
-                if (!s.free[side][dof])
-                    row(to[k], old.nodes, side)[dof] = rows[k][dof];
+                if (!s.free[side][dof]) row(to[k], old.nodes, side)[dof] = rows[k][dof];
     }
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     newton_coefficients(&method, h, c);
     trial.newton = chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c,
                                                 rope->scene.solver.newton_tolerance, trial.balance);
     trial.error = INFINITY;
-    for (i = 0; i < size; ++i)
-        sum += fabs(now->reaction[i]);
-    if (trial.newton.status == CONVERGED && !isfinite(sum))
-        trial.newton.status = NOT_FINITE;
+    for (i = 0; i < size; ++i) sum += fabs(now->reaction[i]);
+    if (trial.newton.status == CONVERGED && !isfinite(sum)) trial.newton.status = NOT_FINITE;
     trial.reached = trial.newton.status == CONVERGED;
-    if (!trial.reached)
-        return trial;
+    if (!trial.reached) return trial;
     for (i = 0; i < size; ++i) {
         now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
@@ -123,16 +111,14 @@ Trial trial_step(Simulator *rope, State *state, double h)
         const int *held = k == 0 ? s.free[LEFT] : k == old.nodes - 1 ? s.free[RIGHT] : NULL;
         for (dof = 0; dof < DOF; ++dof) {
             const double change = fabs(a[dof] - before[dof]) * (dof >= SLOPE && dof < ANGLE ? s.shortest : 1.);
-            if (change > largest && (held == NULL || held[dof]))
-                largest = change;
+            if (change > largest && (held == NULL || held[dof])) largest = change;
         }
     }
     trial.error = local_error(&method, h, largest);
     return trial;
 }
 
-void restarted(Simulator *rope, State *state)
-{
+void restarted(Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF;
@@ -154,8 +140,7 @@ void restarted(Simulator *rope, State *state)
     for (again = 0; again < 2; ++again) { /* the second time with friction from the right reactions */
         memcpy(known, m.reaction, sizeof(double) * size);
         chain_of_state(state)->direction(&s, rope->work, m.q, m.v, m.a, known, c, rope->x, m.reaction);
-        for (i = 0; i < size; ++i)
-            m.a[i] += rope->x[i];
+        for (i = 0; i < size; ++i) m.a[i] += rope->x[i];
     }
     memcpy(known, m.reaction, sizeof(double) * size);
     chain_of_state(state)->assess(&s, m.q, m.v, m.a, known, m.reaction, unused);
@@ -165,8 +150,7 @@ void restarted(Simulator *rope, State *state)
     set_powers(rope, state);
 }
 
-double bottom_of(const Simulator *rope, const State *state, double t)
-{
+double bottom_of(const Simulator *rope, const State *state, double t) {
     double left[3], right[3];
     path_rates(&state->paths[LEFT], t, 1, left);
     path_rates(&state->paths[RIGHT], t, 1, right);
@@ -174,8 +158,7 @@ double bottom_of(const Simulator *rope, const State *state, double t)
 }
 
 /* what flows in and out at this instant */
-void set_powers(const Simulator *rope, State *state)
-{
+void set_powers(const Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     int side, k;
     state->power_ends = state->power_swivel = 0;
@@ -183,8 +166,7 @@ void set_powers(const Simulator *rope, State *state)
         const double *R = end_row(m.reaction, m.nodes, side), *v = end_row(m.v, m.nodes, side);
         const double moment = swivel_moment(&rope->scene, state, side, R);
         double spin = v[ANGLE];
-        for (k = 0; k < 3; ++k)
-            state->power_ends += R[k] * v[k];
+        for (k = 0; k < 3; ++k) state->power_ends += R[k] * v[k];
         if (state->swivels[side].phase == SLIP) {
             double relative[2];
             swivel_relative(state, side, state->t, 0, spin, relative);
@@ -196,8 +178,7 @@ void set_powers(const Simulator *rope, State *state)
 }
 
 /* the inertia of the swivels counts as kinetic energy of the rope */
-void set_energies(Ledger *ledger, const double balance[BALANCE], const System *s, const double *v)
-{
+void set_energies(Ledger *ledger, const double balance[BALANCE], const System *s, const double *v) {
     double sums[BALANCE], energies[3];
     int side;
     memcpy(sums, balance, sizeof sums);
@@ -211,8 +192,7 @@ void set_energies(Ledger *ledger, const double balance[BALANCE], const System *s
     ledger->gravity = energies[2];
 }
 
-void committed(Simulator *rope, State *state, const Trial *trial)
-{
+void committed(Simulator *rope, State *state, const Trial *trial) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
@@ -245,8 +225,7 @@ void committed(Simulator *rope, State *state, const Trial *trial)
 
 /* numerics.events.locate */
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
-              double width)
-{
+              double width) {
     int side = 0, stalled = 0;
     while (high - low > width) {
         const double before = high - low;
@@ -258,22 +237,19 @@ double locate(double (*f)(void *, double), void *with, double low, double high, 
             x = low + (high - low) * f_low / (f_low - f_high);
             x = fmin(fmax(x, low + 0.4 * width), high - 0.4 * width);
         }
-        if (!(low < x && x < high))
-            x = 0.5 * (low + high);
+        if (!(low < x && x < high)) x = 0.5 * (low + high);
         if (!(low < x && x < high)) /* there is no number between them */
             break;
         value = f(with, x);
         if (value < 0) {
             low = x;
             f_low = value;
-            if (side < 0)
-                f_high *= 0.5;
+            if (side < 0) f_high *= 0.5;
             side = -1;
         } else {
             high = x;
             f_high = value;
-            if (side > 0)
-                f_low *= 0.5;
+            if (side > 0) f_low *= 0.5;
             side = 1;
         }
         stalled = high - low > 0.5 * before ? stalled + 1 : 0;

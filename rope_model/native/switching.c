@@ -11,21 +11,18 @@
 /* CHATTER_EVENTS switchings within so many s are no motion of a rope */
 #define CHATTER_TIME 1e-3
 
-static int frictionless(const Swivel *swivel)
-{
+static int frictionless(const Swivel *swivel) {
     return swivel->mode == FREE_MODE || (swivel->mu_kinetic == 0 && swivel->seal_moment == 0);
 }
 
 /* event function of one swivel: negative while it may stay in its phase */
-static double excess_of(const Simulator *rope, const State *state, int side, double t, const Arrays *m)
-{
+static double excess_of(const Simulator *rope, const State *state, int side, double t, const Arrays *m) {
     const Swivel *swivel = &rope->scene.swivels[side];
     const SwivelState *now = &state->swivels[side];
     const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);
     const double *R = end_row(m->reaction, m->nodes, side);
     double relative[2];
-    if (now->phase == LOCKED || (now->phase == SLIP && frictionless(swivel)))
-        return -INFINITY;
+    if (now->phase == LOCKED || (now->phase == SLIP && frictionless(swivel))) return -INFINITY;
     if (now->phase == STICK)
         return fabs(swivel_moment(&rope->scene, state, side, R)) -
                (swivel_friction(swivel, swivel->mu_static, R[1]) + MOMENT_RESOLUTION);
@@ -33,14 +30,12 @@ static double excess_of(const Simulator *rope, const State *state, int side, dou
     return -now->sign * relative[1];
 }
 
-static double excess(const Simulator *rope, const State *state, double t, const Arrays *m)
-{
+static double excess(const Simulator *rope, const State *state, double t, const Arrays *m) {
     const double left = excess_of(rope, state, LEFT, t, m), right = excess_of(rope, state, RIGHT, t, m);
     return left >= right ? left : right;
 }
 
-void released(Simulator *rope, State *state)
-{
+void released(Simulator *rope, State *state) {
     int side, changed = 0;
     Arrays m;
     for (side = 0; side < 2; ++side) {
@@ -52,16 +47,13 @@ void released(Simulator *rope, State *state)
             changed = 1;
         }
     }
-    if (!changed)
-        return;
+    if (!changed) return;
     restarted(rope, state);
     m = state_arrays(state);
-    if (excess(rope, state, state->t, &m) >= 0)
-        switched(rope, state);
+    if (excess(rope, state, state->t, &m) >= 0) switched(rope, state);
 }
 
-double next_release(const Simulator *rope, const State *state)
-{
+double next_release(const Simulator *rope, const State *state) {
     double next = INFINITY;
     int side;
     for (side = 0; side < 2; ++side) {
@@ -78,22 +70,19 @@ typedef struct {
     int iterations;
 } Search;
 
-static double excess_after(void *with, double h)
-{
+static double excess_after(void *with, double h) {
     Search *search = with;
     const Trial trial = trial_step(search->rope, search->state, h);
     search->iterations += trial.newton.iterations;
     return trial.reached ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
 }
 
-int switching_step(Simulator *rope, State *state, Trial *trial)
-{
+int switching_step(Simulator *rope, State *state, Trial *trial) {
     const double at_end = excess(rope, state, trial->t, &rope->trial);
     const Arrays m = state_arrays(state);
     Search search = {0};
     double at_start, h;
-    if (at_end < 0)
-        return 0;
+    if (at_end < 0) return 0;
     search.rope = rope;
     search.state = state;
     at_start = excess(rope, state, state->t, &m);
@@ -106,8 +95,7 @@ int switching_step(Simulator *rope, State *state, Trial *trial)
 }
 
 /* what a swivel that cannot stay in its phase does next: stick if its friction can hold, else slip */
-static SwivelState next_phase(Simulator *rope, const State *state, const SwivelState swivels[2], int side)
-{
+static SwivelState next_phase(Simulator *rope, const State *state, const SwivelState swivels[2], int side) {
     State *trial = rope->spare;
     SwivelState now = swivels[side];
     Arrays m;
@@ -122,38 +110,36 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
         now.sign = 0;
         trial->swivels[side] = now;
         restarted(rope, trial);
-        if (excess_of(rope, trial, side, trial->t, &m) < 0)
-            return now;
+        if (excess_of(rope, trial, side, trial->t, &m) < 0) return now;
     }
     now.phase = SLIP;
     now.sign = copysign(1, -end_row(m.reaction, m.nodes, side)[ANGLE]);
     return now;
 }
 
-void switched(Simulator *rope, State *state)
-{
+void switched(Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     SwivelState swivels[2];
     int side;
     memcpy(swivels, state->swivels, sizeof swivels);
     for (side = 0; side < 2; ++side) {
-        if (excess_of(rope, state, side, state->t, &m) < 0)
-            continue;
+        if (excess_of(rope, state, side, state->t, &m) < 0) continue;
         swivels[side] = next_phase(rope, state, swivels, side);
         memmove(state->switchings + 1, state->switchings, sizeof(double) * (CHATTER_EVENTS - 1));
         state->switchings[0] = state->t;
-        if (state->switched < CHATTER_EVENTS)
-            state->switched += 1;
+        if (state->switched < CHATTER_EVENTS) state->switched += 1;
         state->counts.swivel_events += 1;
-        happened(state, swivels[side].phase == STICK ? STICKS : swivels[side].sign > 0 ? SLIPS_FORWARD : SLIPS_BACK, side, 0,
-                 0);
+        happened(state,
+                 swivels[side].phase == STICK ? STICKS
+                 : swivels[side].sign > 0     ? SLIPS_FORWARD
+                                              : SLIPS_BACK,
+                 side, 0, 0);
     }
     memcpy(state->swivels, swivels, sizeof swivels);
     restarted(rope, state);
 }
 
-int chatters(const State *state)
-{
+int chatters(const State *state) {
     return state->switched == CHATTER_EVENTS &&
            state->switchings[0] - state->switchings[CHATTER_EVENTS - 1] < CHATTER_TIME;
 }

@@ -35,10 +35,8 @@ void transfer_interpolated(int nodes, const double *x, const double *s, int plac
     for (int k = 0; k < places; k++, y += DOF) {
         double x_k = at[k] + tolerance;
         /* places mostly ascend by an element or less */
-        if (i < nodes - 2 && s[i + 1] < x_k)
-            i++;
-        if (!(s[i] < x_k && x_k <= s[i + 1]))
-            i = element_at(nodes, s, x_k);
+        if (i < nodes - 2 && s[i + 1] < x_k) i++;
+        if (!(s[i] < x_k && x_k <= s[i + 1])) i = element_at(nodes, s, x_k);
         double left_s = s[i], right_s = s[i + 1];
         const double *left = x + (ptrdiff_t)DOF * i, *right = left + DOF;
 
@@ -67,8 +65,7 @@ static void factorize(int rows, int width, double *A) {
         int first = i > width ? i - width : 0;
         for (int j = first; j <= i; j++) {
             double sum = A[row * i + (i - j)];
-            for (int k = first; k < j; k++)
-                sum -= A[row * i + (i - k)] * A[row * j + (j - k)];
+            for (int k = first; k < j; k++) sum -= A[row * i + (i - k)] * A[row * j + (j - k)];
             A[row * i + (i - j)] = i == j ? 1 / sqrt(sum) : sum * A[row * j];
         }
     }
@@ -80,31 +77,26 @@ static void substitute(int rows, int width, const double *L, int columns, double
     for (int i = 0; i < rows; i++) {
         double *own = b + (ptrdiff_t)columns * i;
         for (int k = i > width ? i - width : 0; k < i; k++)
-            for (int c = 0; c < columns; c++)
-                own[c] -= L[row * i + (i - k)] * b[(ptrdiff_t)columns * k + c];
-        for (int c = 0; c < columns; c++)
-            own[c] *= L[row * i];
+            for (int c = 0; c < columns; c++) own[c] -= L[row * i + (i - k)] * b[(ptrdiff_t)columns * k + c];
+        for (int c = 0; c < columns; c++) own[c] *= L[row * i];
     }
     for (int i = rows - 1; i >= 0; i--) {
         double *own = b + (ptrdiff_t)columns * i;
         for (int k = i + 1; k < rows && k <= i + width; k++)
-            for (int c = 0; c < columns; c++)
-                own[c] -= L[row * k + (k - i)] * b[(ptrdiff_t)columns * k + c];
-        for (int c = 0; c < columns; c++)
-            own[c] *= L[row * i];
+            for (int c = 0; c < columns; c++) own[c] -= L[row * k + (k - i)] * b[(ptrdiff_t)columns * k + c];
+        for (int c = 0; c < columns; c++) own[c] *= L[row * i];
     }
 }
 
-/* integrals of the products of two shares over the elements, as factorize takes them: cubic (2 nodes x CUBIC), linear (nodes x
-   LINEAR), both zero before */
+/* integrals of the products of two shares over the elements, as factorize takes them: cubic (2 nodes x CUBIC), linear
+   (nodes x LINEAR), both zero before */
 static void add_products(int nodes, const double *s, double *cubics, double *lines) {
     for (int e = 0; e < nodes - 1; e++) {
         double l = s[e + 1] - s[e], products[CUBIC * (CUBIC + 1) / 2], *product = products;
         double *rows = cubics + (ptrdiff_t)2 * CUBIC * e, *parts = lines + (ptrdiff_t)LINEAR * e;
         hermite_products(l, products);
         for (int i = 0; i < CUBIC; i++)
-            for (int k = 0; k <= i; k++)
-                rows[CUBIC * i + k] += *product++;
+            for (int k = 0; k <= i; k++) rows[CUBIC * i + k] += *product++;
         parts[0] += l / 3;
         parts[2] += l / 3;
         parts[3] += l / 6;
@@ -131,8 +123,7 @@ static void add_missing(int nodes, int fields, const double *const *x, const dou
     int old = 0;
     for (int e = 0; e < nodes - 1; e++) {
         double from = new_s[e], end = new_s[e + 1], l = end - from;
-        while (old < nodes - 2 && old_s[old + 1] <= from + tolerance)
-            old++;
+        while (old < nodes - 2 && old_s[old + 1] <= from + tolerance) old++;
         if (old_s[old + 1] >= end - tolerance) /* within an old one, and so the same */
             continue;
         /* between neighbours among all nodes, old and new, both are polynomials */

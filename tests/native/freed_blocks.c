@@ -6,16 +6,13 @@ that the process ends by SIGSEGV in each run, and not by a spoilt free list in o
 #include <malloc.h>
 #include <stddef.h>
 
-void _ZdlPv(void *block)
-{
+void _ZdlPv(void *block) {
     const size_t size = malloc_usable_size(block); /* 0 of NULL */
     int *word = block;
-    for (size_t i = 0; i < size / sizeof *word; ++i)
-        word[i] = 1;
+    for (size_t i = 0; i < size / sizeof *word; ++i) word[i] = 1;
 }
 
-void _ZdlPvm(void *block, size_t size)
-{
+void _ZdlPvm(void *block, size_t size) {
     (void)size;
     _ZdlPv(block);
 }

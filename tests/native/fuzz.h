@@ -17,19 +17,21 @@
 
 #include "model.h"
 
-#define REQUIRE(condition)                                                        \
-    do {                                                                          \
-        if (!(condition)) {                                                       \
-            fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); \
-            abort();                                                              \
-        }                                                                         \
+#define REQUIRE(condition)                                                                                             \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                                    \
+            abort();                                                                                                   \
+        }                                                                                                              \
     } while (0)
 
 typedef struct {
     const uint8_t *at, *end;
 } Bytes;
 
-static unsigned byte(Bytes *b) { return b->at < b->end ? *b->at++ : 0; }
+static unsigned byte(Bytes *b) {
+    return b->at < b->end ? *b->at++ : 0;
+}
 
 static uint64_t word(Bytes *b) {
     uint64_t x = 0;
@@ -39,16 +41,24 @@ static uint64_t word(Bytes *b) {
 }
 
 static double number(Bytes *b) {
-    static const double hostile[] = {NAN,  INFINITY, -INFINITY, 0.0,   -0.0,  -1.0,   1.0,  4.9e-324, 2.2e-308, 1e-300, 1e300,
-                                     -1e300, 1e-9,   1e-5,      0.02,  1e3,   1e6,    1e10, 2147483647.0, -2147483648.0, 1e18,
-                                     0.5,  1.5,      20000.0,   1e-12, 59.9,  99.9,   1e4,  1e-17,    3.0,      7.0,    64.0};
+    static const double hostile[] = {NAN,      INFINITY, -INFINITY,    0.0,           -0.0,  -1.0, 1.0,  4.9e-324,
+                                     2.2e-308, 1e-300,   1e300,        -1e300,        1e-9,  1e-5, 0.02, 1e3,
+                                     1e6,      1e10,     2147483647.0, -2147483648.0, 1e18,  0.5,  1.5,  20000.0,
+                                     1e-12,    59.9,     99.9,         1e4,           1e-17, 3.0,  7.0,  64.0};
     double x;
     uint64_t bits;
     switch (byte(b) % 4) {
-        case 0: return hostile[byte(b) % (sizeof hostile / sizeof *hostile)];
-        case 1: bits = word(b); memcpy(&x, &bits, sizeof x); return x;
-        case 2: return ((int)byte(b) - 128) / 16.0;
-        default: x = pow(10.0, byte(b) / 4.0 - 40.0); return byte(b) % 2 ? -x : x;
+    case 0:
+        return hostile[byte(b) % (sizeof hostile / sizeof *hostile)];
+    case 1:
+        bits = word(b);
+        memcpy(&x, &bits, sizeof x);
+        return x;
+    case 2:
+        return ((int)byte(b) - 128) / 16.0;
+    default:
+        x = pow(10.0, byte(b) / 4.0 - 40.0);
+        return byte(b) % 2 ? -x : x;
     }
 }
 
@@ -102,7 +112,7 @@ static Motion some_motion(Bytes *b) {
 }
 
 enum { MOVED = 8 };
-static const char *const MOVED_NAMES[MOVED] = {"left.y", "left.vy", "left.ay",  "right.y",
+static const char *const MOVED_NAMES[MOVED] = {"left.y",   "left.vy",  "left.ay",  "right.y",
                                                "right.vy", "right.ay", "left.yaw", "left.yaw_rate"};
 
 static void moved(const Motion *m, double t, double values[MOVED]) {
@@ -115,13 +125,12 @@ static void moved(const Motion *m, double t, double values[MOVED]) {
 
 /* a rope of few elements, of all kinds of mesh */
 enum { REALS = 7, INTEGERS = 10 };
-static const char *const REAL_NAMES[REALS] = {"rope.length",          "mesh.coarse_length",        "right.y",
-                                              "left.swivel.release_time", "right.swivel.release_time", "solver.step_max",
-                                              "rope.installed_twist"};
+static const char *const REAL_NAMES[REALS] = {
+    "rope.length",     "mesh.coarse_length",  "right.y", "left.swivel.release_time", "right.swivel.release_time",
+    "solver.step_max", "rope.installed_twist"};
 static const char *const INTEGER_NAMES[INTEGERS] = {
-    "mesh.elements",  "mesh.counts[1]", "mesh.counts[2]", "mesh.counts[3]", "mesh.counts[4]",
-    "mesh.counts[5]", "mesh.end_levels", "mesh.kind",     "left.swivel.mode",
-    "model.rung"};
+    "mesh.elements",  "mesh.counts[1]",  "mesh.counts[2]", "mesh.counts[3]",   "mesh.counts[4]",
+    "mesh.counts[5]", "mesh.end_levels", "mesh.kind",      "left.swivel.mode", "model.rung"};
 
 static void small(unsigned which, double reals[REALS], int integers[INTEGERS]) {
     reals[0] = 30.0, reals[1] = 1.5, reals[2] = 0.0;
@@ -195,11 +204,11 @@ static void heard(int status, const char *message) {
     told += status == ERROR;
 }
 
-#define CALL(call)                                                        \
-    do {                                                                  \
-        unsigned long before_call = told;                                 \
-        int returned = (call);                                            \
-        REQUIRE(returned == OK || returned == DISCARD || (returned == ERROR && told > before_call)); \
+#define CALL(call)                                                                                                     \
+    do {                                                                                                               \
+        unsigned long before_call = told;                                                                              \
+        int returned = (call);                                                                                         \
+        REQUIRE(returned == OK || returned == DISCARD || (returned == ERROR && told > before_call));                   \
     } while (0)
 
 enum { STATES = 3, HOSTS = 2, MOST_VALUES = 512 };
@@ -267,8 +276,7 @@ static void set_some(Bytes *b, Instance c) {
     size_t number_of = vr < MODEL_SCALARS ? MODEL_VARIABLES[vr].length : 1;
     int kind = wrong >= 250 || vr >= MODEL_SCALARS ? (int)(byte(b) % 5) : (int)MODEL_VARIABLES[vr].kind;
     for (k = 0; k < MOST_VALUES; k++) reals[k] = 1.0, integers[k] = 4;
-    for (k = 0; k < 2; k++)
-        reals[k] = number(b), integers[k] = byte(b) % 4 ? (int64_t)byte(b) - 2 : (int64_t)word(b);
+    for (k = 0; k < 2; k++) reals[k] = number(b), integers[k] = byte(b) % 4 ? (int64_t)byte(b) - 2 : (int64_t)word(b);
     if (wrong >= 240 && wrong < 250) number_of = byte(b);
     CALL(api_set(c, kind, vr, reals, integers, number_of > MOST_VALUES ? MOST_VALUES : number_of));
 }
@@ -291,21 +299,29 @@ static void states(Bytes *b, Instance c, Saved *state) {
     unsigned char *bytes;
     size_t size = 0, kept;
     switch (byte(b) % 8) {
-        case 0: case 1: CALL(api_save(c, state)); break;
-        case 2: case 3: CALL(api_restore(c, *state)); break;
-        case 4: CALL(api_forget(c, state)); break;
-        default:
-            if (!*state) CALL(api_save(c, state));
-            if (!*state) return;
-            CALL(api_size(c, *state, &size));
-            REQUIRE(bytes = malloc(size));
-            CALL(api_write(c, *state, bytes, size - 1));
-            CALL(api_write(c, *state, bytes, size));
-            CALL(api_forget(c, state));
-            kept = damaged(b, bytes, size);
-            CALL(api_read(c, bytes, kept, state));
-            free(bytes);
-            if (*state) CALL(api_restore(c, *state));
+    case 0:
+    case 1:
+        CALL(api_save(c, state));
+        break;
+    case 2:
+    case 3:
+        CALL(api_restore(c, *state));
+        break;
+    case 4:
+        CALL(api_forget(c, state));
+        break;
+    default:
+        if (!*state) CALL(api_save(c, state));
+        if (!*state) return;
+        CALL(api_size(c, *state, &size));
+        REQUIRE(bytes = malloc(size));
+        CALL(api_write(c, *state, bytes, size - 1));
+        CALL(api_write(c, *state, bytes, size));
+        CALL(api_forget(c, state));
+        kept = damaged(b, bytes, size);
+        CALL(api_read(c, bytes, kept, state));
+        free(bytes);
+        if (*state) CALL(api_restore(c, *state));
     }
 }
 
@@ -358,18 +374,49 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         Saved *state = saved + (op >> 1) % STATES;
         left = op < 250 ? (size_t)-1 : byte(b) % 4;
         switch (op / 2 % 16) {
-            case 0: start = number(b), stop = number(b); CALL(api_enter(h->c, start, byte(b) % 2, stop)); break;
-            case 1: case 2: CALL(api_exit(h->c)); break;
-            case 3: step(h, number(b)); break;
-            case 4: start = number(b); CALL(api_step(h->c, start, number(b))); break;
-            case 5: case 6: set_some(b, h->c); break;
-            case 7: get_all(h->c, byte(b) != 1); break;
-            case 8: case 9: states(b, h->c, state); break;
-            case 10: derivative(b, h->c); break;
-            case 11: CALL(api_other(b, h->c)); break;
-            case 12: CALL(api_terminate(h->c)); break;
-            case 13: CALL(api_reset(h->c)); set_small(h->c, byte(b)); begin(h, 0.0); break;
-            default: follow(h, (1 + byte(b) % 8) * 0.01); break;
+        case 0:
+            start = number(b), stop = number(b);
+            CALL(api_enter(h->c, start, byte(b) % 2, stop));
+            break;
+        case 1:
+        case 2:
+            CALL(api_exit(h->c));
+            break;
+        case 3:
+            step(h, number(b));
+            break;
+        case 4:
+            start = number(b);
+            CALL(api_step(h->c, start, number(b)));
+            break;
+        case 5:
+        case 6:
+            set_some(b, h->c);
+            break;
+        case 7:
+            get_all(h->c, byte(b) != 1);
+            break;
+        case 8:
+        case 9:
+            states(b, h->c, state);
+            break;
+        case 10:
+            derivative(b, h->c);
+            break;
+        case 11:
+            CALL(api_other(b, h->c));
+            break;
+        case 12:
+            CALL(api_terminate(h->c));
+            break;
+        case 13:
+            CALL(api_reset(h->c));
+            set_small(h->c, byte(b));
+            begin(h, 0.0);
+            break;
+        default:
+            follow(h, (1 + byte(b) % 8) * 0.01);
+            break;
         }
     }
     as_new(&hosts[size % HOSTS], forces);

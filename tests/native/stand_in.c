@@ -51,7 +51,9 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     return rope;
 }
 
-void rope_destroy(Simulator *rope) { rope->memory.give_back(rope); }
+void rope_destroy(Simulator *rope) {
+    rope->memory.give_back(rope);
+}
 
 static int moves_well(Simulator *rope, double h, const EndMotion ends[2]) {
     int side;
@@ -97,13 +99,27 @@ int rope_retune(Simulator *rope, const Scene *scene) {
     return 1;
 }
 
-const char *rope_message(const Simulator *rope) { return rope->message; }
-int rope_is_initialized(const Simulator *rope) { return rope->state.initialized; }
-int rope_has_moved(const Simulator *rope) { return rope->state.steps > 0; }
-double rope_time(const Simulator *rope) { return rope->state.t; }
-int rope_elements(const Simulator *rope) { return rope->state.elements; }
-const char *rope_rung(const Simulator *rope) { return rope->state.initialized ? "torsional" : ""; }
-const char *rope_rung_reason(const Simulator *rope) { return rope->state.initialized ? "a stand-in has one rung" : ""; }
+const char *rope_message(const Simulator *rope) {
+    return rope->message;
+}
+int rope_is_initialized(const Simulator *rope) {
+    return rope->state.initialized;
+}
+int rope_has_moved(const Simulator *rope) {
+    return rope->state.steps > 0;
+}
+double rope_time(const Simulator *rope) {
+    return rope->state.t;
+}
+int rope_elements(const Simulator *rope) {
+    return rope->state.elements;
+}
+const char *rope_rung(const Simulator *rope) {
+    return rope->state.initialized ? "torsional" : "";
+}
+const char *rope_rung_reason(const Simulator *rope) {
+    return rope->state.initialized ? "a stand-in has one rung" : "";
+}
 
 static double leg_mass(const Simulator *rope, int side) {
     const EndMotion *ends = rope->state.ends;
@@ -139,7 +155,9 @@ size_t rope_state_bytes(const Simulator *rope) {
     return sizeof(State);
 }
 
-void rope_save(const Simulator *rope, void *to) { memcpy(to, &rope->state, sizeof rope->state); }
+void rope_save(const Simulator *rope, void *to) {
+    memcpy(to, &rope->state, sizeof rope->state);
+}
 
 int rope_restore(Simulator *rope, const void *from, size_t bytes) {
     const State *state = from;
