@@ -44,11 +44,8 @@ _GROUPS: dict[str, type[Any]] = {
     "solver": Solver,
     "model": Model,
 }
-#: inputs beyond are refused: metres or radians, their rates, accelerations (simulation.ends.checked)
-_REACH = {"m": 1e4, "rad": 1e4, "m/s": 60.0, "rad/s": 60.0, "m/s2": 100.0}
 #: outputs that are never negative
 _NOT_NEGATIVE = ("count.", "stress.", "shape.bending", "shape.torsion", "energy.kinetic")
-_INPUT_UNIT = {"": "m", "v": "m/s", "a": "m/s2"}
 #: names of the inputs of each side in the order of EndMotion
 MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
 
@@ -130,18 +127,12 @@ def _parameter(name: str, kind: type[Any], value: Any) -> Variable:
 
 
 def _inputs(travel: float) -> Iterator[Variable]:
-    def one(name: str, unit: str, start: float, text: str) -> Variable:
-        return Variable(name, "input", "continuous", "Real", unit, start, text, -_REACH[unit], _REACH[unit])
-
     for side in SIDES:
-        for derivative, what in (("", "position"), ("v", "speed"), ("a", "acceleration")):
-            for axis in "xyz":
-                start = travel if (side, derivative + axis) == ("right", "y") else 0.0
-                where = {"x": "in plane, from the nominal point", "y": "up", "z": "out of plane"}[axis]
-                text = f"{what} of the {side} suspension point, {where}"
-                yield one(f"{side}.{derivative}{axis}", _INPUT_UNIT[derivative], start, text)
-        yield one(f"{side}.yaw", "rad", 0.0, f"yaw of the {side} conveyance about Y")
-        yield one(f"{side}.yaw_rate", "rad/s", 0.0, f"rate of {side}.yaw")
+        for name, p in parameters_of(EndMotion).items():
+            start = travel if (side, name) == ("right", "y") else 0.0
+            text = p.description.format(side=side)
+            bounds = numeric_bounds(EndMotion, name)
+            yield Variable(f"{side}.{name}", "input", "continuous", "Real", p.unit, start, text, *bounds)
 
 
 def _outputs() -> Iterator[Variable]:

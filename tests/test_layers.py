@@ -18,7 +18,12 @@ MAY_IMPORT = {
     "rope_model.parameters": {"rope_model.parameter_table"},
     "rope_model.physics": set(),
     "rope_model.numerics": set(),
-    "rope_model.simulation": {"rope_model.parameters", "rope_model.physics", "rope_model.numerics"},
+    "rope_model.simulation": {
+        "rope_model.parameter_table",
+        "rope_model.parameters",
+        "rope_model.physics",
+        "rope_model.numerics",
+    },
     "rope_model.native": {
         "rope_model.parameter_table",
         "rope_model.parameters",

@@ -36,7 +36,7 @@ from rope_model.native.structures import (
 from rope_model.native.tables import parameter_bounds, parameter_structures
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import CHOICES, Mesh, Model, Preset, Rope, RungChoice, Scene, Swivel
-from rope_model.simulation.ends import SIDES, EndMotion, EndPath, HangingEnds, checked, nominal_points
+from rope_model.simulation.ends import SIDES, EndMotion, EndPath, HangingEnds, nominal_points, refusal
 from rope_model.simulation.rigid import lowest_tension, rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.rungs import LADDER, carries_torque, chosen, ends_after, lowest_able, outgrown
@@ -163,7 +163,7 @@ def test_path_through_any_motions_is_the_same(
 
 
 def end_message(native: Any, target: EndMotion, path: EndPath, side: int) -> str:
-    return text_of(native.end_checked, ct.byref(end_structure(target)), ct.byref(path_structure(path)), side)
+    return text_of(native.end_refusal, ct.byref(end_structure(target)), ct.byref(path_structure(path)), side)
 
 
 @pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(EndMotion)])
@@ -172,8 +172,8 @@ def test_end_that_is_out_of_bounds_has_the_same_message(native: Any, side: int, 
     path = EndPath.resting(0.0, EndMotion())
     for value in (math.nan, -math.nan, math.inf, -math.inf, -100000.25, 1.234567e9, 60.0, 60.001, 100.0, 100.1, 1e4):
         target = EndMotion(**{name: value})
-        assert end_message(native, target, path, side) == checked(target, path, SIDES[side])
-    assert checked(EndMotion(**{name: 1e9}), path, SIDES[side])
+        assert end_message(native, target, path, side) == refusal(target, path, SIDES[side])
+    assert refusal(EndMotion(**{name: 1e9}), path, SIDES[side])
 
 
 @pytest.mark.parametrize("name", ["x", "y", "z", "yaw", "vx", "vy", "vz", "yaw_rate"])
@@ -181,8 +181,8 @@ def test_motion_that_does_not_fit_together_has_the_same_message(native: Any, nam
     for value in (0.001, 0.4321, 1.0, 50.0):
         target = EndMotion(**{name: value})
         path = EndPath.resting(0.0, EndMotion()).to(0.02, target)
-        assert end_message(native, target, path, 1) == checked(target, path, "right")
-    assert "do not fit together" in checked(target, path, "right")
+        assert end_message(native, target, path, 1) == refusal(target, path, "right")
+    assert "do not fit together" in refusal(target, path, "right")
 
 
 @pytest.mark.parametrize("mode", ["locked", "free", "coulomb"])
@@ -219,7 +219,7 @@ def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
     return structure
 
 
-def refusal(values: dict[str, Any]) -> str:
+def message_of(values: dict[str, Any]) -> str:
     try:
         scene_of(values)
     except ValueError as error:
@@ -239,7 +239,7 @@ INTEGERS = (-2147483648, -1, 0, 1, 2, 3, 4, 5, 6, 8, 9, 20000, 20001)
 def test_parameter_out_of_range_is_refused_with_the_same_message(native: Any, name: str) -> None:
     refused = 0
     for value in REALS if isinstance(PARAMETERS[name], float) else INTEGERS:
-        message = refusal(PARAMETERS | {name: value})
+        message = message_of(PARAMETERS | {name: value})
         structure = with_values(Scene(), {name: value})
         assert text_of(native.scene_checked, ct.byref(structure)) == message
         refused += bool(message)
@@ -252,7 +252,7 @@ def test_first_of_several_parameters_out_of_range_is_named(native: Any) -> None:
     for _ in range(300):
         names = chance.sample(sorted(PARAMETERS), 3)
         values = {n: chance.choice(REALS if isinstance(PARAMETERS[n], float) else INTEGERS) for n in names}
-        message = refusal(PARAMETERS | values)
+        message = message_of(PARAMETERS | values)
         assert text_of(native.scene_checked, ct.byref(with_values(Scene(), values))) == message
         seen.add(message.split(" = ")[0])
     assert len(seen) > 20

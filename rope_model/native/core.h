@@ -131,7 +131,7 @@ Path path_to(const Path *path, double stop, const EndMotion *target, double with
 /* value, rate and acceleration of x, y, z or yaw */
 void path_rates(const Path *path, double t, int axis, double rates[3]);
 EndMotion path_end(const Path *path); /* the motion in which it ends; rungs.ends_after */
-void end_checked(const EndMotion *target, const Path *path, int side, char *message);
+void end_refusal(const EndMotion *target, const Path *path, int side, char *message);
 /* of the conveyance's yaw in theta */
 static const double YAW_SENSE[2] = {-1.0, 1.0};
 double swivel_friction(const Swivel *swivel, double mu, double tension);

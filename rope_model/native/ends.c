@@ -68,18 +68,16 @@ static double peak_acceleration(const Path *path, int axis) {
     return peak;
 }
 
-void end_checked(const EndMotion *target, const Path *path, int side, char *message) {
+void end_refusal(const EndMotion *target, const Path *path, int side, char *message) {
     static const char *const sides[] = {"left", "right"};
-    static const char *const names[] = {"x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw", "yaw_rate"};
-    /* bounds of position (m; rad), speed (m/s; rad/s) and of the acceleration inside the step (m/s^2) */
-    const double distant = 1e4, fast = 60.0, hard = 100.0;
+    static const char *const names[] = END_MOTION_NAMES;
+    static const double bounds[] = END_MOTION_REACH;
     const double *x = target->x, *v = target->v, *a = target->a;
     const double values[] = {x[0], x[1], x[2], v[0], v[1], v[2], a[0], a[1], a[2], target->yaw, target->yaw_rate};
-    const double bounds[] = {distant, distant, distant, fast, fast, fast, hard, hard, hard, distant, fast};
     double peaks[AXES];
     int worst = 0;
     message[0] = '\0';
-    for (int i = 0; i < 11; i++) {
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) {
         if (!isfinite(values[i])) {
             snprintf(message, MESSAGE, "input %s.%s = %s is not finite; check the signal connected to it", sides[side],
                      names[i], EXACT(values[i]));
@@ -95,12 +93,12 @@ void end_checked(const EndMotion *target, const Path *path, int side, char *mess
         peaks[axis] = peak_acceleration(path, axis);
         if (peaks[axis] > peaks[worst]) worst = axis;
     }
-    if (!(peaks[worst] <= hard))
+    if (!(peaks[worst] <= HARDEST))
         snprintf(message, MESSAGE,
                  "inputs %s.%s and its derivatives do not fit together: reaching them within the step would take %s "
                  "%s (bound %s); give position, speed and acceleration of one smooth motion",
                  sides[side], worst == YAW ? "yaw" : names[worst], ROUNDED(peaks[worst], 3),
-                 worst == YAW ? "rad/s^2" : "m/s^2", ROUNDED(hard, 6));
+                 worst == YAW ? "rad/s^2" : "m/s^2", ROUNDED(HARDEST, 6));
 }
 
 double swivel_friction(const Swivel *swivel, double mu, double tension) {

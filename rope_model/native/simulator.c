@@ -197,7 +197,7 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
         const EndMotion *end = &ends[side];
         double fastest = fabs(end->yaw_rate);
         state->paths[side] = path_resting(t, end);
-        end_checked(end, &state->paths[side], side, message);
+        end_refusal(end, &state->paths[side], side, message);
         if (message[0]) return fails(rope, message);
         for (k = 0; k < 3; ++k) fastest = fmax(fastest, fabs(end->v[k]));
         if (fastest > 1e-6) {
@@ -380,7 +380,7 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double with
     state_copy(rope, state, rope->state);
     for (side = 0; side < 2; ++side) state->paths[side] = path_to(&rope->state->paths[side], t, &ends[side], within);
     for (side = 0; side < 2; ++side) {
-        end_checked(&ends[side], &state->paths[side], side, message);
+        end_refusal(&ends[side], &state->paths[side], side, message);
         if (message[0]) return fails(rope, message);
     }
     state->switched = state->happened = 0;

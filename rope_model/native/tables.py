@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 from ..parameter_table import Parameter, check_order, parameters_of
 from ..parameters import MOST_ELEMENTS, RungChoice
+from ..simulation.ends import HARDEST, REACH
 from ..simulation.left_out import left_out_text
 from ..simulation.rungs import LADDER
 from ..simulation.signals import SHAPE_POINTS, SIGNALS, group_of
@@ -44,8 +45,13 @@ def constant(name: str) -> str:
 
 
 def parameter_structures() -> str:
-    """The text of parameters.h: the codes of choices, and a structure for each group of parameters."""
+    """The text of parameters.h: bounds of motions, the codes of choices, a structure for each group of parameters."""
     parts = [f"enum {{ MOST_ELEMENTS = {MOST_ELEMENTS} }};\n"]
+    names, reach = ", ".join(map(json.dumps, REACH)), ", ".join(map(repr, REACH.values()))
+    parts.append(
+        "/* of the values of an EndMotion: names, largest sizes, and the largest acceleration within a step */\n"
+        f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n#define HARDEST {HARDEST}\n"
+    )
     parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
     text = "\n".join(parts)
     return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"

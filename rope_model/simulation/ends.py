@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics import quintic
+from ..parameter_table import numeric_bounds, parameter, parameters_of
 from ..parameters import Swivel
 from ..physics.swivel import friction_moment
 from .rope_system import ANGLE, POSITION, Array
@@ -41,6 +42,15 @@ SHORTEST_AIM = 1e-5
 ALIKE = 1e-6
 
 
+#: m and rad, m/s and rad/s, m/s^2 and rad/s^2: motions beyond are refused
+FARTHEST, FASTEST, HARDEST = 1e4, 60.0, 100.0
+
+
+def _motion(unit: str, description: str, reach: float) -> float:
+    """A field of EndMotion; {side} stands for left or right."""
+    return parameter(0.0, unit, description, lower=-reach, upper=reach)
+
+
 @dataclass(frozen=True)
 class EndMotion:
     """Motion of a conveyance's suspension point; x and z from the nominal point, y the height in the shaft.
@@ -48,17 +58,17 @@ class EndMotion:
     Metres, seconds, radians; yaw about Y (up).
     """
 
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
-    vx: float = 0.0
-    vy: float = 0.0
-    vz: float = 0.0
-    ax: float = 0.0
-    ay: float = 0.0
-    az: float = 0.0
-    yaw: float = 0.0
-    yaw_rate: float = 0.0
+    x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", FARTHEST)
+    y: float = _motion("m", "position of the {side} suspension point, up", FARTHEST)
+    z: float = _motion("m", "position of the {side} suspension point, out of plane", FARTHEST)
+    vx: float = _motion("m/s", "speed of the {side} suspension point, in plane", FASTEST)
+    vy: float = _motion("m/s", "speed of the {side} suspension point, up", FASTEST)
+    vz: float = _motion("m/s", "speed of the {side} suspension point, out of plane", FASTEST)
+    ax: float = _motion("m/s2", "acceleration of the {side} suspension point, in plane", HARDEST)
+    ay: float = _motion("m/s2", "acceleration of the {side} suspension point, up", HARDEST)
+    az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", HARDEST)
+    yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", FARTHEST)
+    yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
 
     def extrapolated(self, h: float) -> EndMotion:
         """The motion ``h`` seconds later if the accelerations stay as they are."""
@@ -233,24 +243,25 @@ def nominal_points(spacing: float) -> Array:
     return np.array([[-0.5 * spacing, 0.0, 0.0], [0.5 * spacing, 0.0, 0.0]])
 
 
-def checked(target: EndMotion, path: EndPath, side: str, limits: Sequence[float] = (1e4, 60.0, 100.0)) -> str:
-    """'' when an end can follow ``path`` to ``target``; otherwise what is wrong, with bound and cure.
+#: largest size of each value of EndMotion
+REACH = {name: float(numeric_bounds(EndMotion, name)[1] or 0.0) for name in parameters_of(EndMotion)}
 
-    ``limits`` bound position (m; rad for the yaw), speed (m/s; rad/s) and the acceleration inside the step (m/s^2).
-    """
-    bounds = [limits[0]] * 3 + [limits[1]] * 3 + [limits[2]] * 3 + [limits[0], limits[1]]
-    for (name, value), bound in zip(vars(target).items(), bounds, strict=True):
+
+def refusal(target: EndMotion, path: EndPath, side: str) -> str:
+    """'' when an end can follow ``path`` to ``target``; otherwise what is wrong, with bound and cure."""
+    for name, bound in REACH.items():
+        value = getattr(target, name)
         if not math.isfinite(value):
             return f"input {side}.{name} = {value} is not finite; check the signal connected to it"
-        if abs(value) > bound:
+        if not -bound <= value <= bound:
             return f"input {side}.{name} = {value:g} is beyond +-{bound:g} (SI units); check its unit and connection"
     peak = path.peak_acceleration()
     worst = max(range(4), key=peak.__getitem__)
-    if not peak[worst] <= limits[2]:
+    if not peak[worst] <= HARDEST:
         unit = "rad/s^2" if worst == 3 else "m/s^2"
         return (
             f"inputs {side}.{PATH[worst]} and its derivatives do not fit together: reaching them within the step "
-            f"would take {peak[worst]:.3g} {unit} (bound {limits[2]:g}); give position, speed and acceleration of one "
+            f"would take {peak[worst]:.3g} {unit} (bound {HARDEST:g}); give position, speed and acceleration of one "
             "smooth motion"
         )
     return ""

@@ -25,7 +25,7 @@ from .adaptation import in_good_frame, raised, transformed_if_due, with_good_pol
 from .balance_rope import BalanceRope, Status
 from .caveats import CAVEATS
 from .diagnostics import LoopBottom, loop_bottom
-from .ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, checked, nominal_points
+from .ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, nominal_points, refusal
 from .mesh import LATEST, Partition, distance_to_due, misplaced, partition, suited
 from .model import RopeModel, ends_of, energies, powers
 from .rigid import rigid_added_mass, rigid_rope
@@ -177,7 +177,7 @@ class RopeSimulator(BalanceRope):
             )
         paths = (EndPath.resting(t, left), EndPath.resting(t, right))
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
-            if message := checked(target, path, side):
+            if message := refusal(target, path, side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
                 return Status(False, f"the {side} end moves at the start; a run starts from rest: give zero speeds")
@@ -271,7 +271,7 @@ class RopeSimulator(BalanceRope):
             )
         paths = tuple(path.to(t, target, within) for path, target in zip(state.paths, (left, right), strict=True))
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
-            if message := checked(target, path, side):
+            if message := refusal(target, path, side):
                 return Status(False, message)
         state = state._replace(paths=(paths[0], paths[1]), events=())
         if why := outgrown(self.scene, state.rung, (left, right)):
