@@ -271,55 +271,22 @@ static fmi3Status set(Instance *i, const char *function, Kind kind, const fmi3Va
     return fmi3Error;
 }
 
-fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                          fmi3Float64 values[], size_t nValues) {
-    return get(instance, "fmi3GetFloat64", KIND_REAL, valueReferences, nValueReferences, values, nValues);
-}
+/* the two functions of a type that this FMU has variables of */
+#define VARIABLES_OF(Type, kind)                                                                                       \
+    fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
+                             size_t nValueReferences, fmi3##Type values[], size_t nValues) {                           \
+        return get(instance, "fmi3Get" #Type, kind, valueReferences, nValueReferences, values, nValues);               \
+    }                                                                                                                  \
+    fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
+                             size_t nValueReferences, const fmi3##Type values[], size_t nValues) {                     \
+        return set(instance, "fmi3Set" #Type, kind, valueReferences, nValueReferences, values, nValues);               \
+    }
 
-fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        fmi3Int32 values[], size_t nValues) {
-    return get(instance, "fmi3GetInt32", KIND_INTEGER, valueReferences, nValueReferences, values, nValues);
-}
-
-fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        fmi3Int64 values[], size_t nValues) {
-    return get(instance, "fmi3GetInt64", KIND_ENUMERATION, valueReferences, nValueReferences, values, nValues);
-}
-
-fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                          fmi3Boolean values[], size_t nValues) {
-    return get(instance, "fmi3GetBoolean", KIND_BOOLEAN, valueReferences, nValueReferences, values, nValues);
-}
-
-fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         fmi3String values[], size_t nValues) {
-    return get(instance, "fmi3GetString", KIND_STRING, valueReferences, nValueReferences, values, nValues);
-}
-
-fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                          const fmi3Float64 values[], size_t nValues) {
-    return set(instance, "fmi3SetFloat64", KIND_REAL, valueReferences, nValueReferences, values, nValues);
-}
-
-fmi3Status fmi3SetInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        const fmi3Int32 values[], size_t nValues) {
-    return set(instance, "fmi3SetInt32", KIND_INTEGER, valueReferences, nValueReferences, values, nValues);
-}
-
-fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        const fmi3Int64 values[], size_t nValues) {
-    return set(instance, "fmi3SetInt64", KIND_ENUMERATION, valueReferences, nValueReferences, values, nValues);
-}
-
-fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                          const fmi3Boolean values[], size_t nValues) {
-    return set(instance, "fmi3SetBoolean", KIND_BOOLEAN, valueReferences, nValueReferences, values, nValues);
-}
-
-fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const fmi3String values[], size_t nValues) {
-    return set(instance, "fmi3SetString", KIND_STRING, valueReferences, nValueReferences, values, nValues);
-}
+VARIABLES_OF(Float64, KIND_REAL)
+VARIABLES_OF(Int32, KIND_INTEGER)
+VARIABLES_OF(Int64, KIND_ENUMERATION)
+VARIABLES_OF(Boolean, KIND_BOOLEAN)
+VARIABLES_OF(String, KIND_STRING)
 
 /* types that this FMU has no variables of */
 
@@ -328,89 +295,25 @@ static fmi3Status none_of(Instance *i, const char *function, size_t number) {
     return status(!number || component_refuse(i->component, "there is no variable of this type"));
 }
 
-fmi3Status fmi3GetFloat32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                          fmi3Float32 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3GetFloat32", nValueReferences);
-}
+#define NO_VARIABLES_OF(Type)                                                                                          \
+    fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
+                             size_t nValueReferences, fmi3##Type values[], size_t nValues) {                           \
+        (void)valueReferences, (void)values, (void)nValues;                                                            \
+        return none_of(instance, "fmi3Get" #Type, nValueReferences);                                                   \
+    }                                                                                                                  \
+    fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
+                             size_t nValueReferences, const fmi3##Type values[], size_t nValues) {                     \
+        (void)valueReferences, (void)values, (void)nValues;                                                            \
+        return none_of(instance, "fmi3Set" #Type, nValueReferences);                                                   \
+    }
 
-fmi3Status fmi3SetFloat32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                          const fmi3Float32 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3SetFloat32", nValueReferences);
-}
-
-fmi3Status fmi3GetInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                       fmi3Int8 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3GetInt8", nValueReferences);
-}
-
-fmi3Status fmi3SetInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                       const fmi3Int8 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3SetInt8", nValueReferences);
-}
-
-fmi3Status fmi3GetUInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        fmi3UInt8 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3GetUInt8", nValueReferences);
-}
-
-fmi3Status fmi3SetUInt8(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        const fmi3UInt8 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3SetUInt8", nValueReferences);
-}
-
-fmi3Status fmi3GetInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        fmi3Int16 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3GetInt16", nValueReferences);
-}
-
-fmi3Status fmi3SetInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        const fmi3Int16 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3SetInt16", nValueReferences);
-}
-
-fmi3Status fmi3GetUInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         fmi3UInt16 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3GetUInt16", nValueReferences);
-}
-
-fmi3Status fmi3SetUInt16(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const fmi3UInt16 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3SetUInt16", nValueReferences);
-}
-
-fmi3Status fmi3GetUInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         fmi3UInt32 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3GetUInt32", nValueReferences);
-}
-
-fmi3Status fmi3SetUInt32(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const fmi3UInt32 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3SetUInt32", nValueReferences);
-}
-
-fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         fmi3UInt64 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3GetUInt64", nValueReferences);
-}
-
-fmi3Status fmi3SetUInt64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const fmi3UInt64 values[], size_t nValues) {
-    (void)valueReferences, (void)values, (void)nValues;
-    return none_of(instance, "fmi3SetUInt64", nValueReferences);
-}
+NO_VARIABLES_OF(Float32)
+NO_VARIABLES_OF(Int8)
+NO_VARIABLES_OF(UInt8)
+NO_VARIABLES_OF(Int16)
+NO_VARIABLES_OF(UInt16)
+NO_VARIABLES_OF(UInt32)
+NO_VARIABLES_OF(UInt64)
 
 fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          size_t valueSizes[], fmi3Binary values[], size_t nValues) {
