@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import inspect
 import math
 import os
 import shutil
@@ -35,7 +34,7 @@ from fmu_src.native.mach_o import universal
 from fmu_src.profile import FULL
 from rope_model.native.tables import parameter_structures
 from rope_model.parameters import rope_120
-from rope_model.simulation.ends import checked
+from rope_model.simulation.ends import EndMotion, EndPath, refusal
 
 ROOT = Path(__file__).resolve().parent.parent
 SCHEMAS = Path(fmpy.__file__).with_name("schema")
@@ -186,11 +185,15 @@ def test_min_and_max_of_a_parameter_are_taken_by_the_rope() -> None:
 
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
-    position, speed, acceleration = inspect.signature(checked).parameters["limits"].default
-    reach = {"m": position, "rad": position, "m/s": speed, "rad/s": speed, "m/s2": acceleration}
-    for v in variables(rope_120()):
-        if v.causality == "input":
-            assert (v.minimum, v.maximum) == (-reach[v.unit], reach[v.unit]), v.name
+    resting = EndPath.resting(0.0, EndMotion())
+    inputs = [v for v in variables(rope_120()) if v.causality == "input"]
+    assert len(inputs) == 22
+    for v in inputs:
+        side, name = v.name.split(".")
+        for bound in (v.minimum, v.maximum):
+            assert bound is not None
+            assert refusal(EndMotion(**{name: bound}), resting, side) == ""
+            assert "beyond" in refusal(EndMotion(**{name: math.nextafter(bound, math.inf * bound)}), resting, side)
 
 
 def test_sources_rebuild_with_fmpy_compile(fmi: int, fmus: dict[int, Path], tmp_path: Path) -> None:
