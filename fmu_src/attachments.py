@@ -23,8 +23,9 @@ packages numpy and casadi (3.6.5 or newer) can be imported.  In a process that i
 libpython3.x (python3.dll on Windows), which the dynamic linker must find, and PYTHONPATH must name the folder of the
 two packages; of several Pythons, preload the right one.
 
-The kernels inside are compiled for the platform of the export; elsewhere CasADi's virtual machine computes the same,
-more slowly.  The native flavour of this FMU has no such needs: balance-rope export --native.
+Kernels compiled for the platform of the export are inside if a C compiler was there, as shared libraries in
+resources/kernels; elsewhere CasADi's virtual machine computes the same, several times more slowly.  The native flavour
+of this FMU has no such needs: balance-rope export --native.
 """
 
 

@@ -16,13 +16,13 @@ from pathlib import Path
 
 from fmu_src.native.build import PLATFORMS
 
-from .wheels import ROOT
+ROOT = Path(__file__).resolve().parent.parent
 
 _FMI = ("2.0", "3.0")
 
 
 def bill_of_materials(files: Sequence[Path]) -> str:
-    """The JSON text for the ``files`` of a release."""
+    """The JSON text for the ``files`` of a release; without files that of what is inside a wheel."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     product = {
         "type": "library",

@@ -16,6 +16,7 @@ import subprocess
 from typing import Literal
 
 from .native.engine import NativeRope
+from .numerics.kernels import last_words
 from .parameters import (
     CHOICES,
     PRESETS,
@@ -89,6 +90,12 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     if form == "auto" and scene.solver.kernels == "auto":
         try:
             return NativeRope(scene)
-        except (RuntimeError, OSError, subprocess.CalledProcessError) as error:
-            log.info("the native rope cannot be had (%s)", error)
+        except RuntimeError as error:  # no compiler
+            log.info("the native rope cannot be had: %s", error)
+        except (OSError, subprocess.CalledProcessError) as error:
+            log.warning(
+                "the native rope cannot be had: %s; the Python form takes some ten times as long. Repair the compiler, "
+                "name another in CC, or ask for form='python'",
+                last_words(error),
+            )
     return RopeSimulator(scene)

@@ -33,6 +33,7 @@ MAY_IMPORT = {
     },
     "rope_model.public": {
         "rope_model.parameters",
+        "rope_model.numerics",
         "rope_model.simulation",
         "rope_model.native",
     },

@@ -7,6 +7,7 @@ changes makes a new one (cheap: the kernels are shared).
 from __future__ import annotations
 
 import copy
+import logging
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +35,7 @@ from ..parameters import Rope
 from ..physics.element import BALANCE, NODE_DOF, RUNGS, STRAINS, Rung, element_functions
 
 Array = NDArray[np.float64]
+log = logging.getLogger(__name__)
 
 #: places of r, r' and theta in a node's row
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
@@ -85,6 +87,12 @@ def write_bundle(elements: int, folder: Path) -> list[Path]:
     """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every rung."""
     folder.mkdir(parents=True, exist_ok=True)
     written, compiler = [], find_compiler()
+    if compiler is None:
+        log.warning(
+            "no compiled kernels go into %s, for want of a C compiler: CasADi's virtual machine takes several times as "
+            "long; install a compiler, or pip install 'balance-rope[compiler]'",
+            folder.name,
+        )
     for rung in RUNGS:
         functions = rope_functions(elements, rung).all()
         library, portable = _bundle_files(folder, elements, rung)
