@@ -326,8 +326,17 @@ def made_up(swing: float, creep: float = 0.0) -> tuple[Result, Hoist, Winding]:
         "left.swivel.slipping": ((t > 3.0) & (t < 5.0)).astype(float),
         "left.swivel.torque": -2.0 * t,
     }
-    clocks = [Stopwatch() for _ in range(3)]
-    return Result(Recording(signals, {}), True, "", t.size, t.size, reference, *clocks), hoist, winding
+    result = Result(
+        recording=Recording(signals, {}),
+        completed=True,
+        cause="",
+        steps=t.size,
+        reference=reference,
+        drive_clock=Stopwatch(),
+        rope_clock=Stopwatch(),
+        start_clock=Stopwatch(),
+    )
+    return result, hoist, winding
 
 
 def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
