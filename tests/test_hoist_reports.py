@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -147,20 +146,34 @@ def test_a_level_is_named_where_mesh_and_rung_are_its_own(scene: Scene, level: s
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
-def test_a_demo_s_reports_state_rope_file_level_and_rung(tmp_path: Path) -> None:
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_a_demo_s_reports_state_rope_file_version_level_and_rung(fmi: str, tmp_path: Path) -> None:
     export, demo = ([sys.executable, "-m", "balance_rope", name] for name in ("export", "demo"))
     fmu, out = tmp_path / "mine.fmu", tmp_path / "out"
 
-    def run(command: list[str]) -> None:
+    def run(command: list[str]) -> str:
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)
         assert done.returncode == 0, done.stderr
+        return done.stdout
 
-    run([*export, "--native", "--platform", "host", "--level", "draft", "--out", str(fmu)])
-    run([*demo, "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)])
+    run([*export, "--native", "--fmi", fmi, "--platform", "host", "--level", "draft", "--out", str(fmu)])
+    said = run([*demo, "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)])
+    title = f"Winding 0.5 m: scene rope-120, balance rope in the FMU mine.fmu, FMI {fmi}.0"
+    assert said.startswith(f"{title}\n")
     for name in ("report.md", "report.html"):
         text = (out / name).read_text(encoding="utf-8")
         assert hashlib.sha256(fmu.read_bytes()).hexdigest() in text
-        for word in ("mine.fmu", "draft", "planar", "rope.EI", "rope.Qa", "0 (locked)", "mesh.loop_error", "native"):
+        for word in (
+            title,
+            "FMI version",
+            "draft",
+            "planar",
+            "rope.EI",
+            "rope.Qa",
+            "0 (locked)",
+            "mesh.loop_error",
+            "native",
+        ):
             assert word in text, (name, word)
         assert "sheave mass" in text
     # the table holds the rope's own rung, and no zero where nothing was computed
@@ -253,11 +266,12 @@ def test_a_system_is_refused_with_the_cure(tmp_path: Path) -> None:
             reader(path)
 
 
-@pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
-def test_fmi_3_is_refused_with_the_cure(fmu_of: Callable[[str], Path]) -> None:
-    path = fmu_of("native-3")
+def test_other_versions_and_kinds_of_fmi_are_refused_with_the_cure(tmp_path: Path) -> None:
+    described = """<fmiModelDescription fmiVersion="1.0" modelName="m" modelIdentifier="m" guid="g"
+        numberOfContinuousStates="0" numberOfEventIndicators="0"><ModelVariables/></fmiModelDescription>"""
+    path = archive(tmp_path / "old.fmu", modelDescription__xml=described)
     for reader in (read_parameters, FmuRope):
-        with pytest.raises(ValueError, match=r"is of FMI 3\.0.*export --native"):
+        with pytest.raises(ValueError, match=r"is of FMI 1\.0, no co-simulation.* FMI 2\.0 and 3\.0: give the FMU of"):
             reader(path)
 
 

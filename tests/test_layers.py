@@ -130,7 +130,10 @@ HOMES = {
         "hoist_demo.study.sampling",
     },
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
-    "fmpy": {"hoist_demo.cosimulation.participants.fmu_rope", "hoist_demo.cosimulation.participants.fmu_parameters"},
+    "fmpy": {
+        "hoist_demo.cosimulation.participants.fmi_versions",
+        "hoist_demo.cosimulation.participants.fmu_parameters",
+    },
     "matplotlib": {"hoist_demo.report.figures"},
     "tqdm": {"hoist_demo.cosimulation.progress", "hoist_demo.command_line.study"},
     "dask": {"hoist_demo.study.cluster"},

@@ -94,7 +94,7 @@ def add_demo(
         help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(CASES)} ({_SCENE}, or that of --resume)",
     )
     rope = demo.add_mutually_exclusive_group()
-    rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 (default: %(default)s)")
+    rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 or 3.0 (%(default)s)")
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without the FMU")
     demo.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
     demo.add_argument("--step", type=float, default=Coupling().step, metavar="H", help="communication step [s] (0.01)")
@@ -188,7 +188,9 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     rows = summarize(result, hoist, winding, coupling)
     before = set(options.out.iterdir())
     with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
-        written = _write(options, result, rows, run, (data, data.level(levels())), signals)
+        title = _title(options, run, data)
+        written = _write(options, title, result, rows, run, (data, data.level(levels())), signals)
+    print(f"{title}\n")
     # warnings have been told when they arose, and the cause is told last
     print(render([row for row in rows if row.quantity not in (WARNING, CAUSE)]))
     print(f"\n{ASSUMED_DATA}\n")
@@ -318,8 +320,18 @@ def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
         signal.signal(signal.SIGINT, before)
 
 
+def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:
+    """What was wound, by what hoist and with which rope."""
+    kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}, FMI {rope.model['FMI version']}"
+    at = run.winding.emergency_at
+    stop = "" if at is None else f", emergency stop at {at:g} s"
+    trip = f"Winding {run.winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}"
+    return ", ".join([trip, *options.set])
+
+
 def _write(
     options: argparse.Namespace,
+    title: str,
     result: Result,
     rows: Sequence[SummaryRow],
     run: RunData,
@@ -347,9 +359,6 @@ def _write(
             written.append(directory / "shapes.csv")
             write_shapes(result.recording, shape_rows(result.recording), written[1])
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
-    kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
-    stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s"
-    title = ", ".join([f"Winding {winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}", *options.set])
     reports = [
         write_report(
             directory / "report.md",

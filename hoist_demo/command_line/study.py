@@ -55,6 +55,7 @@ def _study(options: argparse.Namespace) -> int:
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
+    from hoist_demo.cosimulation.participants.fmu_parameters import fmi_version
     from hoist_demo.study.definition import read_study
 
     if options.workers is not None and options.workers < 1:
@@ -98,6 +99,6 @@ def _study(options: argparse.Namespace) -> int:
     parameters = [name for name in results.table.columns if name in study.units or name in ("case", "controller")]
     meta: dict[str, Any] = {"title": study.title, "parameters": parameters, "best": performed.judged}
     meta |= {"study file": options.study.name, "scene": study.scene, "FMU": study.fmu.name, "SHA-256": study.fmu_hash}
-    meta["version"] = version("balance-rope")
+    meta |= {"FMI version": fmi_version(study.fmu), "version": version("balance-rope")}
     print(f"open in a browser: {study_report(results.table, results.units, meta, store.directory / 'report.html')}")
     return 1 if performed.causes else 0

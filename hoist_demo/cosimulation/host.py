@@ -192,8 +192,8 @@ class Host:
             return Advance(run.memory, f"t = {t:.6g} s: {error}")
 
     def _result(self, recorder: Recorder, steps: int, cause: str) -> Result:
-        planned = self.samples * self.coupling.per_sample
         if cause:
+            planned = self.samples * self.coupling.per_sample
             _log.info("co-simulation stopped after %d of %d steps: %s", steps, planned, cause)
         seen = self.outlook
         return Result(
@@ -201,7 +201,6 @@ class Host:
             completed=not cause,
             cause=cause,
             steps=steps,
-            planned_steps=planned,
             reference=self.reference,
             drive_clock=self.drive_clock,
             rope_clock=self.rope_clock,

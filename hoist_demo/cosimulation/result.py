@@ -19,7 +19,6 @@ class Result:
     completed: bool
     cause: str  # "" when completed
     steps: int  # communication steps done
-    planned_steps: int
     reference: Reference
     drive_clock: Stopwatch  # of the drive's steps
     rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
