@@ -101,7 +101,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built here)",
     )
     export.add_argument(
-        "--scene",
+        "--case",
         choices=tuple(CASES),
         default="rope-120",
         metavar="NAME",
@@ -143,7 +143,7 @@ def _levels() -> dict[str, dict[str, float]]:
             v.name: v.start
             for v in table
             if (isinstance(v.start, float) and v.name.startswith(("mesh.", "solver.", "model.")))
-            or (isinstance(v.start, int) and v.name in ("mesh.kind", "model.rung"))
+            or (isinstance(v.start, int) and v.name in ("mesh.kind", "model.fidelity"))
         }
     return numbers
 
@@ -157,7 +157,7 @@ def _export(options: argparse.Namespace) -> int:
     if options.scalar and ("native", 3) not in wanted:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
     paths = _paths(options.out, wanted)
-    scene = CASES[options.scene]
+    scene = CASES[options.case]
     start = {**scene.rope, "right.y": abs(scene.winding.travel)}
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar, stop=duration(scene.winding))
@@ -170,7 +170,7 @@ def _export(options: argparse.Namespace) -> int:
             export_fmu(path, level=options.level, start=start, profile=profile, platforms=asked)
         rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), f"{path.stat().st_size / 1e6:.2f} MB"))
         if options.ssp:
-            ssp = _system(path, options.scene, asked, fmi)
+            ssp = _system(path, options.case, asked, fmi)
             rows.append(
                 (str(ssp), f"{flavour} rope, native drive", f"{fmi}.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB")
             )

@@ -30,8 +30,8 @@ from tqdm import tqdm
 from fmu_src.export import export_fmu
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
-from hoist_demo.cases.table import case_named
-from hoist_demo.control.reference import s_curve
+from hoist_demo.cases.table import find_case
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion
@@ -72,9 +72,9 @@ def window(form: str, scene: str) -> float:
 
 def in_process(form: str, name: str) -> Stepper:
     """The rope in this process."""
-    winding = replace(case_named(name).winding, start_delay=0.0)
+    winding = replace(find_case(name).winding, start_delay=0.0)
     reference, travel = s_curve(winding), winding.travel
-    scene = rope_data(case_named(name).rope)
+    scene = rope_data(find_case(name).rope)
     if form == "native":
         rope = balance_rope(scene, "native")
     else:
@@ -91,10 +91,10 @@ def in_process(form: str, name: str) -> Stepper:
 
 def through_fmu(form: str, path: Path, name: str) -> Stepper:
     """The rope in an FMU, stepped by FMPy."""
-    winding = replace(case_named(name).winding, start_delay=0.0)
+    winding = replace(find_case(name).winding, start_delay=0.0)
     reference, travel = s_curve(winding), winding.travel
     unread = [name for name in SIGNALS if name not in READ]
-    fmu = FmuRope(path, {**case_named(name).rope, "solver.kernels": KERNELS[form]}, unread)
+    fmu = FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]}, unread)
 
     def motions(t: float) -> list[EndMotion]:
         return [EndMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends_at(reference, travel, t)]
@@ -175,7 +175,7 @@ def main(scene: str = SCENE) -> None:
         starts = instantiation(native)
         sizes = {"native": native.stat().st_size, "Python": python.stat().st_size}
     print(f"winding of {scene}, TMN-ETM, H = {H:g} s, medians of {ROUNDS} rounds")
-    titles = ("real-time factor", "step, median", "95 %", "99 %", "made", "hung up", "memory")
+    titles = ("real-time factor", "step, median", "95 %", "99 %", "made", "initialised", "memory")
     print(f"  {'':<30}" + "".join(f"{title:>17}" for title in titles))
     factors = {}
     for case, runs in found.items():

@@ -105,15 +105,15 @@ def main() -> None:
     swivel["yaw_at_end"] = [float(stores["swivel"].signals(key)["loop.yaw"].iloc[-1]) for key in swivel["key"]]
     page = DOCS / "study_controllers.md"
     draft, complete, tuning = (found[name].table for name in ("controllers", "controllers_complete", "tuning"))
-    verified = words.verified(tuning, DOCS / "studies" / "tuning.toml", COMPLETE)
+    verified = words.verify(tuning, DOCS / "studies" / "tuning.toml", COMPLETE)
     verified.to_csv(DATA / "tuning_complete.csv", index=False, float_format="%.9g", lineterminator="\n")
-    insert(page, "winner", wrapped(words.winner(complete)))
+    insert(page, "winner", wrap(words.winner(complete)))
     insert(page, "controllers_complete", markdown(complete, CONTROLLER_COLUMNS))
-    insert(page, "draft_error", wrapped(words.draft_error(draft, complete)))
+    insert(page, "draft_error", wrap(words.draft_error(draft, complete)))
     insert(page, "controllers", markdown(draft, CONTROLLER_COLUMNS))
-    insert(page, "creep_pays", wrapped(words.creep_pays(creep)))
+    insert(page, "creep_pays", wrap(words.creep_pays(creep)))
     insert(page, "creep", markdown(creep, CREEP_COLUMNS))
-    insert(page, "tuning_pays", wrapped(words.tuning_pays(tuning, verified)))
+    insert(page, "tuning_pays", wrap(words.tuning_pays(tuning, verified)))
     insert(page, "tuning", markdown(verified, TUNING_COLUMNS))
     insert(
         DOCS / "study.md",
@@ -135,7 +135,7 @@ def markdown(table: pd.DataFrame, columns: Mapping[str, tuple[str, float, str]])
     return "\n".join(lines)
 
 
-def wrapped(text: str) -> str:
+def wrap(text: str) -> str:
     """Paragraphs with lines as long as the page's own."""
     return "\n\n".join(textwrap.fill(paragraph, 118, break_on_hyphens=False) for paragraph in text.split("\n\n"))
 

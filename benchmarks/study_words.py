@@ -114,7 +114,7 @@ def creep_figure(creep: pd.DataFrame) -> Figure:
     return figure
 
 
-def verified(tuning: pd.DataFrame, file: Path, fmu: Path) -> pd.DataFrame:
+def verify(tuning: pd.DataFrame, file: Path, fmu: Path) -> pd.DataFrame:
     """The best run of a search's table, and its gains and the default ones on another rope, with their `cost` [s]."""
     study = read_study(file, fmu)
     assert study.tuning is not None

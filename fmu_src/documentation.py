@@ -8,7 +8,7 @@ import sys
 from collections.abc import Collection, Iterable, Iterator
 
 from rope_model.parameters import rope_120
-from rope_model.simulation.left_out import EFFECTS
+from rope_model.simulation.neglected_effects import EFFECTS
 
 from .arrays import DESCRIPTIONS
 from .interface import Variable, variables
@@ -46,7 +46,7 @@ _ALONG = """\
 `shape.tension` follows from the balance of momentum between the left end and the point, so it meets the end forces and
 holds the waves and the damping too; in a loop wider than its suspension it can be negative. `shape.bending` and
 `shape.torsion` are those of the elements (bending as root mean square along each), linear between their middles; the
-bend at a clamped end is sharper than that. A rung without torsion has no torsional stress; the rigid rung has the
+bend at a clamped end is sharper than that. A fidelity without torsion has no torsional stress; the rigid model has the
 tension of its closed form, and the bending of its half circle.
 """
 _ADDED_MASS = """\
@@ -73,26 +73,26 @@ _MINDED = """\
 (category logStatusWarning). `status.valid` stays true:
 
 - *The legs touch or have passed through each other.* Contact is not in the model. At rest, too: a long rope with the
-  default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is hung up. Beyond half a turn of
+  default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is initialised. Beyond half a turn of
   `loop.yaw` against the line between the ends the legs have crossed; then `loop.clearance`, the distance of the present
   shape, is large again, and every result is that of a rope which a real one cannot become.
 - *The loop hangs yawed by more than 30 degrees at rest*, and which datum turns it most: the coupling `rope.Qb`,
   `rope.Qc`, `rope.installed_twist`, or the ends. A real rope is made to turn less; the published coupling on a
   rope of several hundred metres turns it that far.
-- *The rung leaves torsion out*, though the rope carries torque: what it does not compute is 0 (below).
+- *The fidelity leaves torsion out*, though the rope carries torque: what it does not compute is 0 (below).
 - *A communication step above 20 ms with extrapolated inputs*: in a winding the end forces were 8 % off at 50 ms.
 
-What each rung computes (`status.rung`); the rest is 0, not a result, and exact only for a rope without torque:
+What each fidelity computes (`status.fidelity`); the rest is 0, not a result, and exact only for a rope without torque:
 """
-#: the rungs that compute the outputs of each effect, from the lowest
+#: the fidelities that compute the outputs of each effect, from the lowest
 _COMPUTED = {
     "planar": "planar, spatial, torsional",
     "spatial": "spatial: by motion out of plane; torsional: by torque, too",
     "torsional": "torsional",
 }
 _EFFECTS = [(", ".join(f"`{name}`" for name in effect.outputs), _COMPUTED[effect.lowest]) for effect in EFFECTS]
-#: outputs -> the rungs that compute them
-_RUNGS = (
+#: outputs -> the fidelities that compute them
+_FIDELITY_NAMES = (
     ("`fy`, `fy_mean`, `added_mass`, `energy.kinetic`, `energy.gravity`", "all"),
     _EFFECTS[0],
     (
@@ -129,7 +129,7 @@ with the tension T at the end</td></tr>
 </table>
 <p>Damping is proportional to stiffness (beta_K). Ends are vertical and prescribed; between two instants of the host
 each coordinate follows a quintic in time. Time integration: generalized-alpha with step control. Mesh: TMN-ETM, seven
-segments with element lengths l, l/2, l/4, l/8, l/4, l/2, l that follow the loop. Four rungs compute as much as the
+segments with element lengths l, l/2, l/4, l/8, l/4, l/2, l that follow the loop. Four fidelities compute as much as the
 scene needs: torsional (all), spatial (no torsion), planar, rigid. There is no contact: legs that touch pass through
 each other; <code>status.warning</code> and <code>loop.clearance</code> tell.</p>
 """
@@ -146,7 +146,12 @@ def interface_page() -> str:
     lines = ["# The FMU's variables", "", _INTRODUCTION, _ERRORS]
     lines += [_STRUCTURE, _SHAPES, _ALONG, _ADDED_MASS]
     lines += ["## Steps of any length\n", _STEPS, "## What to mind\n", _MINDED]
-    lines += ["| outputs | rungs |", "|---|---|", *(f"| {outputs} | {rungs} |" for outputs, rungs in _RUNGS), ""]
+    lines += [
+        "| outputs | fidelities |",
+        "|---|---|",
+        *(f"| {outputs} | {fidelities} |" for outputs, fidelities in _FIDELITY_NAMES),
+        "",
+    ]
     lines += ["## Groups of outputs", "", _GROUPS, "| group | holds |", "|---|---|"]
     lines += [f"| `{group}` | {holds} |" for group, holds in GROUPS.items()] + [""]
     for causality, title in _TITLES:
@@ -162,11 +167,11 @@ def index_html(described: Collection[Variable], native: bool) -> str:
     along = any(v.name.startswith("shape.") for v in described)
     parts += [_STRUCTURE, _SHAPES if native and along else "", _ALONG if along else "", _ADDED_MASS, _MINDED]
     paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text)
-    rungs = "".join(f"<tr><td>{_marked_up(outputs)}</td><td>{which}</td></tr>" for outputs, which in _RUNGS)
-    body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{rungs}</table>", _MODEL]
+    fidelities = "".join(f"<tr><td>{_to_html(outputs)}</td><td>{which}</td></tr>" for outputs, which in _FIDELITY_NAMES)
+    body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{fidelities}</table>", _MODEL]
     for causality, title in _TITLES:
         rows = _rows(v for v in described if v.causality == causality)
-        cells = ["".join(f"<td>{_marked_up(cell)}</td>" for cell in row) for row in rows]
+        cells = ["".join(f"<td>{_to_html(cell)}</td>" for cell in row) for row in rows]
         head = "".join(f"<th>{text}</th>" for text in ("name", "unit or type", "start", ""))
         body.append(f"<h2>{title}</h2>\n<table><tr>{head}</tr>\n" + "\n".join(f"<tr>{row}</tr>" for row in cells))
         body.append("</table>")
@@ -176,12 +181,12 @@ def index_html(described: Collection[Variable], native: bool) -> str:
 
 def _paragraph(text: str) -> str:
     if not text.startswith("- "):
-        return f"<p>{_marked_up(text)}</p>"
-    items = "".join(f"<li>{_marked_up(item)}</li>" for item in text.removeprefix("- ").split("\n- "))
+        return f"<p>{_to_html(text)}</p>"
+    items = "".join(f"<li>{_to_html(item)}</li>" for item in text.removeprefix("- ").split("\n- "))
     return f"<ul>{items}</ul>"
 
 
-def _marked_up(text: str) -> str:
+def _to_html(text: str) -> str:
     text = re.sub(r"`(.+?)`", r"<code>\1</code>", html.escape(text.strip(), quote=False))
     return re.sub(r"(?<!\w)\*(\w[^*]*)\*", r"<em>\1</em>", text)
 

@@ -27,7 +27,7 @@ STUDY = """\
 [study]
 title = "Four windings"
 fmu = "build/balance_rope_native.fmu"
-scene = "rope-120"
+case = "rope-120"
 
 [fixed]
 winding.travel = { value = 10, unit = "m" }

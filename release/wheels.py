@@ -48,7 +48,7 @@ def build(out: Path) -> list[Path]:
 def _build(kind: str, stage: Path, out: Path) -> None:
     command = [sys.executable, "-m", "build", f"--{kind}", "--outdir", str(out), str(stage)]
     # not in this folder: its build/ would be taken for the module
-    done = subprocess.run(command, cwd=stage, env=_dated(), capture_output=True, text=True, check=False)
+    done = subprocess.run(command, cwd=stage, env=_commit_time(), capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"the {kind} cannot be built:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
 
@@ -69,7 +69,7 @@ def add_bill(wheel: Path) -> None:
             new.writestr(info, content)
 
 
-def _dated() -> dict[str, str]:
+def _commit_time() -> dict[str, str]:
     command = ["git", "log", "-1", "--format=%ct"]
     committed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
     return ({"SOURCE_DATE_EPOCH": committed} if committed else {}) | os.environ

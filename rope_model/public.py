@@ -2,9 +2,9 @@
 
 rope        balance_rope makes a BalanceRope in a Form: auto, native or python; EndMotion goes in, Status and the
             values of SIGNALS come out, each a Signal with unit and description
-            LADDER has the rungs of the model; left_out the Effects that a rung leaves out: outputs that are no results
+            FIDELITIES has the fidelities of the model; left_out the Effects that a fidelity leaves out: outputs that are no results
 data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
-presets     rope_120 and rope_240 make a Preset (by name in PRESETS) at a Level: draft, standard or reference;
+cases     rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
             at_level puts any scene on one
 analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
 """
@@ -19,13 +19,13 @@ from .native.engine import NativeRope
 from .numerics.kernels import last_words
 from .parameters import (
     CHOICES,
-    PRESETS,
+    ROPE_CASES,
     Layout,
     Level,
     Mesh,
     Model,
-    Preset,
     Rope,
+    RopeCase,
     Scene,
     Solver,
     Swivel,
@@ -35,16 +35,16 @@ from .parameters import (
 )
 from .simulation.balance_rope import BalanceRope, Status
 from .simulation.ends import EndMotion
-from .simulation.left_out import Effect, left_out
-from .simulation.rungs import LADDER
+from .simulation.fidelity import FIDELITIES
+from .simulation.neglected_effects import Effect, neglected_effects
 from .simulation.signals import SIGNALS, Signal
 from .simulation.simulator import RopeSimulator
 from .simulation.state import RopeState
 
 __all__ = [
     "CHOICES",
-    "LADDER",
-    "PRESETS",
+    "FIDELITIES",
+    "ROPE_CASES",
     "SIGNALS",
     "BalanceRope",
     "Effect",
@@ -54,8 +54,8 @@ __all__ = [
     "Level",
     "Mesh",
     "Model",
-    "Preset",
     "Rope",
+    "RopeCase",
     "RopeSimulator",
     "RopeState",
     "Scene",
@@ -65,7 +65,7 @@ __all__ = [
     "Swivel",
     "at_level",
     "balance_rope",
-    "left_out",
+    "neglected_effects",
     "rope_120",
     "rope_240",
 ]
@@ -76,7 +76,7 @@ Form = Literal["auto", "native", "python"]
 
 
 def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
-    """A rope for the scene, not yet hung up.
+    """A rope for the scene, not yet initialised.
 
     ``auto`` takes the native form, or the Python form where that cannot be had or ``scene.solver.kernels`` asks for
     kernels of the Python form by name.  Raises ValueError when the mesh does not fit the rope; with ``native``

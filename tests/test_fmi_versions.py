@@ -70,7 +70,7 @@ def test_a_winding_that_takes_steps_back_has_the_bits_of_fmi_2(kind: str, fmu_of
     result = wound(fmu_of(kind))
     assert result.recording.time.size > 50
     assert list(result.recording.signals) == list(whole.recording.signals)
-    assert {"shape.x[81]", "status.rung", "left.added_mass"} <= set(result.recording.signals)
+    assert {"shape.x[81]", "status.fidelity", "left.added_mass"} <= set(result.recording.signals)
     assert bits(result) == bits(whole)
     assert result.recording.units == whole.recording.units
 
@@ -126,14 +126,16 @@ def test_some_elements_of_an_array_are_read_alone(fmu_of: FmuOf) -> None:
 
 def test_a_choice_is_made_by_code_or_by_the_word_of_fmi_3(fmu_of: FmuOf) -> None:
     for fmu, choice in [("native-2", 3), *((kind, choice) for kind in FMI_3 for choice in (3, "planar"))]:
-        rope = rope_at_rest(fmu_of(fmu), {"model.rung": choice})
-        assert rope.signals()["status.rung"] == 3.0
+        rope = rope_at_rest(fmu_of(fmu), {"model.fidelity": choice})
+        assert rope.signals()["status.fidelity"] == 3.0
         rope.close()
-    with pytest.raises(ValueError, match=r"model\.rung = 'plane' must be one of auto, torsional"):
-        FmuRope(fmu_of("native-3"), {"model.rung": "plane"})
+    with pytest.raises(ValueError, match=r"model\.fidelity = 'plane' must be one of auto, torsional"):
+        FmuRope(fmu_of("native-3"), {"model.fidelity": "plane"})
     for kind in KINDS:
-        with pytest.raises(ValueError, match=r"the FMU must take model\.rung, but: .* model\.rung = 9 is none of the"):
-            FmuRope(fmu_of(kind), {"model.rung": 9})
+        with pytest.raises(
+            ValueError, match=r"the FMU must take model\.fidelity, but: .* model\.fidelity = 9 is none of the"
+        ):
+            FmuRope(fmu_of(kind), {"model.fidelity": 9})
 
 
 def test_failures_and_warnings_are_told_in_the_same_words(fmu_of: FmuOf, caplog: pytest.LogCaptureFixture) -> None:
@@ -141,7 +143,7 @@ def test_failures_and_warnings_are_told_in_the_same_words(fmu_of: FmuOf, caplog:
     for kind in KINDS:
         caplog.clear()
         with caplog.at_level(logging.WARNING, FmuRope.__module__):
-            rope = rope_at_rest(fmu_of(kind), {"model.rung": 3})
+            rope = rope_at_rest(fmu_of(kind), {"model.fidelity": 3})
             before = rope.save()
             failed = rope.step(0.0, H, EndMotion(y=50.0), AT_REST[1])
             rope.restore(before)

@@ -126,7 +126,7 @@ HOMES = {
     "scipy": {
         "rope_model.simulation.modal",
         "hoist_demo.design",
-        "hoist_demo.control.reference",
+        "hoist_demo.control.trajectory",
         "hoist_demo.study.sampling",
     },
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},

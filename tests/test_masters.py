@@ -42,12 +42,12 @@ def trip(t: float) -> tuple[EndMotion, EndMotion]:
     return EndMotion(y=y, vy=v, ay=a), EndMotion(y=TRAVEL - y, vy=-v, ay=-a)
 
 
-def missed(steps: list[float], jerk: float) -> np.ndarray:
+def largest_miss(steps: list[float], jerk: float) -> np.ndarray:
     """Largest error of the path in y, vy, ay behind a motion of constant jerk that is extrapolated from each start."""
-    path, t, last, largest = EndPath.resting(0.0, EndMotion()), 0.0, 0.0, np.zeros(3)
+    path, t, last, largest = EndPath.at_rest(0.0, EndMotion()), 0.0, 0.0, np.zeros(3)
     for h in steps:
         given = EndMotion(y=jerk * t**3 / 6, vy=jerk * t**2 / 2, ay=jerk * t)
-        path, last = path.to(t + h, given.extrapolated(h), last), h
+        path, last = path.to(t + h, given.extrapolate(h), last), h
         for s in t + h * np.linspace(0, 1, 21):
             truth = np.array([jerk * s**3 / 6, jerk * s**2 / 2, jerk * s])
             largest = np.maximum(largest, np.abs(np.array(path.rates(s, 1)) - truth))
@@ -56,17 +56,17 @@ def missed(steps: list[float], jerk: float) -> np.ndarray:
 
 
 def test_path_misses_no_more_in_any_steps_than_stated_and_hardly_more_than_in_even_ones() -> None:
-    even = missed([1.0] * 40, 1.0)
+    even = largest_miss([1.0] * 40, 1.0)
     assert_allclose(even, [0.2575, 0.509, 2.94], rtol=2e-3)
     worst = np.zeros(3)
     for seed in range(200):
-        worst = np.maximum(worst, missed([h for _, h in random_steps(seed, 20.0, 1e-6, 1.0)], 1.0))
+        worst = np.maximum(worst, largest_miss([h for _, h in random_steps(seed, 20.0, 1e-6, 1.0)], 1.0))
     for short in (1e-6, 0.1, 0.5, 0.9):
-        worst = np.maximum(worst, missed([1.0, *[short] * 3] * 10, 1.0))
+        worst = np.maximum(worst, largest_miss([1.0, *[short] * 3] * 10, 1.0))
     print("missed in even steps", even, "in any", worst)
     assert np.all(worst <= MISSED)
     # without an aim beyond the step's end the last of these would take the path 1e6 times as far off
-    assert np.all(missed([1.0] * 5 + [1e-6] * 5, 1.0) <= MISSED)
+    assert np.all(largest_miss([1.0] * 5 + [1e-6] * 5, 1.0) <= MISSED)
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +125,7 @@ def forces(host: Host, steps: Iterator[tuple[float, float]], at_end: bool) -> np
 @pytest.mark.parametrize(("H", "T"), [(0.02, 5.0), (0.005, 5.0), (0.02, 9.0)])
 def test_loop_of_a_master_ends_where_it_should(host: Host, loop: str, H: float, T: float) -> None:
     """Some of these end with a step of 1e-15 to 1e-13 s."""
-    host.start(**({"model.rung": 4} if is_rope(host) else {}))  # rigid: the clock is what counts
+    host.start(**({"model.fidelity": 4} if is_rope(host) else {}))  # rigid: the clock is what counts
     run(host, LOOPS[loop](H, T), T)
 
 

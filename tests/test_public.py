@@ -140,8 +140,8 @@ def test_a_rope_that_is_not_hung_up_has_no_state(form: public.Form) -> None:
     calls: tuple[Callable[[], object], ...] = (
         lambda: rope.state,
         lambda: rope.time,
-        lambda: rope.rung,
-        lambda: rope.rung_reason,
+        lambda: rope.fidelity,
+        lambda: rope.fidelity_reason,
         lambda: rope.signals(),
         lambda: rope.added_mass(),
         lambda: rope.warnings(),
@@ -157,7 +157,7 @@ def test_a_rope_that_is_not_hung_up_has_no_state(form: public.Form) -> None:
 def test_signals_are_read_by_name_in_the_order_asked_for(form: public.Form) -> None:
     rope = balance_rope(SMALL, form)
     assert rope.initialize(2.0, EndMotion(), EndMotion(y=10.0)).valid
-    assert (rope.time, rope.rung) == (2.0, "torsional")
+    assert (rope.time, rope.fidelity) == (2.0, "torsional")
     every = rope.signals()
     assert [*every] == [name for name in public.SIGNALS if not name.endswith("added_mass")]
     names = ("right.fy", "left.added_mass", "count.steps")
@@ -178,8 +178,8 @@ def test_both_forms_warn_of_the_same_in_the_same_words() -> None:
     for rope in (balance_rope(scene, "native"), balance_rope(scene, "python")):
         assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
         told.append(rope.warnings())
-    assert [*told[0]] == ["left_out"]
-    assert "the planar rung computes no torsion" in told[0]["left_out"]
+    assert [*told[0]] == ["neglected_effects"]
+    assert "the planar model computes no torsion" in told[0]["neglected_effects"]
     assert told[0] == told[1]
 
 

@@ -14,9 +14,9 @@ from benchmarks.stability.suite import chapters, entries
 )
 def test_the_twin_breaks_and_ours_holds(entry: Entry) -> None:
     finding = entry.measure()
-    assert finding.twin
+    assert finding.counterexample
     assert finding.ours
-    failed = [f"{m.what}: {claim(m)}" for m in (*finding.twin, *finding.ours) if not m.holds]
+    failed = [f"{m.what}: {claim(m)}" for m in (*finding.counterexample, *finding.ours) if not m.holds]
     assert finding.holds, f"{entry.key}: {'; '.join(failed)}"
 
 

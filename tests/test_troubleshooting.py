@@ -18,15 +18,15 @@ WORDS = 4
 CALLS = {"Status", "RopeStatus", "_fail_later", "warning"}
 #: texts of the core that are no messages, or say nothing by themselves
 NO_ENTRY = {
-    "no torque acts and nothing acts out of plane": "status.rung_reason, not a failure",
-    "rung errs by an estimated": "status.rung_reason",
-    "where the rope is hung up with its swivels held": "status.rung_reason",
-    "tension and torsion are coupled (Qb": "status.rung_reason",
-    "the rope is twisted by": "status.rung_reason",
+    "no torque acts and nothing acts out of plane": "status.fidelity_reason, not a failure",
+    "fidelity errs by an estimated": "status.fidelity_reason",
+    "where the rope is initialised with its swivels held": "status.fidelity_reason",
+    "tension and torsion are coupled (Qb": "status.fidelity_reason",
+    "the rope is twisted by": "status.fidelity_reason",
     "element count of segment": "the name of a value in 'is out of range'",
-    "while its swivels hold": "part of 'rung cannot follow'",
-    "it errs by an estimated": "part of 'rung cannot follow'",
-    "a rope that goes slack (tension": "part of 'rung cannot follow'",
+    "while its swivels hold": "part of 'fidelity cannot follow'",
+    "it errs by an estimated": "part of 'fidelity cannot follow'",
+    "a rope that goes slack (tension": "part of 'fidelity cannot follow'",
     "mesh.kind = auto takes them from": "an addition to the messages of the mesh",
     "the coupling Qb": "part of 'hangs yawed'",
     "installed_twist =": "part of 'hangs yawed'",

@@ -318,7 +318,7 @@ int component_get_text(Component *c, size_t scalar, const char **text) {
 }
 
 /* why an entry cannot have the value; "" when it can */
-static void entry_checked(const Variable *variable, double value, char why[MODEL_MESSAGE]) {
+static void check_entry(const Variable *variable, double value, char why[MODEL_MESSAGE]) {
     char text[NUMBER];
     why[0] = '\0';
     if (!isfinite(value) && variable->causality == CAUSALITY_INPUT)
@@ -348,7 +348,7 @@ int component_set(Component *c, size_t scalar, double value) {
         return refuse(c, "%s is fixed after initialisation; it stays %s; reset the FMU to change it", variable->name,
                       value_text(variable, c->values[scalar], text));
     }
-    entry_checked(variable, value, why);
+    check_entry(variable, value, why);
     if (*why) return refuse(c, "%s", why);
     if (c->started && variable->variability == VARIABILITY_TUNABLE) c->retune = 1;
     c->changed |= variable->causality == CAUSALITY_PARAMETER ? PARAMETERS : INPUTS;
@@ -446,7 +446,7 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
         return refuse(c, "the state contradicts itself; save it anew");
     for (i = 0; i < MODEL_SCALARS; i++) {
         if (MODEL_VARIABLES[i].source != FROM_ENTRY) continue;
-        entry_checked(&MODEL_VARIABLES[i], values[i], why);
+        check_entry(&MODEL_VARIABLES[i], values[i], why);
         if (*why) return refuse(c, "the state contradicts itself: %s", why);
     }
     return 1;

@@ -187,7 +187,7 @@ static void take_text(PyObject *text, char *message) {
 }
 
 /* whether a method succeeded; else why, from the object's message */
-static int succeeded(PyObject *object, PyObject *answer, char *message) {
+static int check_answer(PyObject *object, PyObject *answer, char *message) {
     int ok = answer ? python.PyObject_IsTrue(answer) : -1;
     python.Py_DecRef(answer);
     if (ok < 0)
@@ -245,14 +245,14 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     gil = python.PyGILState_Ensure();
     model->object = python.PyObject_CallFunction(make, NULL);
     if (model->object)
-        ok = succeeded(model->object,
-                       python.PyObject_CallMethod(
-                           model->object, "create", "NNNN",
-                           python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
-                           python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
-                           python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
-                           python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE)),
-                       message);
+        ok = check_answer(model->object,
+                          python.PyObject_CallMethod(
+                              model->object, "create", "NNNN",
+                              python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
+                              python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
+                              python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
+                              python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE)),
+                          message);
     else {
         report(message);
         ok = 0;
@@ -282,7 +282,7 @@ static void hand_over(ModelInstance *model, const double *values) {
 int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
     hand_over(model, values);
-    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "initialize", "d", t), message);
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "initialize", "d", t), message);
     python.PyGILState_Release(gil);
     return ok;
 }
@@ -296,7 +296,7 @@ int model_step(ModelInstance *model, double t, double h, const double *values, c
     }
     gil = python.PyGILState_Ensure();
     hand_over(model, values);
-    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "do_step", "dd", t, h), message);
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "do_step", "dd", t, h), message);
     python.PyGILState_Release(gil);
     return ok;
 }
@@ -304,7 +304,7 @@ int model_step(ModelInstance *model, double t, double h, const double *values, c
 int model_retune(ModelInstance *model, const double *values, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
     hand_over(model, values);
-    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "retune", NULL), message);
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "retune", NULL), message);
     python.PyGILState_Release(gil);
     return ok;
 }
@@ -320,8 +320,8 @@ double model_output(ModelInstance *model, size_t scalar) {
     int gil, ok;
     if (model->known[scalar]) return model->outputs[scalar];
     gil = python.PyGILState_Ensure();
-    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar),
-                   model->failure);
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar),
+                      model->failure);
     python.PyGILState_Release(gil);
     return ok ? model->outputs[scalar] : NAN;
 }
@@ -357,8 +357,8 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
     int gil = python.PyGILState_Ensure(), ok;
     size_t i;
     for (i = 0; i < MODEL_SCALARS; i++) model->derivatives[i] = NAN;
-    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed),
-                   message);
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed),
+                      message);
     python.PyGILState_Release(gil);
     for (i = 0; ok && i < number; i++) {
         if (isnan(model->derivatives[unknown[i]])) {
@@ -394,10 +394,10 @@ void model_save(const ModelInstance *model, void *to) {
 
 int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
-    ok = succeeded(model->object,
-                   python.PyObject_CallMethod(model->object, "restore", "N",
-                                              python.PyMemoryView_FromMemory((char *)from, (ptrdiff_t)bytes, READ)),
-                   message);
+    ok = check_answer(model->object,
+                      python.PyObject_CallMethod(model->object, "restore", "N",
+                                                 python.PyMemoryView_FromMemory((char *)from, (ptrdiff_t)bytes, READ)),
+                      message);
     memset(model->known, 0, MODEL_SCALARS);
     model->failure[0] = '\0';
     python.PyGILState_Release(gil);

@@ -69,7 +69,7 @@ def _study(options: argparse.Namespace) -> int:
     store = Store(options.out or Path("out") / "study" / options.study.stem)
     keys = [sample.data.key(study.fmu_hash) for sample in study.samples] if study.tuning is None else []
     total = len(set(keys)) or None
-    there = len(store.finished(keys))
+    there = len(store.finished_keys(keys))
     if there:
         print(f"{there} of {total} runs are there already")
     try:

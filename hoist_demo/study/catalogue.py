@@ -15,10 +15,10 @@ from typing import Any
 from hoist_demo.control.controller import Gains
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.design.controllers import CONTROLLERS
+from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.design.trajectory import Trajectory
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.parameters.units import spelled
+from hoist_demo.parameters.units import fmi_unit
 from hoist_demo.study.metrics import Arrival
 from hoist_demo.study.nested import leaves
 
@@ -30,7 +30,7 @@ SECTIONS: dict[str, type[Any]] = {
     "coupling": Coupling,
     "gains": Gains,
     "shaper": Shaper,
-    "trajectory": Trajectory,
+    "trajectory": TrajectoryOptions,
     "arrival": Arrival,
 }
 
@@ -87,7 +87,7 @@ class Catalogue:
         for name, p in rope.items():
             if name not in RESERVED:
                 kind = "Integer" if p.kind == "Enumeration" else p.kind
-                self._parameters[name] = Parameter(name, spelled(p.unit), kind, p.minimum, p.maximum)
+                self._parameters[name] = Parameter(name, fmi_unit(p.unit), kind, p.minimum, p.maximum)
 
     def __contains__(self, key: str) -> bool:
         return key in self._parameters

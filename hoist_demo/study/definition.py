@@ -2,7 +2,7 @@
 
     [study]    title, fmu, scene, signals, and minimise or maximise = a metric, which chooses the best run
     [fixed]    values of all runs
-    [[case]]   name and values of one case; the runs of [vary] are made for every case
+    [[variant]]   name and values of one case; the runs of [vary] are made for every case
     [sample]   method = "grid" (the default), or "latin-hypercube" with runs and seed
     [vary]     lists (grid) or ranges { low, high } (latin-hypercube, tune)
     [tune]     instead of [sample]: minimise = { metric = weight }, generations, population, seed
@@ -22,11 +22,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cases.table import CASES, case_named
+from hoist_demo.cases.table import CASES, find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
-from hoist_demo.parameters.units import spelled
-from hoist_demo.recording.time_series import matching
+from hoist_demo.parameters.units import fmi_unit
+from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
@@ -136,7 +136,7 @@ class _Reader:
             self._open(fmu)
         scene, signals = head.get("scene", "rope-120"), tuple[str, ...]()
         with self._collect("[study]"):
-            case_named(str(scene))
+            find_case(str(scene))
         with self._collect("[study]"):
             signals = self._signals(head.get("signals", []), fmu)
         best: dict[str, str] | None = None
@@ -148,7 +148,9 @@ class _Reader:
         drawn = self._draw(vary, tuning)
         if scene not in CASES:
             raise StudyError(self.path, self.problems)
-        samples = self._checked(scene, signals, Probe(fmu) if self.fmu_is_there else None, cases, progress(drawn))
+        samples = self._accepted_samples(
+            scene, signals, Probe(fmu) if self.fmu_is_there else None, cases, progress(drawn)
+        )
         if self.problems:
             raise StudyError(self.path, self.problems)
         keys = {key: None for values in cases.values() for key in values} | dict.fromkeys(vary)
@@ -166,7 +168,7 @@ class _Reader:
             best=best,
         )
 
-    def _checked(
+    def _accepted_samples(
         self,
         scene: str,
         signals: tuple[str, ...],
@@ -182,11 +184,11 @@ class _Reader:
                 problems: list[str] = []
                 try:
                     data = build(scene, everything, signals)
-                    problems = probe.rejected(data) if probe is not None else []
+                    problems = probe.rejection(data) if probe is not None else []
                     found[case].append(Sample(case, everything, data))
                 except ValueError as error:
-                    problems = _blamed(scene, everything) or [str(error)]
-                    problems += probe.rejected(build(scene, fmu_part(everything))) if probe is not None else []
+                    problems = _impossible_values(scene, everything) or [str(error)]
+                    problems += probe.rejection(build(scene, fmu_part(everything))) if probe is not None else []
                 for problem in problems:
                     problem = f"case {case}: {problem}" if case else problem
                     if problem not in self.problems:
@@ -199,7 +201,7 @@ class _Reader:
         except ValueError as error:
             raise ValueError(f"{error}; until then nothing of this file that is the FMU's can be checked") from error
 
-    def _can_be_checked(self, key: str) -> bool:
+    def _is_checkable(self, key: str) -> bool:
         """Whether the key is the host's, or the FMU is there to ask."""
         return self.fmu_is_there or key == "controller" or key.partition(".")[0] in SECTIONS
 
@@ -208,7 +210,7 @@ class _Reader:
         if not isinstance(names, list):
             raise ValueError(f'signals = {names!r} must be a list of names: write ["loop.yaw"]')
         if self.fmu_is_there:
-            return matching(map(str, names), [*DRIVE_UNITS, *read_outputs(fmu)])
+            return match_signals(map(str, names), [*DRIVE_UNITS, *read_outputs(fmu)])
         return tuple(map(str, names))
 
     def _best(self, head: dict[str, Any]) -> dict[str, str] | None:
@@ -254,7 +256,7 @@ class _Reader:
         for number, table in enumerate(tables if isinstance(tables, list) else [tables], 1):
             name = str(table.get("name", number)) if isinstance(table, dict) else str(number)
             if name in cases:
-                self.problems.append(f"[[case]] name = {name!r} must be given once: choose another name")
+                self.problems.append(f"[[variant]] name = {name!r} must be given once: choose another name")
             content = table.get("values", {}) if isinstance(table, dict) else {}
             cases[name] = fixed | self._values(f"case {name}", content)
         return cases
@@ -264,10 +266,10 @@ class _Reader:
         found: dict[str, Value] = {}
         for key, content in _flat(table):
             with self._collect(f"[{where}]"):
-                if not self._can_be_checked(key):
+                if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
-                content = self._stripped(parameter, content)
+                content = self._strip_unit(parameter, content)
                 if isinstance(content, (list, dict)):
                     raise ValueError(f"{key} = {content!r} must be one value here: vary it in [vary]")
                 found[key] = parameter.read(content)
@@ -277,10 +279,10 @@ class _Reader:
         found: dict[str, tuple[Value, ...] | Range] = {}
         for key, content in _flat(self._table("vary")):
             with self._collect("[vary]"):
-                if not self._can_be_checked(key):
+                if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
-                content = self._stripped(parameter, content)
+                content = self._strip_unit(parameter, content)
                 if isinstance(content, dict):
                     found[key] = self._range(parameter, content)
                 elif isinstance(content, list) and content:
@@ -289,7 +291,7 @@ class _Reader:
                     raise ValueError(f"{key} = {content!r} must be a list or {{ low, high }}: fix it in [fixed]")
         return found
 
-    def _stripped(self, parameter: Parameter, content: Any) -> Any:
+    def _strip_unit(self, parameter: Parameter, content: Any) -> Any:
         """The content without its unit, which is checked: a value, a list, or a range's table."""
         if not isinstance(content, dict):
             return content
@@ -298,7 +300,7 @@ class _Reader:
                 f"{parameter.key}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}"
             )
         unit = content.get("unit")
-        if unit is not None and spelled(str(unit)) != parameter.unit:
+        if unit is not None and fmi_unit(str(unit)) != parameter.unit:
             raise ValueError(
                 f"{parameter.key} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
             )
@@ -377,7 +379,7 @@ class _Reader:
         return value
 
 
-def _blamed(scene: str, values: Mapping[str, Value]) -> list[str]:
+def _impossible_values(scene: str, values: Mapping[str, Value]) -> list[str]:
     """The values that are impossible by themselves, when those of a run cannot stand together."""
     problems = []
     for key, value in values.items():

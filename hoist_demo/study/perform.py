@@ -44,15 +44,15 @@ def perform(study: Study, store: Store, run: Run) -> Performed:
     """Run the study's samples, or its search, and write the table."""
     if study.tuning is None:
         samples: list[Sample] = list(study.samples)
-        return _written(study, store, samples, run(samples))
-    return _written(study, store, *_search(study, store, run))
+        return _write(study, store, samples, run(samples))
+    return _write(study, store, *_search(study, store, run))
 
 
 def write_what_is_there(study: Study, store: Store) -> Performed:
     """The table of an interrupted study: the runs that are recorded; a search has its table when it is complete."""
     pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
     there = [(s, key) for s, key in pairs if store.read(key)]
-    return _written(study, store, [s for s, _ in there], [key for _, key in there])
+    return _write(study, store, [s for s, _ in there], [key for _, key in there])
 
 
 def _search(
@@ -96,7 +96,7 @@ def _cost(store: Store, key: str, weights: Mapping[str, float]) -> float:
     return cost if math.isfinite(cost) else math.inf
 
 
-def _written(
+def _write(
     study: Study,
     store: Store,
     samples: Sequence[Sample],
@@ -119,7 +119,7 @@ def _written(
             warnings.setdefault(alike, []).append(number)
         chosen = {name: sample.values.get(name) for name in study.units if name != "controller"}
         head = {"run": number, "key": key, "case": sample.case, "controller": sample.data.controller}
-        result = {"status": outcome["status"], "cause": outcome["cause"], "rung": outcome.get("rung", "")}
+        result = {"status": outcome["status"], "cause": outcome["cause"], "fidelity": outcome.get("fidelity", "")}
         if costs:
             result[COST] = costs[number - 1] if math.isfinite(costs[number - 1]) else math.nan
         rows.append(head | chosen | result | {name: outcome["metrics"].get(name, math.nan) for name in UNITS})

@@ -18,7 +18,7 @@ Path path_resting(double t, const EndMotion *at) {
 Path path_to(const Path *path, double stop, const EndMotion *given, double within) {
     double start = path->stop, step = stop - start, h = fmax(fmax(step, path->aim - start), within);
     if (h <= step * (1.0 + ALIKE)) h = step;
-    EndMotion joined = h > step ? end_extrapolated(*given, h - step) : *given;
+    EndMotion joined = h > step ? end_extrapolate(*given, h - step) : *given;
     const EndMotion *target = &joined;
     Path next = {start, stop, start + h, {{0}}};
     for (int axis = 0; axis < AXES; axis++) {

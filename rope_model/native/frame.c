@@ -56,6 +56,6 @@ void frame_pole_change_angle(const double old[3], const double new_[3], int node
     }
 }
 
-double frame_counted_on(double angle, double last) {
+double frame_nearest_turn(double angle, double last) {
     return angle + 2 * PI * rint((last - angle) / (2 * PI));
 }

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ..parameters import Scene
 from .ends import SHORTEST_AIM, EndMotion
-from .rungs import RungName
+from .fidelity import Fidelity
 from .state import RopeState
 
 
@@ -50,13 +50,13 @@ class BalanceRope(ABC):
 
     @property
     @abstractmethod
-    def rung(self) -> RungName:
+    def fidelity(self) -> Fidelity:
         """How much of the rope is computed now: torsional is all, then spatial, planar and rigid."""
 
     @property
     @abstractmethod
-    def rung_reason(self) -> str:
-        """Why it is this rung."""
+    def fidelity_reason(self) -> str:
+        """Why it is this fidelity."""
 
     @property
     @abstractmethod

@@ -13,7 +13,7 @@ from fmpy.model_description import ValidationError
 
 from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, Variable, variables_of
 from hoist_demo.cosimulation.participants.rope_data import Value
-from hoist_demo.recording.rungs import RUNG
+from hoist_demo.recording.fidelity import FIDELITY
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,9 @@ def parameters_of(variables: Iterable[Variable]) -> dict[str, FmuParameter]:
 
 
 def read_outputs(path: Path) -> tuple[str, ...]:
-    """Names of all outputs of the FMU that are numbers, and of the rung, which is recorded by its code."""
+    """Names of all outputs of the FMU that are numbers, and of the fidelity, which is recorded by its code."""
     outputs = [v for v in variables_of(read_description(path)) if v.causality == "output"]
-    return tuple(name for v in outputs if v.kind != "String" or v.name == RUNG for name in v.elements)
+    return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
 
 
 def fmi_version(path: Path) -> str:

@@ -24,9 +24,9 @@ from hoist_demo.cosimulation.participants.fmi_versions import (
     variables_of,
 )
 from hoist_demo.cosimulation.participants.fmu_parameters import parameters_of, read_description
-from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamped, unstamped
+from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
 from hoist_demo.cosimulation.participants.rope_plant import REQUIRED_SIGNALS, EndMotion, RopeStatus
-from hoist_demo.recording.rungs import RUNG, code_of
+from hoist_demo.recording.fidelity import FIDELITY, code_of
 
 _log = logging.getLogger(__name__)
 
@@ -63,7 +63,7 @@ class FmuRope:
         self._inputs = [self._variable(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
         self._not_read = frozenset(not_read)
         self._outputs = _numeric_outputs(variables, self._not_read)
-        self._tells_rung = RUNG in self._variables and RUNG not in not_read
+        self._tells_fidelity = FIDELITY in self._variables and FIDELITY not in not_read
         self._chosen: dict[str, ParameterValue] = {"inputs_at_step_end": True, **(parameters or {})}
         missing = [name for name in REQUIRED_SIGNALS if name not in self._units_of_outputs()]
         if missing:
@@ -71,7 +71,7 @@ class FmuRope:
         try:
             self._fmu: Instance = VERSIONS[self._description.fmiVersion](self._path, self._description, self._hear)
         except RuntimeError as error:
-            raise ValueError(f"the FMU must instantiate, but: {self._explained(error)}: export it anew") from error
+            raise ValueError(f"the FMU must instantiate, but: {self._explanation(error)}: export it anew") from error
         try:
             for variable in dict.fromkeys(self._variable(name) for name in self._chosen):
                 self._set(variable)
@@ -87,7 +87,7 @@ class FmuRope:
             self._fmu.exit_initialization()
             self._started = True
         except CallError as error:
-            return self._failed(error)
+            return self._failure_status(error)
         return self._status()
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
@@ -96,17 +96,17 @@ class FmuRope:
             self._set_motions(left, right)
             self._fmu.step(t, h)
         except CallError as error:
-            return self._failed(error)
+            return self._failure_status(error)
         return self._status()
 
     def signals(self) -> dict[str, float]:
-        """Real, Integer and Boolean outputs by name, but those that are not read, and the rung by its code."""
+        """Real, Integer and Boolean outputs by name, but those that are not read, and the fidelity by its code."""
         values: dict[str, float] = {}
         for variables in self._outputs:
             read = zip(_elements(variables), self._fmu.get(variables), strict=True)
             values.update((name, float(value)) for name, value in read if name not in self._not_read)
-        if self._tells_rung:
-            values[RUNG] = code_of(self._text(RUNG))
+        if self._tells_fidelity:
+            values[FIDELITY] = code_of(self._text(FIDELITY))
         return values
 
     def data(self) -> RopeData:
@@ -129,7 +129,7 @@ class FmuRope:
         if not wanted:
             return {}
         variables = list(dict.fromkeys(self._variables[name] for name in wanted))
-        with self._told():
+        with self._translate_failures():
             values = dict(zip(_elements(variables), map(float, self._fmu.get(variables)), strict=True))
         return {name: values[name] for name in wanted}
 
@@ -137,12 +137,12 @@ class FmuRope:
         """A handle of the FMU's state; None when it cannot save."""
         if not self._description.coSimulation.canGetAndSetFMUstate:
             return None
-        with self._told():
+        with self._translate_failures():
             return self._fmu.save()
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a handle of this instance."""
-        with self._told():
+        with self._translate_failures():
             self._fmu.restore(snapshot)
 
     def free(self, snapshot: Any) -> None:
@@ -153,8 +153,8 @@ class FmuRope:
 
     def to_bytes(self, snapshot: Any) -> bytes:
         """The FMU's serialized state."""
-        with self._told():
-            return self._tag + stamped(self._fmu.to_bytes(snapshot), self._parameters())
+        with self._translate_failures():
+            return self._tag + stamp(self._fmu.to_bytes(snapshot), self._parameters())
 
     def from_bytes(self, data: bytes) -> Any:
         """A handle from a serialized state."""
@@ -163,17 +163,17 @@ class FmuRope:
                 f"the state must be one of '{self._path.name}', {self._tag.decode().strip()}; it is of another rope: "
                 "go on with the one that wrote it (--fmu FILE or --in-process)"
             )
-        data = unstamped(data.removeprefix(self._tag), self._parameters())
+        data = unstamp(data.removeprefix(self._tag), self._parameters())
         try:
             return self._fmu.from_bytes(data)
         except CallError as error:
             raise ValueError(
-                f"the FMU must know these {len(data)} bytes as a state of its own, but: {self._explained(error)}"
+                f"the FMU must know these {len(data)} bytes as a state of its own, but: {self._explanation(error)}"
             ) from error
 
     def units(self) -> dict[str, str]:
         """Unit of each signal as the model description states it."""
-        return self._units_of_outputs() | ({RUNG: "1"} if self._tells_rung else {})
+        return self._units_of_outputs() | ({FIDELITY: "1"} if self._tells_fidelity else {})
 
     def close(self) -> None:
         """Terminate, free the instance and remove the extracted files."""
@@ -199,7 +199,7 @@ class FmuRope:
         try:
             self._fmu.set([variable], values)
         except CallError as error:
-            raise ValueError(f"the FMU must take {variable.name}, but: {self._explained(error)}") from error
+            raise ValueError(f"the FMU must take {variable.name}, but: {self._explanation(error)}") from error
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
         self._fmu.set(self._inputs, [getattr(end, name) for end in (left, right) for name in INPUTS])
@@ -219,9 +219,9 @@ class FmuRope:
         return str(self._fmu.get([self._variables[name]])[0]) if name in self._variables else ""
 
     def _reason(self) -> str:
-        """Why the rung runs that runs, where the FMU still speaks."""
+        """Why the fidelity runs that runs, where the FMU still speaks."""
         with suppress(CallError):
-            return self._text("status.rung_reason")
+            return self._text("status.fidelity_reason")
         return ""
 
     @property
@@ -229,22 +229,22 @@ class FmuRope:
         """What stands before a serialized state: states of two flavours do not fit one another."""
         return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
-    def _failed(self, error: CallError) -> RopeStatus:
+    def _failure_status(self, error: CallError) -> RopeStatus:
         """A failed call as a status, with the FMU's own words where it still speaks; it need not be terminated."""
         self._started, message = False, ""
         with suppress(CallError):
             message = self._message()
-        return RopeStatus(False, message or self._explained(error))
+        return RopeStatus(False, message or self._explanation(error))
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _translate_failures(self) -> Iterator[None]:
         """A failed call as RuntimeError, so that nobody else needs FMPy."""
         try:
             yield
         except CallError as error:
-            raise RuntimeError(f"the FMU fails: {self._explained(error)}") from error
+            raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
 
-    def _explained(self, error: Exception) -> str:
+    def _explanation(self, error: Exception) -> str:
         """What a call failed of, with what the FMU has said meanwhile."""
         said, self._errors = "; ".join(dict.fromkeys(self._errors)), []
         return f"{error} {said}" if said else str(error)

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from caveat_driver import RUNS
 from exports import FLAVOURS
+from warning_driver import RUNS
 
 from hoist_demo.cosimulation.participants import rope_plant
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
@@ -21,7 +21,7 @@ from rope_model.parameters import Layout, Rope, rope_120
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
-DRIVER = Path(__file__).with_name("caveat_driver.py")
+DRIVER = Path(__file__).with_name("warning_driver.py")
 
 
 @pytest.fixture(scope="module", params=FLAVOURS)
@@ -35,7 +35,7 @@ def told(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> dict[
     return result
 
 
-def hung_up(run: str) -> RopeSimulator:
+def initialise(run: str) -> RopeSimulator:
     """The rope at rest with a run's parameters and start values."""
     given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
     ends = [{n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)} for side in SIDES]
@@ -70,7 +70,7 @@ def test_what_is_to_be_minded_is_said_once_and_stays_readable(told: dict[str, An
     ],
 )
 def test_an_fmu_says_of_a_turned_loop_what_the_rope_in_process_says(told: dict[str, Any], run: str, words: str) -> None:
-    expected = [*hung_up(run).warnings().values()]
+    expected = [*initialise(run).warnings().values()]
     assert told[run]["warnings"] == expected
     assert words in expected[0]
 
@@ -90,9 +90,9 @@ def test_thirty_degrees_at_rest_are_the_bound(twist: float, said: bool) -> None:
 
 def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(told: dict[str, Any]) -> None:
     keys = "left.swivel.torque", "stress.torsion_max"
-    for rung in ("spatial", "planar", "rigid"):
-        assert f"the {rung} rung computes no" in told[rung]["status.warning"]
-        assert [told[rung][key] for key in keys] == [0.0, 0.0]
+    for fidelity in ("spatial", "planar", "rigid"):
+        assert f"the {fidelity} model computes no" in told[fidelity]["status.warning"]
+        assert [told[fidelity][key] for key in keys] == [0.0, 0.0]
     rope, half_circle = Rope(), 0.5 * Layout().spacing
     assert told["rigid"]["stress.bending_max"] == pytest.approx(
         32 * rope.EI / (math.pi * rope.diameter**3 * half_circle), rel=1e-4
@@ -119,7 +119,7 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
 
 
 def test_rope_in_process_logs_each_thing_once(caplog: pytest.LogCaptureFixture) -> None:
-    rope = InProcessRope(hung_up("passed").scene)
+    rope = InProcessRope(initialise("passed").scene)
     left, right = rope_plant.EndMotion(), rope_plant.EndMotion(y=90.0)
     assert rope.initialize(0.0, left, right).valid
     assert all(rope.step(k * 0.01, 0.01, left, right).valid for k in range(3))
