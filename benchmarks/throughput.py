@@ -1,6 +1,6 @@
 """Throughput of a study on this machine, and what an interruption costs: ``python -m benchmarks.throughput``.
 
-Three measurements with `docs/studies/throughput.toml`, windings of the 120 m scene:
+Three measurements with `docs/studies/throughput.toml`, windings of the 120 m rope:
 
 1. one worker and two, in turns, the same runs: runs per minute and the efficiency of two against one;
 2. the whole study by the command, killed in the middle with SIGKILL, cluster and all;

@@ -78,7 +78,7 @@ def variables(case: RopeCase) -> tuple[Variable, ...]:
 def case_with(name: str, level: Level, start: Mapping[str, Value]) -> RopeCase:
     """The case ``name`` at a level of accuracy, but with these parameters and ``right.y``, by name."""
     if name not in ROPE_CASES:
-        raise ValueError(f"there is no scene {name!r}; choose one of {', '.join(ROPE_CASES)}")
+        raise ValueError(f"there is no case {name!r}; choose one of {', '.join(ROPE_CASES)}")
     case = ROPE_CASES[name](level)
     values = {v.name: v.start for v in _parameters(case.scene) if v.start is not None}
     if unknown := set(start) - set(values) - {"right.y"}:

@@ -222,9 +222,9 @@ def columns(table: pd.DataFrame, meta: dict, path: Path) -> dict[str, dict]:
 
 
 def test_only_what_differs_between_runs_has_an_axis_and_constants_are_data(tmp_path: Path) -> None:
-    table = study().assign(run=[1, 2, 3], key=["a1", "b2", "c3"], case="", mass=7.5, limit=[1.0, 1.0, 1.0])
+    table = study().assign(run=[1, 2, 3], key=["a1", "b2", "c3"], variant="", mass=7.5, limit=[1.0, 1.0, 1.0])
     path = tmp_path / "study.html"
-    found = columns(table, {"parameters": ["jerk", "case", "mass"]}, path)
+    found = columns(table, {"parameters": ["jerk", "variant", "mass"]}, path)
     assert {name for name, column in found.items() if column["axis"]} == {"jerk", "swing"}
     assert list(found) == [
         "jerk",

@@ -73,7 +73,7 @@ def test_grid_is_run_for_every_case(read) -> None:  # type: ignore[no-untyped-de
         "[vary]\ncontroller = ['pi', 'pi-feed-forward']\nwinding.jerk = { values = [0.5, 1], unit = 'm/s3' }"
     )
     assert len(study.samples) == 2 * 2 * 2
-    assert {(s.case, s.data.fmu["rope.EI"]) for s in study.samples} == {("soft", 50.0), ("stiff", 500.0)}
+    assert {(s.variant, s.data.fmu["rope.EI"]) for s in study.samples} == {("soft", 50.0), ("stiff", 500.0)}
     assert {(s.data.controller, s.data.winding.jerk) for s in study.samples} == {
         (c, j) for c in ("pi", "pi-feed-forward") for j in (0.5, 1.0)
     }
@@ -93,7 +93,7 @@ def test_later_values_count(read) -> None:  # type: ignore[no-untyped-def]
 BAD = {
     "unknown table": ("[vry]\nrope.EI = [1]", "[vry]", "the tables are"),
     "unknown key of a table": ("study.sene = 3", "sene = 3", "the keys are"),
-    "unknown scene": ("study.case = 'rope-12'", "'rope-12'", "rope-120"),
+    "unknown case": ("study.case = 'rope-12'", "'rope-12'", "rope-120"),
     "unknown parameter": ("[fixed]\nwinding.sped = 8", "winding.sped", "winding.speed"),
     "unknown FMU parameter": ("[vary]\nrope.EJ = [8]", "rope.EJ", "rope.EI"),
     "set by the host": ("[fixed]\ninputs_at_step_end = false", "inputs_at_step_end", "leave it out"),
@@ -365,13 +365,13 @@ def test_cycle_time_waits_for_the_swing() -> None:
     found = measure(result, hoist, winding, Arrival(speed_band=0.03, position_band=0.1))
     # speed amplitude 0.005 * 2 pi 1.5 e^(-0.1 t) = 0.047 m/s falls below 0.03 m/s after 4.5 s, within half a period
     wait = math.log(0.005 * 2 * math.pi * 1.5 / 0.03) / 0.1
-    assert found["cycle_time"] - found["reference_time"] == pytest.approx(wait, abs=0.4)
+    assert found["cycle_time"] - found["trajectory_time"] == pytest.approx(wait, abs=0.4)
 
 
 def test_cycle_time_waits_for_the_creep_that_is_no_swing() -> None:
     result, hoist, winding = invent_trip(swing=0.0, creep=0.1)
     found = measure(result, hoist, winding, Arrival(position_band=0.01, speed_band=0.05))
-    assert found["cycle_time"] - found["reference_time"] == pytest.approx(math.log(10.0), abs=0.03)
+    assert found["cycle_time"] - found["trajectory_time"] == pytest.approx(math.log(10.0), abs=0.03)
     assert found["swing_right"] < 1e-12
 
 

@@ -30,5 +30,5 @@ CASES = {
 def find_case(name: str) -> Case:
     """The case of this name; ValueError with all names when there is none."""
     if name not in CASES:
-        raise ValueError(f"scene = {name!r} must be one of {', '.join(CASES)}: choose one")
+        raise ValueError(f"case = {name!r} must be one of {', '.join(CASES)}: choose one")
     return CASES[name]

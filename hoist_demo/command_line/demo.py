@@ -46,7 +46,7 @@ LEVELS = ("draft", "standard", "reference")
 _DRAWN = ("shape.", "loop.", "stress.", "energy.", "left.swivel.")
 """Outputs that an FMU may have been exported without, and reports show."""
 
-_SCENE = "rope-120"
+_CASE = "rope-120"
 
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
@@ -91,7 +91,7 @@ def add_demo(
         "--case",
         choices=tuple(CASES),
         metavar="NAME",
-        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(CASES)} ({_SCENE}, or that of --resume)",
+        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(CASES)} ({_CASE}, or that of --resume)",
     )
     rope = demo.add_mutually_exclusive_group()
     rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 or 3.0 (%(default)s)")
@@ -112,16 +112,16 @@ def add_demo(
 
 
 def _add_trip(demo: argparse.ArgumentParser) -> None:
-    """What changes the scene's winding."""
-    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the scene)")
-    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the scene)")
+    """What changes the case's winding."""
+    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the case)")
+    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the case)")
     demo.add_argument(
         "--creep-distance",
         type=float,
         metavar="S",
-        help="creep over the last S [m], stop included (that of the scene)",
+        help="creep over the last S [m], stop included (that of the case)",
     )
-    demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the scene)")
+    demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the case)")
     demo.add_argument(
         "--estop-at",
         type=float,
@@ -169,7 +169,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     resume = Checkpoint.read(options.resume) if options.resume else None
     chosen = settings(options.set, Catalogue(_parameters(options)))
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
-    options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _SCENE
+    options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _CASE
     run = build(options.case, _winding(options) | chosen)
     try:
         options.out.mkdir(parents=True, exist_ok=True)
@@ -219,12 +219,12 @@ def _missing_outputs(units: Mapping[str, str]) -> str:
 
 
 def _case_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
-    """The scene of an interrupted run, which its hoist tells; `hoist` is what is set of it."""
-    hoists = {name: with_values(scene.hoist, hoist) for name, scene in CASES.items()}
+    """The case of an interrupted run, which its hoist tells; `hoist` is what is set of it."""
+    hoists = {name: with_values(case.hoist, hoist) for name, case in CASES.items()}
     found = next((name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")), None)
     if found is None:
         raise ValueError(
-            "the run to go on with is of no scene's hoist: repeat its --set hoist..., or go on with it where it was "
+            "the run to go on with is of no case's hoist: repeat its --set hoist..., or go on with it where it was "
             "begun"
         )
     if asked not in (None, found):
@@ -325,7 +325,7 @@ def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}, FMI {rope.model['FMI version']}"
     at = run.winding.emergency_at
     stop = "" if at is None else f", emergency stop at {at:g} s"
-    trip = f"Winding {run.winding.travel:g} m{stop}: scene {options.case}, balance rope {kind}"
+    trip = f"Winding {run.winding.travel:g} m{stop}: case {options.case}, balance rope {kind}"
     return ", ".join([trip, *options.set])
 
 

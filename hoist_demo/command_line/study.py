@@ -96,9 +96,9 @@ def _study(options: argparse.Namespace) -> int:
         units = study.units
         print("best: " + ", ".join(f"{key} = {value:.6g} {units[key]}" for key, value in performed.best.items()))
     results = read_results(performed.table)
-    parameters = [name for name in results.table.columns if name in study.units or name in ("case", "controller")]
+    parameters = [name for name in results.table.columns if name in study.units or name in ("variant", "controller")]
     meta: dict[str, Any] = {"title": study.title, "parameters": parameters, "best": performed.judged}
-    meta |= {"study file": options.study.name, "scene": study.scene, "FMU": study.fmu.name, "SHA-256": study.fmu_hash}
+    meta |= {"study file": options.study.name, "case": study.case, "FMU": study.fmu.name, "SHA-256": study.fmu_hash}
     meta |= {"FMI version": fmi_version(study.fmu), "version": version("balance-rope")}
     print(f"open in a browser: {study_report(results.table, results.units, meta, store.directory / 'report.html')}")
     return 1 if performed.causes else 0

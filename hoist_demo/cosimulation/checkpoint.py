@@ -78,7 +78,7 @@ class Checkpoint:
         if self.data != data:
             raise ValueError(
                 f"the checkpoint at t = {self.t:g} s must be of the same hoist, winding, controller, gains and "
-                f"sample time, but {_differences(self.data, data)}: give the scene and the options of that run"
+                f"sample time, but {_differences(self.data, data)}: give the case and the options of that run"
             )
         if not self.rope:
             raise ValueError(

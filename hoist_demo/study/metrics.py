@@ -24,7 +24,7 @@ ENDS = ("left", "right")
 
 METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
-    "reference_time": ("s", "duration of the reference's motion"),
+    "trajectory_time": ("s", "duration of the reference's motion"),
     "position_error": ("m", "of the left conveyance at the record's end"),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
@@ -117,7 +117,7 @@ def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
     moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
     return {
-        "reference_time": result.trajectory.duration - winding.start_delay,
+        "trajectory_time": result.trajectory.duration - winding.start_delay,
         "cycle_time": float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan,
         "position_error": float(place - travel[-1]),
         "tracking_error": _largest(recording["reference.position"] - travel),

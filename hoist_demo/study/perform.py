@@ -22,7 +22,7 @@ _NUMBER = re.compile(r"\d[\d.e+-]*")
 """Warnings that differ in their numbers only are of one kind."""
 
 COST = "cost"
-"""Column of a search: the weighted sum that it minimises, over all cases of the point."""
+"""Column of a search: the weighted sum that it minimises, over all variants of the point."""
 
 Run = Callable[[Sequence[Sample]], list[str]]
 """Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given."""
@@ -60,7 +60,7 @@ def _search(
 ) -> tuple[list[Sample], list[str], Mapping[str, float | int | bool | str], list[float]]:
     """All runs of the search in their order, the best values, and each run's cost, which is that of its point.
 
-    Every point is run for every case.
+    Every point is run for every variant.
     """
     assert study.tuning is not None
     tuning, names = study.tuning, list(study.ranges)
@@ -72,13 +72,13 @@ def _search(
         return {name: study.ranges[name].at(float(u)) for name, u in zip(names, x, strict=True)}
 
     def costs(points: Array) -> list[float]:
-        asked = [[study.sample(case, values(x)) for case in study.cases] for x in points]
+        asked = [[study.sample(variant, values(x)) for variant in study.variants] for x in points]
         new = [sample for group in asked for sample in group]
         new_keys = run(new)
         samples.extend(new)
         keys.extend(new_keys)
         each = [_cost(store, key, tuning.minimise) for key in new_keys]
-        width = len(study.cases)
+        width = len(study.variants)
         found = [sum(each[k : k + width]) for k in range(0, len(each), width)]
         told.extend(cost for cost in found for _ in range(width))
         return found
@@ -118,7 +118,7 @@ def _write(
             alike = next((first for first in warnings if _NUMBER.sub("", first) == _NUMBER.sub("", text)), text)
             warnings.setdefault(alike, []).append(number)
         chosen = {name: sample.values.get(name) for name in study.units if name != "controller"}
-        head = {"run": number, "key": key, "case": sample.case, "controller": sample.data.controller}
+        head = {"run": number, "key": key, "variant": sample.variant, "controller": sample.data.controller}
         result = {"status": outcome["status"], "cause": outcome["cause"], "fidelity": outcome.get("fidelity", "")}
         if costs:
             result[COST] = costs[number - 1] if math.isfinite(costs[number - 1]) else math.nan

@@ -27,7 +27,7 @@ class Probe:
         together = self._ask(run.fmu, high, rises)
         if not together:
             return []
-        own = CASES[run.scene].rope
+        own = CASES[run.case].rope
         set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
         alone = {key: self._ask({**own, key: value}, high, rises) for key, value in set_here.items()}
         blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]

@@ -53,7 +53,7 @@ _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 class RunData:
     """Everything that decides a run's result but the FMU's bytes."""
 
-    scene: str
+    case: str
     controller: str
     hoist: Hoist
     winding: Winding
@@ -62,7 +62,7 @@ class RunData:
     shaper: Shaper
     trajectory: TrajectoryOptions
     arrival: Arrival
-    fmu: Mapping[str, Value]  # parameters of the scene's rope, and those that the study sets
+    fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
 
     def key(self, fmu_hash: str) -> str:
@@ -92,9 +92,9 @@ class Outcome:
     warnings: tuple[str, ...] = ()  # of coupling and rope
 
 
-def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
-    """The scene's data with the given values; a `ValueError` names what does not fit together."""
-    given = find_case(scene)
+def build(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
+    """The case's data with the given values; a `ValueError` names what does not fit together."""
+    given = find_case(case)
     data: dict[str, Any] = {"hoist": given.hoist, "winding": given.winding, "gains": given.gains}
     data |= {name: kind() for name, kind in SECTIONS.items() if name not in data}
     chosen: dict[str, dict[str, Value]] = {name: {} for name in SECTIONS}
@@ -104,7 +104,7 @@ def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()
             chosen[section][field] = value
     data = {name: with_values(data[name], chosen[name]) for name in SECTIONS}
     fmu, controller = {**given.rope, **fmu_part(values)}, str(values.get("controller", "pi-feed-forward"))
-    run = RunData(scene, controller, fmu=fmu, signals=signals, **data)
+    run = RunData(case, controller, fmu=fmu, signals=signals, **data)
     require_trip_fits(run.hoist, run.winding)
     require_possible(run.controller, run.winding)
     s_curve(run.winding)

@@ -109,13 +109,13 @@ class InProcessRope:
 
 
 def rope_in_process(
-    scene: str,
+    case: str,
     kernels: Literal["auto", "compiled", "portable"] = "auto",
     level: Level = "standard",
     parameters: Mapping[str, Value] | None = None,
 ) -> InProcessRope:
-    """The rope of a named scene at a level of accuracy, with other parameters by FMI name."""
-    data = rope_data({**find_case(scene).rope, **(parameters or {})}, level)
+    """The rope of a named case at a level of accuracy, with other parameters by FMI name."""
+    data = rope_data({**find_case(case).rope, **(parameters or {})}, level)
     return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
 
 
