@@ -1,9 +1,9 @@
 """What joining the legs' elements does to the loop's place: ``python -m benchmarks.legs``.
 
-The same mesh with none joined, and with a quarter, once and four times the ``grading_length`` of 'auto', against one for
-0.3 mm without joined elements, on the planar model (an uncoupled rope), where the sway of the legs is seen alone.  What
-a leg's waves lose adds up: the trips are long.  An emergency stop sends shorter waves up the legs; what the time steps
-alone do to loop and end forces is printed beside it, by the same fine mesh with a quarter of the step.
+The same mesh with none joined, and with a quarter, once and four times the ``grading_length`` of 'auto', against one
+for 0.3 mm without joined elements, with the planar model (an uncoupled rope), where the sway of the legs is seen
+alone.  What a leg's waves lose adds up: the trips are long.  An emergency stop sends shorter waves up the legs; what
+the time steps alone do to loop and end forces is printed beside it, by the same fine mesh with a quarter of the step.
 """
 
 from __future__ import annotations
@@ -112,8 +112,9 @@ def main() -> None:
         )
         for x in outcomes(case, exact, auto):
             print(
-                f"  grading_length {x.grading_length:6.2f} m {x.elements:5d} elements, loop {1e3 * x.loop_error:6.2f} mm, "
-                f"end forces {100 * x.force_error:.1e} %, kinetic energy per transformation up to {x.kinetic:.1e} J",
+                f"  grading_length {x.grading_length:6.2f} m {x.elements:5d} elements, "
+                f"loop {1e3 * x.loop_error:6.2f} mm, end forces {100 * x.force_error:.1e} %, "
+                f"kinetic energy per transformation up to {x.kinetic:.1e} J",
                 flush=True,
             )
 

@@ -54,7 +54,7 @@ class Measured(NamedTuple):
 
     steps: list[float]
     made: float
-    hung: float
+    initialised: float
     memory: float
 
 
@@ -122,7 +122,7 @@ def measure(place: str, form: str, path: Path, scene: str) -> Measured:
     made = time.process_time() - start
     start = time.process_time()
     assert stepper.start()
-    hung = time.process_time() - start
+    initialised = time.process_time() - start
     memory = resident() - before
     times = []
     for k in range(round(window(form, scene) / H)):
@@ -130,7 +130,7 @@ def measure(place: str, form: str, path: Path, scene: str) -> Measured:
         valid = stepper.step((k + 1) * H)
         times.append(time.process_time() - start)
         assert valid
-    return Measured(times, made, hung, memory)
+    return Measured(times, made, initialised, memory)
 
 
 def instantiation(path: Path) -> tuple[float, float]:
@@ -181,7 +181,9 @@ def main(scene: str = SCENE) -> None:
     for case, runs in found.items():
         factors[case] = window(case[1], scene) / statistics.median(sum(run.steps) for run in runs)
         cells = [f"{1e3 * x:.3f} ms" for x in np.percentile([t for run in runs for t in run.steps], [50, 95, 99])]
-        cells += [f"{1e3 * statistics.median(getattr(run, name) for run in runs):.1f} ms" for name in ("made", "hung")]
+        cells += [
+            f"{1e3 * statistics.median(getattr(run, name) for run in runs):.1f} ms" for name in ("made", "initialised")
+        ]
         cells.append(f"{statistics.median(run.memory for run in runs):.1f} MB")
         print(f"  {f'{case[1]}, {case[0]}':<30}{factors[case]:>17.1f}" + "".join(f"{cell:>17}" for cell in cells))
     for form in dict.fromkeys(form for _, form in cases):

@@ -29,8 +29,8 @@ def winner(table: pd.DataFrame) -> str:
     gentle = table.loc[table.loc[table["winding.jerk"] == first["winding.jerk"], "rope_force_ripple"].idxmin()]
     behind = ", ".join(f"{row.cycle_time - first.cycle_time:.2f} s ({row.variant})" for row in ranked[1:].itertuples())
     return (
-        f"First is: **{first.variant}**, {first.cycle_time:.2f} s with {1e3 * first.swing_right:.1f} mm of swing on the "
-        f"complete rope. The others need more: {behind}. The torque's RMS does not tell them apart, "
+        f"First is: **{first.variant}**, {first.cycle_time:.2f} s with {1e3 * first.swing_right:.1f} mm of swing on "
+        f"the complete rope. The others need more: {behind}. The torque's RMS does not tell them apart, "
         f"{1e-3 * table.torque_rms.min():.1f} to {1e-3 * table.torque_rms.max():.1f} kN m, because holding 5 t takes "
         f"most of it.\n\nGentlest with the same limit of jerk is: **{gentle.variant}**. The rope's force ripples by "
         f"{gentle.rope_force_ripple:.0f} N with it, by {first.rope_force_ripple:.0f} N with the first; the slip safety "

@@ -76,7 +76,7 @@ def compare(coupling: str) -> tuple[list[tuple[str, str]], list[str]]:
         ("kinetic energy change per transformation", f"{changes[:, 0].max():.1e} J   (source: below 1e-4)"),
         ("potential energy change per transformation", f"{changes[:, 1].max():.1e} J"),
         ("transformations, rejected steps", f"{len(changes)}, {tmn.rope.state.counts.rejections}"),
-        ("energy the books of TMN-ETM do not explain", f"{tmn.rope.state.energy_balance.residual:.2f} J"),
+        ("residual of the energy balance with TMN-ETM", f"{tmn.rope.state.energy_balance.residual:.2f} J"),
         ("computation time, TMN-ETM / EEM", f"{tmn.cpu:.2f} / {eem.cpu:.2f} s"),
         (
             "computation time saved",

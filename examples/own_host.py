@@ -35,4 +35,4 @@ for second in range(1, 10):
     first = wind(rope, second)
     rope.restore(saved)  # one second back
     print(second, "s", first, SIGNALS["left.fy"].unit, "again the same:", wind(rope, second) == first)
-print(len(rope.signals()), "signals;", rope.added_mass(), "kg;", rope.warnings() or "nothing to mind")
+print(len(rope.signals()), "signals;", rope.added_mass(), "kg;", rope.warnings() or "no warnings")

@@ -68,8 +68,8 @@ within 0.27 j H^3, 0.62 j H^2 and 3.4 j H of the motion's position, speed and ac
 step's end (`inputs_at_step_end` = true) are met exactly, but for steps below 1e-5 s, which aim that far ahead, because
 within them the rounding of a position would ask for large accelerations (tests/test_masters.py).
 """
-_MINDED = """\
-`status.warning` tells what to mind in results that are valid, and stays while it is so; the log has each thing once
+_WARNINGS = """\
+`status.warning` holds warnings about results that are valid, as long as they apply; the log has each of them once
 (category logStatusWarning). `status.valid` stays true:
 
 - *The legs touch or have passed through each other.* Contact is not in the model. At rest, too: a long rope with the
@@ -145,7 +145,7 @@ def interface_page() -> str:
     table = variables(rope_120())
     lines = ["# The FMU's variables", "", _INTRODUCTION, _ERRORS]
     lines += [_STRUCTURE, _SHAPES, _ALONG, _ADDED_MASS]
-    lines += ["## Steps of any length\n", _STEPS, "## What to mind\n", _MINDED]
+    lines += ["## Steps of any length\n", _STEPS, "## Warnings\n", _WARNINGS]
     lines += [
         "| outputs | fidelities |",
         "|---|---|",
@@ -165,7 +165,7 @@ def index_html(described: Collection[Variable], native: bool) -> str:
     """documentation/index.html: how to use the FMU, the model, the variables."""
     parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _ERRORS]
     along = any(v.name.startswith("shape.") for v in described)
-    parts += [_STRUCTURE, _SHAPES if native and along else "", _ALONG if along else "", _ADDED_MASS, _MINDED]
+    parts += [_STRUCTURE, _SHAPES if native and along else "", _ALONG if along else "", _ADDED_MASS, _WARNINGS]
     paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text)
     fidelities = "".join(f"<tr><td>{_to_html(outputs)}</td><td>{which}</td></tr>" for outputs, which in _FIDELITY_NAMES)
     body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{fidelities}</table>", _MODEL]

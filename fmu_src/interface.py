@@ -150,7 +150,7 @@ def _outputs() -> Iterator[Variable]:
     )
     yield Variable("status.fidelity_reason", "output", "discrete", "String", "", None, "why this fidelity")
     yield Variable(
-        "status.warning", "output", "discrete", "String", "", None, "what to mind in valid results; else empty"
+        "status.warning", "output", "discrete", "String", "", None, "warnings about valid results; else empty"
     )
 
 

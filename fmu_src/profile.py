@@ -18,7 +18,7 @@ GROUPS = {
     "swivels": "angle, rate and torque of the swivels, and whether they slip",
     "loop": "place, yaw and clearance of the loop",
     "stress": "largest nominal stresses; twist at the ends and in the loop",
-    "energy": "energies, works and the balance of the books",
+    "energy": "energies, works and the energy balance",
     "count": "time steps, iterations, transformations, swivel events",
     "shape": "points along the rope, with tension and stresses there: 486 numbers",
     "status": "whether results are valid, messages, the fidelity of the model",

@@ -65,7 +65,7 @@ def _report_failure(call: Callable[Concatenate[Any, P], None]) -> Callable[Conca
 class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     """A balance rope for co-simulation."""
 
-    #: number of what is to be minded
+    #: number of warnings
     warnings = len(WARNINGS) + 1
 
     def __init__(self, **kwargs: Any) -> None:
@@ -146,7 +146,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         )
 
     def warning(self, number: int) -> str:
-        """What to mind now of the thing ``number``, or ''."""
+        """The warning ``number``, or '' where it does not apply now."""
         if number == len(WARNINGS):
             return self._long_step()
         return WARNINGS[number](self._rope.scene, self._rope.state)

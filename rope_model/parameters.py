@@ -183,7 +183,7 @@ class Mesh:
     Without elements in III and V the loop's, in IV, are l/4, without II and VI too l/2.
 
     auto: the TMN-ETM that the rope's own lengths and ``loop_error`` ask for, EEM on a short or stiff rope; see
-    simulation.mesh.suited.  ``end_levels`` = 0 is the source's mesh.
+    simulation.mesh.fit_mesh.  ``end_levels`` = 0 is the source's mesh.
     """
 
     kind: MeshKind = choice(

@@ -2,9 +2,10 @@
 
 rope        balance_rope makes a BalanceRope in a Form: auto, native or python; EndMotion goes in, Status and the
             values of SIGNALS come out, each a Signal with unit and description
-            FIDELITIES has the fidelities of the model; left_out the Effects that a fidelity leaves out: outputs that are no results
+            FIDELITIES has the fidelities of the model; neglected_effects the Effects that one of them neglects: outputs
+            that are then 0 and no results
 data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
-cases     rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
+cases       rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
             at_level puts any scene on one
 analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
 """

@@ -115,7 +115,7 @@ def test_assess_tells_the_residual_that_direction_uses_and_sums_the_balances() -
 
 
 @needs_compiler
-def test_the_compiled_kernels_are_the_portable_ones_twins() -> None:
+def test_the_compiled_kernels_give_what_the_portable_ones_give() -> None:
     elements = 8  # the size other tests compile too
     compiled, portable = RopeKernels(elements, "compiled"), RopeKernels(elements, "portable")
     assert (compiled.form, portable.form) == ("compiled", "portable")

@@ -1,4 +1,4 @@
-"""The table of scenes: every one starts and winds, its rope is the one that it names, and users are told the names."""
+"""The table of cases: every one starts and winds, its rope is the one that it names, and users are told the names."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_the_table_holds_the_published_case_and_all_installed_sizes() -> None:
 
 
 @every_scene
-def test_the_fmu_reads_the_scene_s_parameters_as_the_rope_in_process_does(name: str) -> None:
+def test_the_fmu_reads_the_case_s_parameters_as_the_rope_in_process_does(name: str) -> None:
     values = {v.name: v.start for v in variables(rope_120()) if v.causality == "parameter" and v.start is not None}
     assert CASES[name].rope.keys() <= values.keys()
     assert scene_of({**values, **CASES[name].rope}) == rope_data(CASES[name].rope)
@@ -46,7 +46,7 @@ def test_ropes_of_the_published_case_are_those_of_the_export(name: str, level: p
 
 @every_scene
 @pytest.mark.parametrize("level", ["draft", "standard"])
-def test_an_export_of_a_scene_starts_with_its_rope_and_its_travel(name: str, level: parameters.Level) -> None:
+def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, level: parameters.Level) -> None:
     scene = CASES[name]
     case = case_with("rope-120", level, {**scene.rope, "right.y": abs(scene.winding.travel)})
     assert case.scene == rope_data(scene.rope, level)
@@ -60,7 +60,7 @@ def test_a_start_value_that_no_parameter_has_is_refused_by_name() -> None:
         case_with("rope-120", "standard", {"rope.colour": 1.0})
 
 
-def test_ropes_of_the_hoist_page_are_those_of_the_scenes() -> None:
+def test_ropes_of_the_hoist_page_are_those_of_the_cases() -> None:
     page = (Path(__file__).parent.parent / "docs" / "hoist.md").read_text(encoding="utf-8")
     assert rope_table() in page, "docs/hoist.md: put in " + rope_table()
 
@@ -80,7 +80,7 @@ def start(name: str) -> tuple[Host, Result]:
 
 
 @every_scene
-def test_the_ends_carry_the_weight_of_the_scene_s_rope(name: str) -> None:
+def test_the_ends_carry_the_weight_of_the_case_s_rope(name: str) -> None:
     host, result = start(name)
     left, right = (result.recording[f"{end}.fy"][0] for end in ("left", "right"))
     weight = GRAVITY * host.hoist.tail_rope_mass
@@ -90,7 +90,7 @@ def test_the_ends_carry_the_weight_of_the_scene_s_rope(name: str) -> None:
 
 
 @every_scene
-def test_every_scene_starts_and_makes_fifty_steps(name: str) -> None:
+def test_every_case_starts_and_makes_fifty_steps(name: str) -> None:
     host, result = start(name)
     assert result.steps == 50
     assert result.cause.endswith("stopped by the user")
@@ -123,13 +123,13 @@ def test_what_the_hoist_gives_is_what_all_its_balance_ropes_get() -> None:
 
 
 @every_scene
-def test_the_demo_lists_every_scene(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_demo_lists_every_case(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         balance_rope.main(["demo", "--help"])
     assert name in capsys.readouterr().out
 
 
-def test_a_scene_that_is_not_there_is_answered_with_all_that_are(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_case_that_is_not_there_is_answered_with_all_that_are(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as left:
         balance_rope.main(["demo", "--case", "monopol"])
     assert left.value.code == 2
@@ -150,13 +150,13 @@ def test_a_creep_s_speed_without_its_length_is_refused(capsys: pytest.CaptureFix
     assert "--creep-distance" in capsys.readouterr().err
 
 
-def test_a_brake_that_the_scene_has_not_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_brake_that_the_case_has_not_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     command = ["demo", "--in-process", "--estop-law", "torque", "--estop-at", "5", "--out", str(tmp_path)]
     assert balance_rope.main(command) == 2
     assert "without a brake" in capsys.readouterr().err
 
 
-def test_a_study_winds_the_scene_with_its_gains_and_its_rope_unless_told_otherwise() -> None:
+def test_a_study_winds_the_case_with_its_gains_and_its_rope_unless_told_otherwise() -> None:
     scene = CASES["monopol-1000"]
     plain, other = build("monopol-1000", {}), build("monopol-1000", {"rope.EI": 900.0, "gains.position": 0.7})
     assert (plain.gains, plain.fmu) == (scene.gains, scene.rope)

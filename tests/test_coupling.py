@@ -205,7 +205,7 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
 
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
-def test_the_default_is_expected_to_be_stable_on_every_preset(case: str, H: float) -> None:
+def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float) -> None:
     scene, plant = CASES[case], rope_in_process(case, level="draft")
     host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
     result = host.run(lambda fraction, t: False)
@@ -346,7 +346,7 @@ def test_the_page_is_what_the_committed_data_make() -> None:
     assert {p.stem for p in (DOCS / IMAGES).iterdir()} == set(FIGURES)
 
 
-def test_the_default_errs_by_less_than_promised_on_every_preset() -> None:
+def test_the_default_errs_by_less_than_promised_on_every_case() -> None:
     t = TABLES["cases"]
     assert set(t["case"]) == set(CASES)
     assert set(t["scheme"]) == {Coupling().scheme}

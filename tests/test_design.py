@@ -1,4 +1,4 @@
-"""Shapers leave their mode at rest, a fitted swing is the given one, the low-fidelity model is the plant, an optimum is kept."""
+"""Shapers leave their mode at rest, a fit finds a given swing, the low-fidelity model is the plant, optima stay."""
 
 from __future__ import annotations
 

@@ -140,7 +140,7 @@ def test_energies_of_the_rigid_rope_are_those_of_its_shape_and_flow_and_change_b
         assert_allclose(power, work, rtol=1e-5)
 
 
-def test_books_of_the_rigid_rope_close_at_second_order_in_the_step() -> None:
+def test_energy_balance_of_the_rigid_rope_closes_at_second_order_in_the_step() -> None:
     residuals = []
     for h in (0.04, 0.02, 0.01):
         rope = start(EVEN, fidelity="rigid")
@@ -244,7 +244,7 @@ def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(tol
     ours, reference = np.moveaxis(np.array(forces), 1, 0)
     # the tolerance is of the root mean square; 10 % for either, because nothing allows more after the switch
     assert math.sqrt(np.mean((ours - reference) ** 2)) < 0.1 * np.abs(reference).max()
-    # the energy of the shape that it takes on is booked
+    # the energy of the shape that it takes on is in the balance
     assert abs(rope.state.energy_balance.residual) < 0.01 * rope.state.energy_balance.kinetic
 
 

@@ -1,4 +1,4 @@
-"""Every part that a hoist may have: analytic frequencies, hand numbers, closed forms, and books that close."""
+"""Every part that a hoist may have: analytic frequencies, hand numbers, closed forms, energy balances that close."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def test_with_every_part_equilibrium_is_at_rest_to_rounding(heights: tuple[float
     np.testing.assert_allclose(plant.rates(*_rest(plant, heights)), 0.0, atol=1e-10)
 
 
-def test_with_every_part_the_books_close() -> None:
+def test_with_every_part_the_energy_balance_closes() -> None:
     plant = HoistPlant(FULL)
     state, u = _rest(plant, (40.0, 50.0))
     moving = {"phi_rate": 4.0, "v_left": 5.0, "v_right": -5.0, "brake_pressure": 0.1}

@@ -234,16 +234,16 @@ def test_the_residual_of_a_long_rope_is_what_its_time_integration_dissipates() -
             return left, EndMotion(y=top - p.position, vy=-p.speed, ay=-p.acceleration)
 
         assert rope.initialize(0.0, *ends(0.0)).valid
-        books = []
+        residuals = []
         for k in range(3400):
             assert rope.step(k * 0.01, 0.01, *ends((k + 1) * 0.01)).valid
             if k in (2599, 3399):
-                books.append(rope.read(["energy.residual"])["energy.residual"])
-        return books[0] - books[1]
+                residuals.append(rope.read(["energy.residual"])["energy.residual"])
+        return residuals[0] - residuals[1]
 
     standard = dissipation()
     assert standard > 40.0  # J
-    # third order in the step: an eighth, within what books kept to the second order do not explain
+    # third order in the step: an eighth, within the residual of a balance of second order
     assert 6.0 < standard / dissipation(step_max=0.005) < 10.0
     assert abs(dissipation(rho_inf=0.9)) < 0.2 * standard
 
@@ -287,7 +287,7 @@ def test_a_state_of_another_kind_of_rope_is_refused() -> None:
         rope.from_bytes(b"BalanceRope by balance-rope\nstate")
 
 
-def test_a_checkpoint_leads_back_to_its_scene_and_names_what_differs() -> None:
+def test_a_checkpoint_leads_back_to_its_case_and_names_what_differs() -> None:
     scene = CASES["rope-120"]
     rope = rope_in_process("rope-120", level="draft")
     stopped = Host(rope, scene.hoist, SHORT, gains=scene.gains).run(lambda fraction, t: t < 0.1)

@@ -50,6 +50,7 @@ def test_values_have_their_parameters_type_and_choices_their_words() -> None:
         ("rope.EI=stiff", r"rope\.EI = 'stiff' must be a finite number: give it in N\.m2"),
         ("rope.EI=nan", r"rope\.EI = nan must be a finite number"),
         ("rope.IE=1", r"rope\.IE is not a parameter: did you mean rope\.EI"),
+        ("model.rung=1", r"model\.rung is not a parameter: did you mean model\.fidelity"),
         ("model.fidelity=7", r"model\.fidelity = 7\.0 must be within 0 and 4"),
         ("hoist.head_rope_number=2.5", r"hoist\.head_rope_number = 2\.5 must be a whole number"),
         ("shaper.kind=ZV", r"shaper\.kind is for studies"),

@@ -1,4 +1,4 @@
-"""The native rope's ends, fidelities, rigid rope and parameter checks give what their Python twins give.
+"""The native rope's ends, fidelities, rigid rope and parameter checks give what the Python functions give.
 
 Both do the same operations in the same order.  Numbers may differ by what libm and numpy round differently, 1e-12 of
 the quantities' size where nothing else is said; texts may not differ at all.

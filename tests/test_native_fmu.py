@@ -718,7 +718,7 @@ def test_python_flavour_of_fmi_3_is_refused_with_the_cure(capsys: pytest.Capture
     assert "comes with --native" in capsys.readouterr().err
 
 
-def test_an_installed_scene_is_exported_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_installed_case_is_exported_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
     path = tmp_path / "monopol.fmu"
     options = ["--case", "monopol-1000", "--native", "--platform", "host", "--out", str(path)]

@@ -1,4 +1,4 @@
-"""The native rope's mesh, frame, shape and signals give what their Python twins give.
+"""The native rope's mesh, frame, shape and signals give what the Python functions give.
 
 Both do the same operations in the same order.  They may differ by what libm, numpy's vectorised sine, cosine and power,
 and sums in another order round differently: 1e-12 of the quantities' size, where nothing else is said.
@@ -112,9 +112,10 @@ void signals_by_members(int group, const Scene *scene, int fidelity, double t, d
         s.swivels[k].phase = phases[k], s.swivels[k].sign = signs[k];
     }
     const double *l = energy_balance, *n = counts;
-    s.energy_balance.kinetic = l[0], s.energy_balance.strain = l[1], s.energy_balance.gravity = l[2], s.energy_balance.work_ends = l[3];
-    s.energy_balance.dissipated_material = l[4], s.energy_balance.dissipated_swivel = l[5], s.energy_balance.nonconservative = l[6];
-    s.energy_balance.transformations = l[7], s.energy_balance.start = l[8];
+    EnergyBalance *e = &s.energy_balance;
+    e->kinetic = l[0], e->strain = l[1], e->gravity = l[2], e->work_ends = l[3];
+    e->dissipated_material = l[4], e->dissipated_swivel = l[5], e->nonconservative = l[6];
+    e->transformations = l[7], e->start = l[8];
     s.counts.steps = (int64_t)n[0], s.counts.rejections = (int64_t)n[1], s.counts.newton = (int64_t)n[2];
     s.counts.transformations = (int64_t)n[3], s.counts.swivel_events = (int64_t)n[4];
     signals_of(group, scene, &s, arrays, strains, bottom, values);
@@ -257,7 +258,7 @@ layouts = st.builds(Layout, st.floats(0.3, 5.0))
 @given(mesh=meshes, rope=ropes, layout=layouts)
 @example(mesh=Mesh("auto", loop_error=1.0), rope=Rope(length=9000.0, EI=0.01), layout=Layout(8.0))  # most end levels
 @settings(max_examples=200, deadline=None)
-def test_suited_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
+def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
     ours, expected = parts.mesh_fit(c_of(mesh), c_of(rope), c_of(layout)), fit_mesh(mesh, rope, layout)
     assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
         expected.kind,
@@ -606,8 +607,8 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
     parts.arrays_of(m.q, m.v, m.a, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
     parts.signals_by_members(
-        group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, state.pole, offsets, means,
-        phases, signs, paths, energy_balance, counts, arrays, rope.system.strains(m.q), bottom, values
+        group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, state.pole,
+        offsets, means, phases, signs, paths, energy_balance, counts, arrays, rope.system.strains(m.q), bottom, values
     )  # fmt: skip
     assert np.isnan(values[-1])
     return values[:-1]

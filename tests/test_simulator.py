@@ -158,7 +158,7 @@ def test_transformation_changes_the_energy_little() -> None:
     assert worst[1] < 0.05
 
 
-def test_energy_books_close_at_second_order_in_the_step() -> None:
+def test_energy_balance_closes_at_second_order_in_the_step() -> None:
     residuals = []
     for step in (0.01, 0.005):
         solver = Solver(step_max=step, tolerance=1.0)
@@ -169,7 +169,7 @@ def test_energy_books_close_at_second_order_in_the_step() -> None:
     assert residuals[1] < 0.35 * residuals[0]
 
 
-def test_nonconservative_coupling_is_booked_and_the_books_close() -> None:
+def test_work_of_nonconservative_coupling_is_counted_and_the_energy_balance_closes() -> None:
     published = replace(SHORT.rope, Qb=2.371e5, Qc=2.301e5)
     rope = start(SHORT.with_(rope=published))
     wind(rope, 0, 550)

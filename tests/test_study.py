@@ -67,9 +67,10 @@ def read(tmp_path: Path, fmu: Path):  # type: ignore[no-untyped-def]
 # the file
 
 
-def test_grid_is_run_for_every_case(read) -> None:  # type: ignore[no-untyped-def]
+def test_grid_is_run_for_every_variant(read) -> None:  # type: ignore[no-untyped-def]
     study = read(
-        "[[variant]]\nname = 'soft'\nvalues = { rope.EI = 50 }\n[[variant]]\nname = 'stiff'\nvalues = { rope.EI = 500 }\n"
+        "[[variant]]\nname = 'soft'\nvalues = { rope.EI = 50 }\n"
+        "[[variant]]\nname = 'stiff'\nvalues = { rope.EI = 500 }\n"
         "[vary]\ncontroller = ['pi', 'pi-feed-forward']\nwinding.jerk = { values = [0.5, 1], unit = 'm/s3' }"
     )
     assert len(study.samples) == 2 * 2 * 2

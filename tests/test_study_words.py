@@ -36,7 +36,8 @@ def test_what_creep_costs_is_told_over_the_creeping_windings_only() -> None:
 
 
 def test_the_winner_is_the_fastest_and_the_gentlest_of_its_jerk_ripples_least() -> None:
-    table = CREEP.assign(slip_safety=[1.1, 1.2, 1.3, 1.4], variant=list("abcd"), rope_force_ripple=[9.0, 30.0, 20.0, 8.0])
+    ripples = [9.0, 30.0, 20.0, 8.0]
+    table = CREEP.assign(slip_safety=[1.1, 1.2, 1.3, 1.4], variant=list("abcd"), rope_force_ripple=ripples)
     table["winding.jerk"] = [3.0, 3.0, 3.0, 1.0]
     told = winner(table)
     assert "First is: **b**, 22.00 s with 1.0 mm" in told

@@ -157,7 +157,7 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
     assert errors[1] < 0.35 * errors[0]
 
 
-def test_friction_only_takes_energy_and_the_books_close() -> None:
+def test_friction_only_takes_energy_and_the_balance_closes() -> None:
     rope = RopeSimulator(scene(left=STIFF_BEARING, right=STIFF_BEARING))
     assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
     path = np.linspace(0.0, 1.2, 61)[1:]

@@ -31,17 +31,17 @@ ARITHMETIC = {
     # sums over nodes, and what is held at the ends
     "trial_step": (16, 0),
     "system_of": (4, 0),
-    "restarted": (5, 0),
-    "committed": (9, 0),
+    "restart": (5, 0),
+    "commit": (9, 0),
     "flexible_start": (4, 0),
     "added_masses": (5, 0),
     "rope_derivative": (8, 0),
     "find_equilibrium": (9, 1),
-    "relaxed": (0, 1),
+    "solve_equilibrium": (0, 1),
     # in rope.h, which hosts read without the formulas
     "end_extrapolate": (6, 0),
     # assembly and solution of the transfer's equations
-    "taken": (6, 0),
+    "field_values": (6, 0),
     "add_missing": (7, 0),
     "transfer_fields": (8, 0),
     "factorize": (3, 1),
@@ -74,7 +74,7 @@ TWICE = (
         f"simulation/{name}.py"
         for name in ("adaptation", "result_warnings", "diagnostics", "ends", "mesh", "model", "rigid")
     ),
-    *(f"simulation/{name}.py" for name in ("fidelities", "signals", "simulator", "state", "statics", "switching")),
+    *(f"simulation/{name}.py" for name in ("fidelity", "signals", "simulator", "state", "statics", "switching")),
     *("simulation/transfer.py", "numerics/banded.py", "numerics/events.py", "numerics/generalized_alpha.py"),
 )
 LIBM = {"sqrt", "cbrt", "hypot", "pow", "exp", "log", "log2", "log10", "sin", "cos", "tan", "asin", "acos", "atan"}

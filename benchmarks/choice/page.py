@@ -36,8 +36,8 @@ finite mesh adds (0.13 mm on elements of 0.5 m, 0.02 mm on 0.25 m in `tests/test
 swivels that hold, a rope that moves out of plane is twisted by its own writhe, and only `torsional` follows. Planar and
 rigid give no yaw, and no rung but torsional gives torque or twist; that is why the force tolerance is 0 by default.
 
-`model.fidelity = auto` takes the lowest rung that leaves nothing out. With `model.force_tolerance` above 0 it may take a
-lower one whose estimated error (root mean square of the end forces over a winding, relative to the largest force) is
+`model.fidelity = auto` takes the lowest rung that leaves nothing out. With `model.force_tolerance` above 0 it may take
+a lower one whose estimated error (root mean square of the end forces over a winding, relative to the largest force) is
 within the tolerance. When the ends do what the rung cannot follow, the run goes on with the lowest rung that can; it
 never goes back down. The estimates do not know the winding: they expect ends at up to
 {ASSUMED.speed:g} m/s, {ASSUMED.acceleration:g} m/s^2 and {ASSUMED.jerk:g} m/s^3, and more when the ends show more.

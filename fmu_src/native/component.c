@@ -153,7 +153,7 @@ void component_enter_initialization(Component *c) {
     c->warned = 0;
 }
 
-/* what is to be minded, each thing once */
+/* warnings, each of them once */
 static void warn(Component *c) {
     char text[MODEL_MESSAGE];
     int k;

@@ -1,4 +1,4 @@
-"""The fastest trip that leaves the ropes at rest: an optimal control problem on the low-fidelity model, solved by IPOPT.
+"""The fastest trip that leaves the ropes at rest: optimal control of the low-fidelity model by IPOPT.
 
     minimise   T + T_s int_hold (v_L^2 + v_R^2) / (2 v_s^2 t_hold) dt + smoothness of the jerk
     subject to |v| <= v_max, |a| <= a_max, |j| <= j_max of the reference, |force| <= limit,

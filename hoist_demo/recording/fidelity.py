@@ -47,13 +47,13 @@ def fidelities_of(recording: Recording) -> list[str]:
 
 
 def remark(recording: Recording) -> str:
-    """What a recording from `computed` does not show because of its fidelity; "" when nothing is missing."""
+    """What a recording from `mask_neglected` does not show because of its fidelity; "" when nothing is missing."""
     for fidelity in FIDELITIES:
         effects = [effect for effect in neglected_effects(fidelity) if _is_missing(effect, recording)]
         if effects and fidelity in fidelities_of(recording):
             words = ", ".join(effect.words for effect in effects)
             return (
-                f"the rope ran on the {fidelity} model of its model, which does not compute {words}; none of that is "
+                f"the rope ran as its {fidelity} model, which does not compute {words}; none of that is "
                 "shown. Set model.fidelity = 1 (torsional), or export at the level standard"
             )
     return ""

@@ -35,6 +35,8 @@ SECTIONS: dict[str, type[Any]] = {
 }
 
 RESERVED = {"inputs_at_step_end": "the host sets it"}
+RENAMED = {"model.rung": ["model.fidelity"], "mesh.leg_growth": ["mesh.grading_length"]}
+"""Names of version 0.1.0 and those of today."""
 
 
 @dataclass(frozen=True)
@@ -97,9 +99,8 @@ class Catalogue:
         if key in RESERVED:
             raise ValueError(f"{key} cannot be chosen, {RESERVED[key]}: leave it out")
         if key not in self._parameters:
-            near = difflib.get_close_matches(key, self._parameters, n=3) or [
-                name for name in self._parameters if name.split(".")[-1] == key.split(".")[-1]
-            ]
+            near = RENAMED.get(key) or difflib.get_close_matches(key, self._parameters, n=3)
+            near = near or [name for name in self._parameters if name.split(".")[-1] == key.split(".")[-1]]
             cure = (
                 f"did you mean {' or '.join(near)}?" if near else f"sections are {', '.join(SECTIONS)}, or an FMU name"
             )

@@ -130,7 +130,7 @@ Path path_coasting(const Path *path, double t);
 Path path_to(const Path *path, double stop, const EndMotion *target, double within);
 /* value, rate and acceleration of x, y, z or yaw */
 void path_rates(const Path *path, double t, int axis, double rates[3]);
-EndMotion path_end(const Path *path); /* the motion in which it ends; fidelities.ends_after */
+EndMotion path_end(const Path *path); /* the motion in which it ends; fidelity.ends_after */
 void end_refusal(const EndMotion *target, const Path *path, int side, char *message);
 /* of the conveyance's yaw in theta */
 static const double YAW_SENSE[2] = {-1.0, 1.0};

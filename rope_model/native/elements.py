@@ -24,7 +24,7 @@ _UNARY = {
 
 
 def element_code() -> str:
-    """All functions of all fidelities, named as in ``torsional_tangent``; arguments are arrays of V, the result is last."""
+    """All element functions, named as in ``torsional_tangent``; arguments are arrays of V, the last is the result."""
     return "\n".join(_function_code(name, f) for fidelity in ELEMENT_DOF for name, f in _functions(fidelity))
 
 

@@ -1,4 +1,4 @@
-/* Reference frame of the cross-section: the twin of rope_model.physics.frame, which says what is done and why. */
+/* Reference frame of the cross-section: the port of rope_model.physics.frame, which says what is done and why. */
 #include <math.h>
 
 #include "formulas.h"

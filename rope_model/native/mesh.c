@@ -1,4 +1,4 @@
-/* Partitions of the rope into elements: the twin of rope_model.simulation.mesh, which says what is done and why. */
+/* Partitions of the rope into elements: the port of rope_model.simulation.mesh, which says what is done and why. */
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* What to mind in results that are valid: the twin of rope_model.simulation.result_warnings, which see. */
+/* Warnings about results that are valid: the port of rope_model.simulation.result_warnings, which see. */
 #include <math.h>
 #include <stdio.h>
 

@@ -73,7 +73,7 @@ int rope_elements(const Simulator *rope);
 const char *rope_fidelity(const Simulator *rope); /* "torsional" ... */
 const char *rope_fidelity_reason(const Simulator *rope);
 
-/* What to mind in results that are valid, by its number below ROPE_WARNINGS: a sentence in message (MESSAGE bytes), or
+/* A warning about valid results, by its number below ROPE_WARNINGS: a sentence in message (MESSAGE bytes), or
  * "". */
 enum { ROPE_WARNINGS = 3 };
 void rope_warning(Simulator *rope, int number, char *message);

@@ -1,4 +1,4 @@
-/* What is read off the rope's shape, and the shape it is given to start from: the twin of
+/* What is read off the rope's shape, and the shape it is given to start from: the port of
    rope_model.simulation.diagnostics and rope_model.simulation.statics.hanging_guess. */
 #include <math.h>
 #include <stdio.h>

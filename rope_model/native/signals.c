@@ -1,4 +1,4 @@
-/* Values of the output signals: the twin of rope_model.simulation.signals. */
+/* Values of the output signals: the port of rope_model.simulation.signals. */
 #include "signals.h"
 
 #include <math.h>

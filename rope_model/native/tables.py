@@ -21,7 +21,7 @@ _SUFFIXES = {"mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
 
 
 def signal_numbers() -> str:
-    """The text of signal_numbers.h: the signals' numbers and groups, and the warnings of fidelities that leave some out.
+    """The text of signal_numbers.h: the signals' numbers and groups, and the warning of each simplified model.
 
     A number is the place in SIGNALS, a group the function of simulation.signals that computes the signal.
     """

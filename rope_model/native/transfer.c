@@ -1,4 +1,4 @@
-/* Nodal values between the nodes, and carried from one partition of the rope to another: the twin of
+/* Nodal values between the nodes, and carried from one partition of the rope to another: the port of
    rope_model.simulation.transfer, which says what is done and why. */
 #include <math.h>
 #include <string.h>

@@ -94,7 +94,7 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def warnings(self) -> dict[str, str]:
-        """What to mind in a valid state, sentences by subject; empty when there is nothing."""
+        """Warnings about a valid state, sentences by subject."""
 
     def save(self) -> bytes:
         """The complete state, for ``restore`` of any form of the same scene, also in another process."""

@@ -6,10 +6,10 @@
     rigid       no waves, no bending: closed-form end forces of an inextensible rope, see simulation.rigid
 
 A torque-free rope has no coupling and no installed twist.  Out of plane its swivels must turn freely as well, or its
-writhe twists it; they hold while the rope is initialised, so the run must start in the plane.  What a fidelity leaves out is
-then zero in the complete model too.  Beyond that 'auto' takes a fidelity only when the error of the
-vertical end forces (root mean square over a winding, relative to the largest) is estimated within the scene's force
-tolerance.  physics.estimates has the estimates.
+writhe twists it; they hold while the rope is initialised, so the run must start in the plane.  What a simplified model
+leaves out is then zero in the complete model too.  Beyond that 'auto' takes one only when the error of the vertical
+end forces (root mean square over a winding, relative to the largest) is estimated within the scene's force tolerance.
+  physics.estimates has the estimates.
 """
 
 from __future__ import annotations
@@ -134,9 +134,9 @@ def _lowest(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
     travel, tolerance = expected_travel(ends), scene.model.force_tolerance
     return Choice(
         fidelity,
-        f"the {fidelity} model errs by an estimated {100 * force_error(scene, fidelity, travel):.2g} %, within the tolerance of "
-        f"{100 * tolerance:.3g} %, for ends at up to {travel.speed:g} m/s, {travel.acceleration:g} m/s^2 and "
-        f"{travel.jerk:g} m/s^3",
+        f"the {fidelity} model errs by an estimated {100 * force_error(scene, fidelity, travel):.2g} %, within the "
+        f"tolerance of {100 * tolerance:.3g} %, for ends at up to {travel.speed:g} m/s, {travel.acceleration:g} m/s^2 "
+        f"and {travel.jerk:g} m/s^3",
     )
 
 

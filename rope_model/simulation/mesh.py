@@ -41,8 +41,8 @@ LATEST = 0.25
 #: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
 #: nearer to segments II to VI than GRADING (m - 1) l
 LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
-#: 'auto': grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
-#: LEG_WAVES / length: an emergency stop errs about as much by the mesh as by steps of 10 ms (`python -m
+#: 'auto': grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more
+#: than LEG_WAVES / length: an emergency stop errs about as much by the mesh as by steps of 10 ms (`python -m
 #: benchmarks.legs`)
 LEG_GRADING, LEG_WAVES = 7.5e5, 1000.0  # m, m^2
 #: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
@@ -104,7 +104,7 @@ class FittedLengths(NamedTuple):
 
 
 def fit_lengths(rope: Any, layout: Any, loop_error: Any, decades: Any) -> FittedLengths:
-    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR, see suited."""
+    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR, see fit_mesh."""
     weight = rope.mass_per_length * layout.gravity
     w = (rope.EI / weight) ** (1 / 3)
     radius = smaller(0.5 * layout.spacing, NATURAL_RADIUS * w)
@@ -157,7 +157,7 @@ def fit_mesh(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
 def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
     """The partition of a rope of ``length`` whose loop hangs at arc length ``bottom``."""
     if mesh.kind == "auto":
-        raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.suited")
+        raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.fit_mesh")
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = inner_length(mesh.counts)

@@ -61,7 +61,7 @@ class RopeModel:
         return state._replace(motion=motion, powers=powers(system, motion))
 
     def commit(self, old: RopeState, system: RopeSystem, result: StepResult[Evaluation]) -> RopeState:
-        """An accepted step, with energies and work booked."""
+        """An accepted step, with energies and work added up."""
         motion, evaluation = result.motion, result.evaluation
         assert motion is not None
         assert evaluation is not None

@@ -1,8 +1,8 @@
-"""What to mind in results that are valid: they are those of the model, and a real rope would do something else.
+"""Warnings about results that are valid: they are those of the model, and a real rope would do something else.
 
-    left out   the fidelity computes no torsion, and the rope carries torque; or it is the rigid one
-    tangled    the legs touch, or have passed through each other: contact is not in the model
-    yawed      the loop hangs far out of its ends' plane at rest, by a torque that no rope of a shaft should carry
+    neglected_effects   the model computes no torsion, and the rope carries torque; or it is the rigid one
+    leg_contact         the legs touch, or have passed through each other: contact is not in the model
+    yaw_at_rest         the loop hangs far out of its ends' plane at rest: more torque than a rope in a shaft should carry
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn, and beyond it they have passed through each other.  Once through,

@@ -1,7 +1,7 @@
 """Derivatives of the end loads at the end of a step to one number of an end's motion there.
 
 The rope is linearised about the present state, and one generalized-alpha step as long as the last carries the change;
-see rope_derivative in rope_model.native, its twin.
+rope_derivative in rope_model.native is its C port.
 """
 
 from __future__ import annotations

@@ -70,7 +70,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("dissipated_swivel", "energy dissipated by swivel friction since the start"),
         ("nonconservative", "energy taken up by the difference of Qb and Qc since the start"),
         ("transformations", "energy change of all mesh transformations since the start"),
-        ("residual", "energy that the books do not explain: numerical dissipation is negative"),
+        ("residual", "residual of the energy balance: numerical dissipation is negative"),
     ):
         yield f"energy.{name}", Signal("J", what)
     for name, what in (
@@ -225,8 +225,8 @@ def along_signals(rope: Evaluated) -> dict[str, float]:
 def nominal_stresses(data: Rope, strains: Array, fidelity: Fidelity) -> tuple[Array, Array]:
     """Bending and torsional stress norm (Pa) of each element as in a solid round bar.
 
-    Bending is root mean square along the element; ``strains`` (elements, 4) are those of RopeSystem.strains.  A fidelity
-    without torsion has no torque.
+    Bending is root mean square along the element; ``strains`` (elements, 4) are those of RopeSystem.strains.
+    Without torsion there is no torque.
     """
     e, tau, k_rms, _ = strains.T
     torsional = torsional_stress(data, e, tau) if fidelity == "torsional" else np.zeros_like(e)

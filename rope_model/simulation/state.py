@@ -36,7 +36,7 @@ class EnergyBalance(NamedTuple):
 
     @property
     def residual(self) -> float:
-        """What the books do not explain: what the integrator dissipated (negative) or put in."""
+        """Residual of the balance: what the integrator dissipated (negative) or put in."""
         return float(residual(self))
 
 

@@ -1,6 +1,6 @@
 """The balance rope in this process: the same RopePlant as the FMU, without the FMU.
 
-The only module of the host that knows rope_model; it serves as the FMU's twin and for debugging.
+The only module of the host that knows rope_model; it stands in for the FMU in comparisons and for debugging.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class InProcessRope:
         return self._log_warnings(self._rope.advance_to(t + h, _motion(left), _motion(right)))
 
     def _log_warnings(self, status: Status) -> RopeStatus:
-        """The status; what is to be minded in a valid state is logged, each thing once, as the FMU does it."""
+        """The status; warnings about a valid state are logged, each of them once, as the FMU does it."""
         for subject, text in self._rope.warnings().items() if status.valid else ():
             if subject not in self._warned:
                 self._warned.add(subject)

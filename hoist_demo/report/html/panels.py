@@ -225,7 +225,7 @@ def _energy() -> tuple[Panel, ...]:
         ),
         Panel(
             "Energy",
-            "What the energy books leave over",
+            "Residual of the energy balance",
             "J",
             (
                 Line("drive.energy_residual", "drive", "a"),
