@@ -15,7 +15,7 @@ from .interface import Variable, variables
 from .profile import ALWAYS, DEFAULT, GROUPS
 
 _INTRODUCTION = """\
-FMI 2.0 co-simulation, or 3.0 (native flavour), start values of the 120 m scene. Units are SI; `1` marks a pure number.
+FMI 2.0 co-simulation, or 3.0 (native flavour), start values of the 120 m rope. Units are SI; `1` marks a pure number.
 Parameters marked *tunable* may be changed between steps, the others only before initialisation. [assumed] marks data
 that are ours.
 
@@ -46,7 +46,7 @@ _ALONG = """\
 `shape.tension` follows from the balance of momentum between the left end and the point, so it meets the end forces and
 holds the waves and the damping too; in a loop wider than its suspension it can be negative. `shape.bending` and
 `shape.torsion` are those of the elements (bending as root mean square along each), linear between their middles; the
-bend at a clamped end is sharper than that. A fidelity without torsion has no torsional stress; the rigid model has the
+bend at a clamped end is sharper than that. Models without torsion have no torsional stress; the rigid model has the
 tension of its closed form, and the bending of its half circle.
 """
 _ADDED_MASS = """\
@@ -57,11 +57,11 @@ directional derivatives at the step's end (`inputs_at_step_end` = true) it is
 `inputs_at_step_end` = false dfy/day has the extrapolation in it and is -added_mass.
 """
 _STEPS = """\
-A communication step may be as short as the host likes. Less than 1e-9 s ahead nothing moves, doStep succeeds, and the
-time is not lost: the next step begins where the rope is. (Loops that end with `h = min(H, T - t)` end with such rests.)
+A communication step may be as short as the host likes. In a step below 1e-9 s nothing moves, doStep succeeds, and the
+time is not lost: the next step begins where the rope is. (Loops with `h = min(H, T - t)` end with such a remainder.)
 
 Inputs at the start of a step are extrapolated with constant acceleration, so at its end the rope's path misses the
-motion by j H^3/6 at a jerk j. The next path makes that good; where the next step h is shorter than the H before, over
+motion by j H^3/6 at a jerk j. The next path corrects that; where the next step h is shorter than the H before, over
 the time H, else h would ask for accelerations of j H^3/h^2. With no step longer than H, in any order, the path stays
 within 0.27 j H^3, 0.62 j H^2 and 3.4 j H of the motion's position, speed and acceleration; even steps of H have
 0.26, 0.51 and 2.9. The end force errs by up to twice the leg's mass times the error of the acceleration. Inputs at the
@@ -75,11 +75,11 @@ _WARNINGS = """\
 - *The legs touch or have passed through each other.* Contact is not in the model. At rest, too: a long rope with the
   default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is initialised. Beyond half a turn of
   `loop.yaw` against the line between the ends the legs have crossed; then `loop.clearance`, the distance of the present
-  shape, is large again, and every result is that of a rope which a real one cannot become.
-- *The loop hangs yawed by more than 30 degrees at rest*, and which datum turns it most: the coupling `rope.Qb`,
+  shape, is large again, and every result is one that a real rope cannot have.
+- *The loop hangs yawed by more than 30 degrees at rest*, with the parameter that turns it most: the coupling `rope.Qb`,
   `rope.Qc`, `rope.installed_twist`, or the ends. A real rope is made to turn less; the published coupling on a
   rope of several hundred metres turns it that far.
-- *The fidelity leaves torsion out*, though the rope carries torque: what it does not compute is 0 (below).
+- *The model has no torsion*, though the rope carries torque: what it does not compute is 0 (below).
 - *A communication step above 20 ms with extrapolated inputs*: in a winding the end forces were 8 % off at 50 ms.
 
 What each fidelity computes (`status.fidelity`); the rest is 0, not a result, and exact only for a rope without torque:
@@ -92,7 +92,7 @@ _COMPUTED = {
 }
 _EFFECTS = [(", ".join(f"`{name}`" for name in effect.outputs), _COMPUTED[effect.lowest]) for effect in EFFECTS]
 #: outputs -> the fidelities that compute them
-_FIDELITY_NAMES = (
+_COMPUTED_BY = (
     ("`fy`, `fy_mean`, `added_mass`, `energy.kinetic`, `energy.gravity`", "all"),
     _EFFECTS[0],
     (
@@ -105,7 +105,7 @@ _GROUPS = f"""\
 `balance-rope export --outputs GROUP ...` chooses the outputs that the model description shows, `all` of them or groups;
 {" and ".join(f"`{group}`" for group in ALWAYS)} are always there. Without the option it is all but
 {", ".join(f"`{group}`" for group in GROUPS if group not in DEFAULT)}, which the demo's report draws. Results and value
-references are the same: what is left out is not asked for, and so not computed.
+references are the same: outputs that are not shown are not computed.
 """
 _SHAPES = """\
 FMI 3.0 has the arrays `shape.x` ... `shape.torsion` (81) and `mesh.counts` (5) as such and the choices as
@@ -129,9 +129,10 @@ with the tension T at the end</td></tr>
 </table>
 <p>Damping is proportional to stiffness (beta_K). Ends are vertical and prescribed; between two instants of the host
 each coordinate follows a quintic in time. Time integration: generalized-alpha with step control. Mesh: TMN-ETM, seven
-segments with element lengths l, l/2, l/4, l/8, l/4, l/2, l that follow the loop. Four fidelities compute as much as the
-scene needs: torsional (all), spatial (no torsion), planar, rigid. There is no contact: legs that touch pass through
-each other; <code>status.warning</code> and <code>loop.clearance</code> tell.</p>
+segments with element lengths l, l/2, l/4, l/8, l/4, l/2, l that follow the loop. Its fidelity follows the case:
+torsional
+(all), spatial (no torsion), planar, rigid. There is no contact: legs that touch pass through
+each other; <code>status.warning</code> and <code>loop.clearance</code> show it.</p>
 """
 _STYLE = (
     "body{font:15px/1.45 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
@@ -149,7 +150,7 @@ def interface_page() -> str:
     lines += [
         "| outputs | fidelities |",
         "|---|---|",
-        *(f"| {outputs} | {fidelities} |" for outputs, fidelities in _FIDELITY_NAMES),
+        *(f"| {outputs} | {fidelities} |" for outputs, fidelities in _COMPUTED_BY),
         "",
     ]
     lines += ["## Groups of outputs", "", _GROUPS, "| group | holds |", "|---|---|"]
@@ -163,11 +164,11 @@ def interface_page() -> str:
 
 def index_html(described: Collection[Variable], native: bool) -> str:
     """documentation/index.html: how to use the FMU, the model, the variables."""
-    parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _ERRORS]
+    parts = [_INTRODUCTION.replace(", start values of the 120 m rope", ""), _ERRORS]
     along = any(v.name.startswith("shape.") for v in described)
     parts += [_STRUCTURE, _SHAPES if native and along else "", _ALONG if along else "", _ADDED_MASS, _WARNINGS]
     paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text)
-    fidelities = "".join(f"<tr><td>{_to_html(outputs)}</td><td>{which}</td></tr>" for outputs, which in _FIDELITY_NAMES)
+    fidelities = "".join(f"<tr><td>{_to_html(outputs)}</td><td>{which}</td></tr>" for outputs, which in _COMPUTED_BY)
     body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{fidelities}</table>", _MODEL]
     for causality, title in _TITLES:
         rows = _rows(v for v in described if v.causality == causality)

@@ -324,7 +324,7 @@ class Model:
         "auto",
         FidelityChoice,
         (
-            "the lowest fidelity that the scene needs",
+            "the lowest fidelity that the case needs",
             "all: tension, torsion and lateral motion, coupled",
             "lateral motion in space, without torsion",
             "motion in the plane of the loop",
@@ -339,7 +339,7 @@ class Model:
         "relative error of the end forces that auto may trade for speed",
         lower=0.0,
         upper=1.0,
-        cure="0 allows only fidelities that leave nothing out",
+        cure="with 0 nothing is left out",
     )
 
     def __post_init__(self) -> None:

@@ -47,12 +47,12 @@ def test_ropes_of_the_published_case_are_those_of_the_export(name: str, level: p
 @every_scene
 @pytest.mark.parametrize("level", ["draft", "standard"])
 def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, level: parameters.Level) -> None:
-    scene = CASES[name]
-    case = case_with("rope-120", level, {**scene.rope, "right.y": abs(scene.winding.travel)})
-    assert case.scene == rope_data(scene.rope, level)
+    case = CASES[name]
+    exported = case_with("rope-120", level, {**case.rope, "right.y": abs(case.winding.travel)})
+    assert exported.scene == rope_data(case.rope, level)
     starts = {v.name: v.start for v in variables(case)}
-    assert starts["right.y"] == abs(scene.winding.travel)
-    assert {key: starts[key] for key in scene.rope} == pytest.approx(dict(scene.rope))
+    assert starts["right.y"] == abs(case.winding.travel)
+    assert {key: starts[key] for key in case.rope} == pytest.approx(dict(case.rope))
 
 
 def test_a_start_value_that_no_parameter_has_is_refused_by_name() -> None:
@@ -73,9 +73,9 @@ def test_a_parameter_that_the_rope_has_not_is_refused_by_name(name: str) -> None
 
 @cache
 def start(name: str) -> tuple[Host, Result]:
-    """A host and its run over 50 steps of the scene's trip, which begins at once."""
-    scene, rope = CASES[name], rope_in_process(name, level="draft")
-    host = Host(rope, scene.hoist, replace(scene.winding, start_delay=0.0), Coupling(), scene.gains)
+    """A host and its run over 50 steps of the case's trip, which begins at once."""
+    case, rope = CASES[name], rope_in_process(name, level="draft")
+    host = Host(rope, case.hoist, replace(case.winding, start_delay=0.0), Coupling(), case.gains)
     return host, host.run(lambda fraction, t: t < 0.495)
 
 
@@ -157,11 +157,11 @@ def test_a_brake_that_the_case_has_not_is_refused(capsys: pytest.CaptureFixture[
 
 
 def test_a_study_winds_the_case_with_its_gains_and_its_rope_unless_told_otherwise() -> None:
-    scene = CASES["monopol-1000"]
+    case = CASES["monopol-1000"]
     plain, other = build("monopol-1000", {}), build("monopol-1000", {"rope.EI": 900.0, "gains.position": 0.7})
-    assert (plain.gains, plain.fmu) == (scene.gains, scene.rope)
-    assert other.gains == replace(scene.gains, position=0.7)
-    assert other.fmu == {**scene.rope, "rope.EI": 900.0}
+    assert (plain.gains, plain.fmu) == (case.gains, case.rope)
+    assert other.gains == replace(case.gains, position=0.7)
+    assert other.fmu == {**case.rope, "rope.EI": 900.0}
 
 
 def rope_table() -> str:

@@ -51,7 +51,7 @@ METRICS = {
     "right_swivel_torque": ("N.m", "likewise, right"),
     "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): below 1 they slip"),
     "simulated_time": ("s", "of the record"),
-    "energy_made_up": ("J", "largest energy that the coupling's delay makes up"),
+    "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
 }
 """Every metric with its unit and meaning, in the order of the table."""
 
@@ -147,7 +147,7 @@ def _rope(recording: Recording, hoist: Hoist) -> dict[str, float]:
     if "loop.clearance" in recording:
         found["clearance"] = float(np.min(recording["loop.clearance"]))
     if "energy.work_ends" in recording:
-        found["energy_made_up"] = _largest(exchange_energy(recording, hoist))
+        found["coupling_energy"] = _largest(exchange_energy(recording, hoist))
     return found
 
 

@@ -106,7 +106,7 @@ def in_good_frame(state: RopeState) -> RopeState:
 
 
 def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
-    """The state on the lowest fidelity that can follow what this one cannot.
+    """The state at the lowest fidelity that can follow what this one cannot.
 
     Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the next higher
     fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.

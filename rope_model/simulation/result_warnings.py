@@ -2,7 +2,7 @@
 
     neglected_effects   the model computes no torsion, and the rope carries torque; or it is the rigid one
     leg_contact         the legs touch, or have passed through each other: contact is not in the model
-    yaw_at_rest         the loop hangs far out of its ends' plane at rest: more torque than a rope in a shaft should carry
+    yaw_at_rest         the loop hangs far out of its ends' plane at rest, by a torque that is too large for a shaft
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn, and beyond it they have passed through each other.  Once through,
