@@ -9,7 +9,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
-from conftest import unoptimised
+from conftest import unoptimised_flags
 from numpy.typing import NDArray
 
 from rope_model.numerics import kernels
@@ -138,8 +138,8 @@ def test_the_optimiser_does_not_change_a_bit(monkeypatch: pytest.MonkeyPatch) ->
     """So the other tests may compile without it."""
     elements = 8
     optimised = RopeKernels(elements, "compiled")
-    assert unoptimised() != kernels.FLAGS
-    monkeypatch.setattr(kernels, "FLAGS", unoptimised())
+    assert unoptimised_flags() != kernels.FLAGS
+    monkeypatch.setattr(kernels, "FLAGS", unoptimised_flags())
     plain, x = RopeKernels(elements, "compiled"), random_chain(elements, 5)
     state = [x[name] for name in STATE]
     assert [f.tobytes() for f in optimised.newton_step(*x.values())] == [

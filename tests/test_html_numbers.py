@@ -155,7 +155,7 @@ def test_panels_hold_recorded_signals_only() -> None:
 
 
 def test_parameters_show_the_unit_that_stands_behind_them() -> None:
-    rows = {name.split(",")[0]: (value, unit) for name, value, unit in given.rows(Hoist())}
+    rows = {name.split(",")[0]: (value, unit) for name, value, unit in parameter_tables.rows(Hoist())}
     assert rows["conveyance mass"] == ("10000", "kg")
     assert rows["loss viscous"] == ("200", "N s/m")
     assert rows["friction coefficient"] == ("0.25", "")
@@ -164,7 +164,7 @@ def test_parameters_show_the_unit_that_stands_behind_them() -> None:
 
 def test_every_parameter_has_a_unit_or_is_a_pure_number() -> None:
     for data in (Hoist(), Winding(), Coupling()):
-        rows = {name.split(",")[0].replace(" ", "_"): unit for name, _, unit in given.rows(data)}
+        rows = {name.split(",")[0].replace(" ", "_"): unit for name, _, unit in parameter_tables.rows(data)}
         assert set(rows) == {field.name for field in fields(data)}
         numbers = {name for name, unit in rows.items() if not unit and isinstance(getattr(data, name), (int, float))}
         assert numbers <= {
@@ -189,7 +189,7 @@ class Outer:
 
 
 def test_parameters_of_parameters_are_shown_too() -> None:
-    assert given.rows(Outer()) == [
+    assert parameter_tables.rows(Outer()) == [
         ("guide: gap, play of a guide", "2", "mm"),
         ("on, whether it brakes", "yes", ""),
     ]

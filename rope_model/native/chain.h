@@ -13,7 +13,7 @@ enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER,
 /* numerics.newton.NewtonStatus */
 enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
 
-/* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction_load (load per
+/* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
    newton of the node's own upward reaction) and an inertia on theta. */
 typedef struct {
     int elements, free[2][DOF];
