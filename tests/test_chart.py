@@ -80,7 +80,7 @@ def test_a_family_measured_anew_replaces_its_rows_only() -> None:
 
 
 @pytest.fixture
-def commit(monkeypatch: pytest.MonkeyPatch) -> None:
+def committed(monkeypatch: pytest.MonkeyPatch) -> None:
     """What has been measured is there already."""
     points = {name: TABLES[name] for name in ("points", "machine")}
     monkeypatch.setattr("benchmarks.chart.command.measure", lambda study, families: points)
