@@ -74,7 +74,7 @@ def _variable(stated: Any) -> Variable:
     low, high = (min(items.values()), max(items.values())) if items else (stated.min, stated.max)
     return Variable(
         name=stated.name,
-        trajectory=int(stated.valueReference),
+        reference=int(stated.valueReference),
         causality=stated.causality,
         type=stated.type,
         kind=kind,
@@ -148,7 +148,7 @@ class Instance(ABC):
 
     def set(self, variables: Sequence[Variable], values: Sequence[Value]) -> None:
         """Set all elements of variables of one type."""
-        self._function("set", variables)([v.trajectory for v in variables], values)
+        self._function("set", variables)([v.reference for v in variables], values)
 
     def exit_initialization(self) -> None:
         """Leave initialization mode."""
@@ -221,7 +221,7 @@ class _Instance2(Instance):
         self._fmu.doStep(t, h)
 
     def get(self, variables: Sequence[Variable]) -> list[Value]:
-        values: list[Any] = self._function("get", variables)([v.trajectory for v in variables])
+        values: list[Any] = self._function("get", variables)([v.reference for v in variables])
         if variables[0].kind == "String":
             return [text.decode("utf-8", errors="replace") if text else "" for text in values]
         return values
@@ -246,7 +246,7 @@ class _Instance3(Instance):
 
     def get(self, variables: Sequence[Variable]) -> list[Value]:
         number = sum(len(v.elements) for v in variables)
-        values: list[Value] = self._function("get", variables)([v.trajectory for v in variables], nValues=number)
+        values: list[Value] = self._function("get", variables)([v.reference for v in variables], nValues=number)
         return values
 
 
