@@ -324,6 +324,7 @@ ENTRIES = (
         "stretch by the same amount without any energy, through the whole rope.",
         "Three points see that strain. They give up a little of the relief from locking, which the mesh gives anyway.",
         hourglass,
+        slow=True,
     ),
     Entry(
         "long-steps",
@@ -336,6 +337,7 @@ ENTRIES = (
         "step grows again when the error is small. The force is rough all the same: survival does not make elements of "
         "2 m fine enough.",
         long_steps,
+        slow=True,
     ),
     Entry(
         "fast",
@@ -373,5 +375,6 @@ ENTRIES = (
         "Not held but refused: segments II to VI need room on both sides of the loop. The run stops at the last "
         "instant at which the loop hangs in the fine middle, keeps that state, and says what to change.",
         near_end,
+        slow=True,
     ),
 )

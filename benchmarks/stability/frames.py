@@ -202,6 +202,7 @@ ENTRIES = (
         "theta is counted from the smallest rotation of a pole to the tangent. The pole follows the loop, so its "
         "antipode stays away from every tangent, and theta is re-expressed when it does.",
         tait_bryan,
+        slow=True,
     ),
     Entry(
         "frenet",

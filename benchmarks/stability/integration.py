@@ -306,6 +306,7 @@ ENTRIES = (
         "The auxiliary acceleration is moved to the new step's instant with the last rate of change of the "
         "acceleration (re-centring).",
         varying_steps,
+        slow=True,
     ),
     Entry(
         "ringing",
