@@ -100,10 +100,10 @@ def test_a_run_in_the_plane_reports_no_yaw_torque_or_torsional_stress(planar: Re
     rows = summarize(planar, Hoist(), SHORT, Coupling())
     text = render(rows)
     assert "fidelity of the model that ran" in text
-    assert "the rope ran on the planar model" in text
+    assert "the rope ran as its planar model" in text
     assert not any(word in row.quantity for row in rows for word in ("yaw", "torque at", "torsional", "slipped"))
     page = run_report(planar, Hoist(), SHORT, Coupling(), rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
-    assert "the rope ran on the planar model" in page
+    assert "the rope ran as its planar model" in page
     assert '"loop.yaw":{' not in page
     assert '"loop.y":{' in page
 
@@ -161,7 +161,7 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
 
     run([*export, "--native", "--fmi", fmi, "--platform", "host", "--level", "draft", "--out", str(fmu)])
     said = run([*demo, "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)])
-    title = f"Winding 0.5 m: scene rope-120, balance rope in the FMU mine.fmu, FMI {fmi}.0"
+    title = f"Winding 0.5 m: case rope-120, balance rope in the FMU mine.fmu, FMI {fmi}.0"
     assert said.startswith(f"{title}\n")
     for name in ("report.md", "report.html"):
         text = (out / name).read_text(encoding="utf-8")
@@ -296,7 +296,7 @@ def test_a_checkpoint_leads_back_to_its_case_and_names_what_differs() -> None:
     with pytest.raises(ValueError, match="--case rope-240 must be rope-120"):
         _case_of(stopped.checkpoint, "rope-240", {})
     other = Host(rope, scene.hoist, replace(SHORT, travel=0.7), gains=scene.gains)
-    with pytest.raises(ValueError, match=r"travel is 0\.5 there, travel is 0\.7 here: give the scene") as refused:
+    with pytest.raises(ValueError, match=r"travel is 0\.5 there, travel is 0\.7 here: give the case") as refused:
         other.run(resume=stopped.checkpoint)
     assert len(str(refused.value)) < 300
 
