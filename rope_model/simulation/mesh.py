@@ -32,29 +32,30 @@ from ..parameters import MOST_ELEMENTS, Layout, Mesh, Rope
 from ..physics.elementary import larger, smaller, sqrt
 from .rope_system import Array, arc_lengths
 
-#: a transformation is due when the loop is this many l away from the middle of segment IV: half, and a margin that
-#: keeps a loop which trembles about the limit from transforming to and fro
+#: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
+#: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro
 DUE = 0.6
-#: a step does not carry the loop further than this many l past that
+#: a step does not carry the loop further than this many l past that: what 20 ms at 20 m/s do where l = 1.6 m
 LATEST = 0.25
 #: in units of l, an element of I or VII has one of these lengths where its distance from its end of the rope is a
 #: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
 #: nearer to segments II to VI than GRADING (m - 1) l
 LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
-#: 'auto': grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more
-#: than LEG_WAVES / length: an emergency stop errs about as much by the mesh as by steps of 10 ms (`python -m
-#: benchmarks.legs`)
+# What follows is for 'auto'; `make mesh-rule` measures what it rests on and writes docs/mesh_rule.md.
+#: grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
+#: LEG_WAVES / length: an emergency stop errs two to three times as much by the legs as by steps of 10 ms
 LEG_GRADING, LEG_WAVES = 7.5e5, 1000.0  # m, m^2
-#: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
+#: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
 NATURAL_RADIUS = 0.912
-#: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
+#: fine elements of LOOP_LENGTH R are taken to put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R, on which
+#: the loop slips aside, are not used
 LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
-#: 'auto': what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this
-#: much more for a tenth of it
+#: what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much
+#: more for a tenth of it
 FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.25
-#: 'auto': how near an end the loop may hang, in rope lengths
+#: how near an end the loop may hang, in rope lengths: ends that part by 3/4 of the rope's length
 NEAREST = 0.12
-#: 'auto': end elements in units of the bending layer there, for an error of LOOP_ERROR R; shorter as the loop's are
+#: end elements in units of the bending layer there, for an error of LOOP_ERROR R; shorter as the loop's are
 END_LENGTH = 2.9
 
 
@@ -123,10 +124,11 @@ def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
 def fit_mesh(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     """``mesh`` as it is, or in place of 'auto' one from the rope's own lengths.
 
-    The loop bends with a radius R, half the spacing or what its stiffness w = (EI / rho g)^(1/3) gives it; the error
-    of its place grows with the fifth power of the elements' length there (measured, see docs/chart.md).  Segment IV
-    covers the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped
-    ends resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal
+    R is half the spacing, or the free loop's radius if that is less, from w = (EI / rho g)^(1/3).  The elements
+    there are shortened as if the error of its place grew with the fifth power of their length.  It grows with the
+    second while elements lock, with the sixth when they are short; docs/mesh_rule.md tells which errors are kept.
+    Segment IV covers the bend, what fades out above it, and the way to the next transformation.  The elements next to
+    the clamped ends resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal
     elements.
     """
     if mesh.kind != "auto":

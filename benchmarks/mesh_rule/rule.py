@@ -1,0 +1,63 @@
+"""The rule's constants held against the laws, on the ropes that judge it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.reproduction.tables import Table
+from rope_model.physics.elementary import sqrt
+from rope_model.simulation.mesh import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
+
+from . import laws
+from .laws import Laws
+from .scenes import JUDGE, Drawn, draw
+
+Array = NDArray[np.float64]
+#: ropes: the rule itself costs nothing
+MANY = 400
+#: loop elements over w on which it hangs too high by more than it trembles; how far from LONGEST one is beyond doubt
+UNLOCKED, AT_LEAST = 0.15, 0.05
+
+
+class Shares(NamedTuple):
+    """By the laws, one per rope: parts of the error asked for that the rule's lengths make; error of the moment."""
+
+    loop: Array
+    cover: Array
+    moment: Array
+
+
+def judges() -> list[Drawn]:
+    """Ropes of the judging seed."""
+    return list(draw(JUDGE, MANY))
+
+
+def shares(found: Laws, drawn: Sequence[Drawn], asked: float) -> Shares:
+    """Of the rule's lengths for the error ``asked`` (m)."""
+    loop, cover, moment = [], [], []
+    for d in drawn:
+        S = laws.stiffness(np.array(d.rope.Qa), np.array(d.rope.EI), np.array(d.w))
+        of = fit_lengths(d.rope, d.layout, asked, math.log10(FADE_ERROR / asked))
+        fine, half = np.array(of.fine), np.array(0.5 * math.pi * of.radius + of.fade)
+        layer = sqrt(d.rope.EI / (0.5 * d.rope.mass_per_length * d.layout.gravity * d.rope.length))
+        loop.append(float(laws.loop_error(found.loop.values, fine, np.array(d.w), S)) / asked)
+        cover.append(float(laws.cover_error(found.cover.values, fine, half, np.array(d.w))) / asked)
+        moment.append(float(laws.moment_error(found.ends.values, np.array(of.end), np.array(layer))))
+    return Shares(np.array(loop), np.array(cover), np.array(moment))
+
+
+def longest() -> float:
+    """The longest elements of the rule in w, in a loop as narrow as a free one."""
+    return LONGEST * NATURAL_RADIUS
+
+
+def slip(t: Table) -> tuple[float, float]:
+    """How far the loop slips aside over how much too high it hangs: at most on elements that are used, and beyond."""
+    aside, x = t["aside [m]"] / t["too high [m]"], t["fine [m]"] / t["w [m]"]
+    used = (x > UNLOCKED) & (x < longest() - AT_LEAST)
+    return float(aside[used].max()), float(aside[x > longest() + AT_LEAST].max())

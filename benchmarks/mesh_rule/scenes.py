@@ -1,0 +1,77 @@
+"""Ropes and trips from a seed: those that fit are others than those that judge.
+
+The published case has none of them.  Lengths, EI and jerk are drawn evenly in their logarithms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hoist_demo.control.trajectory import s_curve
+from hoist_demo.parameters import Winding as Trip
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
+from rope_model.physics.estimates import bending_length
+
+FIT, JUDGE = 20, 21  # seeds
+LENGTH, MASS, BENDING, SPACING = (60.0, 1200.0), (3.0, 15.0), (50.0, 3000.0), (1.2, 3.0)  # m, kg/m, N m^2, m
+#: EA (N) per mass per length (kg/m) of steel wire ropes, that of the published case's assumed data in the middle
+STIFFNESS = (1.1e7, 2.0e7)
+SPEED, ACCELERATION, JERK = (4.0, 20.0), (0.5, 1.5), (0.3, 3.0)  # m/s, m/s^2, m/s^3
+#: how near an end the loop hangs when the trip begins, in rope lengths
+NEAR = (0.13, 0.3)
+#: when an emergency stop begins, in parts of the smooth trip's duration
+STOP = (0.3, 0.6)
+STEP = 0.01  # s
+KINDS = ("smooth", "emergency stop")
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """An uncoupled rope between locked ends, and its trip, without and with an emergency stop."""
+
+    number: int
+    rope: Rope
+    layout: Layout
+    smooth: Trip
+    stopped: Trip
+
+    @property
+    def w(self) -> float:
+        """(EI / rho g)^(1/3), m."""
+        return float(bending_length(self.scene(Mesh())))
+
+    def scene(self, mesh: Mesh, step: float = STEP) -> Scene:
+        """With the planar model, which leaves nothing out of it; steps that no error measure shortens."""
+        solver = Solver(step_max=step, tolerance=1.0)
+        return Scene(self.rope, self.layout, mesh=mesh, solver=solver, model=Model("planar"))
+
+
+def draw(seed: int, number: int) -> Iterator[Drawn]:
+    """The first ``number`` of a seed."""
+    rng = np.random.default_rng(seed)
+
+    def evenly(bounds: tuple[float, float]) -> float:
+        return float(rng.uniform(*bounds))
+
+    def in_logarithms(bounds: tuple[float, float]) -> float:
+        return float(np.exp(rng.uniform(*np.log(bounds))))
+
+    for k in range(number):
+        length, mass = in_logarithms(LENGTH), evenly(MASS)
+        rope = Rope(
+            length=length,
+            mass_per_length=mass,
+            EI=in_logarithms(BENDING),
+            Qa=mass * in_logarithms(STIFFNESS),
+            Qb=0.0,
+            Qc=0.0,
+        )
+        layout = Layout(evenly(SPACING))
+        travel = length * (1 - 2 * evenly(NEAR))
+        speed, acceleration, jerk = evenly(SPEED), evenly(ACCELERATION), in_logarithms(JERK)
+        smooth = Trip(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
+        stopped = replace(smooth, emergency_at=evenly(STOP) * s_curve(smooth).duration)
+        yield Drawn(k, rope, layout, smooth, stopped)

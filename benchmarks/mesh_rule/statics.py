@@ -1,0 +1,135 @@
+"""What one length of the mesh does to a rope at rest, all its other lengths fine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.reproduction.tables import Table, table
+from rope_model import EndMotion, balance_rope
+from rope_model.parameters import Mesh
+from rope_model.simulation.diagnostics import loop_bottom
+from rope_model.simulation.mesh import LEG_WAVES, Partition
+
+from .scenes import Drawn
+
+Array = NDArray[np.float64]
+#: over (EI / rho g)^(1/3): loop elements tried, those of the reference, and those where something else is tried
+LOOP_LENGTHS = (0.1, 0.14, 0.2, 0.28, 0.4, 0.5, 0.56, 0.62, 0.68, 0.74, 0.8)
+FINEST, FINE = 0.05, 0.2
+#: half of segment IV, in the same unit: what is tried, and what is enough
+COVERS, AMPLE = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4, 2.6), 3.5
+COVER_LENGTHS = (0.1, 0.2, 0.3)
+LEVELS, MOST_LEVELS = (0, 1, 2, 3, 4, 5), 7
+#: parts of l by which the loop hangs off the middle of its mesh
+OFF_CENTRE = (-0.45, -0.2, 0.1, 0.35)
+FAR_OFF = 0.45
+
+
+@dataclass(frozen=True)
+class Hung:
+    """A rope at rest: place of the loop's lowest point (x, y), m; clamp moment, N m, and pull, N, of the left end."""
+
+    place: Array
+    bottom: float  # m, arc length of it
+    moment: float
+    tension: float
+    mesh: Partition
+
+    @property
+    def cover(self) -> float:
+        """From the loop's lowest point to the nearer end of segment IV, m."""
+        half = 0.5 * self.mesh.counts[3] * 0.25 * self.mesh.coarse
+        return half - abs(self.bottom - self.mesh.centre)
+
+
+def pattern(drawn: Drawn, fine: float, cover: float = AMPLE, levels: int = 4) -> Mesh:
+    """Loop elements of ``fine`` and half a segment IV of at least ``cover``, both in (EI / rho g)^(1/3)."""
+    coarse = 4 * fine * drawn.w
+    count = 4 * math.ceil(2 * cover * drawn.w / coarse)
+    growth = LEG_WAVES / drawn.rope.length  # at rest the legs' elements change nothing
+    return Mesh("tmn", coarse_length=coarse, counts=(2, 0, count, 0, 2), end_levels=levels, grading_length=growth)
+
+
+def hang(drawn: Drawn, mesh: Mesh, height: float) -> Hung:
+    """The rope with its right end ``height`` (m) above the left."""
+    for shift in range(8):
+        rope = balance_rope(drawn.scene(mesh))
+        status = rope.initialize(0.0, EndMotion(), EndMotion(y=height + 1e-6 * shift))
+        if status.valid:
+            break
+    else:  # short elements of a long rope: the last correction may be rounding, which another height rounds otherwise
+        raise RuntimeError(status.message)
+    state = rope.state
+    bottom = loop_bottom(state.motion.q, state.partition.lengths)
+    moment, tension = rope.signals(("left.mz", "left.fy")).values()
+    return Hung(bottom.position[:2], bottom.s, moment, abs(tension), state.partition)
+
+
+def height(drawn: Drawn, mesh: Mesh, off: float) -> float:
+    """Of the right end, m, with which the loop hangs ``off`` times l from the middle of its mesh, at 0.4 L."""
+    coarse = mesh.coarse_length
+    whole = round(0.4 * drawn.rope.length / coarse)
+    return drawn.rope.length - 2 * coarse * (whole + off)
+
+
+def shift(drawn: Drawn, mesh: Mesh, other: Mesh, off: float) -> Array:
+    """Between the loop's places on two meshes, m."""
+    at = height(drawn, mesh, off)
+    return hang(drawn, mesh, at).place - hang(drawn, other, at).place
+
+
+def long_enough(drawn: Iterable[Drawn]) -> Iterator[Drawn]:
+    """Those on which the patterns above have room."""
+    return (d for d in drawn if d.rope.length > 45 * d.w)
+
+
+def loop(drawn: Iterable[Drawn]) -> Table:
+    """How far the loop hangs too high, on average, and how far aside at most, over the length of its elements."""
+    rows = []
+    for d in long_enough(drawn):
+        finest = pattern(d, FINEST)
+        for length in LOOP_LENGTHS:
+            found = np.array([shift(d, pattern(d, length), finest, off) for off in OFF_CENTRE])
+            rows.append((*_rope(d), length * d.w, float(found[:, 1].mean()), float(np.abs(found[:, 0]).max())))
+    return table((*ROPE, "fine [m]", "too high [m]", "aside [m]"), rows)
+
+
+def cover(drawn: Iterable[Drawn]) -> Table:
+    """How far the loop's place is off because fine elements end ``cover`` above its lowest point."""
+    rows = []
+    for d in long_enough(drawn):
+        for length in COVER_LENGTHS:
+            ample = pattern(d, length)
+            for wanted in COVERS:
+                mesh = pattern(d, length, wanted)
+                at = height(d, mesh, FAR_OFF)
+                hung = hang(d, mesh, at)
+                off = float(np.linalg.norm(hung.place - hang(d, ample, at).place))
+                rows.append((*_rope(d), length * d.w, hung.cover, off))
+    return table((*ROPE, "fine [m]", "cover [m]", "off [m]"), rows)
+
+
+def ends(drawn: Iterable[Drawn]) -> Table:
+    """Relative error of the clamp moment over the length of the element at the clamp and the bending layer's."""
+    rows = []
+    for d in long_enough(drawn):
+        exact = hang(d, pattern(d, FINE, levels=MOST_LEVELS), 0.0)
+        for levels in LEVELS:
+            mesh = pattern(d, FINE, levels=levels)
+            hung = hang(d, mesh, 0.0)
+            layer = math.sqrt(d.rope.EI / hung.tension)
+            rows.append((*_rope(d), float(hung.mesh.lengths[0]), layer, abs(hung.moment / exact.moment - 1)))
+    return table((*ROPE, "end element [m]", "layer [m]", "moment error"), rows)
+
+
+ROPE = ("scene", "length [m]", "mass [kg/m]", "EI [N m2]", "EA [N]", "spacing [m]", "w [m]")
+
+
+def _rope(d: Drawn) -> tuple[object, ...]:
+    r = d.rope
+    return d.number, r.length, r.mass_per_length, r.EI, r.Qa, d.layout.spacing, d.w

@@ -1,0 +1,129 @@
+"""The constants of the 'auto' mesh against what `make mesh-rule` recorded, and that record against the rope."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from benchmarks.mesh_rule import laws, statics
+from benchmarks.mesh_rule.judging import distribution
+from benchmarks.mesh_rule.page import off, page
+from benchmarks.mesh_rule.rule import judges, shares, slip
+from benchmarks.mesh_rule.scenes import BENDING, FIT, JUDGE, KINDS, LENGTH, MASS, draw
+from benchmarks.reproduction.tables import read, table
+from hoist_demo.control.trajectory import s_curve
+from rope_model.numerics.kernels import find_compiler
+from rope_model.parameters import Layout, Mesh, Rope
+from rope_model.simulation.mesh import (
+    LEG_GRADING,
+    LEG_WAVES,
+    NATURAL_RADIUS,
+    NEAREST,
+    fit_mesh,
+    partition,
+    placement_problem,
+)
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+TABLES = read(DOCS / "data" / "mesh_rule")
+FOUND = laws.fit(TABLES)
+
+
+def test_the_page_is_what_data_and_constants_make_of_it() -> None:
+    assert page(TABLES) == (DOCS / "mesh_rule.md").read_text(encoding="utf-8")
+
+
+# constants and recorded data
+
+
+def test_the_loop_s_elements_keep_what_is_asked_down_to_5_mm_and_not_by_far() -> None:
+    for asked, least, most in ((0.05, 0.15, 0.25), (0.005, 0.6, 1.0), (0.001, 1.5, 2.5)):
+        worst = shares(FOUND, judges(), asked).loop.max()
+        assert least < worst < most, asked
+
+
+def test_the_longest_elements_are_the_longest_on_which_the_loop_does_not_slip_aside() -> None:
+    used, longer = slip(TABLES["loop"])
+    assert used < 0.4 < 0.6 < longer
+
+
+@pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
+def test_what_fades_out_above_takes_a_tenth_of_what_is_asked_give_or_take(asked: float) -> None:
+    assert 0.05 < shares(FOUND, judges(), asked).cover.max() < 0.25
+
+
+def test_end_elements_keep_the_clamp_moment_to_a_percent_at_5_mm() -> None:
+    assert 0.005 < shares(FOUND, judges(), 5e-3).moment.max() < 0.015
+    assert np.median(off(TABLES["parts"], "ends", "smooth")) < 0.1 * 5e-3
+
+
+def test_legs_take_a_quarter_of_what_is_asked_and_after_a_stop_some_times_what_steps_do() -> None:
+    assert 0.15 < LEG_GRADING * FOUND.legs.values[0] < 0.45
+    steps = np.median(off(TABLES["parts"], "steps", KINDS[1]))
+    assert 1.5 < LEG_WAVES * FOUND.legs_stopped.values[0] / steps < 4
+
+
+def test_the_smallest_radius_of_a_free_loop_is_the_elastica_s() -> None:
+    assert_allclose(NATURAL_RADIUS, 1 / 1.09661, atol=5e-4)  # three digits
+
+
+def test_a_fitted_mesh_follows_the_loop_as_near_to_an_end_as_it_says_and_some_no_further() -> None:
+    def lost(place: float) -> list[tuple[float, float]]:
+        """Ropes whose loop leaves its mesh."""
+        found = []
+        for length, EI in itertools.product((30.0, 60.0, 90.0, 150.0), (50.0, 300.0, 3000.0)):
+            mesh = fit_mesh(Mesh("auto"), Rope(length=length, EI=EI), Layout())
+            if placement_problem(partition(mesh, length, place * length), place * length):
+                found.append((length, EI))
+        return found
+
+    assert lost(NEAREST) == []
+    assert lost(0.9 * NEAREST)
+
+
+def test_three_of_four_smooth_trips_of_the_judging_seed_keep_5_mm() -> None:
+    assert distribution(TABLES["judge"], KINDS[0], 5e-3).within >= 0.75
+
+
+# the record and the rope
+
+
+@pytest.mark.skipif(not find_compiler(), reason="slow without a C compiler")
+def test_a_rope_of_the_judging_seed_hangs_too_high_by_the_law() -> None:
+    drawn = next(statics.long_enough(draw(JUDGE, 9)))
+    S = laws.stiffness(np.array(drawn.rope.Qa), np.array(drawn.rope.EI), np.array(drawn.w))
+    for length in (0.14, 0.28, 0.5):
+        fine, finest = (statics.pattern(drawn, x) for x in (length, statics.FINEST))
+        found = statics.shift(drawn, fine, finest, 0.1)[1]
+        law = float(laws.loop_error(FOUND.loop.values, np.array(length * drawn.w), np.array(drawn.w), S))
+        assert_allclose(found, law, rtol=math.exp(3 * FOUND.loop.spread) - 1)
+
+
+def test_fits_find_the_coefficients_of_made_up_data() -> None:
+    w, x = np.full(40, 1.5), np.geomspace(0.1, 0.55, 40)
+    S = np.geomspace(3e5, 2e6, 40)
+    loop = laws.loop_error((0.03, 2e-3), x * w, w, S)
+    made = {"w [m]": w, "fine [m]": x * w, "EA [N]": S * 300 / w**2, "EI [N m2]": np.full(40, 300.0)}
+    assert_allclose(laws._loop({**made, "too high [m]": loop}).values, (0.03, 2e-3), rtol=1e-6)
+    up = np.linspace(1.3, 2.5, 40) * w
+    cover = laws.cover_error((0.4, 2.0, 1.7), x * w, up, w)
+    assert_allclose(
+        laws._cover({"w [m]": w, "fine [m]": x * w, "cover [m]": up, "off [m]": cover}).values, (0.4, 2, 1.7)
+    )
+    ends = table(("end element [m]", "layer [m]", "moment error"), [(a, 0.5, 1e-3 * (2 * a) ** 4) for a in x])
+    assert_allclose(laws._ends(ends).values, (1e-3, 4.0))
+
+
+def test_scenes_lie_within_their_bounds_and_seeds_differ() -> None:
+    fit, judge = list(draw(FIT, 30)), list(draw(JUDGE, 30))
+    assert fit[0].rope != judge[0].rope
+    assert list(draw(FIT, 30)) == fit
+    for d in fit + judge:
+        for value, (low, high) in ((d.rope.length, LENGTH), (d.rope.mass_per_length, MASS), (d.rope.EI, BENDING)):
+            assert low <= value <= high
+        assert s_curve(d.stopped).duration < s_curve(d.smooth).duration
