@@ -185,9 +185,11 @@ static int sound(const State *s, char *message) {
 }
 
 int model_step(ModelInstance *m, double t, double h, const double *values, char *message) {
-    double steps = ceil(h / m->parameters[DRIVE_STEP_MAX] - 1e-9), part, x[DRIVE_STATES];
+    double stop = t + h, steps, part, x[DRIVE_STATES];
     long k;
     State *s = &m->next;
+    h += t - m->state.t; /* rests of rounding size included */
+    steps = ceil(h / m->parameters[DRIVE_STEP_MAX] - 1e-9);
     if (!(steps <= DRIVE_MOST_STEPS)) {
         snprintf(message, MODEL_MESSAGE,
                  "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
@@ -212,7 +214,7 @@ int model_step(ModelInstance *m, double t, double h, const double *values, char 
         memcpy(s->x, x, sizeof x);
         if (!sound(s, message)) return 0;
     }
-    s->t = t + h;
+    s->t = stop;
     plant_outputs(m, s);
     control_outputs(s, m->parameters);
     m->state = *s;
