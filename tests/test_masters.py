@@ -13,13 +13,16 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS
+from fmpy.fmi1 import FMICallException
 from masters import LOOPS, Steps, random_steps
 from native_host import Host
 from numpy.testing import assert_allclose
@@ -177,6 +180,101 @@ def test_rest_of_rounding_size_moves_nothing_and_is_not_lost(host: Host) -> None
     host.restore(again)
     run(host, iter([(t0 + rest, H)]), t0 + rest + H)
     assert host.get(*shown) == once
+
+
+@rope_only
+def test_restored_outputs_are_those_before_a_tunable_was_changed(host: Host) -> None:
+    """The friction of a swivel that slips; also where the change was entered before the state was saved, and waits."""
+    host.start(inputs_at_step_end=True, **{"left.swivel.mode": 2, "right.swivel.mode": 2})
+    H, friction = 0.01, "right.swivel.mu_kinetic"
+
+    def turn(k: int) -> list[float]:
+        t = (k + 1) * H
+        host.set(**{"right.yaw": t * t, "right.yaw_rate": 2 * t})
+        assert host.step(k * H, H) == ""
+        return shown()
+
+    def shown() -> list[float]:
+        return host.get("right.my", "right.swivel.torque", "right.swivel.rate", "left.fy")
+
+    for k in range(60):
+        turn(k)
+    assert host.get("right.swivel.slipping") == [True]
+    (mu,) = host.get(friction)
+    for waits in (mu, 0.5 * mu):
+        host.set(**{friction: waits})
+        state, before = host.state(), shown()
+        after = turn(60)
+        host.set(**{friction: 0.25 * mu})
+        assert turn(61)[0] != pytest.approx(before[0], rel=0.1)
+        host.restore(state)
+        assert shown() == before
+        assert host.get(friction) == [waits]
+        assert turn(60) == after
+        host.restore(state)
+
+
+@rope_only
+def test_announced_stop_time_is_part_of_a_state(host: Host) -> None:
+    def at(stop: float | None) -> Any:
+        host.call("Reset")
+        host.enter(stop=stop)
+        host.fmu.exitInitializationMode()
+        assert host.step(0.0, 0.01) == ""
+        return host.state()
+
+    host.set(**{"model.rung": 4})
+    soon, late, never = at(0.02), at(5.0), at(None)
+    for state, reaches in ((soon, False), (late, True), (never, True), (soon, False)):
+        host.restore(state)
+        assert (host.step(0.01, 0.02) == "") == reaches
+    host.call("Reset")
+    host.restore(soon)
+    assert "goes beyond the stop time 0.02 s" in host.step(0.01, 0.02)
+
+
+@rope_only
+@pytest.mark.parametrize("start", [1e5, 1e9, 1e10])
+def test_step_that_was_made_already_is_refused_at_any_time(host: Host, start: float) -> None:
+    host.set(**{"model.rung": 4})
+    host.enter(start=start)
+    host.fmu.exitInitializationMode()
+    h = 0.01
+    assert host.step(start, h) == ""
+    assert host.step(start + h, h) == ""
+    state = host.state()
+    for t in (start, start + h):
+        assert "the host steps from t = " in host.step(t, h)
+        host.restore(state)
+    # a host that counts its steps is some roundings off
+    assert host.step(start + 2 * h, h) == ""
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("host", ["python"], indirect=True)
+def test_output_that_cannot_be_computed_is_an_error_and_does_no_harm(
+    host: Host, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    host.start()
+    assert host.step(0.0, 0.01) == ""
+    before = host.get("left.fy", "count.steps")
+    assert host.step(0.01, 0.01) == ""
+
+    def fails(*arguments: Any) -> Any:
+        raise ArithmeticError("singular")
+
+    slave = next(module for name, module in sys.modules.items() if name.startswith("balance_rope_slave"))
+    with monkeypatch.context() as patch:
+        patch.setattr(slave, "group_of", fails)
+        for name in ("left.fy", "count.steps", "left.swivel.slipping"):
+            with pytest.raises(FMICallException):
+                host.get(name)
+            assert "singular" in host.error()
+        patch.setattr(slave.BalanceRope, "warning", fails)
+        with pytest.raises(FMICallException):
+            host.get("status.warning")
+    assert host.get("left.fy", "count.steps") != before
+    assert host.get("status.warning") == [""]
 
 
 def even_error(host: Host, exact: np.ndarray, H: float, T: float, at_end: bool) -> float:

@@ -68,8 +68,8 @@ int model_retune(ModelInstance *model, const double *values, char *message);
 /* the instant that the model is at */
 double model_time(const ModelInstance *model);
 /* scalars with FROM_MODEL */
-double model_output(ModelInstance *model, size_t scalar);
-const char *model_text(ModelInstance *model, size_t scalar);
+int model_output(ModelInstance *model, size_t scalar, double *value, char *message);
+int model_text(ModelInstance *model, size_t scalar, const char **text, char *message);
 /* a line for the log about what was set up; "" for none */
 void model_note(const ModelInstance *model, char *message);
 /* What to mind in valid results, by number from 0 on: 1, and in message a sentence or "" when there is nothing to mind;

@@ -229,13 +229,16 @@ double model_time(const ModelInstance *m) {
     return m->state.t;
 }
 
-double model_output(ModelInstance *m, size_t scalar) {
-    return m->state.outputs[scalar - DRIVE_FIRST_OUTPUT];
+int model_output(ModelInstance *m, size_t scalar, double *value, char *message) {
+    (void)message;
+    *value = m->state.outputs[scalar - DRIVE_FIRST_OUTPUT];
+    return 1;
 }
 
-const char *model_text(ModelInstance *m, size_t scalar) {
-    (void)m, (void)scalar;
-    return "";
+int model_text(ModelInstance *m, size_t scalar, const char **text, char *message) {
+    (void)m, (void)scalar, (void)message;
+    *text = "";
+    return 1;
 }
 
 void model_note(const ModelInstance *m, char *message) {
