@@ -277,10 +277,16 @@ def test_output_that_cannot_be_computed_is_an_error_and_does_no_harm(
     assert host.get("status.warning") == [""]
 
 
-def even_error(host: Host, exact: np.ndarray, H: float, T: float, at_end: bool) -> float:
+def from_time(t0: float, steps: Steps) -> Steps:
+    return ((t0 + t, h) for t, h in steps)
+
+
+def even_error(host: Host, exact: np.ndarray, t0: float, T: float, at_end: bool) -> float:
+    """N, of steps of LONGEST, from t0 on."""
     host.call("Reset")
     host.start(inputs_at_step_end=at_end)
-    return error(forces(host, LOOPS["counting"](H, T), at_end), exact)
+    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
+    return error(forces(host, from_time(t0, LOOPS["counting"](LONGEST, T)), at_end), exact)
 
 
 def error(found: np.ndarray, exact: np.ndarray) -> float:
@@ -290,24 +296,28 @@ def error(found: np.ndarray, exact: np.ndarray) -> float:
 
 @native_only
 @pytest.mark.parametrize("at_end", [False, True])
-def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(host: Host, at_end: bool) -> None:
-    T, sequences = 0.25, 500
+@pytest.mark.parametrize(("t0", "sequences"), [(0.0, 500), (8.0, 100)])
+def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(
+    host: Host, t0: float, sequences: int, at_end: bool
+) -> None:
+    """From rest, and in the middle of the trip."""
+    T = 0.24
     host.start(inputs_at_step_end=True, **{"solver.step_max": 2.5e-3, "solver.tolerance": 1e-5})
-    exact = forces(host, LOOPS["counting"](5e-4, T + LONGEST), at_end=True)
-    integration = even_error(host, exact, LONGEST, T, at_end=True)
-    even = even_error(host, exact, LONGEST, T, at_end)
+    forces(host, LOOPS["counting"](LONGEST, t0), at_end=True)
+    exact = forces(host, from_time(t0, LOOPS["counting"](5e-4, T + LONGEST)), at_end=True)
+    integration = even_error(host, exact, t0, T, at_end=True)
+    even = even_error(host, exact, t0, T, at_end)
     host.call("Reset")
     host.start(inputs_at_step_end=at_end)
+    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
     begin, worst, steps = host.state(), 0.0, 0
     for seed in range(sequences):
         host.restore(begin)
-        found = forces(host, random_steps(seed, T, 1e-8, LONGEST), at_end)
+        found = forces(host, from_time(t0, random_steps(seed, T, 1e-8, LONGEST)), at_end)
         worst, steps = max(worst, error(found, exact)), steps + len(found)
     print(f"{sequences} sequences, {steps} steps: {worst:.2f} N; even steps of {LONGEST} s: {even:.2f} N")
-    # the longer leg; the integration's own error is that of uneven steps, at most twice that of even ones
-    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
-    extrapolation = 0.0 if at_end else 2 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * leg
-    assert worst <= extrapolation + 2 * integration
+    # the integration's own error is that of uneven steps, at most twice that of even ones
+    assert worst <= (0.0 if at_end else extrapolation_error()) + 2 * integration
 
 
 @native_only
@@ -341,43 +351,78 @@ def test_trip_after_a_long_step_of_rest_has_the_forces_of_even_steps(host: Host,
 @rope_only
 @pytest.mark.parametrize("at_end", [False, True])
 def test_event_found_by_bisection(host: Host, at_end: bool) -> None:
-    """A host that looks for the instant at which the left end passes 5 mm, by restoring and shorter steps."""
+    """A host that looks for the instant at which the left end's pull passes a value, by restoring and shorter steps."""
+    t0, least = 0.4, 1e-8
     host.start(inputs_at_step_end=at_end)
-    forces(host, LOOPS["counting"](LONGEST, 0.4), at_end)
-    low, high, start = 0.0, LONGEST, host.state()
-    event = next(t for t in np.arange(0.4, 0.42, 1e-4) if trip(t)[0].y > trip(0.41)[0].y)
+    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
+    start = host.state()
+
+    def pull(h: float) -> float:
+        """Of a step of h from t0 on."""
+        host.restore(start)
+        return float(forces(host, iter([(t0, h)]), at_end)[-1, 1])
+
+    low, high = least, LONGEST
+    bounds = pull(low), pull(high)
+    event = 0.3 * bounds[0] + 0.7 * bounds[1]
     for _ in range(20):
         middle = 0.5 * (low + high)
-        host.restore(start)
-        forces(host, iter([(0.4, middle)]), at_end)
-        low, high = (low, middle) if 0.4 + middle > event else (middle, high)
+        beyond = (pull(middle) - event) * (bounds[1] - bounds[0]) > 0
+        low, high = (low, middle) if beyond else (middle, high)
     assert high - low < 1e-7
+    # it is one instant, inside the step
+    assert least < low
+    assert high < LONGEST
+    assert abs(pull(low) - event) < 1e-3 * abs(bounds[1] - bounds[0])
     # from the event on: the rest of the step, and even ones
     host.restore(start)
-    found = forces(host, iter([(0.4, high), (0.4 + high, 1e-8), (0.4 + high + 1e-8, LONGEST - high - 1e-8)]), at_end)
-    host.restore(start)
-    whole = forces(host, iter([(0.4, LONGEST)]), at_end)
-    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
-    assert_allclose(found[-1, 1:], whole[-1, 1:], rtol=0, atol=4 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * leg)
+    steps = [(t0, high), (t0 + high, least), (t0 + high + least, LONGEST - high - least)]
+    found = forces(host, iter(steps), at_end)
+    assert_allclose(found[-1, 1], bounds[1], rtol=0, atol=2 * extrapolation_error())
 
 
-@rope_only
+def extrapolation_error() -> float:
+    """N, of the end force while the longest leg follows the trip extrapolated in steps up to LONGEST."""
+    return float(2 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * 0.5 * (rope_120().scene.rope.length + TRAVEL))
+
+
+@native_only
 def test_host_with_an_error_controlled_step(host: Host) -> None:
-    """It compares one step with two halves of it, and takes what came of the halves."""
+    """It compares one step with two halves of it, and takes what came of the halves; at rest its steps grow to 1 s."""
+    rest, T = 10.0, 1.0
     host.start()
-    t, h, taken, tolerance = 0.0, 1e-4, [], 5.0
-    while t < 0.5:
-        h = min(h, LONGEST, 0.5 - t)
+    even = np.vstack([[0.0, *host.get(*FORCES)], forces(host, LOOPS["counting"](LONGEST, T), at_end=False)])
+    host.call("Reset")
+    host.start()
+    t, h, rows, tolerance = -rest, 1e-4, [], 5.0
+
+    def stepped(*steps: tuple[float, float]) -> np.ndarray:
+        for t, h in steps:
+            give(host, t)
+            assert host.step(rest + t, h) == ""
+        return np.array(host.get(*FORCES))
+
+    steps = []
+    while t < T:
+        # the host knows when the trip begins
+        h = min(h, 1.0, -t) if t < 0 else min(h, LONGEST, T - t)
         start = host.state()
-        one = forces(host, iter([(t, h)]), at_end=False)[-1, 1:]
+        one = stepped((t, h))
         host.restore(start)
-        two = forces(host, iter([(t, 0.5 * h), (t + 0.5 * h, 0.5 * h)]), at_end=False)[-1, 1:]
+        two = stepped((t, 0.5 * h), (t + 0.5 * h, 0.5 * h))
         differs = float(np.abs(one - two).max())
         if differs <= tolerance or h <= 1e-6:
-            t, taken = t + h, [*taken, h]
+            t = 0.0 if t < 0 and t + h > -1e-9 else t + h
+            rows.append([t, *two])
+            steps.append(h)
         else:
             host.restore(start)
         host.free(start)
         h *= min(max(0.9 * math.sqrt(tolerance / max(differs, 1e-3)), 0.2), 2.0)
-    assert math.isclose(t, 0.5, abs_tol=1e-9)
-    assert len(taken) < 400
+    assert math.isclose(t, T, abs_tol=1e-9)
+    assert max(steps) > 0.5
+    assert len(steps) < 400
+    in_trip = np.array([row for row in rows if row[0] > 0])
+    worst = error(in_trip, even)
+    print(len(steps), worst)
+    assert worst <= extrapolation_error()

@@ -96,8 +96,12 @@ class EndMotion:
 
 
 def missing_time(x: Any, v: Any) -> Any:
-    """s: extrapolated for so long, a motion of LEAST_JERK is missed by ``x`` (m) or by ``v`` (m/s)."""
-    return larger((6.0 * abs(x) / LEAST_JERK) ** (1.0 / 3.0), sqrt(2.0 * abs(v) / LEAST_JERK))
+    """s: extrapolated for so long, a motion of LEAST_JERK is missed by ``x`` (m) or by ``v`` (m/s).
+
+    At least SHORTEST_AIM: rounding may hide what is missed.
+    """
+    time = larger((6.0 * abs(x) / LEAST_JERK) ** (1.0 / 3.0), sqrt(2.0 * abs(v) / LEAST_JERK))
+    return larger(time, SHORTEST_AIM)
 
 
 #: coefficients of 1, s, s^2 ... of one coordinate
