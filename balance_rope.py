@@ -101,7 +101,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built here)",
     )
     export.add_argument(
-        "--scene",
+        "--case",
         choices=tuple(CASES),
         default="rope-120",
         metavar="NAME",
@@ -143,7 +143,7 @@ def _levels() -> dict[str, dict[str, float]]:
             v.name: v.start
             for v in table
             if (isinstance(v.start, float) and v.name.startswith(("mesh.", "solver.", "model.")))
-            or (isinstance(v.start, int) and v.name in ("mesh.kind", "model.rung"))
+            or (isinstance(v.start, int) and v.name in ("mesh.kind", "model.fidelity"))
         }
     return numbers
 
@@ -157,10 +157,10 @@ def _export(options: argparse.Namespace) -> int:
     if options.scalar and ("native", 3) not in wanted:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
     paths = _paths(options.out, wanted)
-    scene = CASES[options.scene]
-    start = {**scene.rope, "right.y": abs(scene.winding.travel)}
+    case = CASES[options.case]
+    start = {**case.rope, "right.y": abs(case.winding.travel)}
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
-    profile = Profile(groups, arrays=not options.scalar, stop=duration(scene.winding))
+    profile = Profile(groups, arrays=not options.scalar, stop=duration(case.winding))
     asked = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
@@ -170,7 +170,7 @@ def _export(options: argparse.Namespace) -> int:
             export_fmu(path, level=options.level, start=start, profile=profile, platforms=asked)
         rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), f"{path.stat().st_size / 1e6:.2f} MB"))
         if options.ssp:
-            ssp = _system(path, options.scene, asked, fmi)
+            ssp = _system(path, options.case, asked, fmi)
             rows.append(
                 (str(ssp), f"{flavour} rope, native drive", f"{fmi}.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB")
             )
@@ -200,9 +200,9 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     return paths
 
 
-def _system(rope: Path, scene: str, platforms: Sequence[str], fmi: int) -> Path:
-    """The rope's FMU and the hoist drive of its scene as one system, ``rope`` with the ending .ssp."""
-    drive = drive_model(CASES[scene])
+def _system(rope: Path, case: str, platforms: Sequence[str], fmi: int) -> Path:
+    """The rope's FMU and the hoist drive of its case as one system, ``rope`` with the ending .ssp."""
+    drive = drive_model(CASES[case])
     table = [Variable(*variable) for variable in drive.variables]
     with tempfile.TemporaryDirectory() as folder:
         fmu = export_model(

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from benchmarks.kinematic import H, ends_at
 from fmu_src.native.build import PLATFORMS, host_platform
 from hoist_demo.cases.table import CASES
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 
 ROOT = Path(__file__).resolve().parent.parent
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
@@ -57,7 +57,7 @@ def run(fmu: Path, platform: str) -> Run:
             return Run(platform, None, f"the FMU has no {path}")
         library = folder / Path(path).name
         library.write_bytes(archive.read(path))
-        host = _compiled(folder, platform)
+        host = _compile(folder, platform)
         command = [*launcher, str(host), f"./{library.name}", str(described.get("guid"))]
         # wine keeps its settings in the folder as well
         where = {**os.environ, "WINEPREFIX": str(folder / "wine"), "WINEDEBUG": "-all"}
@@ -102,7 +102,7 @@ def script(described: ElementTree.Element) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _compiled(folder: Path, platform: str) -> Path:
+def _compile(folder: Path, platform: str) -> Path:
     host = folder / ("host.exe" if platform.endswith("windows") else "host")
     headers = ROOT / "fmu_src" / "native" / "include"
     compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O1"]

@@ -79,10 +79,10 @@ def run(fmi: int, folder: Path, minutes: float) -> Outcome:
     last = re.findall(r"Done (\d+) runs in (\d+) second", done.stderr)
     executions, seconds = map(int, last[-1]) if last else (0, 0)
     inputs = len(list((folder / "corpus").iterdir()))
-    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *covered(fmi, folder), len(found))
+    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *coverage(fmi, folder), len(found))
 
 
-def covered(fmi: int, folder: Path) -> tuple[int, int]:
+def coverage(fmi: int, folder: Path) -> tuple[int, int]:
     """Lines that the kept inputs run, and all lines."""
     build(fmi, folder, "measured", MEASURED)
     environment = {**os.environ, "LLVM_PROFILE_FILE": "raw"}

@@ -1,6 +1,6 @@
 """Figures and data of docs/hoist.md: `python -m benchmarks.hoist` (1 min).
 
-Cycles and emergency stops of the presets with dead weights for their balance ropes: what the drive has to do, and
+Cycles and emergency stops of the cases with dead weights for their balance ropes: what the drive has to do, and
 whether the head ropes would slip. How the balance rope itself moves is the FMU's business and not shown here.
 """
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from hoist_demo.cases.installed import INSTALLED
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.plant import HoistPlant, PlantInput, energy_residual
 from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding
 
@@ -107,10 +107,10 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = STEP) -> Ru
 
 
 def stop(name: str, law: EmergencyLaw, at: float) -> Run:
-    """A preset's trip, stopped by the brake at a time [s]."""
-    preset = INSTALLED[name]
-    winding = replace(preset.winding, emergency_at=at, emergency_law=law)
-    return wind(preset.hoist, winding, preset.gains)
+    """A case's trip, stopped by the brake at a time [s]."""
+    case = INSTALLED[name]
+    winding = replace(case.winding, emergency_at=at, emergency_law=law)
+    return wind(case.hoist, winding, case.gains)
 
 
 def _cycle(run: Run) -> Figure:
@@ -192,7 +192,7 @@ def _label(axes: Axes, quantity: str, title: str | None) -> None:
 
 
 def _summary(name: str, run: Run) -> list[str]:
-    """A line of docs/data/hoist/presets.csv."""
+    """A line of docs/data/hoist/cases.csv."""
     moving = np.flatnonzero(np.abs(run["speed"]) > 0.01)
     values = (
         run["time"][moving[-1]] - run["time"][moving[0]],
@@ -210,19 +210,19 @@ def _summary(name: str, run: Run) -> list[str]:
 
 
 SUMMARY = (
-    "preset", "winding time [s]", "final error [mm]", "peak torque [kN m]", "peak power [MW]", "peak tension [kN]",
+    "case", "winding time [s]", "final error [mm]", "peak torque [kN m]", "peak power [MW]", "peak tension [kN]",
     "tension ratio", "static tension ratio", "slip safety", "static slip safety", "energy residual [J]",
 )  # fmt: skip
 
 
 def main() -> None:
-    """Wind every preset, stop one of them, write figures and data, and print the table."""
+    """Wind every case, stop one of them, write figures and data, and print the table."""
     data, images = DOCS / "data" / "hoist", DOCS / "images" / "hoist"
     data.mkdir(parents=True, exist_ok=True)
     images.mkdir(parents=True, exist_ok=True)
-    runs = {name: wind(preset.hoist, preset.winding, preset.gains) for name, preset in INSTALLED.items()}
+    runs = {name: wind(case.hoist, case.winding, case.gains) for name, case in INSTALLED.items()}
     lines = [list(SUMMARY), *(_summary(name, run) for name, run in runs.items())]
-    with (data / "presets.csv").open("w", newline="", encoding="utf-8") as file:
+    with (data / "cases.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows(lines)
     at = 40.0
     laws: tuple[EmergencyLaw, ...] = ("deceleration", "torque", "two-stage")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from hoist_demo.control.reference import Reference
+from hoist_demo.control.trajectory import Trajectory
 from rope_model import BalanceRope, EndMotion, Scene, Status, balance_rope
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
 from rope_model.simulation.state import Event
@@ -42,7 +42,7 @@ class Winding:
         return self.simulated / self.cpu
 
 
-def ends_at(reference: Reference, travel: float, t: float) -> tuple[EndMotion, EndMotion]:
+def ends_at(reference: Trajectory, travel: float, t: float) -> tuple[EndMotion, EndMotion]:
     """Left end from height 0, right end from ``travel`` (m)."""
     p = reference.at(t)
     left = EndMotion(y=p.position, vy=p.speed, ay=p.acceleration)
@@ -51,14 +51,14 @@ def ends_at(reference: Reference, travel: float, t: float) -> tuple[EndMotion, E
 
 def wind(
     scene: Scene,
-    reference: Reference,
+    reference: Trajectory,
     travel: float,
     settle: float = 3.0,
     sample: int = 5,
     progress: Callable[[float], None] | None = None,
     watch: Callable[[BalanceRope], None] | None = None,
     interval: float = H,
-    ends_at: Callable[[Reference, float, float], tuple[EndMotion, EndMotion]] = ends_at,
+    ends_at: Callable[[Trajectory, float, float], tuple[EndMotion, EndMotion]] = ends_at,
 ) -> Winding:
     """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``.
 
@@ -85,7 +85,7 @@ def wind(
             run.bottom.append(bottom)
             run.observed.append(observation_points(state.motion.q, bottom))
             run.torque.append(tuple(rope.signals(TORQUES).values()))
-            run.kinetic.append(state.ledger.kinetic)
+            run.kinetic.append(state.energy_balance.kinetic)
             if watch is not None:
                 watch(rope)
         if progress is not None:

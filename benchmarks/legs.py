@@ -1,9 +1,9 @@
 """What joining the legs' elements does to the loop's place: ``python -m benchmarks.legs``.
 
-The same mesh with none joined, and with a quarter, once and four times the ``leg_growth`` of 'auto', against one for
-0.3 mm without joined elements, on the planar rung (an uncoupled rope), where the sway of the legs is seen alone.  What
-a leg's waves lose adds up: the trips are long.  An emergency stop sends shorter waves up the legs; what the time steps
-alone do to loop and end forces is printed beside it, by the same fine mesh with a quarter of the step.
+The same mesh with none joined, and with a quarter, once and four times the ``grading_length`` of 'auto', against one
+for 0.3 mm without joined elements, with the planar model (an uncoupled rope), where the sway of the legs is seen
+alone.  What a leg's waves lose adds up: the trips are long.  An emergency stop sends shorter waves up the legs; what
+the time steps alone do to loop and end forces is printed beside it, by the same fine mesh with a quarter of the step.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh, Solver
-from rope_model.simulation.mesh import suited
+from rope_model.simulation.mesh import fit_mesh
 
 from .chart.depth import scene_of
 from .kinematic import Winding, wind
 
 FINEST = 3e-4  # m, loop_error of the reference
 STEP, EVERY, SETTLE = 0.01, 0.08, 5.0  # s
-PARTS = (0.0, 0.25, 1.0, 4.0)  # of the leg_growth of 'auto'
+PARTS = (0.0, 0.25, 1.0, 4.0)  # of the grading_length of 'auto'
 
 
 @dataclass(frozen=True)
@@ -50,14 +50,14 @@ CASES = (
 class Outcome:
     """One mesh."""
 
-    leg_growth: float  # m
+    grading_length: float  # m
     elements: int
     loop_error: float  # m, the largest of the trip
     force_error: float  # RMS over the largest force
     kinetic: float  # J, largest change by a transformation
 
 
-def wound(case: Case, mesh: Mesh, step: float = STEP) -> Winding:
+def wind_uncoupled(case: Case, mesh: Mesh, step: float = STEP) -> Winding:
     """The uncoupled rope on its trip, with a record every EVERY (s)."""
     scene = scene_of(case.rope, "uncoupled").with_(mesh=mesh, solver=Solver(step_max=step))
     run = wind(scene, s_curve(case.trip), case.trip.travel, SETTLE, round(EVERY / step), interval=step)
@@ -80,18 +80,18 @@ def force_error(run: Winding, exact: Winding) -> float:
 def meshes(case: Case, loop_error: float) -> tuple[Mesh, Mesh]:
     """The mesh of 'auto' for ``loop_error`` (m), and the reference's."""
     scene = scene_of(case.rope, "uncoupled")
-    auto, fine = (suited(Mesh("auto", loop_error=e), scene.rope, scene.layout) for e in (loop_error, FINEST))
-    return auto, replace(fine, leg_growth=0.0)
+    auto, fine = (fit_mesh(Mesh("auto", loop_error=e), scene.rope, scene.layout) for e in (loop_error, FINEST))
+    return auto, replace(fine, grading_length=0.0)
 
 
 def outcomes(case: Case, exact: Winding, auto: Mesh) -> Iterator[Outcome]:
     """Meshes with more and more elements joined."""
     for times in PARTS:
-        mesh = replace(auto, leg_growth=times * auto.leg_growth)
-        run = wound(case, mesh)
+        mesh = replace(auto, grading_length=times * auto.grading_length)
+        run = wind_uncoupled(case, mesh)
         kinetic = max(abs(e.kinetic) for e in run.events if e.what == "transformation")
         elements = run.rope.state.partition.lengths.size
-        yield Outcome(mesh.leg_growth, elements, apart(run, exact), force_error(run, exact), kinetic)
+        yield Outcome(mesh.grading_length, elements, apart(run, exact), force_error(run, exact), kinetic)
 
 
 def main() -> None:
@@ -103,8 +103,8 @@ def main() -> None:
         trip = case.trip
         stop = "" if trip.emergency_at is None else f", emergency stop at {trip.emergency_at:g} s"
         auto, fine = meshes(case, options.loop_error)
-        exact = wound(case, fine)
-        shorter = wound(case, fine, STEP / 4)
+        exact = wind_uncoupled(case, fine)
+        shorter = wind_uncoupled(case, fine, STEP / 4)
         steps = 1e3 * apart(exact, shorter), 100 * force_error(exact, shorter)
         print(
             f"{case.rope}, {trip.travel:g} m at up to {trip.speed:g} m/s{stop}, mesh for {options.loop_error:g} m; "
@@ -112,8 +112,9 @@ def main() -> None:
         )
         for x in outcomes(case, exact, auto):
             print(
-                f"  leg_growth {x.leg_growth:6.2f} m {x.elements:5d} elements, loop {1e3 * x.loop_error:6.2f} mm, "
-                f"end forces {100 * x.force_error:.1e} %, kinetic energy per transformation up to {x.kinetic:.1e} J",
+                f"  grading_length {x.grading_length:6.2f} m {x.elements:5d} elements, "
+                f"loop {1e3 * x.loop_error:6.2f} mm, end forces {100 * x.force_error:.1e} %, "
+                f"kinetic energy per transformation up to {x.kinetic:.1e} J",
                 flush=True,
             )
 

@@ -9,7 +9,7 @@ import itertools
 from collections import Counter
 from dataclasses import replace
 
-from hoist_demo.control.reference import Reference, emergency_stop, s_curve
+from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding
 from rope_model.parameters import Layout, rope_120
 
@@ -23,7 +23,7 @@ LIMITS = {4.0: (0.75, 0.5), 8.0: (0.75, 0.5), 16.0: (4.0, 8.0)}
 class Reversal:
     """Half the trip, and straight back."""
 
-    def __init__(self, half: Reference, distance: float) -> None:
+    def __init__(self, half: Trajectory, distance: float) -> None:
         self.half, self.distance, self.duration = half, distance, 2 * half.duration
 
     def at(self, t: float) -> object:
@@ -55,11 +55,11 @@ def main() -> None:
         scene = scene.with_(rope=replace(scene.rope, EI=EI), layout=Layout(spacing=spacing))
         run = wind(scene, trip(kind, speed), TRAVEL)  # type: ignore[arg-type]
         counts[kind, run.status.valid] += 1
-        work, ledger = run.rope.state.counts, run.rope.state.ledger
+        work, energy_balance = run.rope.state.counts, run.rope.state.energy_balance
         print(
             f"EI {EI:6.0f}  spacing {spacing:3.1f} m  {speed:4.0f} m/s  {kind:<15} "
             f"{'valid' if run.status.valid else run.status.message}  {work.steps} steps, {work.rejections} rejected, "
-            f"energy unexplained {ledger.residual:7.2f} J",
+            f"energy unexplained {energy_balance.residual:7.2f} J",
             flush=True,
         )
     for (kind, valid), number in sorted(counts.items()):

@@ -30,8 +30,8 @@ from tqdm import tqdm
 from fmu_src.export import export_fmu
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
-from hoist_demo.cases.table import case_named
-from hoist_demo.control.reference import s_curve
+from hoist_demo.cases.table import find_case
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion
@@ -54,7 +54,7 @@ class Measured(NamedTuple):
 
     steps: list[float]
     made: float
-    hung: float
+    initialised: float
     memory: float
 
 
@@ -72,9 +72,9 @@ def window(form: str, scene: str) -> float:
 
 def in_process(form: str, name: str) -> Stepper:
     """The rope in this process."""
-    winding = replace(case_named(name).winding, start_delay=0.0)
+    winding = replace(find_case(name).winding, start_delay=0.0)
     reference, travel = s_curve(winding), winding.travel
-    scene = rope_data(case_named(name).rope)
+    scene = rope_data(find_case(name).rope)
     if form == "native":
         rope = balance_rope(scene, "native")
     else:
@@ -91,10 +91,10 @@ def in_process(form: str, name: str) -> Stepper:
 
 def through_fmu(form: str, path: Path, name: str) -> Stepper:
     """The rope in an FMU, stepped by FMPy."""
-    winding = replace(case_named(name).winding, start_delay=0.0)
+    winding = replace(find_case(name).winding, start_delay=0.0)
     reference, travel = s_curve(winding), winding.travel
     unread = [name for name in SIGNALS if name not in READ]
-    fmu = FmuRope(path, {**case_named(name).rope, "solver.kernels": KERNELS[form]}, unread)
+    fmu = FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]}, unread)
 
     def motions(t: float) -> list[EndMotion]:
         return [EndMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends_at(reference, travel, t)]
@@ -122,7 +122,7 @@ def measure(place: str, form: str, path: Path, scene: str) -> Measured:
     made = time.process_time() - start
     start = time.process_time()
     assert stepper.start()
-    hung = time.process_time() - start
+    initialised = time.process_time() - start
     memory = resident() - before
     times = []
     for k in range(round(window(form, scene) / H)):
@@ -130,7 +130,7 @@ def measure(place: str, form: str, path: Path, scene: str) -> Measured:
         valid = stepper.step((k + 1) * H)
         times.append(time.process_time() - start)
         assert valid
-    return Measured(times, made, hung, memory)
+    return Measured(times, made, initialised, memory)
 
 
 def instantiation(path: Path) -> tuple[float, float]:
@@ -175,13 +175,15 @@ def main(scene: str = SCENE) -> None:
         starts = instantiation(native)
         sizes = {"native": native.stat().st_size, "Python": python.stat().st_size}
     print(f"winding of {scene}, TMN-ETM, H = {H:g} s, medians of {ROUNDS} rounds")
-    titles = ("real-time factor", "step, median", "95 %", "99 %", "made", "hung up", "memory")
+    titles = ("real-time factor", "step, median", "95 %", "99 %", "made", "initialised", "memory")
     print(f"  {'':<30}" + "".join(f"{title:>17}" for title in titles))
     factors = {}
     for case, runs in found.items():
         factors[case] = window(case[1], scene) / statistics.median(sum(run.steps) for run in runs)
         cells = [f"{1e3 * x:.3f} ms" for x in np.percentile([t for run in runs for t in run.steps], [50, 95, 99])]
-        cells += [f"{1e3 * statistics.median(getattr(run, name) for run in runs):.1f} ms" for name in ("made", "hung")]
+        cells += [
+            f"{1e3 * statistics.median(getattr(run, name) for run in runs):.1f} ms" for name in ("made", "initialised")
+        ]
         cells.append(f"{statistics.median(run.memory for run in runs):.1f} MB")
         print(f"  {f'{case[1]}, {case[0]}':<30}{factors[case]:>17.1f}" + "".join(f"{cell:>17}" for cell in cells))
     for form in dict.fromkeys(form for _, form in cases):

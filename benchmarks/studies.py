@@ -30,10 +30,10 @@ NAMES = ("controllers", "controllers_complete", "swivel", "creep", "tuning")
 COMPLETE = Path("build") / "standard.fmu"
 
 CONTROLLER_COLUMNS = {
-    "case": ("controller", 1.0, "{}"),
+    "variant": ("controller", 1.0, "{}"),
     "winding.jerk": ("jerk, m/s^3", 1.0, "{:g}"),
     "cycle_time": ("winding time, s", 1.0, "{:.2f}"),
-    "reference_time": ("reference, s", 1.0, "{:.2f}"),
+    "trajectory_time": ("reference, s", 1.0, "{:.2f}"),
     "swing_left": ("swing left, mm", 1e3, "{:.2f}"),
     "swing_right": ("swing right, mm", 1e3, "{:.2f}"),
     "torque_rms": ("torque RMS, kN m", 1e-3, "{:.2f}"),
@@ -43,14 +43,14 @@ CONTROLLER_COLUMNS = {
     "slip_safety": ("slip safety", 1.0, "{:.3f}"),
 }
 CREEP_COLUMNS = {
-    "case": ("creep", 1.0, "{}"),
+    "variant": ("creep", 1.0, "{}"),
     "name": ("controller", 1.0, "{}"),
     "winding.jerk": ("jerk, m/s^3", 1.0, "{:g}"),
     "cycle_time": ("winding time, s", 1.0, "{:.2f}"),
     "added": ("of it by creep, s", 1.0, "{:.2f}"),
     **{
         name: CONTROLLER_COLUMNS[name]
-        for name in ("reference_time", "swing_left", "swing_right", "torque_rms", "rope_force_ripple", "slip_safety")
+        for name in ("trajectory_time", "swing_left", "swing_right", "torque_rms", "rope_force_ripple", "slip_safety")
     },
 }
 TUNING_COLUMNS = {
@@ -66,7 +66,7 @@ TUNING_COLUMNS = {
     },
 }
 SWIVEL_COLUMNS = {
-    "case": ("swivels", 1.0, "{}"),
+    "variant": ("swivels", 1.0, "{}"),
     "rope.installed_twist": ("installed twist, turns", 0.5 / np.pi, "{:g}"),
     "left_starting_torque": ("starts to slip at, left, N m", 1.0, "{:.2f}"),
     "right_starting_torque": ("right", 1.0, "{:.2f}"),
@@ -105,15 +105,15 @@ def main() -> None:
     swivel["yaw_at_end"] = [float(stores["swivel"].signals(key)["loop.yaw"].iloc[-1]) for key in swivel["key"]]
     page = DOCS / "study_controllers.md"
     draft, complete, tuning = (found[name].table for name in ("controllers", "controllers_complete", "tuning"))
-    verified = words.verified(tuning, DOCS / "studies" / "tuning.toml", COMPLETE)
+    verified = words.verify(tuning, DOCS / "studies" / "tuning.toml", COMPLETE)
     verified.to_csv(DATA / "tuning_complete.csv", index=False, float_format="%.9g", lineterminator="\n")
-    insert(page, "winner", wrapped(words.winner(complete)))
+    insert(page, "winner", wrap(words.winner(complete)))
     insert(page, "controllers_complete", markdown(complete, CONTROLLER_COLUMNS))
-    insert(page, "draft_error", wrapped(words.draft_error(draft, complete)))
+    insert(page, "draft_error", wrap(words.draft_error(draft, complete)))
     insert(page, "controllers", markdown(draft, CONTROLLER_COLUMNS))
-    insert(page, "creep_pays", wrapped(words.creep_pays(creep)))
+    insert(page, "creep_pays", wrap(words.creep_pays(creep)))
     insert(page, "creep", markdown(creep, CREEP_COLUMNS))
-    insert(page, "tuning_pays", wrapped(words.tuning_pays(tuning, verified)))
+    insert(page, "tuning_pays", wrap(words.tuning_pays(tuning, verified)))
     insert(page, "tuning", markdown(verified, TUNING_COLUMNS))
     insert(
         DOCS / "study.md",
@@ -135,7 +135,7 @@ def markdown(table: pd.DataFrame, columns: Mapping[str, tuple[str, float, str]])
     return "\n".join(lines)
 
 
-def wrapped(text: str) -> str:
+def wrap(text: str) -> str:
     """Paragraphs with lines as long as the page's own."""
     return "\n\n".join(textwrap.fill(paragraph, 118, break_on_hyphens=False) for paragraph in text.split("\n\n"))
 
@@ -154,8 +154,8 @@ def insert(page: Path, name: str, text: str) -> None:
 def controllers(results: Results) -> None:
     """Winding time and residual swing over jerk, per controller."""
     figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.4), layout="constrained")
-    for colour, (case, rows) in zip(COLOURS, results.table.groupby("case", sort=False), strict=False):
-        axes[0].plot(rows["winding.jerk"], rows["cycle_time"], "o-", color=colour, label=case)
+    for colour, (variant, rows) in zip(COLOURS, results.table.groupby("variant", sort=False), strict=False):
+        axes[0].plot(rows["winding.jerk"], rows["cycle_time"], "o-", color=colour, label=variant)
         axes[1].semilogy(rows["winding.jerk"], 1e3 * rows["swing_right"], "o-", color=colour)
     axes[0].set(xlabel="limit of jerk [m/s$^3$]", ylabel="winding time [s]")
     axes[1].set(xlabel="limit of jerk [m/s$^3$]", ylabel="residual swing, right, peak to peak [mm]")
@@ -171,7 +171,7 @@ def arrivals(store: Store, results: Results) -> None:
         series = store.signals(row.key)
         t = 0.01 * np.arange(len(series)) - 1.0  # s, from the end of the start delay
         swing = series["conveyance.right.y"] + radius * series["drive.angle"]
-        axes[0].plot(t, 1e3 * (swing - swing.iloc[-1]), color=colour, label=row.case)
+        axes[0].plot(t, 1e3 * (swing - swing.iloc[-1]), color=colour, label=row.variant)
         axes[1].plot(t, 1e-3 * series["drive.torque"], color=colour)
         axes[0].axvline(row.cycle_time, color=colour, lw=0.8, ls=":")
     axes[0].set(ylabel="right conveyance on its ropes [mm]", xlim=(20.5, 27.5), ylim=(-10.0, 9.0))
@@ -183,17 +183,17 @@ def arrivals(store: Store, results: Results) -> None:
 def swivels(store: Store, results: Results) -> None:
     """Torque and angle of the right swivel and yaw of the loop along the winding, without and with installed twist."""
     twists = results.table["rope.installed_twist"].unique()
-    cases = list(results.table["case"].unique())
-    colours = dict(zip(cases, plt.get_cmap("viridis")(np.linspace(0.0, 0.9, len(cases))), strict=True))
+    variants = list(results.table["variant"].unique())
+    colours = dict(zip(variants, plt.get_cmap("viridis")(np.linspace(0.0, 0.9, len(variants))), strict=True))
     figure, axes = plt.subplots(3, len(twists), figsize=(9.0, 7.0), sharex=True, layout="constrained")
     for column, twist in enumerate(twists):
         axes[0, column].set_title(f"installed twist {twist / (2 * np.pi):.2g} turns", fontsize=9)
         for row in results.table[results.table["rope.installed_twist"] == twist].itertuples():
             series = store.signals(row.key)
             t = 0.01 * np.arange(len(series))
-            axes[0, column].plot(t, series["right.swivel.torque"], color=colours[row.case], lw=1, label=row.case)
-            axes[1, column].plot(t, series["right.swivel.angle"] / (2 * np.pi), color=colours[row.case], lw=1)
-            axes[2, column].plot(t, np.degrees(series["loop.yaw"]), color=colours[row.case], lw=1)
+            axes[0, column].plot(t, series["right.swivel.torque"], color=colours[row.variant], lw=1, label=row.variant)
+            axes[1, column].plot(t, series["right.swivel.angle"] / (2 * np.pi), color=colours[row.variant], lw=1)
+            axes[2, column].plot(t, np.degrees(series["loop.yaw"]), color=colours[row.variant], lw=1)
         axes[2, column].set_xlabel("time [s]")
     for k, label in enumerate(("right swivel torque [N m]", "right swivel angle [turns]", "loop yaw [deg]")):
         axes[k, 0].set_ylabel(label)

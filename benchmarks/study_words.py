@@ -27,12 +27,12 @@ def winner(table: pd.DataFrame) -> str:
     ranked = table.sort_values("cycle_time")
     first = ranked.iloc[0]
     gentle = table.loc[table.loc[table["winding.jerk"] == first["winding.jerk"], "rope_force_ripple"].idxmin()]
-    behind = ", ".join(f"{row.cycle_time - first.cycle_time:.2f} s ({row.case})" for row in ranked[1:].itertuples())
+    behind = ", ".join(f"{row.cycle_time - first.cycle_time:.2f} s ({row.variant})" for row in ranked[1:].itertuples())
     return (
-        f"First is: **{first.case}**, {first.cycle_time:.2f} s with {1e3 * first.swing_right:.1f} mm of swing on the "
-        f"complete rope. The others need more: {behind}. The torque's RMS does not tell them apart, "
+        f"First is: **{first.variant}**, {first.cycle_time:.2f} s with {1e3 * first.swing_right:.1f} mm of swing on "
+        f"the complete rope. The others need more: {behind}. The torque's RMS does not tell them apart, "
         f"{1e-3 * table.torque_rms.min():.1f} to {1e-3 * table.torque_rms.max():.1f} kN m, because holding 5 t takes "
-        f"most of it.\n\nGentlest with the same limit of jerk is: **{gentle.case}**. The rope's force ripples by "
+        f"most of it.\n\nGentlest with the same limit of jerk is: **{gentle.variant}**. The rope's force ripples by "
         f"{gentle.rope_force_ripple:.0f} N with it, by {first.rope_force_ripple:.0f} N with the first; the slip safety "
         f"is {gentle.slip_safety:.2f} and {first.slip_safety:.2f}."
     )
@@ -40,9 +40,9 @@ def winner(table: pd.DataFrame) -> str:
 
 def draft_error(draft: pd.DataFrame, complete: pd.DataFrame) -> str:
     """How far the draft rope is from the complete one in the windings that both have."""
-    # cases of the complete study append the jerk to the name, or name one of the shapers
-    complete = complete.assign(case=complete["case"].str.replace(r", jerk \d+$", "", regex=True))
-    both = draft.merge(complete, on=["case", "winding.jerk"], suffixes=("", "_complete"))
+    # variants of the complete study append the jerk to the name, or name one of the shapers
+    complete = complete.assign(variant=complete["variant"].str.replace(r", jerk \d+$", "", regex=True))
+    both = draft.merge(complete, on=["variant", "winding.jerk"], suffixes=("", "_complete"))
     assert len(both) == len(complete)
     time, swing = (
         max((both[n] - both[f"{n}_complete"]).abs().max() for n in names)
@@ -61,7 +61,7 @@ def _at_most(value: float) -> str:
 
 def with_differences(creep: pd.DataFrame) -> pd.DataFrame:
     """The creep study with each run's winding time over that without creep, `added` [s], and such ratios [1]."""
-    base = creep[creep["case"] == NO_CREEP].set_index(["controller", "winding.jerk"])
+    base = creep[creep["variant"] == NO_CREEP].set_index(["controller", "winding.jerk"])
     same = base.loc[list(zip(creep["controller"], creep["winding.jerk"], strict=True))]
     ratios = {
         f"{name}_ratio": creep[name].to_numpy() / same[name].to_numpy()
@@ -73,12 +73,12 @@ def with_differences(creep: pd.DataFrame) -> pd.DataFrame:
 
 def creep_pays(creep: pd.DataFrame) -> str:
     """What creep costs and what it brings, over all of its runs."""
-    creeping = creep[creep["case"] != NO_CREEP]
-    plain = creep[creep["case"] == NO_CREEP]
+    creeping = creep[creep["variant"] != NO_CREEP]
+    plain = creep[creep["variant"] == NO_CREEP]
     without = plain.loc[plain["cycle_time"].idxmin()]
-    fastest = [rows.loc[rows["cycle_time"].idxmin()] for _, rows in creeping.groupby("case", sort=False)]
+    fastest = [rows.loc[rows["cycle_time"].idxmin()] for _, rows in creeping.groupby("variant", sort=False)]
     per_creep = "; ".join(
-        f"{row['case']}: {row['name']}, jerk {row['winding.jerk']:g}, {row['cycle_time']:.2f} s with "
+        f"{row['variant']}: {row['name']}, jerk {row['winding.jerk']:g}, {row['cycle_time']:.2f} s with "
         f"{1e3 * row['swing_right']:.2f} mm"
         for row in fastest
     )
@@ -102,9 +102,9 @@ def creep_figure(creep: pd.DataFrame) -> Figure:
     figure, axes = plt.subplots(1, 3, figsize=(9.0, 3.6), layout="constrained")
     for (controller, jerk), rows in creep.groupby(["controller", "winding.jerk"], sort=False):
         style = {"color": COLOURS[controller], "ls": "-" if jerk > 2.0 else "--", "marker": "o", "ms": 4}
-        axes[0].plot(rows["case"], rows["cycle_time"], **style, label=f"{NAMES[controller]}, {jerk:g} m/s$^3$")
-        axes[1].semilogy(rows["case"], 1e3 * rows["swing_right"], **style)
-        axes[2].plot(rows["case"], rows["rope_force_ripple"], **style)
+        axes[0].plot(rows["variant"], rows["cycle_time"], **style, label=f"{NAMES[controller]}, {jerk:g} m/s$^3$")
+        axes[1].semilogy(rows["variant"], 1e3 * rows["swing_right"], **style)
+        axes[2].plot(rows["variant"], rows["rope_force_ripple"], **style)
     axes[0].set_ylabel("winding time [s]")
     axes[1].set_ylabel("swing after arrival, right [mm]")
     axes[2].set_ylabel("rope force ripple [N]")
@@ -114,18 +114,18 @@ def creep_figure(creep: pd.DataFrame) -> Figure:
     return figure
 
 
-def verified(tuning: pd.DataFrame, file: Path, fmu: Path) -> pd.DataFrame:
+def verify(tuning: pd.DataFrame, file: Path, fmu: Path) -> pd.DataFrame:
     """The best run of a search's table, and its gains and the default ones on another rope, with their `cost` [s]."""
     study = read_study(file, fmu)
     assert study.tuning is not None
-    weights, case = study.tuning.minimise, next(iter(study.cases))
+    weights, variant = study.tuning.minimise, next(iter(study.variants))
     best = tuning.loc[_cost(tuning, weights).idxmin()]
     rows = [{"gains": "tuned", "rope": "draft", **best}]
     for label, gains in (
         ("tuned", {name: float(best[name]) for name in study.ranges}),
         ("default", {name: getattr(Gains(), name.partition(".")[2]) for name in study.ranges}),
     ):
-        outcome = execute(study.sample(case, gains).data, fmu)
+        outcome = execute(study.sample(variant, gains).data, fmu)
         if outcome.status != "completed":
             raise RuntimeError(f"{label} gains on {fmu}: {outcome.cause}")
         rows.append({"gains": label, "rope": "complete", **gains, **outcome.metrics})

@@ -1,6 +1,6 @@
 """Throughput of a study on this machine, and what an interruption costs: ``python -m benchmarks.throughput``.
 
-Three measurements with `docs/studies/throughput.toml`, windings of the 120 m scene:
+Three measurements with `docs/studies/throughput.toml`, windings of the 120 m rope:
 
 1. one worker and two, in turns, the same runs: runs per minute and the efficiency of two against one;
 2. the whole study by the command, killed in the middle with SIGKILL, cluster and all;
@@ -80,7 +80,7 @@ def interruption(file: Path, study: Study, out: Path) -> None:
     seconds = time.perf_counter() - begin
     after = {path.name: path.stat().st_mtime_ns for path in records.glob("*.json")}
     repeated = sum(after.get(name) != stamp for name, stamp in before.items())
-    missing = len(set(keys)) - len(Store(out).finished(keys))
+    missing = len(set(keys)) - len(Store(out).finished_keys(keys))
     new = len(after) - len(before)
     print(f"resumed: {new} more in {seconds:.0f} s (checks and start included), {repeated} repeated, {missing} missing")
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh, Scene, rope_120
 
@@ -51,9 +51,9 @@ def variants(scene: Scene, eem: Winding) -> list[str]:
 
 def compare(coupling: str) -> tuple[list[tuple[str, str]], list[str]]:
     """Rows of the table for one of ``uncoupled`` and ``coupled``, and lines on other meshes for the latter."""
-    preset = rope_120()
-    rope = preset.scene.rope if coupling == "coupled" else replace(preset.scene.rope, Qb=0.0, Qc=0.0)
-    scene = preset.scene.with_(rope=rope)
+    case = rope_120()
+    rope = case.scene.rope if coupling == "coupled" else replace(case.scene.rope, Qb=0.0, Qc=0.0)
+    scene = case.scene.with_(rope=rope)
     tmn = run(scene, f"TMN-ETM, {coupling}")
     eem = run(scene.with_(mesh=Mesh(kind="eem", elements=600)), f"EEM, {coupling}")
     largest = np.abs(eem.force).max()
@@ -76,7 +76,7 @@ def compare(coupling: str) -> tuple[list[tuple[str, str]], list[str]]:
         ("kinetic energy change per transformation", f"{changes[:, 0].max():.1e} J   (source: below 1e-4)"),
         ("potential energy change per transformation", f"{changes[:, 1].max():.1e} J"),
         ("transformations, rejected steps", f"{len(changes)}, {tmn.rope.state.counts.rejections}"),
-        ("energy the books of TMN-ETM do not explain", f"{tmn.rope.state.ledger.residual:.2f} J"),
+        ("residual of the energy balance with TMN-ETM", f"{tmn.rope.state.energy_balance.residual:.2f} J"),
         ("computation time, TMN-ETM / EEM", f"{tmn.cpu:.2f} / {eem.cpu:.2f} s"),
         (
             "computation time saved",

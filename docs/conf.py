@@ -21,7 +21,7 @@ nitpicky = True
 #: what annotations name without a page of its own
 nitpick_ignore_regex = [
     ("py:.*", r"(pathlib|collections|numpy|np|typing|casadi|ca|abc|enum|fmu_src|hoist_demo)\b.*"),
-    ("py:.*", r"(Path|Array|NDArray|Any|Iterable|Form|Level|RungName|RungChoice|MeshKind|SwivelMode)"),
+    ("py:.*", r"(Path|Array|NDArray|Any|Iterable|Form|Level|Fidelity|FidelityChoice|MeshKind|SwivelMode)"),
     ("py:.*", r"rope_model\.(simulation|native|numerics|physics|parameters)\..*"),
 ]
 

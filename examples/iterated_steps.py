@@ -34,7 +34,7 @@ def read(name: str) -> float:
     return float(fmu.getReal([number[name]])[0])
 
 
-def moved(motion: list[float], force: float) -> list[float]:
+def move(motion: list[float], force: float) -> list[float]:
     """Height above rest, speed and acceleration of the conveyance one step later, under ``force`` (N) beyond rest."""
     y, v, a = motion
     y_half, v_half = y + H * v + H**2 * a / 4, v + H * a / 2
@@ -55,7 +55,7 @@ for k in range(STEPS):
     lifted = PAYLOAD * min((k + 1) * H / UNLOADING, 1.0)
     while True:
         exchanges += 1
-        y, v, a = tried = moved(motion, force - rest + lifted)
+        y, v, a = tried = move(motion, force - rest + lifted)
         fmu.setReal(MOTION, [HEIGHT + y, v, a])
         fmu.doStep(k * H, H)
         change = read("right.fy") - force

@@ -9,7 +9,7 @@ from typing import Any
 
 from hoist_demo.cases.table import CASES
 from hoist_demo.control.controller import Command, Measurement
-from hoist_demo.control.reference import ReferencePoint
+from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.parameters import Coupling, Hoist
@@ -22,7 +22,7 @@ class Proportional:
     def __init__(self, hoist: Hoist, holding_torque: float) -> None:
         self.hoist, self.holding_torque = hoist, holding_torque
 
-    def command(self, reference: ReferencePoint, measured: Measurement, state: Any, h: float) -> Command:
+    def command(self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
         """Torque of the step that begins now; this law remembers nothing, so its state stays as it is."""
         error = reference.speed - measured.speed  # m/s
         force = self.hoist.moving_mass * reference.acceleration + 4e5 * error  # N

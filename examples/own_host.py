@@ -16,7 +16,7 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
     return EndMotion(y=y, vy=v, ay=a), EndMotion(y=90.0 - y, vy=-v, ay=-a)
 
 
-def wound(rope: BalanceRope, seconds: int) -> dict[str, float]:
+def wind(rope: BalanceRope, seconds: int) -> dict[str, float]:
     """The end forces (N) after so many seconds in steps of 10 ms."""
     for k in range(round(100 * rope.time) + 1, 100 * seconds + 1):
         if not (status := rope.advance_to(0.01 * k, *ends(0.01 * k))).valid:
@@ -27,10 +27,12 @@ def wound(rope: BalanceRope, seconds: int) -> dict[str, float]:
 scene = rope_120().scene
 scene = scene.with_(rope=replace(scene.rope, EI=500.0), right=Swivel(mode="coulomb", release_time=1.0))
 rope = balance_rope(scene)
-print(rope.initialize(0.0, *ends(0.0)), f"{rope.elements} elements, {rope.form}, {rope.rung}: {rope.rung_reason}")
+print(
+    rope.initialize(0.0, *ends(0.0)), f"{rope.elements} elements, {rope.form}, {rope.fidelity}: {rope.fidelity_reason}"
+)
 for second in range(1, 10):
     saved = rope.save()
-    first = wound(rope, second)
+    first = wind(rope, second)
     rope.restore(saved)  # one second back
-    print(second, "s", first, SIGNALS["left.fy"].unit, "again the same:", wound(rope, second) == first)
-print(len(rope.signals()), "signals;", rope.added_mass(), "kg;", rope.warnings() or "nothing to mind")
+    print(second, "s", first, SIGNALS["left.fy"].unit, "again the same:", wind(rope, second) == first)
+print(len(rope.signals()), "signals;", rope.added_mass(), "kg;", rope.warnings() or "no warnings")

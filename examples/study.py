@@ -8,11 +8,11 @@ from concurrent.futures import ProcessPoolExecutor
 from itertools import product
 
 from rope_model import EndMotion, Model, balance_rope, rope_120
-from rope_model.parameters import RungChoice
+from rope_model.parameters import FidelityChoice
 
 LOW, DURATION, H = 40.0, 4.0, 0.01  # m, s, s
 ACCELERATIONS = (0.5, 1.0, 2.0)  # m/s^2, the largest of each run
-MODELS: tuple[RungChoice, ...] = ("torsional", "rigid")
+MODELS: tuple[FidelityChoice, ...] = ("torsional", "rigid")
 
 
 def rise(t: float, largest: float) -> tuple[float, float, float]:
@@ -22,7 +22,7 @@ def rise(t: float, largest: float) -> tuple[float, float, float]:
     return y, largest * (t / 2 - math.sin(w * t) / (2 * w)), largest * math.sin(w * t / 2) ** 2
 
 
-def largest_pull(case: tuple[float, RungChoice]) -> float:
+def largest_pull(case: tuple[float, FidelityChoice]) -> float:
     """N, on the right conveyance, which goes up."""
     acceleration, model = case
     rope = balance_rope(rope_120().scene.with_(model=Model(model)))

@@ -1,4 +1,4 @@
-"""A rope with half a turn put in is hung with locked swivels; after one second they are released and let go of it."""
+"""A rope with half a turn of installed twist starts with locked swivels, which are released after one second."""
 
 import math
 from dataclasses import replace

@@ -7,12 +7,12 @@ from collections.abc import Collection
 from pathlib import Path
 from xml.etree import ElementTree
 
-from rope_model.parameters import Preset
+from rope_model.parameters import RopeCase
 
 from .documentation import index_html
 from .interface import Variable
 from .model_description import MODEL
-from .reference import reference_files
+from .reference_run import reference_files
 from .terminals import terminals_and_icons
 
 _HERE = Path(__file__).resolve().parent
@@ -23,12 +23,13 @@ packages numpy and casadi (3.6.5 or newer) can be imported.  In a process that i
 libpython3.x (python3.dll on Windows), which the dynamic linker must find, and PYTHONPATH must name the folder of the
 two packages; of several Pythons, preload the right one.
 
-The kernels inside are compiled for the platform of the export; elsewhere CasADi's virtual machine computes the same,
-more slowly.  The native flavour of this FMU has no such needs: balance-rope export --native.
+Kernels compiled for the platform of the export are inside if a C compiler was there, as shared libraries in
+resources/kernels; elsewhere CasADi's virtual machine computes the same, several times more slowly.  The native flavour
+of this FMU has no such needs: balance-rope export --native.
 """
 
 
-def attachments(described: Collection[Variable], preset: Preset, fmi: int, native: bool) -> dict[str, bytes]:
+def attachments(described: Collection[Variable], case: RopeCase, fmi: int, native: bool) -> dict[str, bytes]:
     """Path in the FMU -> contents."""
     files = {
         "documentation/index.html": index_html(described, native).encode(),
@@ -43,7 +44,7 @@ def attachments(described: Collection[Variable], preset: Preset, fmi: int, nativ
     if not native:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
-    results = reference_files(preset, MODEL, frozenset(v.name for v in described))
+    results = reference_files(case, MODEL, frozenset(v.name for v in described))
     return files | {f"{_EXTRA}/{name}": data for name, data in results.items()}
 
 

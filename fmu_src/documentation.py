@@ -8,14 +8,14 @@ import sys
 from collections.abc import Collection, Iterable, Iterator
 
 from rope_model.parameters import rope_120
-from rope_model.simulation.left_out import EFFECTS
+from rope_model.simulation.neglected_effects import EFFECTS
 
 from .arrays import DESCRIPTIONS
 from .interface import Variable, variables
 from .profile import ALWAYS, DEFAULT, GROUPS
 
 _INTRODUCTION = """\
-FMI 2.0 co-simulation, or 3.0 (native flavour), start values of the 120 m scene. Units are SI; `1` marks a pure number.
+FMI 2.0 co-simulation, or 3.0 (native flavour), start values of the 120 m rope. Units are SI; `1` marks a pure number.
 Parameters marked *tunable* may be changed between steps, the others only before initialisation. [assumed] marks data
 that are ours.
 
@@ -46,7 +46,7 @@ _ALONG = """\
 `shape.tension` follows from the balance of momentum between the left end and the point, so it meets the end forces and
 holds the waves and the damping too; in a loop wider than its suspension it can be negative. `shape.bending` and
 `shape.torsion` are those of the elements (bending as root mean square along each), linear between their middles; the
-bend at a clamped end is sharper than that. A rung without torsion has no torsional stress; the rigid rung has the
+bend at a clamped end is sharper than that. Models without torsion have no torsional stress; the rigid model has the
 tension of its closed form, and the bending of its half circle.
 """
 _ADDED_MASS = """\
@@ -57,11 +57,11 @@ directional derivatives at the step's end (`inputs_at_step_end` = true) it is
 `inputs_at_step_end` = false dfy/day has the extrapolation in it and is -added_mass.
 """
 _STEPS = """\
-A communication step may be as short as the host likes. Less than 1e-9 s ahead nothing moves, doStep succeeds, and the
-time is not lost: the next step begins where the rope is. (Loops that end with `h = min(H, T - t)` end with such rests.)
+A communication step may be as short as the host likes. In a step below 1e-9 s nothing moves, doStep succeeds, and the
+time is not lost: the next step begins where the rope is. (Loops with `h = min(H, T - t)` end with such a remainder.)
 
 Inputs at the start of a step are extrapolated with constant acceleration, so at its end the rope's path misses the
-motion by j H^3/6 at a jerk j. The next path makes that good; where the next step h is shorter than the H before, over
+motion by j H^3/6 at a jerk j. The next path corrects that; where the next step h is shorter than the H before, over
 the time in which a jerk of 0.1 m/s^3 would miss as much, at most H, else h would ask for accelerations of j H^3/h^2.
 With jerks of at most j (take 0.1 m/s^3 if it is less) and no step longer than H, in any order, the path stays
 within 0.27 j H^3, 0.62 j H^2 and 3.4 j H of the motion's position, speed and acceleration; even steps of H have
@@ -71,31 +71,31 @@ The end force errs by up to twice the leg's mass times the error of the accelera
 step's end (`inputs_at_step_end` = true) are met exactly, but for steps below 1e-5 s, which aim that far ahead, because
 within them the rounding of a position would ask for large accelerations (tests/test_masters.py).
 """
-_MINDED = """\
-`status.warning` tells what to mind in results that are valid, and stays while it is so; the log has each thing once
+_WARNINGS = """\
+`status.warning` holds warnings about results that are valid, as long as they apply; the log has each of them once
 (category logStatusWarning). `status.valid` stays true:
 
 - *The legs touch or have passed through each other.* Contact is not in the model. At rest, too: a long rope with the
-  default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is hung up. Beyond half a turn of
+  default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is initialised. Beyond half a turn of
   `loop.yaw` against the line between the ends the legs have crossed; then `loop.clearance`, the distance of the present
-  shape, is large again, and every result is that of a rope which a real one cannot become.
-- *The loop hangs yawed by more than 30 degrees at rest*, and which datum turns it most: the coupling `rope.Qb`,
+  shape, is large again, and every result is one that a real rope cannot have.
+- *The loop hangs yawed by more than 30 degrees at rest*, with the parameter that turns it most: the coupling `rope.Qb`,
   `rope.Qc`, `rope.installed_twist`, or the ends. A real rope is made to turn less; the published coupling on a
   rope of several hundred metres turns it that far.
-- *The rung leaves torsion out*, though the rope carries torque: what it does not compute is 0 (below).
+- *The model has no torsion*, though the rope carries torque: what it does not compute is 0 (below).
 - *A communication step above 20 ms with extrapolated inputs*: in a winding the end forces were 8 % off at 50 ms.
 
-What each rung computes (`status.rung`); the rest is 0, not a result, and exact only for a rope without torque:
+What each fidelity computes (`status.fidelity`); the rest is 0, not a result, and exact only for a rope without torque:
 """
-#: the rungs that compute the outputs of each effect, from the lowest
+#: the fidelities that compute the outputs of each effect, from the lowest
 _COMPUTED = {
     "planar": "planar, spatial, torsional",
     "spatial": "spatial: by motion out of plane; torsional: by torque, too",
     "torsional": "torsional",
 }
 _EFFECTS = [(", ".join(f"`{name}`" for name in effect.outputs), _COMPUTED[effect.lowest]) for effect in EFFECTS]
-#: outputs -> the rungs that compute them
-_RUNGS = (
+#: outputs -> the fidelities that compute them
+_COMPUTED_BY = (
     ("`fy`, `fy_mean`, `added_mass`, `energy.kinetic`, `energy.gravity`", "all"),
     _EFFECTS[0],
     (
@@ -108,7 +108,7 @@ _GROUPS = f"""\
 `balance-rope export --outputs GROUP ...` chooses the outputs that the model description shows, `all` of them or groups;
 {" and ".join(f"`{group}`" for group in ALWAYS)} are always there. Without the option it is all but
 {", ".join(f"`{group}`" for group in GROUPS if group not in DEFAULT)}, which the demo's report draws. Results and value
-references are the same: what is left out is not asked for, and so not computed.
+references are the same: outputs that are not shown are not computed.
 """
 _SHAPES = """\
 FMI 3.0 has the arrays `shape.x` ... `shape.torsion` (81) and `mesh.counts` (5) as such and the choices as
@@ -132,9 +132,9 @@ with the tension T at the end</td></tr>
 </table>
 <p>Damping is proportional to stiffness (beta_K). Ends are vertical and prescribed; between two instants of the host
 each coordinate follows a quintic in time. Time integration: generalized-alpha with step control. Mesh: TMN-ETM, seven
-segments with element lengths l, l/2, l/4, l/8, l/4, l/2, l that follow the loop. Four rungs compute as much as the
-scene needs: torsional (all), spatial (no torsion), planar, rigid. There is no contact: legs that touch pass through
-each other; <code>status.warning</code> and <code>loop.clearance</code> tell.</p>
+segments with element lengths l, l/2, l/4, l/8, l/4, l/2, l that follow the loop. Its fidelity follows the case:
+torsional (all), spatial (no torsion), planar, rigid. There is no contact: legs that touch pass through each other;
+<code>status.warning</code> and <code>loop.clearance</code> show it.</p>
 """
 _STYLE = (
     "body{font:15px/1.45 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
@@ -148,8 +148,13 @@ def interface_page() -> str:
     table = variables(rope_120())
     lines = ["# The FMU's variables", "", _INTRODUCTION, _ERRORS]
     lines += [_STRUCTURE, _SHAPES, _ALONG, _ADDED_MASS]
-    lines += ["## Steps of any length\n", _STEPS, "## What to mind\n", _MINDED]
-    lines += ["| outputs | rungs |", "|---|---|", *(f"| {outputs} | {rungs} |" for outputs, rungs in _RUNGS), ""]
+    lines += ["## Steps of any length\n", _STEPS, "## Warnings\n", _WARNINGS]
+    lines += [
+        "| outputs | fidelities |",
+        "|---|---|",
+        *(f"| {outputs} | {fidelities} |" for outputs, fidelities in _COMPUTED_BY),
+        "",
+    ]
     lines += ["## Groups of outputs", "", _GROUPS, "| group | holds |", "|---|---|"]
     lines += [f"| `{group}` | {holds} |" for group, holds in GROUPS.items()] + [""]
     for causality, title in _TITLES:
@@ -161,15 +166,15 @@ def interface_page() -> str:
 
 def index_html(described: Collection[Variable], native: bool) -> str:
     """documentation/index.html: how to use the FMU, the model, the variables."""
-    parts = [_INTRODUCTION.replace(", start values of the 120 m scene", ""), _ERRORS]
+    parts = [_INTRODUCTION.replace(", start values of the 120 m rope", ""), _ERRORS]
     along = any(v.name.startswith("shape.") for v in described)
-    parts += [_STRUCTURE, _SHAPES if native and along else "", _ALONG if along else "", _ADDED_MASS, _MINDED]
+    parts += [_STRUCTURE, _SHAPES if native and along else "", _ALONG if along else "", _ADDED_MASS, _WARNINGS]
     paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text)
-    rungs = "".join(f"<tr><td>{_marked_up(outputs)}</td><td>{which}</td></tr>" for outputs, which in _RUNGS)
-    body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{rungs}</table>", _MODEL]
+    fidelities = "".join(f"<tr><td>{_to_html(outputs)}</td><td>{which}</td></tr>" for outputs, which in _COMPUTED_BY)
+    body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{fidelities}</table>", _MODEL]
     for causality, title in _TITLES:
         rows = _rows(v for v in described if v.causality == causality)
-        cells = ["".join(f"<td>{_marked_up(cell)}</td>" for cell in row) for row in rows]
+        cells = ["".join(f"<td>{_to_html(cell)}</td>" for cell in row) for row in rows]
         head = "".join(f"<th>{text}</th>" for text in ("name", "unit or type", "start", ""))
         body.append(f"<h2>{title}</h2>\n<table><tr>{head}</tr>\n" + "\n".join(f"<tr>{row}</tr>" for row in cells))
         body.append("</table>")
@@ -179,12 +184,12 @@ def index_html(described: Collection[Variable], native: bool) -> str:
 
 def _paragraph(text: str) -> str:
     if not text.startswith("- "):
-        return f"<p>{_marked_up(text)}</p>"
-    items = "".join(f"<li>{_marked_up(item)}</li>" for item in text.removeprefix("- ").split("\n- "))
+        return f"<p>{_to_html(text)}</p>"
+    items = "".join(f"<li>{_to_html(item)}</li>" for item in text.removeprefix("- ").split("\n- "))
     return f"<ul>{items}</ul>"
 
 
-def _marked_up(text: str) -> str:
+def _to_html(text: str) -> str:
     text = re.sub(r"`(.+?)`", r"<code>\1</code>", html.escape(text.strip(), quote=False))
     return re.sub(r"(?<!\w)\*(\w[^*]*)\*", r"<em>\1</em>", text)
 

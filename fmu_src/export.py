@@ -24,14 +24,14 @@ from pathlib import Path
 from pythonfmu.builder import FmuBuilder
 
 from rope_model.parameters import Level
-from rope_model.simulation.mesh import partition, suited
+from rope_model.simulation.mesh import fit_mesh, partition
 from rope_model.simulation.rope_system import write_bundle
 
 from .archive import read_archive, write_archive
 from .attachments import attachments
-from .interface import NO_CHANGES, Value, Variable, preset_with, variables
+from .interface import NO_CHANGES, Value, Variable, case_with, variables
 from .model_description import MODEL
-from .native.build import chosen_platforms
+from .native.build import choose_platforms
 from .native.shell import shell
 from .native.start import Start, binaries_with
 from .native.table import c_table, start_values
@@ -45,33 +45,33 @@ _LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "public.py", "na
 
 def export_fmu(
     destination: Path,
-    preset: str = "rope-120",
+    case: str = "rope-120",
     level: Level = "standard",
     start: Mapping[str, Value] = NO_CHANGES,
     profile: Profile = Profile(),  # noqa: B008  it is frozen
     platforms: Sequence[str] | None = None,
 ) -> Path:
-    """Write the FMU with the start values of ``preset``, at a level of accuracy and with ``start``, to ``destination``.
+    """Write the FMU with the start values of ``case``, at a level of accuracy and with ``start``, to ``destination``.
 
     The folder is made if needed.  ``platforms`` are names of FMI 3.0, all that can be built here if None.  Two exports
     of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
     """
-    chosen = chosen_platforms(platforms)
-    data = preset_with(preset, level, start)
+    chosen = choose_platforms(platforms)
+    data = case_with(case, level, start)
     scene, table = data.scene, variables(data)
-    mesh = suited(scene.mesh, scene.rope, scene.layout)
+    mesh = fit_mesh(scene.mesh, scene.rope, scene.layout)
     elements = partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"
         write_bundle(elements, kernels)
-        key = _build_key(f"{preset} {level} {sorted(start.items())} {profile}", kernels, library_sources(table))
+        key = _build_key(f"{case} {level} {sorted(start.items())} {profile}", kernels, library_sources(table))
         package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
         _copy_package(package)
         slave = (_root() / "fmu_src" / "slave.py").read_text(encoding="utf-8")
         slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
         script.write_text(slave, encoding="utf-8")
-        facts = _build_facts(preset, level, key)
+        facts = _build_facts(case, level, key)
         given = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
         (stage / "build.json").write_text(json.dumps(facts | given, indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
@@ -80,7 +80,7 @@ def export_fmu(
         sys.path.remove(str(stage))  # the builder leaves it there
         files = {name: code for name, code in read_archive(draft).items() if not name.startswith("binaries/")}
     files |= binaries_with(Start(facts["guid"], start_values(table, 2)), library_sources(table), MODEL, 2, chosen)
-    described = profile.described(table).values()
+    described = profile.select(table).values()
     write_archive(destination, files | attachments(described, data, fmi=2, native=False))
     return destination
 
@@ -90,10 +90,10 @@ def library_sources(table: Sequence[Variable]) -> dict[str, str]:
     return {**shell(2, "python_model.c"), "variables.c": c_table(table, 2)}
 
 
-def _build_facts(preset: str, level: Level, key: str) -> dict[str, str]:
+def _build_facts(case: str, level: Level, key: str) -> dict[str, str]:
     stamp = time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())))
     return {
-        "preset": preset,
+        "case": case,
         "level": level,
         "guid": str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope {key}")),
         "version": importlib.metadata.version("balance-rope"),

@@ -12,14 +12,14 @@ from typing import Any, Literal, NamedTuple
 from rope_model.parameter_table import numeric_bounds, parameters_of
 from rope_model.parameters import (
     CHOICES,
-    PRESETS,
+    ROPE_CASES,
     SEGMENTS,
     Layout,
     Level,
     Mesh,
     Model,
-    Preset,
     Rope,
+    RopeCase,
     Scene,
     Solver,
     Swivel,
@@ -31,7 +31,7 @@ Causality = Literal["parameter", "input", "output"]
 Kind = Literal["Real", "Integer", "Boolean", "String"]
 Value = float | int | bool | str
 
-#: start values by name that are put in place of a preset's
+#: start values by name that are put in place of a case's
 NO_CHANGES: Mapping[str, Value] = {}
 
 #: group of the interface -> the data class that has its parameters
@@ -70,21 +70,21 @@ def choices_of(name: str) -> tuple[str, ...] | None:
     return None if words is None else tuple(words)
 
 
-def variables(preset: Preset) -> tuple[Variable, ...]:
-    """The table with the start values of ``preset``; a variable's place is its value reference."""
-    return (*_parameters(preset.scene), *_inputs(preset.travel), *_outputs())
+def variables(case: RopeCase) -> tuple[Variable, ...]:
+    """The table with the start values of ``case``; a variable's place is its value reference."""
+    return (*_parameters(case.scene), *_inputs(case.travel), *_outputs())
 
 
-def preset_with(name: str, level: Level, start: Mapping[str, Value]) -> Preset:
-    """The preset ``name`` at a level of accuracy, but with these parameters and ``right.y``, by name."""
-    if name not in PRESETS:
-        raise ValueError(f"there is no scene {name!r}; choose one of {', '.join(PRESETS)}")
-    preset = PRESETS[name](level)
-    values = {v.name: v.start for v in _parameters(preset.scene) if v.start is not None}
+def case_with(name: str, level: Level, start: Mapping[str, Value]) -> RopeCase:
+    """The case ``name`` at a level of accuracy, but with these parameters and ``right.y``, by name."""
+    if name not in ROPE_CASES:
+        raise ValueError(f"there is no case {name!r}; choose one of {', '.join(ROPE_CASES)}")
+    case = ROPE_CASES[name](level)
+    values = {v.name: v.start for v in _parameters(case.scene) if v.start is not None}
     if unknown := set(start) - set(values) - {"right.y"}:
         raise ValueError(f"{', '.join(sorted(unknown))} must be parameters of the rope: see docs/interface.md")
-    travel = float(start.get("right.y", preset.travel))
-    return dataclasses.replace(preset, scene=scene_of({**values, **start}), travel=travel)
+    travel = float(start.get("right.y", case.travel))
+    return dataclasses.replace(case, scene=scene_of({**values, **start}), travel=travel)
 
 
 def _parameters(scene: Scene) -> Iterator[Variable]:
@@ -145,10 +145,12 @@ def _outputs() -> Iterator[Variable]:
         yield Variable(name, "output", variability, kind, unit, None, signal.description, least)
     yield Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded")
     yield Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty")
-    yield Variable("status.rung", "output", "discrete", "String", "", None, "rung of the model that is computed")
-    yield Variable("status.rung_reason", "output", "discrete", "String", "", None, "why this rung")
     yield Variable(
-        "status.warning", "output", "discrete", "String", "", None, "what to mind in valid results; else empty"
+        "status.fidelity", "output", "discrete", "String", "", None, "fidelity of the model that is computed"
+    )
+    yield Variable("status.fidelity_reason", "output", "discrete", "String", "", None, "why this fidelity")
+    yield Variable(
+        "status.warning", "output", "discrete", "String", "", None, "warnings about valid results; else empty"
     )
 
 
@@ -164,7 +166,7 @@ def scene_of(values: Mapping[str, Value]) -> Scene:
     for group, kind in _GROUPS.items():
         names = parameters_of(kind)
         given: dict[str, Any] = {
-            n: _decoded(f"{group}.{n}", values[f"{group}.{n}"]) for n in names if f"{group}.{n}" in values
+            n: _decode(f"{group}.{n}", values[f"{group}.{n}"]) for n in names if f"{group}.{n}" in values
         }
         if kind is Mesh:
             given["counts"] = counts
@@ -175,7 +177,7 @@ def scene_of(values: Mapping[str, Value]) -> Scene:
     return Scene(**parts)
 
 
-def _decoded(name: str, value: Value) -> Value:
+def _decode(name: str, value: Value) -> Value:
     """The value as its field takes it: the word for the code of one that chooses."""
     if (words := choices_of(name)) is None:
         return value

@@ -18,7 +18,7 @@ DESCRIPTION = (
 STEP = 0.01  # s, communication step of the default experiment
 LOG_CATEGORIES = {
     "logStatusError": "why a call failed, and what to do",
-    "logStatusWarning": "what to mind in valid results, once",
+    "logStatusWarning": "warnings about valid results, once each",
     "logAll": "all messages",
 }
 #: of outputs that follow all inputs and parameters while they are initialised

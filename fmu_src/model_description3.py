@@ -26,7 +26,7 @@ _ENUMERATIONS = {
     "swivel.mode": "SwivelMode",
     "mesh.kind": "MeshKind",
     "solver.kernels": "KernelForm",
-    "model.rung": "Rung",
+    "model.fidelity": "Fidelity",
 }
 
 

@@ -18,10 +18,10 @@ GROUPS = {
     "swivels": "angle, rate and torque of the swivels, and whether they slip",
     "loop": "place, yaw and clearance of the loop",
     "stress": "largest nominal stresses; twist at the ends and in the loop",
-    "energy": "energies, works and the balance of the books",
+    "energy": "energies, works and the energy balance",
     "count": "time steps, iterations, transformations, swivel events",
     "shape": "points along the rope, with tension and stresses there: 486 numbers",
-    "status": "whether results are valid, messages, the rung of the model",
+    "status": "whether results are valid, messages, the fidelity of the model",
 }
 #: groups that every FMU describes
 ALWAYS = ("ends", "status")
@@ -44,7 +44,7 @@ class Profile:
         if not (math.isfinite(self.stop) and self.stop > 0.0):
             raise ValueError(f"stop = {self.stop!r} s is out of range: it must be above 0; give the run's length")
 
-    def described(self, table: Sequence[Variable]) -> dict[int, Variable]:
+    def select(self, table: Sequence[Variable]) -> dict[int, Variable]:
         """The variables that the description shows, by value reference."""
         shown = {*self.outputs, *ALWAYS}
         return {i: v for i, v in enumerate(table) if v.causality != "output" or group_of(v.name) in shown}

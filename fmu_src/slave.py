@@ -22,14 +22,14 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from pythonfmu import Fmi2Slave
 
-from fmu_src.interface import MOTION, Value, preset_with, scene_of, variables
+from fmu_src.interface import MOTION, Value, case_with, scene_of, variables
 from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
-from fmu_src.steps import advance_extrapolated
+from fmu_src.steps import advance_with_extrapolation
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import Status
-from rope_model.simulation.caveats import CAVEATS
 from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.result_warnings import WARNINGS
 from rope_model.simulation.sensitivity import LOADS, load_derivative
 from rope_model.simulation.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator
@@ -43,7 +43,7 @@ LONGEST_EXTRAPOLATION = 0.02
 P = ParamSpec("P")
 
 
-def _told(call: Callable[Concatenate[Any, P], None]) -> Callable[Concatenate[Any, P], bool]:
+def _report_failure(call: Callable[Concatenate[Any, P], None]) -> Callable[Concatenate[Any, P], bool]:
     """``call`` as a method that returns whether it went well, with the text of what it raised as ``message``."""
 
     def method(self: Any, /, *arguments: P.args, **named: P.kwargs) -> bool:
@@ -65,16 +65,16 @@ def _told(call: Callable[Concatenate[Any, P], None]) -> Callable[Concatenate[Any
 class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     """A balance rope for co-simulation."""
 
-    #: number of what is to be minded
-    warnings = len(CAVEATS) + 1
+    #: number of warnings
+    warnings = len(WARNINGS) + 1
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.modelName = MODEL
         self._resources = Path(kwargs["resources"])
         self._build = json.loads((self._resources / "build.json").read_text(encoding="utf-8"))
-        preset = preset_with(self._build["preset"], self._build["level"], self._build["start"])
-        self._table = variables(preset)
+        case = case_with(self._build["case"], self._build["level"], self._build["start"])
+        self._table = variables(case)
         self._places = {v.name: i for i, v in enumerate(self._table)}
         self._texts: dict[int, str] = {}  # by scalar: the library hands out their addresses
         self._packed: tuple[RopeState | None, bytes] = (None, b"")
@@ -85,32 +85,32 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         build = self._build
         tolerance = next(float(v.start or 0.0) for v in self._table if v.name == "solver.tolerance")
         facts = Build(build["guid"], build["version"], build["tool"], build["date"], build["stop"], tolerance)
-        return model_description(Profile(tuple(build["outputs"])).described(self._table), facts)
+        return model_description(Profile(tuple(build["outputs"])).select(self._table), facts)
 
     # life
 
-    @_told
+    @_report_failure
     def create(self, values: memoryview, outputs: memoryview, known: memoryview, derivatives: memoryview) -> None:
         """A rope with the parameters among ``values``; the arrays are the library's, and live as long as this."""
         self._values, self._outputs, self._derivatives = (x.cast("d") for x in (values, outputs, derivatives))
         self._known = known
         self._rope = RopeSimulator(self._scene(), self._resources / "kernels")
 
-    @_told
+    @_report_failure
     def initialize(self, t: float) -> None:
         """Hung up at the time ``t`` between the ends' positions."""
         _require(self._rope.initialize(t, *self._motions()))
 
-    @_told
+    @_report_failure
     def do_step(self, current_time: float, step_size: float) -> None:
         """Advanced by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
         if self._at_step_end():
             status = self._rope.advance_to(current_time + step_size, *self._motions())
         else:
-            status = advance_extrapolated(self._rope, current_time, step_size, *self._motions())
+            status = advance_with_extrapolation(self._rope, current_time, step_size, *self._motions())
         _require(status)
 
-    @_told
+    @_report_failure
     def retune(self) -> None:
         """On with other tunable parameters."""
         self._rope.retune(self._scene())
@@ -121,7 +121,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     # results
 
-    @_told
+    @_report_failure
     def compute(self, scalar: int) -> None:
         """This output and its kin, into the library's array."""
         for name, value in group_of(self._table[scalar].name)(self._rope).items():
@@ -141,13 +141,15 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def note(self) -> str:
         """What was set up, for the log."""
         state, kernels = self._rope.state, self._rope.model.kernels
-        return f"model: {state.rung}, {kernels.elements} elements, {state.rung_reason}; kernels: {self._rope.form}"
+        return (
+            f"model: {state.fidelity}, {kernels.elements} elements, {state.fidelity_reason}; kernels: {self._rope.form}"
+        )
 
     def warning(self, number: int) -> str:
-        """What to mind now of the thing ``number``, or ''."""
-        if number == len(CAVEATS):
+        """The warning ``number``, or '' where it does not apply now."""
+        if number == len(WARNINGS):
             return self._long_step()
-        return CAVEATS[number](self._rope.scene, self._rope.state)
+        return WARNINGS[number](self._rope.scene, self._rope.state)
 
     def _long_step(self) -> str:
         state = self._rope.state
@@ -160,11 +162,11 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
             "the motion at the end of each step"
         )
 
-    @_told
+    @_report_failure
     def derive(self, scalar: int, seed: float) -> None:
         """Seed times the derivatives of the end loads to this input, into the library's array; NaN of others."""
         side, _, name = self._table[scalar].name.partition(".")
-        parts = {name: 1.0} if self._at_step_end() else _extrapolated(name, self._rope.state.last_interval)
+        parts = {name: 1.0} if self._at_step_end() else _extrapolation_derivatives(name, self._rope.state.last_interval)
         loads = sum(seed * part * load_derivative(self._rope, SIDES.index(side), name) for name, part in parts.items())
         for load, value in zip(LOADS, np.asarray(loads).tolist(), strict=True):
             self._derivatives[self._places[load]] = value
@@ -181,7 +183,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         """Length of ``state``."""
         return len(self.state())
 
-    @_told
+    @_report_failure
     def restore(self, state: memoryview) -> None:
         """Back to a state of this rope, or of one with the same parameters."""
         self._rope.restore(bytes(state))
@@ -204,7 +206,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         return self._values[self._places["inputs_at_step_end"]] != 0.0
 
 
-def _extrapolated(name: str, h: float) -> dict[str, float]:
+def _extrapolation_derivatives(name: str, h: float) -> dict[str, float]:
     """Derivatives of the motion at a step's end to ``name`` at its start: what is extrapolated from it moves, too."""
     if name.startswith("a"):
         return {name: 1.0, f"v{name[1:]}": h, name[1:]: 0.5 * h * h}

@@ -16,13 +16,13 @@ from pathlib import Path
 
 from fmu_src.native.build import PLATFORMS
 
-from .wheels import ROOT
+ROOT = Path(__file__).resolve().parent.parent
 
 _FMI = ("2.0", "3.0")
 
 
 def bill_of_materials(files: Sequence[Path]) -> str:
-    """The JSON text for the ``files`` of a release."""
+    """The JSON text for the ``files`` of a release; without files that of what is inside a wheel."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     product = {
         "type": "library",
@@ -33,8 +33,8 @@ def bill_of_materials(files: Sequence[Path]) -> str:
         "licenses": _license(project["license"]),
         "purl": f"pkg:pypi/{project['name']}@{project['version']}",
     }
-    inside, needed = [*_headers(), _compiler()], [_needed(text) for text in project["dependencies"]]
-    optional = [_needed(text) | {"scope": "optional"} for text in project["optional-dependencies"]["study"]]
+    inside, needed = [*_headers(), _compiler()], [_name_of(text) for text in project["dependencies"]]
+    optional = [_name_of(text) | {"scope": "optional"} for text in project["optional-dependencies"]["study"]]
     parts = [*map(_file, sorted(files)), *inside, *needed, *optional]
     references = [str(part["bom-ref"]) for part in (*inside, *needed, *optional)]
     whole = {
@@ -91,7 +91,7 @@ def _compiler() -> dict[str, object]:
     }
 
 
-def _needed(requirement: str) -> dict[str, object]:
+def _name_of(requirement: str) -> dict[str, object]:
     name = re.match(r"[\w.-]+", requirement)
     assert name is not None, requirement
     bounds = {"name": "balance-rope:requirement", "value": requirement}

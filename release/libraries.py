@@ -23,9 +23,9 @@ from fmu_src.native.table import start_values
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import CASES
 from hoist_demo.drive_fmu.description import drive_model, without_brake
-from hoist_demo.drive_fmu.kernels import generated as drive_kernels
+from hoist_demo.drive_fmu.kernels import generate as drive_kernels
 from hoist_demo.drive_fmu.kernels import kernels_file
-from rope_model.native.build import NAME, generated, generated_file, sources
+from rope_model.native.build import NAME, generate, generated_file, sources
 from rope_model.native.platforms import prebuilt_file
 from rope_model.parameters import rope_120
 
@@ -62,7 +62,7 @@ def _drive(case: Case, fmi: int) -> Library:
 
 def add_prebuilt(root: Path) -> None:
     """Write what the packages below ``root``, copies of ours, are to bring."""
-    _write(generated_file(root / "rope_model"), generated())
+    _write(generated_file(root / "rope_model"), generate())
     for case in map(without_brake, CASES.values()):
         _write(kernels_file(root / "hoist_demo", case), asdict(drive_kernels(case)))
     for name in PLATFORMS:

@@ -27,7 +27,7 @@ STUDY = """\
 [study]
 title = "Four windings"
 fmu = "build/balance_rope_native.fmu"
-scene = "rope-120"
+case = "rope-120"
 
 [fixed]
 winding.travel = { value = 10, unit = "m" }
@@ -84,7 +84,8 @@ class _Trial:
         self._command("export")
         self._python("README: the FMU from Python", _example("Use the FMU"))
         self._command("demo", "--quick")
-        self._command("demo", "--out", "out/native", "--fmu", f"build/{NAMES[2]}")
+        for fmi, name in NAMES.items():
+            self._command("demo", "--out", f"out/fmi{fmi}", "--fmu", f"build/{name}")
         self._command("demo", "--quick", "--in-process", "--out", "out/in-process")
         (self.work / "study.toml").write_text(STUDY, encoding="utf-8")
         self._command("study", "study.toml", "--workers", "2")
@@ -92,7 +93,10 @@ class _Trial:
             raise RuntimeError(f"compiled at first use: {', '.join(path.name for path in self.cache.iterdir())}")
 
     def compare(self) -> None:
-        """The same exports from this checkout, which compiles them."""
+        """Windings with FMI 2 and 3, which have the same bits, and exports from this checkout, which compiles them."""
+        windings = {(self.work / "out" / f"fmi{fmi}" / "signals.csv").read_bytes() for fmi in NAMES}
+        if len(windings) > 1:
+            raise RuntimeError("the winding with the FMU of FMI 3 differs from that with FMI 2")
         here = self.folder / "here"
         here.mkdir()
         balance_rope(["export", "--native", "--fmi", "2", "3", "--ssp", "--out", str(here)])

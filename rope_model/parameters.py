@@ -15,7 +15,7 @@ from .parameter_table import choice, parameter, parameters_of, require, require_
 SwivelMode = Literal["locked", "free", "coulomb"]
 MeshKind = Literal["tmn", "eem", "auto"]
 KernelForm = Literal["auto", "compiled", "portable"]
-RungChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
+FidelityChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 
 #: what must be above 0 is at least this, so that the bound can be told to tools, which know no open intervals
 LEAST = 1e-15
@@ -183,7 +183,7 @@ class Mesh:
     Without elements in III and V the loop's, in IV, are l/4, without II and VI too l/2.
 
     auto: the TMN-ETM that the rope's own lengths and ``loop_error`` ask for, EEM on a short or stiff rope; see
-    simulation.mesh.suited.  ``end_levels`` = 0 is the source's mesh.
+    simulation.mesh.fit_mesh.  ``end_levels`` = 0 is the source's mesh.
     """
 
     kind: MeshKind = choice(
@@ -218,7 +218,7 @@ class Mesh:
         upper=8,
         cure="2 resolves the clamped ends",
     )
-    leg_growth: float = parameter(
+    grading_length: float = parameter(
         0.0,
         "m",
         "largest (element length)^2 in I and VII over distance from the loop, kind 0 only; 0: all l",
@@ -318,13 +318,13 @@ class Solver:
 
 @dataclass(frozen=True)
 class Model:
-    """How much of the rope is computed: the rungs are described in physics.element and simulation.rigid."""
+    """How much of the rope is computed: the fidelities are described in physics.element and simulation.rigid."""
 
-    rung: RungChoice = choice(
+    fidelity: FidelityChoice = choice(
         "auto",
-        RungChoice,
+        FidelityChoice,
         (
-            "the lowest rung that the scene needs",
+            "the lowest fidelity that the case needs",
             "all: tension, torsion and lateral motion, coupled",
             "lateral motion in space, without torsion",
             "motion in the plane of the loop",
@@ -339,7 +339,7 @@ class Model:
         "relative error of the end forces that auto may trade for speed",
         lower=0.0,
         upper=1.0,
-        cure="0 allows only rungs that leave nothing out",
+        cure="with 0 nothing is left out",
     )
 
     def __post_init__(self) -> None:
@@ -396,7 +396,7 @@ def at_level(scene: Scene, level: Level) -> Scene:
 
 
 @dataclass(frozen=True)
-class Preset:
+class RopeCase:
     """A scene and the winding it is meant for: the left end starts at height 0, the right end ``travel`` above it."""
 
     scene: Scene
@@ -404,16 +404,16 @@ class Preset:
     speed: float  # m/s
 
 
-def rope_120(level: Level = "standard") -> Preset:
+def rope_120(level: Level = "standard") -> RopeCase:
     """The 120 m rope: swivels locked, 90 m of travel at up to 8 m/s."""
-    return Preset(at_level(Scene(), level), travel=90.0, speed=8.0)
+    return RopeCase(at_level(Scene(), level), travel=90.0, speed=8.0)
 
 
-def rope_240(level: Level = "standard") -> Preset:
+def rope_240(level: Level = "standard") -> RopeCase:
     """The 240 m rope: healthy swivels released at t = 20 s, 200 m of travel at up to 10 m/s."""
     swivel = Swivel(mode="coulomb", release_time=20.0)
     scene = Scene(rope=Rope(length=240.0), left=swivel, right=swivel)
-    return Preset(at_level(scene, level), travel=200.0, speed=10.0)
+    return RopeCase(at_level(scene, level), travel=200.0, speed=10.0)
 
 
-PRESETS = {"rope-120": rope_120, "rope-240": rope_240}
+ROPE_CASES = {"rope-120": rope_120, "rope-240": rope_240}

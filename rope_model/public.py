@@ -2,9 +2,10 @@
 
 rope        balance_rope makes a BalanceRope in a Form: auto, native or python; EndMotion goes in, Status and the
             values of SIGNALS come out, each a Signal with unit and description
-            LADDER has the rungs of the model; left_out the Effects that a rung leaves out: outputs that are no results
+            FIDELITIES has the fidelities of the model; neglected_effects the Effects that one of them neglects: outputs
+            that are then 0 and no results
 data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
-presets     rope_120 and rope_240 make a Preset (by name in PRESETS) at a Level: draft, standard or reference;
+cases       rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
             at_level puts any scene on one
 analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
 """
@@ -16,15 +17,16 @@ import subprocess
 from typing import Literal
 
 from .native.engine import NativeRope
+from .numerics.kernels import last_words
 from .parameters import (
     CHOICES,
-    PRESETS,
+    ROPE_CASES,
     Layout,
     Level,
     Mesh,
     Model,
-    Preset,
     Rope,
+    RopeCase,
     Scene,
     Solver,
     Swivel,
@@ -34,16 +36,16 @@ from .parameters import (
 )
 from .simulation.balance_rope import BalanceRope, Status
 from .simulation.ends import EndMotion
-from .simulation.left_out import Effect, left_out
-from .simulation.rungs import LADDER
+from .simulation.fidelity import FIDELITIES
+from .simulation.neglected_effects import Effect, neglected_effects
 from .simulation.signals import SIGNALS, Signal
 from .simulation.simulator import RopeSimulator
 from .simulation.state import RopeState
 
 __all__ = [
     "CHOICES",
-    "LADDER",
-    "PRESETS",
+    "FIDELITIES",
+    "ROPE_CASES",
     "SIGNALS",
     "BalanceRope",
     "Effect",
@@ -53,8 +55,8 @@ __all__ = [
     "Level",
     "Mesh",
     "Model",
-    "Preset",
     "Rope",
+    "RopeCase",
     "RopeSimulator",
     "RopeState",
     "Scene",
@@ -64,7 +66,7 @@ __all__ = [
     "Swivel",
     "at_level",
     "balance_rope",
-    "left_out",
+    "neglected_effects",
     "rope_120",
     "rope_240",
 ]
@@ -75,7 +77,7 @@ Form = Literal["auto", "native", "python"]
 
 
 def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
-    """A rope for the scene, not yet hung up.
+    """A rope for the scene, not yet initialised.
 
     ``auto`` takes the native form, or the Python form where that cannot be had or ``scene.solver.kernels`` asks for
     kernels of the Python form by name.  Raises ValueError when the mesh does not fit the rope; with ``native``
@@ -89,6 +91,12 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     if form == "auto" and scene.solver.kernels == "auto":
         try:
             return NativeRope(scene)
-        except (RuntimeError, OSError, subprocess.CalledProcessError) as error:
-            log.info("the native rope cannot be had (%s)", error)
+        except RuntimeError as error:  # no compiler
+            log.info("the native rope cannot be had: %s", error)
+        except (OSError, subprocess.CalledProcessError) as error:
+            log.warning(
+                "the native rope cannot be had: %s; the Python form takes some ten times as long. Repair the compiler, "
+                "name another in CC, or ask for form='python'",
+                last_words(error),
+            )
     return RopeSimulator(scene)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exports import EXPORTS, made_once
+from exports import EXPORTS, make_once
 from hypothesis import settings
 from numpy.typing import NDArray
 
@@ -31,10 +31,10 @@ def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     """The FMU of a kind in ``exports.EXPORTS``, made once, however many processes share the tests."""
     own = tmp_path_factory.getbasetemp()
     folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "exports"
-    return lambda kind: made_once(folder / f"{kind}.fmu", EXPORTS[kind])
+    return lambda kind: make_once(folder / f"{kind}.fmu", EXPORTS[kind])
 
 
-def unoptimised() -> tuple[str, ...]:
+def unoptimised_flags() -> tuple[str, ...]:
     """The compiler's flags of the kernels, without optimisation."""
     return tuple("-O0" if flag.startswith("-O") else flag for flag in kernels.FLAGS)
 
@@ -49,7 +49,7 @@ def quick_kernels() -> Iterator[None]:
 
     def compiled(*arguments: Any) -> Path:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(kernels, "FLAGS", unoptimised())
+            patch.setattr(kernels, "FLAGS", unoptimised_flags())
             return optimised(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
@@ -73,13 +73,13 @@ class Chain:
     def free(self, nodes: int) -> NDArray[np.bool_]:
         return ~self.held
 
-    def prescribed(self, t: float, nodes: int) -> Array:
+    def prescribed_motion(self, t: float, nodes: int) -> Array:
         return np.array([self.values, 0 * self.values, 0 * self.values])
 
     def load(self, nodes: int) -> Array:
         return self.loads
 
-    def grip(self, nodes: int) -> Array:
+    def friction_load(self, nodes: int) -> Array:
         return np.zeros((nodes, 7))
 
 

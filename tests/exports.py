@@ -100,7 +100,7 @@ ARCHIVES_EVERYWHERE: dict[str, Callable[[Path], Path]] = {
 EXPORTS = {**ARCHIVES, **ARCHIVES_EVERYWHERE, "python draft": python("draft")}
 
 
-def made_once(path: Path, make: Callable[[Path], object]) -> Path:
+def make_once(path: Path, make: Callable[[Path], object]) -> Path:
     """``path``, made by the first process that asks for it; the others wait until it is there."""
     path.parent.mkdir(parents=True, exist_ok=True)
     lock = path.with_name(f"{path.name}.lock")

@@ -104,7 +104,7 @@ class Fmu:
 
 
 @contextmanager
-def extracted(path: str) -> Iterator[str]:
+def extract(path: str) -> Iterator[str]:
     """The FMU's folder."""
     folder = fmpy.extract(path)
     yield folder
@@ -113,7 +113,7 @@ def extracted(path: str) -> Iterator[str]:
 
 def same_as_in_process(path: str) -> Any:
     """Largest difference from the in-process rope, relative to each signal's largest value."""
-    with extracted(path) as folder:
+    with extract(path) as folder:
         fmu = Fmu(path, folder)
         fmu.start(inputs_at_step_end=True)
         record = fmu.run(0, 250)
@@ -134,7 +134,7 @@ def same_as_in_process(path: str) -> Any:
 
 def rollback(path: str) -> Any:
     """Save, go on over a transformation, restore (also from bytes, in another instance) and go on again."""
-    with extracted(path) as folder:
+    with extract(path) as folder:
         fmu, other = Fmu(path, folder), Fmu(path, folder, "other")
         fmu.start(inputs_at_step_end=True)
         fmu.run(0, 120)
@@ -155,7 +155,7 @@ def rollback(path: str) -> Any:
 
 def continue_from(path: str, data: str) -> Any:
     """Go on from bytes that another process serialized."""
-    with extracted(path) as folder:
+    with extract(path) as folder:
         fmu = Fmu(path, folder)
         fmu.start(inputs_at_step_end=True)
         fmu.slave.setFMUState(fmu.slave.deSerializeFMUstate(bytes.fromhex(data)))
@@ -166,7 +166,7 @@ def continue_from(path: str, data: str) -> Any:
 
 def two_instances(path: str, second: str) -> Any:
     """Two instances of one FMU interleaved, and one of another FMU beside them."""
-    with extracted(path) as folder, extracted(second) as second_folder:
+    with extract(path) as folder, extract(second) as second_folder:
         a, b, c = Fmu(path, folder, "a"), Fmu(path, folder, "b"), Fmu(second, second_folder, "c")
         for fmu in (a, b, c):
             fmu.start(inputs_at_step_end=True)
@@ -184,7 +184,7 @@ def two_instances(path: str, second: str) -> Any:
 def communication_steps(path: str) -> Any:
     """End force after 1 s with various, also varying, communication steps and both readings of the inputs."""
     out = {}
-    with extracted(path) as folder:
+    with extract(path) as folder:
         for name, steps in {
             "10": [0.01] * 100,
             "5": [0.005] * 200,
@@ -208,10 +208,10 @@ def communication_steps(path: str) -> Any:
 def bad_calls(path: str) -> Any:
     """Messages after wrong values and calls in the wrong order; the instance must stay usable."""
     out: dict[str, Any] = {}
-    with extracted(path) as folder:
+    with extract(path) as folder:
         host = Host(Path(path), folder)
 
-        def said(call: Callable[[], Any]) -> str:
+        def error_text(call: Callable[[], Any]) -> str:
             try:
                 call()
             except FMICallException:
@@ -219,7 +219,7 @@ def bad_calls(path: str) -> Any:
             return "accepted"
 
         def step(t: float, h: float = H, **values: float) -> str:
-            return said(lambda: (host.set(**values), host.fmu.doStep(t, h)))
+            return error_text(lambda: (host.set(**values), host.fmu.doStep(t, h)))
 
         out["before initialisation"] = step(0.0)
         host.start(inputs_at_step_end=True)
@@ -235,8 +235,8 @@ def bad_calls(path: str) -> Any:
             "nan step": lambda: step(0.0, math.nan),
             "fixed parameter": lambda: step(0.0, rope__EI=100.0),
             "output set": lambda: step(0.0, left__fy=0.0),
-            "unknown reference": lambda: said(lambda: host.fmu.setReal([99999], [1.0])),
-            "bytes": lambda: said(lambda: host.deserialized(b"{}")),
+            "unknown reference": lambda: error_text(lambda: host.fmu.setReal([99999], [1.0])),
+            "bytes": lambda: error_text(lambda: host.deserialize(b"{}")),
         }.items():
             out[name] = call()
             host.restore(state)
@@ -244,7 +244,7 @@ def bad_calls(path: str) -> Any:
             host.restore(state)
         for name, value in {"rope__EI": -1.0, "left__swivel__mode": 7, "layout__spacing": 500.0}.items():
             host.fmu.reset()
-            out[name] = said(lambda name=name, value=value: host.start(**{name: value}))
+            out[name] = error_text(lambda name=name, value=value: host.start(**{name: value}))
             out[f"{name} step"] = step(0.0)
         host.fmu.reset()
         host.start()
@@ -256,7 +256,7 @@ def bad_calls(path: str) -> Any:
 
 def initialization(path: str) -> Any:
     """End forces in initialization mode, after a change of an input there, and after it."""
-    with extracted(path) as folder:
+    with extract(path) as folder:
         fmu = Fmu(path, folder)
         fmu.slave.setupExperiment(startTime=0.0)
         fmu.slave.enterInitializationMode()
@@ -271,7 +271,7 @@ def initialization(path: str) -> Any:
 
 def foreign_state(path: str) -> Any:
     """A heavier rope's state, on another mesh, taken over by an instance; then bytes that are no state."""
-    with extracted(path) as folder:
+    with extract(path) as folder:
         heavy, other = Host(Path(path), folder), Host(Path(path), folder)
         heavy.start(rope__mass_per_length=16.0, mesh__kind=1, mesh__elements=60)
         other.start()
@@ -279,7 +279,7 @@ def foreign_state(path: str) -> Any:
         other.restore(heavy.state())
         out: dict[str, Any] = {"weight": sum(other.get("left.fy_mean", "right.fy_mean"))}
         try:
-            other.deserialized(b"x")
+            other.deserialize(b"x")
             out["message"] = "accepted"
         except FMICallException:
             out["message"] = other.error()
@@ -294,12 +294,12 @@ def foreign_state(path: str) -> Any:
 def derivatives(path: str) -> Any:
     """By reading of the inputs and name: directional derivatives of all loads, and differences of a step's."""
     out = {}
-    with extracted(path) as folder:
+    with extract(path) as folder:
         for at_end in (True, False):
             host = Host(Path(path), folder)
             host.start(inputs_at_step_end=at_end)
 
-            def stepped(k: int, host: Host = host, at_end: bool = at_end, **changes: float) -> None:
+            def step(k: int, host: Host = host, at_end: bool = at_end, **changes: float) -> None:
                 for side, values in zip(("left", "right"), motion((k + at_end) * H), strict=True):
                     host.set(**{f"{side}.{key}": value for key, value in values.items()})
                 for name, change in changes.items():
@@ -307,16 +307,16 @@ def derivatives(path: str) -> Any:
                 assert host.step(k * H) == ""
 
             for k in range(30):
-                stepped(k)
+                step(k)
             state = host.state()
             for name, size in {"left.y": 1e-7, "right.vy": 1e-5, "left.ay": 1e-3, "right.ax": 1e-3}.items():
                 forces = []
                 for change in (-size, size):
                     host.restore(state)
-                    stepped(30, **{name: change})
+                    step(30, **{name: change})
                     forces.append(host.get(*LOADS))
                 host.restore(state)
-                stepped(30)
+                step(30)
                 differences = [(b - a) / (2 * size) for a, b in zip(*forces, strict=True)]
                 out[f"{at_end} {name}"] = [[host.derivative(load, name) for load in LOADS], differences]
             host.fmu.terminate()
@@ -326,7 +326,7 @@ def derivatives(path: str) -> Any:
 
 def tunable(path: str) -> Any:
     """A tunable parameter takes effect during the run."""
-    with extracted(path) as folder:
+    with extract(path) as folder:
         fmu = Fmu(path, folder)
         fmu.start(inputs_at_step_end=True)
         fmu.run(0, 10)
@@ -340,7 +340,7 @@ def tunable(path: str) -> Any:
 
 def portable(path: str) -> Any:
     """The interpreted kernels inside the FMU."""
-    with extracted(path) as folder:
+    with extract(path) as folder:
         fmu = Fmu(path, folder)
         fmu.start(inputs_at_step_end=True, solver__kernels=2)
         record = fmu.run(0, 5)
@@ -350,7 +350,7 @@ def portable(path: str) -> Any:
 
 def brief(path: str) -> Any:
     """As short a life as there is."""
-    with extracted(path) as folder:
+    with extract(path) as folder:
         fmu = Fmu(path, folder)
         fmu.start(inputs_at_step_end=True)
         fmu.run(0, 3)

@@ -11,7 +11,7 @@ import numpy as np
 Steps = Iterator[tuple[float, float]]
 
 
-def remaining(H: float, T: float) -> Steps:
+def remainder_steps(H: float, T: float) -> Steps:
     """``while t < T: h = min(H, T - t)``: what rounding leaves of T is a step of its own."""
     t = 0.0
     while t < T:
@@ -20,7 +20,7 @@ def remaining(H: float, T: float) -> Steps:
         t += h
 
 
-def adding(H: float, T: float) -> Steps:
+def adding_steps(H: float, T: float) -> Steps:
     """``t += H``, and one step back to the even instants every second."""
     t, second = 0.0, 1.0
     while second <= T:
@@ -31,13 +31,17 @@ def adding(H: float, T: float) -> Steps:
         t, second = second, second + 1.0
 
 
-def counting(H: float, T: float) -> Steps:
+def counted_steps(H: float, T: float) -> Steps:
     """``t = k H``."""
     for k in range(round(T / H)):
         yield k * H, (k + 1) * H - k * H
 
 
-LOOPS: dict[str, Callable[[float, float], Steps]] = {"remaining": remaining, "adding": adding, "counting": counting}
+LOOPS: dict[str, Callable[[float, float], Steps]] = {
+    "remaining": remainder_steps,
+    "adding": adding_steps,
+    "counting": counted_steps,
+}
 
 
 def random_steps(seed: int, T: float, shortest: float, longest: float) -> Steps:

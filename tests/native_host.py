@@ -113,11 +113,11 @@ class Host:
     def free(self, state: Any) -> None:
         self.fmu.freeFMUstate(state) if self.fmi == 2 else self.fmu.freeFMUState(state)
 
-    def serialized(self, state: Any) -> bytes:
+    def serialize(self, state: Any) -> bytes:
         data = self.fmu.serializeFMUstate(state) if self.fmi == 2 else self.fmu.serializeFMUState(state)
         return bytes(data)
 
-    def deserialized(self, data: bytes) -> Any:
+    def deserialize(self, data: bytes) -> Any:
         return self.fmu.deSerializeFMUstate(data) if self.fmi == 2 else self.fmu.deserializeFMUState(data)
 
     def derivative(self, unknown: str, known: str, seed: float = 1.0) -> float:

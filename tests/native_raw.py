@@ -61,20 +61,20 @@ class Instance:
         if library.fmi == 2:
             c = ctypes.CDLL(None)
             self._memory = (_TAKE(memory[0]), _GIVE_BACK(memory[1])) if memory else (c.calloc, c.free)
-            self._log: Any = _LOG2(lambda _e, _n, status, _c, message: self._heard(status, message))
+            self._log: Any = _LOG2(lambda _e, _n, status, _c, message: self._record(status, message))
             addresses = (ctypes.cast(f, _POINTER) for f in self._memory)
             self._callbacks = _Callbacks(self._log, *addresses)
             self.pointer = library.dll.fmi2Instantiate(
                 b"rope", 1, self._token, library.resources, ctypes.byref(self._callbacks), 0, 0
             )
         else:
-            self._log = _LOG3(lambda _e, status, _c, message: self._heard(status, message))
+            self._log = _LOG3(lambda _e, status, _c, message: self._record(status, message))
             self.pointer = library.dll.fmi3InstantiateCoSimulation(
                 b"rope", self._token, library.resources, *[False] * 4, None, _SIZE(0), None, self._log, None
             )
         assert self.pointer, self.said[-1]
 
-    def _heard(self, status: int, message: bytes) -> None:
+    def _record(self, status: int, message: bytes) -> None:
         if status >= ERROR:
             self.said.append(message.decode())
 
@@ -161,7 +161,7 @@ class Instance:
     def forget(self, state: ctypes.c_void_p) -> int:
         return self.call(self._state("Free"), ctypes.byref(state))
 
-    def written(self, state: ctypes.c_void_p) -> bytes:
+    def write(self, state: ctypes.c_void_p) -> bytes:
         size = _SIZE()
         assert self.call("SerializedFMUstateSize" if self.library.fmi == 2 else "SerializedFMUStateSize", state, ctypes.byref(size)) == OK  # fmt: skip  # noqa: E501
         data = ctypes.create_string_buffer(size.value)
@@ -178,7 +178,7 @@ class Instance:
         function(_POINTER(self.pointer))
 
 
-def resealed(data: bytes) -> bytes:
+def reseal(data: bytes) -> bytes:
     """A damaged state with the length and the checksum (FNV-1a) that component.c expects."""
     if len(data) < 24:
         return data

@@ -5,7 +5,7 @@ ecos      opens SSP 1.0; the binding inside is applied when init() is given the 
 libcosim  opens SSP 1.0, the binding included, and takes the step from its own annotation. What an observer tells of an
           input is the value with which the last step was made.
 fmpy      reads and validates SSP 1.0 (fmpy.ssp.ssd). Its simulate_ssp ignores the bindings inside, and before the first
-          step all connectors are zero: the rope, hung up at 90 m, is told 0 m and refuses. So a loop of this file
+          step all connectors are zero: the rope, initialised at 90 m, is told 0 m and refuses. So a loop of this file
           takes the structure that FMPy read, with values handed over during initialisation.
 master    the same loop as a fixed-step master runs it (OMSimulator's is not on the package index): with the step of
           its annotation, adding it up to the stop time of the file, whatever rest that leaves for the last step.
@@ -23,7 +23,7 @@ from xml.etree import ElementTree
 
 import fmpy
 from fmpy.ssp.ssd import read_ssd
-from masters import remaining
+from masters import remainder_steps
 from native_host import Host
 
 H = 0.01
@@ -38,7 +38,7 @@ SIGNALS = (
 Rows = list[list[float]]
 
 
-def adding(steps: int) -> Iterator[tuple[float, float]]:
+def adding_steps(steps: int) -> Iterator[tuple[float, float]]:
     """The clock of ecos: t and h of each step."""
     t = 0.0
     for _ in range(steps):
@@ -46,7 +46,7 @@ def adding(steps: int) -> Iterator[tuple[float, float]]:
         t += H
 
 
-def counting(steps: int) -> Iterator[tuple[float, float]]:
+def counted_steps(steps: int) -> Iterator[tuple[float, float]]:
     """The clock of libcosim, in nanoseconds."""
     for k in range(steps):
         t = k * 10_000_000 / 1e9
@@ -60,7 +60,7 @@ def to_the_end(ssp: str) -> Iterator[tuple[float, float]]:
     master, experiment = (root.find(f".//{{*}}{name}") for name in ("FixedStepMaster", "DefaultExperiment"))
     assert master is not None
     assert experiment is not None
-    return remaining(float(master.get("stepSize", "")), float(experiment.get("stopTime", "")))
+    return remainder_steps(float(master.get("stepSize", "")), float(experiment.get("stopTime", "")))
 
 
 def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
@@ -139,8 +139,8 @@ def libcosim_rows(ssp: str, steps: int) -> Rows:
 TOOLS: dict[str, Callable[[str, int], Rows]] = {
     "ecos": ecos_rows,
     "libcosim": libcosim_rows,
-    "fmpy_adding": lambda ssp, steps: fmpy_rows(ssp, adding(steps)),
-    "fmpy_counting": lambda ssp, steps: fmpy_rows(ssp, counting(steps)),
+    "fmpy_adding": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps)),
+    "fmpy_counting": lambda ssp, steps: fmpy_rows(ssp, counted_steps(steps)),
     "master": lambda ssp, steps: fmpy_rows(ssp, to_the_end(ssp)),
 }
 

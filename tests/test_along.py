@@ -1,4 +1,4 @@
-"""Tension and stresses along the rope: closed forms at rest, balances in motion, and what each rung has of them."""
+"""Tension and stresses along the rope: closed forms at rest, balances in motion, and what each fidelity has of them."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from numpy.testing import assert_allclose
 from benchmarks.choice.scenes import smooth_step
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.physics.estimates import natural_width
-from rope_model.simulation.diagnostics import between_middles, shape_places
+from rope_model.simulation.diagnostics import interpolate_midpoints, shape_places
 from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.fidelity import FIDELITIES, Fidelity
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.rungs import LADDER, RungName
 from rope_model.simulation.signals import SHAPE_POINTS, SIGNALS, nominal_stresses
 from rope_model.simulation.simulator import RopeSimulator
 
@@ -27,9 +27,9 @@ HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 BOTTOM = SHAPE_POINTS // 2
 
 
-def moved(scene: Scene, steps: int, rung: RungName | None = None) -> RopeSimulator:
+def move(scene: Scene, steps: int, fidelity: Fidelity | None = None) -> RopeSimulator:
     """A smooth trip of 8 m in 5 s, after so many steps of 10 ms."""
-    rope = RopeSimulator(scene if rung is None else scene.with_(model=Model(rung=rung)))
+    rope = RopeSimulator(scene if fidelity is None else scene.with_(model=Model(fidelity=fidelity)))
     for k in range(steps + 1):
         x, v, a = (TRAVEL * value for value in smooth_step(k * H, 0.0, 5.0))
         ends = EndMotion(y=x, vy=v, ay=a), EndMotion(y=HIGH - x, vy=-v, ay=-a)
@@ -52,7 +52,7 @@ def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> N
     rope, g = UNCOUPLED.rope, 9.81
     width = (rope.EI / (rope.mass_per_length * g)) ** (1 / 3)
     scene = UNCOUPLED.with_(layout=Layout(spacing=natural_width(UNCOUPLED)), mesh=Mesh(kind="eem", elements=300))
-    hung = moved(scene, 0)
+    hung = move(scene, 0)
     # kappa = 1.09661 / width: the root mean square over elements of 0.03 widths errs by 1e-3 at most
     expected = 32 * rope.EI * 1.09661 / width / SECTION
     assert_allclose(along(hung, "bending")[BOTTOM], expected, rtol=2e-3)
@@ -62,13 +62,13 @@ def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> N
 
 @pytest.mark.parametrize("width", [1.0, 2.0, 6.0])
 def test_tension_at_the_lowest_point_is_the_side_force_at_rest(width: float) -> None:
-    hung = moved(UNCOUPLED.with_(layout=Layout(spacing=width)), 0)
+    hung = move(UNCOUPLED.with_(layout=Layout(spacing=width)), 0)
     # the tangent is horizontal to 1e-3 there, and the weight below half an element is 30 N
     assert_allclose(along(hung, "tension")[BOTTOM], hung.signals()["left.fx"], atol=0.05)
 
 
 def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
-    hung = moved(UNCOUPLED, 0)
+    hung = move(UNCOUPLED, 0)
     s, ends = places(hung), hung.signals()
     leg = (s > 0) & (s < hung.loop.s - 4.0)
     weight = 9.81 * SHORT.rope.mass_per_length * s
@@ -81,14 +81,14 @@ def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
 
 @pytest.mark.parametrize("steps", [0, 130, 260, 480])
 def test_tension_summed_up_from_the_left_end_arrives_as_the_reaction_at_the_right(steps: int) -> None:
-    rope = moved(SHORT, steps)
+    rope = move(SHORT, steps)
     ends = rope.signals()
     # what Newton's method leaves over
     assert_allclose(along(rope, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], atol=1e-3)
 
 
 def test_torsion_at_rest_is_that_of_the_torque_all_along() -> None:
-    hung = moved(SHORT, 0)
+    hung = move(SHORT, 0)
     torque = abs(hung.signals()["right.swivel.torque"])
     assert torque > 0.4
     # the torque is what the elements' strains say; the swivel's is the reaction to theta
@@ -96,43 +96,43 @@ def test_torsion_at_rest_is_that_of_the_torque_all_along() -> None:
 
 
 def test_stress_in_the_middle_of_an_element_is_that_of_the_element() -> None:
-    rope = moved(SHORT, 130)
+    rope = move(SHORT, 130)
     bending, _ = nominal_stresses(SHORT.rope, rope.system.strains(rope.state.motion.q), "torsional")
     lengths = rope.state.partition.lengths
     middles = arc_lengths(lengths)[1:] - 0.5 * lengths
-    assert_allclose(between_middles(bending, lengths, middles), bending, rtol=1e-9)
-    assert_allclose(along(rope, "bending"), between_middles(bending, lengths, places(rope)), rtol=1e-9)
+    assert_allclose(interpolate_midpoints(bending, lengths, middles), bending, rtol=1e-9)
+    assert_allclose(along(rope, "bending"), interpolate_midpoints(bending, lengths, places(rope)), rtol=1e-9)
 
 
 @pytest.mark.parametrize("kind", ["bending", "torsion"])
 def test_stress_along_the_rope_reaches_its_largest_value_and_is_never_above(kind: str) -> None:
     for steps in (0, 130, 260):
-        rope = moved(SHORT, steps)
+        rope = move(SHORT, steps)
         values, largest = along(rope, kind), rope.signals()[f"stress.{kind}_max"]
         assert values.max() <= largest * (1 + 1e-12)
         # between points: the loop's are 0.2 m apart, a tenth of its bend
         assert values.max() > 0.98 * largest
 
 
-def test_a_rung_without_torsion_has_none_along_the_rope_and_none_at_most() -> None:
-    for rung in LADDER[:-1]:
-        rope = moved(SHORT, 100, rung)
+def test_a_fidelity_without_torsion_has_none_along_the_rope_and_none_at_most() -> None:
+    for fidelity in FIDELITIES[:-1]:
+        rope = move(SHORT, 100, fidelity)
         assert not along(rope, "torsion").any()
         assert rope.signals()["stress.torsion_max"] == 0.0
-    assert along(moved(SHORT, 100, "torsional"), "torsion").min() > 1e4
+    assert along(move(SHORT, 100, "torsional"), "torsion").min() > 1e4
 
 
 @pytest.mark.parametrize("steps", [100, 250])
 def test_rigid_rope_has_the_tension_of_its_ends_and_nearly_that_of_the_flexible_rope(steps: int) -> None:
-    rigid, planar = (moved(UNCOUPLED, steps, rung) for rung in ("rigid", "planar"))
+    rigid, planar = (move(UNCOUPLED, steps, fidelity) for fidelity in ("rigid", "planar"))
     ends = rigid.signals()
     assert_allclose(along(rigid, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], rtol=1e-9)
     # 5 % of 2 kN: the loop's own motion and its side force, which the rigid rope has not
     assert_allclose(along(rigid, "tension"), along(planar, "tension"), atol=100.0)
 
 
-def test_all_values_along_the_rope_are_finite_on_every_rung() -> None:
+def test_all_values_along_the_rope_are_finite_on_every_fidelity() -> None:
     names = [name for name in SIGNALS if name.startswith("shape.")]
-    for rung in LADDER:
-        values = moved(UNCOUPLED, 100, rung).signals()
+    for fidelity in FIDELITIES:
+        values = move(UNCOUPLED, 100, fidelity).signals()
         assert all(math.isfinite(values[name]) for name in names)

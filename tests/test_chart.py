@@ -15,7 +15,7 @@ from benchmarks.chart.command import DATA, IMAGES, run
 from benchmarks.chart.figures import FIGURES
 from benchmarks.chart.front import cheapest, cost_at, pareto
 from benchmarks.chart.levels import BEGIN, END, block, with_block
-from benchmarks.chart.measure import COLUMNS, measure, merged
+from benchmarks.chart.measure import COLUMNS, measure, merge
 from benchmarks.chart.page import page
 from benchmarks.chart.points import FAMILIES, SAMPLE, complete, quick
 from benchmarks.chart.reading import FORCE, limit, remaining, rows
@@ -70,7 +70,7 @@ def test_a_family_measured_anew_replaces_its_rows_only() -> None:
         rows = [(f, k, c, *[0] * (len(COLUMNS) - 3)) for c in ("uncoupled", "coupled") for k, f in enumerate(families)]
         return dict(table(COLUMNS, rows))
 
-    both = merged(points("levels", "eem", "eem", "tmn"), points("eem"), ("eem",))
+    both = merge(points("levels", "eem", "eem", "tmn"), points("eem"), ("eem",))
     assert_array_equal(both["family"], ["levels", "eem", "tmn"] * 2)
     assert_array_equal(both["coupling"], ["uncoupled"] * 3 + ["coupled"] * 3)
     assert_array_equal(both["name"], [0, 0, 3] * 2)
@@ -89,7 +89,7 @@ def committed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("committed")
 def test_the_command_writes_every_file_from_what_is_measured(tmp_path: Path) -> None:
-    written(tmp_path)
+    write(tmp_path)
 
 
 def test_every_communication_step_meets_every_sample() -> None:
@@ -99,10 +99,10 @@ def test_every_communication_step_meets_every_sample() -> None:
 
 @pytest.mark.slow
 def test_the_quick_command_measures_every_family(tmp_path: Path) -> None:
-    written(tmp_path)
+    write(tmp_path)
 
 
-def written(tmp_path: Path) -> None:
+def write(tmp_path: Path) -> None:
     """Runs the command and checks its files against each other."""
     (tmp_path / "README.md").write_text(f"before\n{BEGIN}\n{END}\nafter\n", encoding="utf-8")
     out = tmp_path / "docs"
@@ -158,7 +158,7 @@ def test_levels_are_as_accurate_as_they_say(coupling: str, level: str, bound: fl
     assert limit(POINTS, coupling, FORCE) < error[0] < bound
 
 
-def test_the_exact_rungs_agree_where_nothing_couples() -> None:
+def test_the_exact_fidelities_agree_where_nothing_couples() -> None:
     r = rows(POINTS, family="rungs", coupling="uncoupled", name=("torsional", "spatial", "planar"))
     assert_allclose(r[FORCE], r[FORCE][0], rtol=1e-3)
 

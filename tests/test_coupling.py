@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from benchmarks.coupling.__main__ import DATA, IMAGES
 from benchmarks.coupling.figures import FIGURES
-from benchmarks.coupling.oscillator import Data, error, started
+from benchmarks.coupling.oscillator import Data, error, start
 from benchmarks.coupling.page import page
 from benchmarks.coupling.reading import PROMISED, foretold, order_on_hoist, rows, theory
 from benchmarks.reproduction.tables import read
@@ -28,9 +28,9 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_in_process
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopeStatus
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.cosimulation.schemes.catalogue import SCHEMES, scheme_named
+from hoist_demo.cosimulation.schemes.catalogue import SCHEMES, find_scheme
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
-from hoist_demo.cosimulation.schemes.extrapolation import extrapolated
+from hoist_demo.cosimulation.schemes.extrapolation import extrapolation_coefficients
 from hoist_demo.cosimulation.schemes.gauss_seidel import GaussSeidel, ImpulsePreserving
 from hoist_demo.cosimulation.schemes.interface import Load, Sample, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
@@ -38,7 +38,7 @@ from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
 from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
 from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantInputPath
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from rope_model.parameters import PRESETS, Level
+from rope_model.parameters import ROPE_CASES, Level
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 TABLES = read(DOCS / DATA)
@@ -78,7 +78,7 @@ def test_the_semi_implicit_exchange_holds_where_the_explicit_one_does_not() -> N
 
 
 def test_an_iteration_that_does_not_converge_says_how_far_it_is() -> None:
-    pair, memory = started(Data(m_e=20.0), 0.5, 0.01)
+    pair, memory = start(Data(m_e=20.0), 0.5, 0.01)
     advance = Iterative("aitken", 1e-30).advance(pair, memory, 0.5, 0.01)
     assert "tolerance 1e-30 N" in advance.cause
 
@@ -89,7 +89,7 @@ def test_extrapolation_reproduces_polynomials_of_its_order_on_uneven_samples(deg
         return np.array([1.0 + 2.0 * (degree > 0) * t - 3.0 * (degree > 1) * t * t])
 
     samples = [Sample(t, f(t), f(t), f(t)) for t in (-0.5, -0.2, 0.1)]
-    c0, c1, c2 = extrapolated(samples, "force", degree, 0.3)
+    c0, c1, c2 = extrapolation_coefficients(samples, "force", degree, 0.3)
     for s in (0.0, 0.4, 1.0):
         assert_allclose(c0 + s * (c1 + s * c2), f(0.1 + 0.3 * s), rtol=1e-12)
 
@@ -97,8 +97,8 @@ def test_extrapolation_reproduces_polynomials_of_its_order_on_uneven_samples(deg
 @pytest.mark.parametrize(("inner", "bound"), [(ImpulsePreserving(), 1.0), (GaussSeidel(1), 0.05)])
 def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound: float) -> None:
     H = 0.04
-    free, free_memory = started(Data(), 0.5, H)
-    pair, memory = started(Data(), 0.5, H)
+    free, free_memory = start(Data(), 0.5, H)
+    pair, memory = start(Data(), 0.5, H)
     scheme, worst, uncontrolled = EnergyControlled(inner, bound), 0.0, 0.0
     for k in range(25):
         advance = scheme.advance(pair, memory, 0.5 + k * H, H)
@@ -113,7 +113,7 @@ def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound:
 
 
 def test_energy_control_that_cannot_keep_its_bound_says_so() -> None:
-    pair, memory = started(Data(), 0.5, 0.04)
+    pair, memory = start(Data(), 0.5, 0.04)
     advance = EnergyControlled(ImpulsePreserving(), 1e-9, smallest=1e-3).advance(pair, memory, 0.5, 0.04)
     assert "bound 1e-09 W" in advance.cause
 
@@ -147,7 +147,7 @@ def test_the_drive_integrates_a_changing_load_as_many_short_held_ones() -> None:
         parts = state
         for i in range(n):
             # the force of each part is that for the acceleration at its start: of first order
-            parts = plant.step(parts, 0.04 / n, plant.acting(parts, path, (i + 0.5) / n)).state
+            parts = plant.step(parts, 0.04 / n, plant.loads_at(parts, path, (i + 0.5) / n)).state
         off.append(parts.x - whole.x)
     assert_allclose(off[1][4:], 0.5 * off[0][4:], rtol=0.1)
     assert_allclose(off[1][4:], 0.0, atol=2e-6)
@@ -157,10 +157,10 @@ def test_the_drive_integrates_a_changing_load_as_many_short_held_ones() -> None:
 
 
 def rope(level: Any = "draft") -> InProcessRope:
-    return InProcessRope(PRESETS["rope-120"](level).scene)
+    return InProcessRope(ROPE_CASES["rope-120"](level).scene)
 
 
-def wound(scheme: str, plant: Any = None, **options: Any) -> Result:
+def wind(scheme: str, plant: Any = None, **options: Any) -> Result:
     host = Host(plant or rope(), Hoist(), TRIP, Coupling(scheme=scheme))
     return host.run(**options)
 
@@ -179,17 +179,17 @@ def test_rollback_of_the_rope_is_bit_identical() -> None:
 
 @pytest.mark.parametrize("name", ["gauss-seidel-2", "semi-implicit-1", "iterative-jacobian", "energy-controlled"])
 def test_the_trial_before_the_start_leaves_nothing_behind(name: str) -> None:
-    result = wound(name)
+    result = wind(name)
     assert result.completed, result.cause
     assert result.recording["count.steps"][0] == 0
     assert result.recording["time"][-1] == pytest.approx(result.steps * 0.01)
 
 
 def test_schemes_agree_with_the_iterated_exchange_on_the_hoist() -> None:
-    exact = wound("iterative-secant").recording
+    exact = wind("iterative-secant").recording
     for name in ("jacobi-1", "gauss-seidel-1", "semi-implicit-1"):
         # 2e-4 of 8 kN, ten times what the committed data show for this step
-        assert_allclose(wound(name).recording["right.fy"], exact["right.fy"], rtol=2e-3)
+        assert_allclose(wind(name).recording["right.fy"], exact["right.fy"], rtol=2e-3)
 
 
 def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pytest.LogCaptureFixture) -> None:
@@ -197,26 +197,26 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
     host = Host(rope(), light, TRIP, Coupling(step=0.02, scheme="gauss-seidel-2"))
     with caplog.at_level(logging.WARNING):
         result = host.run(lambda fraction, t: False)
-    assert host.outlook is not None
-    assert host.outlook.growth > 1.1
-    assert f"grow {host.outlook.growth:.3g} times per step" in result.warning
+    assert host.stability is not None
+    assert host.stability.growth > 1.1
+    assert f"grow {host.stability.growth:.3g} times per step" in result.warning
     assert result.warning in caplog.text
 
 
-@pytest.mark.parametrize("preset", CASES)
+@pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
-def test_the_default_is_expected_to_be_stable_on_every_preset(preset: str, H: float) -> None:
-    scene, plant = CASES[preset], rope_in_process(preset, level="draft")
+def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float) -> None:
+    scene, plant = CASES[case], rope_in_process(case, level="draft")
     host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
     result = host.run(lambda fraction, t: False)
     assert result.warning == ""
-    assert host.outlook is not None
-    assert host.outlook.growth < MARGIN
+    assert host.stability is not None
+    assert host.stability.growth < MARGIN
 
 
 def test_an_unknown_scheme_names_all() -> None:
     with pytest.raises(ValueError, match="scheme = 'gauss' must be one of jacobi-0"):
-        scheme_named("gauss")
+        find_scheme("gauss")
 
 
 def test_a_sample_time_is_a_multiple_of_the_step() -> None:
@@ -255,17 +255,17 @@ class Faulty:
 
 @pytest.mark.parametrize("way", ["rejects", "nan", "raises"])
 def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bits(way: str, tmp_path: Path) -> None:
-    whole = wound("gauss-seidel-1")
+    whole = wind("gauss-seidel-1")
     # the trial before the start takes 0.48 s of the rope's time
     faulty = Faulty(rope(), way, 0.555)
-    stopped = wound("gauss-seidel-1", faulty, save_to=tmp_path / "last_good.npz")
+    stopped = wind("gauss-seidel-1", faulty, save_to=tmp_path / "last_good.npz")
     assert not stopped.completed
     assert "t = 0.56 s" in stopped.cause or "t = 0.55 s" in stopped.cause
     assert stopped.saved == tmp_path / "last_good.npz"
     kept = Checkpoint.read(stopped.saved)
     assert kept.t == stopped.recording.time[-1]
     assert kept.cause == stopped.cause
-    resumed = wound("gauss-seidel-1", resume=kept)
+    resumed = wind("gauss-seidel-1", resume=kept)
     assert resumed.completed
     assert resumed.steps == whole.steps
     for name, values in whole.recording.signals.items():
@@ -273,9 +273,9 @@ def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bit
 
 
 def test_a_run_may_resume_with_another_scheme_but_not_as_another_trip(tmp_path: Path) -> None:
-    stopped = wound("impulse-preserving", progress=lambda fraction, t: t < 0.1)
+    stopped = wind("impulse-preserving", progress=lambda fraction, t: t < 0.1)
     assert stopped.checkpoint is not None
-    assert wound("iterative-secant", resume=stopped.checkpoint).completed
+    assert wind("iterative-secant", resume=stopped.checkpoint).completed
     with pytest.raises(ValueError, match="must be of the same hoist"):
         Host(rope(), Hoist(), replace(TRIP, travel=0.003)).run(resume=stopped.checkpoint)
 
@@ -346,7 +346,7 @@ def test_the_page_is_what_the_committed_data_make() -> None:
     assert {p.stem for p in (DOCS / IMAGES).iterdir()} == set(FIGURES)
 
 
-def test_the_default_errs_by_less_than_promised_on_every_preset() -> None:
+def test_the_default_errs_by_less_than_promised_on_every_case() -> None:
     t = TABLES["presets"]
     assert set(t["preset"]) == set(CASES)
     assert set(t["scheme"]) == {Coupling().scheme}

@@ -31,7 +31,7 @@ def outputs(host: Host) -> str:
     return repr(host.get(*names(host, "output")))
 
 
-def nudged(host: Host, name: str) -> None:
+def nudge(host: Host, name: str) -> None:
     """The variable changed by a little that every model takes in one step."""
     host.set(**{name: host.get(name)[0] - 1e-6})
 
@@ -43,7 +43,7 @@ def test_no_input_and_no_parameter_changes_an_output_before_the_next_step(host: 
         assert host.step(k * H) == ""
     before = outputs(host)
     for name in names(host, "input"):
-        nudged(host, name)
+        nudge(host, name)
         assert outputs(host) == before, name
     for v in host.variables.values():
         if v.variability == "tunable" and v.type in ("Real", "Float64"):
@@ -62,7 +62,7 @@ def test_inputs_act_on_the_outputs_while_initialising(host: Host) -> None:
     for name in names(host, "input"):
         if name.partition(".")[2] not in ("x", "y", "z", "yaw", "fy_mean"):
             continue
-        nudged(host, name)
+        nudge(host, name)
         after = outputs(host)
         assert after != before, name
         before = after

@@ -1,4 +1,4 @@
-"""Shapers leave their mode at rest, a fitted swing is the given one, the low rung is the plant, an optimum is kept."""
+"""Shapers leave their mode at rest, a fit finds a given swing, the low-fidelity model is the plant, optima stay."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.control.reference import Reference, s_curve
+from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.design.controllers import drive
-from hoist_demo.design.low_rung import low_rung
+from hoist_demo.design.low_fidelity import low_fidelity
+from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise
 from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.design.swing import fit_swing
-from hoist_demo.design.trajectory import Trajectory, optimise
 from hoist_demo.design.tuning import search
 from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.parameters import Hoist, Winding
@@ -23,7 +23,7 @@ TRIP = Winding(travel=20.0, speed=3.0, jerk=2.0)
 SHORT = Winding(travel=6.0, speed=2.0, jerk=2.0, start_delay=0.5)
 
 
-def swing_after(trip: Reference, frequency: float, damping: float) -> float:
+def swing_after(trip: Trajectory, frequency: float, damping: float) -> float:
     """Amplitude that a damped oscillator, driven by the trip's acceleration, has left at its end."""
     w_d = 2 * math.pi * frequency
     pole = complex(-damping * w_d / math.sqrt(1 - damping**2), w_d)
@@ -79,10 +79,10 @@ def test_creep_into_the_landing_is_no_swing() -> None:
     assert fit_swing(t, 1e-3 * np.exp(-3.0 * t)) is None
 
 
-def test_low_rung_without_balance_rope_accelerates_as_the_plant() -> None:
+def test_low_fidelity_without_balance_rope_accelerates_as_the_plant() -> None:
     hoist = Hoist(tail_rope_mass=0.0)
     gains = Gains(feed_forward=0.0)
-    model, plant = low_rung(hoist, gains, 0.0, 90.0), HoistPlant(hoist)
+    model, plant = low_fidelity(hoist, gains, 0.0, 90.0), HoistPlant(hoist)
     state = plant.equilibrium(0.0, 90.0, 0.0, 0.0)
     R = hoist.sheave_radius
     moved = np.array([1.0e4, 3.0 / R, 3.01, 87.005, 1.5 / R, 1.51, -1.49])
@@ -92,14 +92,14 @@ def test_low_rung_without_balance_rope_accelerates_as_the_plant() -> None:
     np.testing.assert_allclose(found[6:9], rates[4:7] * np.array([R, 1.0, 1.0]), rtol=1e-9)
 
 
-def test_low_rung_stays_at_rest() -> None:
-    model = low_rung(Hoist(), Gains(), 0.0, 90.0)
+def test_low_fidelity_stays_at_rest() -> None:
+    model = low_fidelity(Hoist(), Gains(), 0.0, 90.0)
     assert np.max(np.abs(np.asarray(model.rates(model.start, 0.0)))) < 1e-9
 
 
 def test_optimised_trip_keeps_the_limits_and_arrives() -> None:
-    optimum = optimise(Hoist(), SHORT, Gains(), Trajectory(intervals=60))
-    trip = optimum.reference
+    optimum = optimise(Hoist(), SHORT, Gains(), TrajectoryOptions(intervals=60))
+    trip = optimum.trajectory
     assert trip.duration == pytest.approx(SHORT.start_delay + optimum.duration)
     rows = trip.sample(np.linspace(0.0, trip.duration - 1e-9, 2001))
     bounds = np.array([SHORT.speed, SHORT.acceleration, SHORT.jerk])
@@ -119,19 +119,19 @@ def test_shaped_trip_with_creep_creeps_and_arrives() -> None:
 
 def test_optimised_trip_with_creep_is_refused() -> None:
     with pytest.raises(ValueError, match=r"creep_distance = 3 m must be 0 .*: leave the creep out"):
-        optimise(Hoist(), replace(SHORT, creep_distance=3.0), Gains(), Trajectory())
+        optimise(Hoist(), replace(SHORT, creep_distance=3.0), Gains(), TrajectoryOptions())
 
 
 def test_price_of_swing_buys_rest_with_time() -> None:
-    cheap = optimise(Hoist(), SHORT, Gains(), Trajectory(intervals=60, swing_price=1e-6))
-    dear = optimise(Hoist(), SHORT, Gains(), Trajectory(intervals=60, swing_price=10.0))
+    cheap = optimise(Hoist(), SHORT, Gains(), TrajectoryOptions(intervals=60, swing_price=1e-6))
+    dear = optimise(Hoist(), SHORT, Gains(), TrajectoryOptions(intervals=60, swing_price=10.0))
     assert cheap.duration < dear.duration
 
 
 def test_plain_controllers_share_the_s_curve_and_differ_in_feed_forward() -> None:
-    data = (Hoist(), TRIP, Gains(), Shaper(), Trajectory())
+    data = (Hoist(), TRIP, Gains(), Shaper(), TrajectoryOptions())
     plain, ahead = drive("pi", *data), drive("pi-feed-forward", *data)
-    assert plain.reference == ahead.reference == s_curve(TRIP)
+    assert plain.trajectory == ahead.trajectory == s_curve(TRIP)
     assert (plain.gains.feed_forward, ahead.gains.feed_forward) == (0.0, 1.0)
 
 

@@ -14,17 +14,17 @@ from numpy.typing import NDArray
 from benchmarks.discrete_rod import cases
 from benchmarks.discrete_rod.cases import SHORT, Case, Comparison, Winding, rod_of
 from benchmarks.discrete_rod.rod import Rod, join, split, swept_area
-from benchmarks.discrete_rod.solve import HELD, hung
+from benchmarks.discrete_rod.solve import HELD, first_guess
 
 Array = NDArray[np.float64]
 
 REST = Winding(12.0, np.inf)
 
 
-def disturbed(rod: Rod, size: float) -> Array:
+def disturb(rod: Rod, size: float) -> Array:
     """A state in which everything moves and nothing is symmetric."""
     rng = np.random.default_rng(7)
-    p = split(hung(rod))
+    p = split(first_guess(rod))
     x, v = (z + size * rng.standard_normal(z.shape) for z in (p.x, p.v))
     m, w = (0.1 * size * rng.standard_normal(z.shape) for z in (p.m, p.w))
     return np.asarray(join(p._replace(x=x, v=v, m=m, w=w)))
@@ -59,7 +59,7 @@ def energy(rod: Rod, y: Array) -> Array:
 
 def test_an_undamped_elastic_rod_keeps_its_energy() -> None:
     rod = short(24, beta=0.0, Qb=1e5, Qc=1e5)
-    y = disturbed(rod, 0.05)
+    y = disturb(rod, 0.05)
     rates = rod.rates(0.0, y, HELD)
     power = energy(rod, y[:, None] + 1e-30j * rates[:, None])[0].imag / 1e-30
     # against the power of one kind of force alone
@@ -68,13 +68,13 @@ def test_an_undamped_elastic_rod_keeps_its_energy() -> None:
 
 def test_damping_takes_energy() -> None:
     rod = short(24, Qb=1e5, Qc=1e5)
-    y = disturbed(rod, 0.05)
+    y = disturb(rod, 0.05)
     assert energy(rod, y[:, None] + 1e-30j * rod.rates(0.0, y, HELD)[:, None])[0].imag < 0
 
 
 def test_turning_as_a_whole_neither_strains_nor_is_damped() -> None:
     still = short(24)
-    y, omega = disturbed(still, 0.05), np.array([0.0, 0.7, 0.0])
+    y, omega = disturb(still, 0.05), np.array([0.0, 0.7, 0.0])
     place = still.ends(0.0)[0]
     turning = replace(still, ends=lambda t: np.array([place, np.cross(omega, place), 0 * place]))
     p = split(y)
@@ -92,7 +92,7 @@ def test_turning_as_a_whole_neither_strains_nor_is_damped() -> None:
 def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
     # no stiffness but along: the clamps pass on no couple, and what is left is the spin's
     rod = short(16, EI=0.0, Qb=0.0, Qc=0.0, Qd=0.0)
-    y = disturbed(rod, 0.05)
+    y = disturb(rod, 0.05)
     y[[3, *range(11, y.size - 3, 8)]] += 1e4  # rad/s
     loads, p, c = rod.evaluate(0.0, y[:, None], HELD), split(y), rod.material
     rates = split(loads.rates[:, 0])
@@ -113,7 +113,7 @@ def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
     np.testing.assert_allclose(change, couple, atol=1e-9 * np.abs(loads.reaction).max() * SHORT.length)
 
 
-def transported(d: Array, a: Array, b: Array) -> Array:
+def transport(d: Array, a: Array, b: Array) -> Array:
     """The directors ``d`` (n, 3) carried from tangents ``a`` to ``b`` by the smallest rotation."""
     axis, q = np.cross(a, b), 1 + np.sum(a * b, axis=1)[:, None]
     return np.asarray(d + np.cross(axis, d) + np.cross(axis, np.cross(axis, d)) / q)
@@ -123,7 +123,7 @@ def test_the_swept_area_is_what_parallel_transport_turns_the_section_by() -> Non
     rng = np.random.default_rng(3)
     a, b, c = (z / np.linalg.norm(z, axis=1)[:, None] for z in 0.4 * rng.standard_normal((3, 20, 3)) + [0.0, 0.0, 1.0])
     d = np.cross(a, b) / np.linalg.norm(np.cross(a, b), axis=1)[:, None]
-    round_trip = transported(transported(transported(d, a, b), b, c), c, a)
+    round_trip = transport(transport(transport(d, a, b), b, c), c, a)
     angle = np.arctan2(np.sum(a * np.cross(d, round_trip), axis=1), np.sum(d * round_trip, axis=1))
     np.testing.assert_allclose(np.cos(angle), np.cos(swept_area(a, b, c)), atol=1e-12)
     np.testing.assert_allclose(np.sin(angle), np.sin(swept_area(a, b, c)), atol=1e-12)
@@ -131,7 +131,7 @@ def test_the_swept_area_is_what_parallel_transport_turns_the_section_by() -> Non
 
 def test_the_sparse_jacobian_is_the_derivative_of_the_rates() -> None:
     rod = short(12)
-    y = disturbed(rod, 0.05)
+    y = disturb(rod, 0.05)
     direction = np.random.default_rng(5).standard_normal(y.size)
     slope = rod.evaluate(0.0, (y + 1e-30j * direction)[:, None], (1.0, -1.0)).rates[:, 0].imag / 1e-30
     np.testing.assert_allclose(rod.jacobian(0.0, y, (1.0, -1.0)) @ direction, slope, rtol=1e-10, atol=1e-6)

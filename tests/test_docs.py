@@ -30,7 +30,7 @@ def anchors(path: Path) -> frozenset[str]:
     return frozenset(anchor(heading) for heading in re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE))
 
 
-def broken(path: Path) -> list[str]:
+def broken_links(path: Path) -> list[str]:
     """Links of a page that lead nowhere."""
     found = []
     for link in LINK.findall(text_of(path)):
@@ -43,13 +43,13 @@ def broken(path: Path) -> list[str]:
 
 @pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
 def test_links_lead_somewhere(path: Path) -> None:
-    assert broken(path) == []
+    assert broken_links(path) == []
 
 
 def test_a_broken_link_is_seen(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text("# Here\n[a](#here) [b](#there) [c](page.md#here) [d](none.md)\n", encoding="utf-8")
-    assert broken(page) == ["#there", "none.md"]
+    assert broken_links(page) == ["#there", "none.md"]
 
 
 def test_every_page_is_in_the_site_s_navigation() -> None:

@@ -18,7 +18,7 @@ from fmu_src.native.table import c_table, start_values
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import CASES
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.drive_fmu.description import DriveModel, drive_model
 from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces, start_heights
@@ -128,7 +128,7 @@ def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float
     return rows
 
 
-def swaying(steps: int) -> list[tuple[float, float]]:
+def sway(steps: int) -> list[tuple[float, float]]:
     """Forces that differ from those at rest by up to a fifth, and swing at 1.5 Hz."""
     left, right = rest_forces(SETUP)
     swing = 0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(steps))
@@ -136,7 +136,7 @@ def swaying(steps: int) -> list[tuple[float, float]]:
 
 
 def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Drive) -> None:
-    forces = swaying(2600)
+    forces = sway(2600)
     expected = in_process(SETUP, forces)
     assert drive.start()
     found = []

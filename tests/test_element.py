@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from benchmarks.stability.twins import tait_bryan_rate
+from benchmarks.stability.counterexamples import tait_bryan_rate
 from rope_model.physics import costello
-from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS, RUNGS, Rung, element_functions
+from rope_model.physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, element_functions
 from rope_model.physics.frame import FrameRate, pole_change_angle, smallest_rotation_rate
 from rope_model.simulation.statics import find_equilibrium
 
@@ -70,7 +70,7 @@ def energy(q: Array, v: Array, l: float, P: Array, names: tuple[str, ...]) -> fl
     return sum(parts[name] for name in names)
 
 
-def differenced(f: Callable[[Array], Array | float], x: Array, step: float = STEP) -> Array:
+def difference(f: Callable[[Array], Array | float], x: Array, step: float = STEP) -> Array:
     """Columns df/dx_i by central differences."""
     columns = [(np.asarray(f(x + d)) - np.asarray(f(x - d))) / (2 * step) for d in step * np.eye(x.size)]
     return np.stack(columns, axis=-1)
@@ -79,7 +79,7 @@ def differenced(f: Callable[[Array], Array | float], x: Array, step: float = STE
 # energies against their definition
 
 
-def interpolated(x: Array, xi: Array, l: float) -> tuple[Array, Array, Array]:
+def interpolate(x: Array, xi: Array, l: float) -> tuple[Array, Array, Array]:
     """r, r', r'' (3, n) at xi of an element's degrees of freedom ``x`` (14,)."""
     ends = np.array([x[0:3], l * x[3:6], x[7:10], l * x[10:13]])
     hermite = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
@@ -96,8 +96,8 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
     for points, names in ((4, ("kinetic", "gravity")), (3, (*STRAIN, "spin"))):
         xi, weights = np.polynomial.legendre.leggauss(points)
         at = 0.5 + 0.5 * xi
-        r, d, c = interpolated(s.q, at, s.l)
-        r_t, d_t, _ = interpolated(s.v, at, s.l)
+        r, d, c = interpolate(s.q, at, s.l)
+        r_t, d_t, _ = interpolate(s.v, at, s.l)
         theta_x, theta_t = (s.q[13] - s.q[6]) / s.l, s.v[6] + at * (s.v[13] - s.v[6])
         stretch = np.linalg.norm(d, axis=0)
         t = d / stretch
@@ -128,7 +128,7 @@ def test_the_elastic_force_is_the_gradient_of_the_strain_energy(seed: int) -> No
     s = random_state(seed)
     P = s.P(Qa=5.0, Qs=0.8, Qd=2.0, EI=1.5)
     rest = np.zeros(14)
-    gradient = differenced(lambda q: energy(q, rest, s.l, P, STRAIN), s.q)
+    gradient = difference(lambda q: energy(q, rest, s.l, P, STRAIN), s.q)
     # truncation STEP^2 times third derivatives of order 10 to 100
     np.testing.assert_allclose(residual(s.q, rest, rest, s.l, P), gradient, rtol=0, atol=1e-7)
 
@@ -137,7 +137,7 @@ def test_the_elastic_force_is_the_gradient_of_the_strain_energy(seed: int) -> No
 def test_the_weight_is_the_gradient_of_the_potential_energy(seed: int) -> None:
     s = random_state(seed)
     P, rest = s.P(rho=1.3, g=9.8), np.zeros(14)
-    gradient = differenced(lambda q: energy(q, rest, s.l, P, ("gravity",)), s.q)
+    gradient = difference(lambda q: energy(q, rest, s.l, P, ("gravity",)), s.q)
     # linear: only rounding
     np.testing.assert_allclose(residual(s.q, rest, rest, s.l, P), gradient, rtol=0, atol=1e-9)
 
@@ -153,10 +153,10 @@ def test_the_inertia_force_is_lagranges_derivative_of_the_kinetic_energy(seed: i
     def momentum(t: float) -> Array:
         q, v = s.q + t * s.v + 0.5 * t * t * s.a, s.v + t * s.a
         # the energy is quadratic in v: the difference is exact for any step
-        return differenced(lambda x: kinetic(q, x), v, step=1.0)
+        return difference(lambda x: kinetic(q, x), v, step=1.0)
 
     change = (momentum(1e-4) - momentum(-1e-4)) / 2e-4
-    gradient = differenced(lambda q: kinetic(q, s.v), s.q)
+    gradient = difference(lambda q: kinetic(q, s.v), s.q)
     # truncation 1e-8 times third time derivatives of order 10 to 100
     np.testing.assert_allclose(residual(s.q, s.v, s.a, s.l, P), change - gradient, rtol=0, atol=1e-5)
 
@@ -197,15 +197,15 @@ def test_a_closed_cycle_of_strain_does_the_work_of_qb_minus_qc() -> None:
     l, Qk, e_0, tau_0 = 1.7, 0.3, 0.1, 0.4
     s = random_state(0)
     P = State(s.q, s.v, s.a, l, np.array([1.0, 0.0, 0.0])).P(Qa=5.0, Qs=0.8, Qk=Qk, Qd=2.0)
-    work, ledger, phases = 0.0, 0.0, np.arange(64) * 2 * np.pi / 64
+    work, energy_balance, phases = 0.0, 0.0, np.arange(64) * 2 * np.pi / 64
     for phi in phases:
         q, v = np.zeros(14), np.zeros(14)
         q[[3, 10]], q[7], q[13] = 1 + e_0 * np.cos(phi), l * (1 + e_0 * np.cos(phi)), l * tau_0 * np.sin(phi)
         v[[3, 10]], v[7], v[13] = -e_0 * np.sin(phi), -l * e_0 * np.sin(phi), l * tau_0 * np.cos(phi)
         work += residual(q, v, np.zeros(14), l, P) @ v * 2 * np.pi / 64
-        ledger += balance(q, v, l, P)["nonconservative_power"] * 2 * np.pi / 64
+        energy_balance += balance(q, v, l, P)["nonconservative_power"] * 2 * np.pi / 64
     # twice Qk times the enclosed area, negative for this sense; the trapezoidal rule is exact on a circle
-    np.testing.assert_allclose([work, ledger], -2 * np.pi * Qk * e_0 * tau_0 * l, rtol=1e-12)
+    np.testing.assert_allclose([work, energy_balance], -2 * np.pi * Qk * e_0 * tau_0 * l, rtol=1e-12)
 
 
 def test_costellos_law_is_the_gradient_of_its_energy_plus_the_remainder() -> None:
@@ -214,7 +214,7 @@ def test_costellos_law_is_the_gradient_of_its_energy_plus_the_remainder() -> Non
     def U(x: Array) -> float:
         return float(costello.strain_energy(Qa, Qs, Qd, x[0], x[1]))
 
-    dU = differenced(U, np.array([e, tau]))
+    dU = difference(U, np.array([e, tau]))
     law = [costello.tension(Qa, Qs, Qk, e, tau), costello.torque(Qs, Qk, Qd, e, tau)]
     np.testing.assert_allclose(law, dU + Qk * np.array([tau, -e]), rtol=1e-9)  # quadratic: rounding only
     np.testing.assert_allclose(law, [Qa * e + 1.1 * tau, 0.5 * e + Qd * tau], rtol=1e-14)  # Qb = 1.1, Qc = 0.5
@@ -225,19 +225,19 @@ def test_costellos_law_is_the_gradient_of_its_energy_plus_the_remainder() -> Non
 
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("c", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.7, 1.9, 0.4)])
-@pytest.mark.parametrize("rung", RUNGS)
+@pytest.mark.parametrize("fidelity", ELEMENT_DOF)
 def test_at_rest_the_tangent_is_the_derivative_of_the_residual(
-    rung: Rung, seed: int, c: tuple[float, float, float]
+    fidelity: ElementFidelity, seed: int, c: tuple[float, float, float]
 ) -> None:
-    s, element = random_state(seed), element_functions(rung)
-    kept = [*RUNGS[rung], *(NODE_DOF + i for i in RUNGS[rung])]
+    s, element = random_state(seed), element_functions(fidelity)
+    kept = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
     q, rest, P = s.q[kept], np.zeros(len(kept)), s.P(**(MATERIAL | {"Qk": 0.0}))
 
     def force(q: Array, v: Array, a: Array) -> Array:
         return np.asarray(element.residual(q, v, a, s.l, P)).ravel()
 
     R, J = (np.asarray(x) for x in element.tangent(q, rest, rest, s.l, P, *c))
-    along = differenced(lambda x: force(q + c[0] * x, c[1] * x, c[2] * x), rest, STEP / 8)
+    along = difference(lambda x: force(q + c[0] * x, c[1] * x, c[2] * x), rest, STEP / 8)
     # truncation of second order: up to 1e-6 where a planar element is nearly compressed to a point
     np.testing.assert_allclose(J, along, rtol=0, atol=1e-9 * np.abs(J).max() + 1e-6)
     np.testing.assert_allclose(R.ravel(), force(q, rest, rest), rtol=1e-12, atol=1e-12)
@@ -253,7 +253,7 @@ def test_what_the_tangent_leaves_out_in_motion_is_of_the_first_order_in_the_spee
     for speed in (1e-2, 5e-3):
         v = speed * s.v
         J = np.asarray(ELEMENT.tangent(s.q, v, rest, s.l, P, *c)[1])
-        along = differenced(lambda x, v=v: residual(s.q + c[0] * x, v + c[1] * x, rest, s.l, P), rest, STEP)
+        along = difference(lambda x, v=v: residual(s.q + c[0] * x, v + c[1] * x, rest, s.l, P), rest, STEP)
         left_out.append(np.abs(J - along).max())
     np.testing.assert_allclose(left_out[0] / left_out[1], 2.0, rtol=0.05)
 
@@ -261,7 +261,7 @@ def test_what_the_tangent_leaves_out_in_motion_is_of_the_first_order_in_the_spee
 # rigid motion
 
 
-def turned(q: Array, turn: Array) -> Array:
+def turn_all(q: Array, turn: Array) -> Array:
     """All vectors of an element's degrees of freedom turned, theta kept."""
     y = q.copy()
     for k in (0, 3, 7, 10):
@@ -273,7 +273,7 @@ def turned(q: Array, turn: Array) -> Array:
 def test_the_strain_energy_does_not_see_a_rotation_or_translation(seed: int) -> None:
     s = random_state(seed)
     turn = rotation(np.random.default_rng(100 + seed).normal(size=3) * 2)
-    there = turned(s.q, turn)
+    there = turn_all(s.q, turn)
     there[[0, 7]] += 12.0
     moved = State(there, s.v, s.a, s.l, turn @ s.pole)
     before, after = (balance(x.q, x.v, x.l, x.P(**MATERIAL)) for x in (s, moved))
@@ -285,7 +285,7 @@ def test_the_strain_energy_does_not_see_a_rotation_or_translation(seed: int) -> 
 def test_turning_about_the_pole_is_turning_theta(seed: int) -> None:
     # the same pole before and after: the frame turns with the rope, and theta counts from where it was
     s = random_state(seed)
-    moved = turned(s.q, rotation(1.1 * s.pole))
+    moved = turn_all(s.q, rotation(1.1 * s.pole))
     moved[[6, 13]] += 1.1
     P = s.P(**MATERIAL)
     before, after = (balance(q, s.v, s.l, P) for q in (s.q, moved))
@@ -409,12 +409,14 @@ def test_a_section_turned_with_the_rope_has_the_twist_of_the_element() -> None:
         d = curve(np.array([x]))[1][0]
         return np.asarray(d / np.linalg.norm(d))
 
-    def turning(x: float, m: Array) -> Array:
+    def rotation(x: float, m: Array) -> Array:
         t, t_x = tangent(x), (tangent(x + STEP) - tangent(x - STEP)) / (2 * STEP)
         return np.cross(np.cross(t, t_x) + rate * t, m)
 
     e = np.array([0.0, 1.0, 0.0])  # across the pole
-    carried = solve_ivp(turning, (0.0, 1.0), smallest_rotation(pole, tangent(0.0)) @ e, rtol=1e-10, atol=1e-12).y[:, -1]
+    carried = solve_ivp(rotation, (0.0, 1.0), smallest_rotation(pole, tangent(0.0)) @ e, rtol=1e-10, atol=1e-12).y[
+        :, -1
+    ]
     zero, t = smallest_rotation(pole, tangent(1.0)) @ e, tangent(1.0)
     theta = np.arctan2(np.cross(zero, carried) @ t, zero @ carried)
     x = np.linspace(0.0, 1.0, 2001)

@@ -85,7 +85,7 @@ def test_same_sources_give_the_same_bytes(tmp_path: Path, monkeypatch: pytest.Mo
     assert first == second
 
 
-def test_unknown_scene_is_refused_with_the_choices(tmp_path: Path) -> None:
+def test_unknown_case_is_refused_with_the_choices(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="rope-120, rope-240"):
         export_fmu(tmp_path / "a.fmu", "rope-60")
 

@@ -256,25 +256,25 @@ def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) 
     header = (HEADERS / f"fmi{fmu.fmi}Functions.h").read_text(encoding="utf-8")
     promised = set(re.findall(rf"^#define (fmi{fmu.fmi}\w+)\s+fmi{fmu.fmi}FullName", header, re.MULTILINE))
     assert len(promised) > 30
-    checked = [name for name in binaries if exported(fmu, name) is not None]
+    checked = [name for name in binaries if exported_symbols(fmu, name) is not None]
     for name in checked:
-        assert promised - (exported(fmu, name) or set()) == set(), name
+        assert promised - (exported_symbols(fmu, name) or set()) == set(), name
     if shutil.which("nm"):
         assert any(name.endswith(".so") for name in checked)
 
 
-def exported(fmu: Archive, name: str) -> set[str] | None:
+def exported_symbols(fmu: Archive, name: str) -> set[str] | None:
     """Defined dynamic symbols; None where no tool here reads the format."""
     for command in (["nm", "-D", "--defined-only"], ["llvm-nm", "--defined-only", "--extern-only"], ["objdump", "-p"]):
         if shutil.which(command[0]):
-            done = inspected(fmu, name, command)
+            done = inspect_binary(fmu, name, command)
             found = set(re.findall(r"\b_?(fmi[23]\w+)", done))
             if found:
                 return found
     return None
 
 
-def inspected(fmu: Archive, name: str, command: list[str]) -> str:
+def inspect_binary(fmu: Archive, name: str, command: list[str]) -> str:
     """What a tool says of a binary; '' when it cannot read it."""
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(fmu.path) as archive:
         path = archive.extract(name, folder)
@@ -287,16 +287,16 @@ def test_library_needs_the_c_library_alone(fmu: Archive) -> None:
     libraries = [name for name in fmu.files if name.startswith("binaries/") and name.endswith(".so")]
     assert libraries
     for name in libraries:
-        dynamic = inspected(fmu, name, ["readelf", "-d"])
+        dynamic = inspect_binary(fmu, name, ["readelf", "-d"])
         needed = set(re.findall(r"\(NEEDED\).*\[(.+)\]", dynamic))
         loader = set() if fmu.native else {"libdl.so.2"}
         assert needed <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1", "ld-linux-x86-64.so.2"} | loader, name
         assert "RPATH" not in dynamic, name
         assert "RUNPATH" not in dynamic, name
         # of 2013: runs wherever a tool runs
-        versions = re.findall(r"GLIBC_2\.(\d+)", inspected(fmu, name, ["readelf", "-V"]))
+        versions = re.findall(r"GLIBC_2\.(\d+)", inspect_binary(fmu, name, ["readelf", "-V"]))
         assert max(map(int, versions)) <= 17, name
-        open_ = re.findall(r"UND (\w+)", inspected(fmu, name, ["readelf", "--dyn-syms", "-W"]))
+        open_ = re.findall(r"UND (\w+)", inspect_binary(fmu, name, ["readelf", "--dyn-syms", "-W"]))
         assert [symbol for symbol in open_ if symbol.startswith(("Py", "_Py", "fmi"))] == [], name
 
 

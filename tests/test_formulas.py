@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from rope_model.native.build import generated
+from rope_model.native.build import generate
 from rope_model.native.formulas import (
     DEFINED_HERE,
     FORMULAS,
@@ -93,11 +93,11 @@ def with_numbers(symbolic: Any, chance: random.Random) -> Any:
 def in_c(value: Any, kind: str) -> Any:
     """What C takes for ``value``."""
     if kind != "double":
-        return ct.byref(filled(c_structure(STRUCTURES[kind])(), value))
+        return ct.byref(fill(c_structure(STRUCTURES[kind])(), value))
     return ct.c_double(value) if isinstance(value, float) else np.array(value).ctypes.data_as(ct.c_void_p)
 
 
-def filled(structure: ct.Structure, value: Any) -> ct.Structure:
+def fill(structure: ct.Structure, value: Any) -> ct.Structure:
     names = value._fields if isinstance(value, tuple) else vars(value)
     for name in names:
         part = getattr(value, name)
@@ -106,7 +106,7 @@ def filled(structure: ct.Structure, value: Any) -> ct.Structure:
         elif isinstance(part, tuple):
             getattr(structure, name)[:] = part
         else:
-            filled(getattr(structure, name), part)
+            fill(getattr(structure, name), part)
     return structure
 
 
@@ -155,13 +155,13 @@ def test_every_structure_made_here_is_used() -> None:
 
 
 def test_formulas_are_among_the_sources() -> None:
-    assert generated()["formulas.h"] == formulas_code()
+    assert generate()["formulas.h"] == formulas_code()
 
 
-def bracketed(a: Any, b: Any, c: Any) -> Any:
+def brackets(a: Any, b: Any, c: Any) -> Any:
     return (a - (b - c)) / (a * (b / c)) - -a * (-b + c) ** 3
 
 
 def test_operations_keep_their_order() -> None:
-    prototype: tuple[str, Callable[..., Any]] = ("double f(double a, double b, double c)", bracketed)
+    prototype: tuple[str, Callable[..., Any]] = ("double f(double a, double b, double c)", brackets)
     assert "(a - (b - c)) / (a * (b / c)) - -a * pow(-b + c, 3.0)" in function_code(*prototype)

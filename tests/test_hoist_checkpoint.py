@@ -17,11 +17,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
 from hoist_demo.control.controller import Command, Controller, Measurement, SpeedController
-from hoist_demo.control.reference import ReferencePoint
+from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
-from hoist_demo.cosimulation.plain_data import decoded, encoded
+from hoist_demo.cosimulation.plain_data import decode, encode
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.components import Brake
@@ -51,19 +51,21 @@ class Filtered:
     def __init__(self, hoist: Hoist, holding_torque: float) -> None:
         self._hoist, self._holding_torque = hoist, holding_torque
 
-    def command(self, reference: ReferencePoint, measured: Measurement, state: Remembered | None, h: float) -> Command:
+    def command(
+        self, trajectory: TrajectoryPoint, measured: Measurement, state: Remembered | None, h: float
+    ) -> Command:
         state = Remembered() if state is None else state
         state.filter = Filter(state.filter.speed + h / 0.05 * (measured.speed - state.filter.speed))
-        state.errors.append(reference.speed - state.filter.speed)
+        state.errors.append(trajectory.speed - state.filter.speed)
         del state.errors[:-3]
         mean = sum(state.errors) / len(state.errors)
         state.seen = np.array([min(state.seen[0], mean), max(state.seen[1], mean)])
         state.integral += h * 2e5 * mean
-        wanted = self._hoist.moving_mass * reference.acceleration + 2e5 * mean + state.integral
+        wanted = self._hoist.moving_mass * trajectory.acceleration + 2e5 * mean + state.integral
         return Command(self._holding_torque + self._hoist.sheave_radius * wanted, False, state)
 
 
-def wound(
+def wind(
     controller: Callable[[Hoist, float], Controller],
     stop_at: float = math.inf,
     save_to: Path | None = None,
@@ -85,14 +87,14 @@ def assert_the_same(resumed: Result, whole: Result) -> None:
 
 @pytest.mark.parametrize("stop_at", [0.3, 1.1])
 def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(stop_at: float, tmp_path: Path) -> None:
-    whole = wound(Filtered)
-    stopped = wound(Filtered, stop_at, tmp_path / "kept.npz")
+    whole = wind(Filtered)
+    stopped = wind(Filtered, stop_at, tmp_path / "kept.npz")
     assert stopped.saved is not None
     kept = Checkpoint.read(stopped.saved)
     assert kept.controller.errors != [0.0, 0.0, 0.0]
-    assert_the_same(wound(Filtered, resume=kept), whole)
+    assert_the_same(wind(Filtered, resume=kept), whole)
     # resuming has not changed the checkpoint
-    assert_the_same(wound(Filtered, resume=kept), whole)
+    assert_the_same(wind(Filtered, resume=kept), whole)
 
 
 def test_a_regulated_emergency_stop_resumes_in_its_midst(tmp_path: Path) -> None:
@@ -100,12 +102,12 @@ def test_a_regulated_emergency_stop_resumes_in_its_midst(tmp_path: Path) -> None
     stop: dict[str, Any] = {"emergency_at": 3.0, "emergency_law": "deceleration", "emergency_deceleration": 1.0}
     winding = Winding(travel=20.0, settle=0.0, start_delay=0.0, **stop)
     scene: dict[str, Any] = {"hoist": hoist, "winding": winding}
-    whole = wound(SpeedController, **scene)
-    stopped = wound(SpeedController, 4.0, tmp_path / "kept.npz", **scene)
+    whole = wind(SpeedController, **scene)
+    stopped = wind(SpeedController, 4.0, tmp_path / "kept.npz", **scene)
     assert stopped.saved is not None
     kept = Checkpoint.read(stopped.saved)
     assert kept.controller.brake is not None
-    assert_the_same(wound(SpeedController, resume=kept, **scene), whole)
+    assert_the_same(wind(SpeedController, resume=kept, **scene), whole)
 
 
 class Hoarder:
@@ -114,20 +116,20 @@ class Hoarder:
     def __init__(self, begins: int) -> None:
         self._begins = begins
 
-    def command(self, reference: ReferencePoint, measured: Measurement, state: Any, h: float) -> Command:
+    def command(self, trajectory: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
         count = 0 if state is None else state["count"]
         return Command(0.0, False, {"count": count + 1, "last": deque([1.0]) if count >= self._begins else None})
 
 
 def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"the controller's state\['last'\] is a deque.*plain data \(numbers"):
-        wound(lambda *_: Hoarder(0), save_to=tmp_path / "kept.npz")
+        wind(lambda *_: Hoarder(0), save_to=tmp_path / "kept.npz")
     # nothing is to be written without a file
-    assert wound(lambda *_: Hoarder(0), 0.1).checkpoint is not None
+    assert wind(lambda *_: Hoarder(0), 0.1).checkpoint is not None
 
 
 def test_a_state_that_becomes_unsavable_costs_the_checkpoint_and_not_the_record(tmp_path: Path) -> None:
-    stopped = wound(lambda *_: Hoarder(2), 0.1, tmp_path / "kept.npz")
+    stopped = wind(lambda *_: Hoarder(2), 0.1, tmp_path / "kept.npz")
     assert stopped.saved is None
     assert not (tmp_path / "kept.npz").exists()
     assert "kept.npz is not written: the controller's state['last'] is a deque" in stopped.cause
@@ -135,9 +137,9 @@ def test_a_state_that_becomes_unsavable_costs_the_checkpoint_and_not_the_record(
 
 
 def test_another_controller_does_not_go_on(tmp_path: Path) -> None:
-    stopped = wound(Filtered, 0.1)
+    stopped = wind(Filtered, 0.1)
     with pytest.raises(ValueError, match="controller is Filtered there, controller is SpeedController here"):
-        wound(SpeedController, resume=stopped.checkpoint)
+        wind(SpeedController, resume=stopped.checkpoint)
 
 
 plain = st.recursive(
@@ -155,7 +157,7 @@ plain = st.recursive(
 
 @given(plain)
 def test_plain_data_come_back_equal_and_of_the_same_kind(value: Any) -> None:
-    back = decoded(json.loads(json.dumps(encoded(value, "x"))))
+    back = decode(json.loads(json.dumps(encode(value, "x"))))
     assert back == value
     assert repr(back) == repr(value)
 
@@ -164,7 +166,7 @@ def test_plain_data_come_back_equal_and_of_the_same_kind(value: Any) -> None:
     "value", [np.float64(0.1), np.float32(math.nan), np.arange(6).reshape(2, 3)[:, ::2], np.array([True]), np.array(1j)]
 )
 def test_numbers_and_arrays_of_numpy_come_back_with_their_type(value: Any) -> None:
-    back = decoded(json.loads(json.dumps(encoded(value, "x"))))
+    back = decode(json.loads(json.dumps(encode(value, "x"))))
     assert (type(back), back.dtype, back.shape) == (type(value), value.dtype, value.shape)
     assert back.tobytes() == value.tobytes()
 
@@ -175,11 +177,11 @@ def test_a_class_that_cannot_be_found_again_is_refused_before_it_is_written() ->
         x: float = 0.0
 
     with pytest.raises(ValueError, match=r"x\[1\] is a .*Local, .*must stand at the top of their module"):
-        encoded([0.0, Local()], "x")
+        encode([0.0, Local()], "x")
 
 
 def test_a_class_that_has_changed_is_named() -> None:
-    text = encoded(Filter(1.0), "x")
+    text = encode(Filter(1.0), "x")
     text["class"][2]["rate"] = 0.0
     with pytest.raises(ValueError, match=r"Filter with speed, rate, which is not known here: import"):
-        decoded(text)
+        decode(text)

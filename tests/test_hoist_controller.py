@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
-from hoist_demo.control.reference import ReferencePoint
+from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.parameters import Hoist
 
 HOIST = Hoist()
-REST = ReferencePoint(0.0, 0.0, 0.0, 0.0)
+REST = TrajectoryPoint(0.0, 0.0, 0.0, 0.0)
 
 
 def test_at_rest_on_the_reference_the_command_is_the_holding_torque() -> None:
@@ -20,7 +20,7 @@ def test_at_rest_on_the_reference_the_command_is_the_holding_torque() -> None:
 
 
 def test_acceleration_is_fed_forward_with_all_moving_masses() -> None:
-    asked = ReferencePoint(0.0, 0.0, 0.75, 0.0)
+    asked = TrajectoryPoint(0.0, 0.0, 0.75, 0.0)
     command = SpeedController(HOIST, 0.0).command(asked, Measurement(0.0, 0.0), ControllerState(), 0.01)
     np.testing.assert_allclose(command.torque, HOIST.sheave_radius * HOIST.moving_mass * 0.75, rtol=1e-14)
 
@@ -56,7 +56,7 @@ def test_after_a_blocked_start_the_speed_overshoots_no_more_than_without_integra
     # a mass whose brake stays on for 5 s while the controller pushes against its limit, then is free
     def overshoot(integral_time: float) -> float:
         controller = SpeedController(HOIST, 0.0, Gains(speed=1.5e5, integral_time=integral_time))
-        asked, v, state, peak = ReferencePoint(0.0, 3.0, 0.0, 0.0), 0.0, ControllerState(), 0.0
+        asked, v, state, peak = TrajectoryPoint(0.0, 3.0, 0.0, 0.0), 0.0, ControllerState(), 0.0
         for k in range(3000):
             command = controller.command(asked, Measurement(0.0, v), state, 0.01)
             state = command.state

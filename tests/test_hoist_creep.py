@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from hoist_demo.control.reference import Reference, s_curve
+from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 
 LANDING = Winding(creep_distance=3.0, creep_speed=0.5)
@@ -55,8 +55,8 @@ some = given(windings())
 few = settings(max_examples=150, deadline=None)
 
 
-def _ends(reference: Reference) -> list[tuple[float, float]]:
-    return list(zip(reference.starts[:-1], reference.starts[1:], strict=True))
+def _ends(trajectory: Trajectory) -> list[tuple[float, float]]:
+    return list(zip(trajectory.starts[:-1], trajectory.starts[1:], strict=True))
 
 
 @few
@@ -65,9 +65,9 @@ def _ends(reference: Reference) -> list[tuple[float, float]]:
 @example(BOTH)
 @example(SHORT)
 def test_limits_are_kept_and_the_trip_never_reverses(winding: Winding) -> None:
-    reference = s_curve(winding)
-    times = np.unique(np.concatenate([np.linspace(0.0, reference.duration + 1.0, 1001), reference.starts]))
-    _, v, a, j = reference.sample(times).T
+    trajectory = s_curve(winding)
+    times = np.unique(np.concatenate([np.linspace(0.0, trajectory.duration + 1.0, 1001), trajectory.starts]))
+    _, v, a, j = trajectory.sample(times).T
     # relative: rounding of some 20 segments; absolute: of the sums that cancel at the end
     assert np.max(np.abs(v)) <= winding.speed * (1 + 1e-11)
     assert np.max(np.abs(a)) <= winding.acceleration * (1 + 1e-11)
@@ -82,15 +82,15 @@ def test_limits_are_kept_and_the_trip_never_reverses(winding: Winding) -> None:
 @example(SHORT)
 @example(NEAR)
 def test_segments_join_without_a_jump_and_land_exactly(winding: Winding) -> None:
-    reference = s_curve(winding)
+    trajectory = s_curve(winding)
     # rounding of the speed grows with the time over which it is held
-    scale = 1e-13 * (1.0 + abs(winding.travel)) * (1.0 + reference.duration)
-    for k, (start, end) in enumerate(_ends(reference)):
-        before, after = reference.points[k].after(end - start), reference.points[k + 1]
+    scale = 1e-13 * (1.0 + abs(winding.travel)) * (1.0 + trajectory.duration)
+    for k, (start, end) in enumerate(_ends(trajectory)):
+        before, after = trajectory.points[k].after(end - start), trajectory.points[k + 1]
         np.testing.assert_allclose(before.position, after.position, rtol=0, atol=scale)
         np.testing.assert_allclose(before.speed, after.speed, rtol=0, atol=scale)
         np.testing.assert_allclose(before.acceleration, after.acceleration, rtol=0, atol=scale)
-    end = reference.at(reference.duration)
+    end = trajectory.at(trajectory.duration)
     assert (end.position, end.speed, end.acceleration, end.jerk) == (winding.travel, 0.0, 0.0, 0.0)
 
 
@@ -100,7 +100,7 @@ def test_segments_join_without_a_jump_and_land_exactly(winding: Winding) -> None
 @example(BOTH)
 @example(SHORT)
 def test_creep_speed_is_held_over_the_creeps_less_their_ramps(winding: Winding) -> None:
-    reference, travel, c = s_curve(winding), abs(winding.travel), winding.creep_speed
+    trajectory, travel, c = s_curve(winding), abs(winding.travel), winding.creep_speed
     ramp = _ramp_length(0.0, c, winding.acceleration, winding.jerk)
     for at_start, at_end in (
         (ramp, winding.departure_creep_distance),
@@ -110,9 +110,9 @@ def test_creep_speed_is_held_over_the_creeps_less_their_ramps(winding: Winding) 
             continue
         for place in np.linspace(at_start, at_end, 5):
             # the time at which the place is passed, between two segments' ends
-            k = max(i for i, p in enumerate(reference.points[:-1]) if abs(p.position) <= place + 1e-9)
-            t = reference.starts[k] + max(0.0, place - abs(reference.points[k].position)) / c
-            assert abs(reference.at(t).speed) == pytest.approx(c, rel=1e-6, abs=1e-6)
+            k = max(i for i, p in enumerate(trajectory.points[:-1]) if abs(p.position) <= place + 1e-9)
+            t = trajectory.starts[k] + max(0.0, place - abs(trajectory.points[k].position)) / c
+            assert abs(trajectory.at(t).speed) == pytest.approx(c, rel=1e-6, abs=1e-6)
 
 
 @few
@@ -144,10 +144,10 @@ def test_creep_from_full_speed_takes_the_textbook_time() -> None:
 
 def test_trip_of_the_creep_alone_is_run_at_creep_speed() -> None:
     winding = Winding(travel=3.5, creep_distance=3.0, creep_speed=0.5, start_delay=0.0)
-    reference = s_curve(winding)
-    np.testing.assert_allclose(reference.peak_speed, 0.5, rtol=1e-13)
+    trajectory = s_curve(winding)
+    np.testing.assert_allclose(trajectory.peak_speed, 0.5, rtol=1e-13)
     # ramps of 2 s and 0.5 m at both ends
-    np.testing.assert_allclose(reference.duration, 2.0 + 2.5 / 0.5 + 2.0, rtol=1e-13)
+    np.testing.assert_allclose(trajectory.duration, 2.0 + 2.5 / 0.5 + 2.0, rtol=1e-13)
 
 
 def test_raising_and_lowering_are_mirrored() -> None:
@@ -179,9 +179,9 @@ def test_emergency_stop_out_of_every_phase_comes_to_rest_within_its_limits(windi
     trip = s_curve(winding)
     at = share * trip.duration
     stopped = replace(winding, emergency_at=at)
-    reference = s_curve(stopped)
-    t = np.linspace(at, reference.duration, 301)
-    s, v, a, j = reference.sample(t).T
+    trajectory = s_curve(stopped)
+    t = np.linspace(at, trajectory.duration, 301)
+    s, v, a, j = trajectory.sample(t).T
     sign = math.copysign(1.0, winding.travel)
     # rounding of the segment sums, over sqrt where little speed is left
     assert np.min(sign * v) >= -1e-7
@@ -190,7 +190,7 @@ def test_emergency_stop_out_of_every_phase_comes_to_rest_within_its_limits(windi
     assert (v[-1], a[-1]) == (0.0, 0.0)
     assert abs(s[-1]) <= abs(winding.travel) * (1 + 1e-9)
     if at > 0.0:
-        assert reference.at(0.999 * at) == trip.at(0.999 * at)
+        assert trajectory.at(0.999 * at) == trip.at(0.999 * at)
 
 
 @pytest.mark.parametrize(

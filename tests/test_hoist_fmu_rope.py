@@ -132,7 +132,7 @@ signals = rope.signals()
 assert (signals["left.fy"], signals["count.steps"], signals["status.valid"]) == (-160.0, 1.0, 1.0), signals
 assert set(rope.units()) == set(signals)
 assert "left.added_mass" not in signals, "costly outputs are not read"
-folder = rope._directory
+folder = rope._fmu.directory
 assert folder.is_dir()
 rope.close()
 rope.close()

@@ -22,7 +22,7 @@ def plant() -> HoistPlant:
     return HoistPlant(Hoist())
 
 
-def _moving(plant: HoistPlant) -> PlantState:
+def _move(plant: HoistPlant) -> PlantState:
     """Mid-shaft, moving at 5 m/s, with the ropes slightly out of balance."""
     state = plant.equilibrium(40.0, 50.0, -TAIL * 55.0, -TAIL * 65.0)
     x = state.x + np.array([2e4, 0.0, 0.01, -0.02, 5.0 / 1.25, 5.1, -4.9])
@@ -56,7 +56,7 @@ def test_motor_holds_the_difference_of_the_tensions(plant: HoistPlant) -> None:
 
 
 def test_the_tensions_shown_are_those_that_turn_the_sheave(plant: HoistPlant) -> None:
-    state, u = _moving(plant), PlantInput(9e4, -4e3, -5e3)
+    state, u = _move(plant), PlantInput(9e4, -4e3, -5e3)
     shown, hoist = plant.outputs(state, u), plant.hoist
     speed = hoist.sheave_radius * shown.rate
     rim = hoist.loss_coulomb * math.tanh(speed / hoist.loss_speed) + hoist.loss_viscous * speed
@@ -66,7 +66,7 @@ def test_the_tensions_shown_are_those_that_turn_the_sheave(plant: HoistPlant) ->
 
 
 def test_one_step_agrees_with_scipy_for_any_step_length(plant: HoistPlant) -> None:
-    state, u = _moving(plant), PlantInput(9e4, -4e3, -5e3)
+    state, u = _move(plant), PlantInput(9e4, -4e3, -5e3)
 
     def rates(_: float, x: np.ndarray) -> np.ndarray:
         return plant.rates(replace(state, x=x), u)
@@ -80,7 +80,7 @@ def test_one_step_agrees_with_scipy_for_any_step_length(plant: HoistPlant) -> No
 
 
 def test_two_half_steps_equal_one_step(plant: HoistPlant) -> None:
-    state, u = _moving(plant), PlantInput(9e4, -4e3, -5e3)
+    state, u = _move(plant), PlantInput(9e4, -4e3, -5e3)
     whole = plant.step(state, 0.02, u).state
     half = plant.step(plant.step(state, 0.01, u).state, 0.01, u).state
     np.testing.assert_allclose(half.x, whole.x, rtol=1e-7, atol=1e-7)
@@ -88,7 +88,7 @@ def test_two_half_steps_equal_one_step(plant: HoistPlant) -> None:
 
 
 def test_energy_gained_is_work_done_less_losses(plant: HoistPlant) -> None:
-    state, u = _moving(plant), PlantInput(9e4, -4e3, -5e3)
+    state, u = _move(plant), PlantInput(9e4, -4e3, -5e3)
     start, first = plant.outputs(state, u), state.work
     for k in range(200):
         u = PlantInput(9e4 + 4e4 * math.sin(0.05 * k), -4e3 - 10.0 * k, -5e3 + 10.0 * k)
@@ -104,7 +104,7 @@ def test_energy_gained_is_work_done_less_losses(plant: HoistPlant) -> None:
 
 def test_the_hoist_without_losses_and_motor_keeps_its_energy() -> None:
     plant = HoistPlant(Hoist(head_rope_damping=0.0, loss_coulomb=0.0, loss_viscous=0.0))
-    state = replace(_moving(plant), x=_moving(plant).x * np.array([0, 1, 1, 1, 1, 1, 1]))
+    state = replace(_move(plant), x=_move(plant).x * np.array([0, 1, 1, 1, 1, 1, 1]))
     u = PlantInput(0.0, 0.0, 0.0)
     start = plant.outputs(state, u)
     for _ in range(100):

@@ -1,4 +1,4 @@
-"""What a report says of a run: the rope it was made with, what its rung leaves out, and what to be warned of."""
+"""What a report says of a run: the rope it was made with, what its fidelity leaves out, and what to be warned of."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,8 +17,8 @@ from exports import FLAVOURS
 
 from balance_rope import _levels
 from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.demo import _patient, _scene_of
-from hoist_demo.control.reference import s_curve
+from hoist_demo.command_line.demo import _case_of, _patient
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
@@ -27,11 +26,11 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.recording.rungs import RUNG, code_of, computed, remark, rungs_of
+from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.events import marks
-from hoist_demo.report.html.given import rope_tables
 from hoist_demo.report.html.page import number
+from hoist_demo.report.html.parameter_tables import rope_tables
 from hoist_demo.report.html.run import run_report
 from hoist_demo.report.markdown import render_markdown
 from hoist_demo.report.summary import render, summarize
@@ -42,28 +41,31 @@ ROOT = Path(__file__).parents[1]
 SHORT = Winding(travel=0.5, settle=0.2, start_delay=0.1)
 
 
-def wound(rope: InProcessRope) -> Result:
+def wind(rope: InProcessRope) -> Result:
     result = Host(rope, Hoist(), SHORT).run()
     assert result.completed, result.cause
-    return replace(result, recording=computed(result.recording, rope.data().torque_free))
+    return replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
 
 
 @pytest.fixture(scope="module")
 def planar() -> Result:
-    return wound(InProcessRope(Scene(model=Model(rung="planar"))))
+    return wind(InProcessRope(Scene(model=Model(fidelity="planar"))))
 
 
-# rungs
+# fidelities
 
 
-def recording(*rungs: str) -> Recording:
-    signals = {"time": np.arange(float(len(rungs))), RUNG: np.array([code_of(rung) for rung in rungs])}
+def recording(*fidelities: str) -> Recording:
+    signals = {
+        "time": np.arange(float(len(fidelities))),
+        FIDELITY: np.array([code_of(fidelity) for fidelity in fidelities]),
+    }
     names = ("loop.yaw", "loop.y", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
-    return Recording(signals | {name: np.zeros(len(rungs)) for name in names}, {})
+    return Recording(signals | {name: np.zeros(len(fidelities)) for name in names}, {})
 
 
 @pytest.mark.parametrize(
-    ("rung", "missing"),
+    ("fidelity", "missing"),
     [
         ("torsional", set()),
         ("spatial", {"left.swivel.torque", "stress.torsion_max"}),
@@ -71,37 +73,37 @@ def recording(*rungs: str) -> Recording:
         ("rigid", {"left.swivel.torque", "stress.torsion_max", "loop.yaw"}),
     ],
 )
-def test_what_a_rung_leaves_out_is_not_a_number(rung: str, missing: set[str]) -> None:
-    shown = computed(recording(rung), torque_free=False)
+def test_what_a_fidelity_leaves_out_is_not_a_number(fidelity: str, missing: set[str]) -> None:
+    shown = mask_neglected(recording(fidelity), torque_free=False)
     assert {name for name, values in shown.signals.items() if np.isnan(values).any()} == missing
     assert bool(remark(shown)) == bool(missing)
 
 
 def test_zeros_of_a_rope_without_torque_are_results() -> None:
-    shown = computed(recording("planar"), torque_free=True)
+    shown = mask_neglected(recording("planar"), torque_free=True)
     assert shown["loop.yaw"][0] == 0.0
     assert remark(shown) == ""
 
 
-def test_a_run_that_goes_on_with_a_higher_rung_is_shown_from_there_on() -> None:
-    shown = computed(recording("planar", "planar", "torsional"), torque_free=False)
+def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> None:
+    shown = mask_neglected(recording("planar", "planar", "torsional"), torque_free=False)
     assert np.isnan(shown["loop.yaw"]).tolist() == [True, True, False]
-    assert rungs_of(shown) == ["planar", "torsional"]
+    assert fidelities_of(shown) == ["planar", "torsional"]
 
 
-def test_a_rope_that_does_not_tell_its_rung_is_shown_as_it_is() -> None:
+def test_a_rope_that_does_not_tell_its_fidelity_is_shown_as_it_is() -> None:
     given = Recording({"time": np.zeros(1), "loop.yaw": np.zeros(1)}, {})
-    assert computed(given, torque_free=False) is given
+    assert mask_neglected(given, torque_free=False) is given
 
 
 def test_a_run_in_the_plane_reports_no_yaw_torque_or_torsional_stress(planar: Result, tmp_path: Path) -> None:
     rows = summarize(planar, Hoist(), SHORT, Coupling())
     text = render(rows)
-    assert "rung of the model that ran" in text
-    assert "the rope ran on the planar rung" in text
+    assert "fidelity of the model that ran" in text
+    assert "the rope ran as its planar model" in text
     assert not any(word in row.quantity for row in rows for word in ("yaw", "torque at", "torsional", "slipped"))
     page = run_report(planar, Hoist(), SHORT, Coupling(), rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
-    assert "the rope ran on the planar rung" in page
+    assert "the rope ran as its planar model" in page
     assert '"loop.yaw":{' not in page
     assert '"loop.y":{' in page
 
@@ -114,7 +116,7 @@ def test_a_study_s_metrics_of_a_run_in_the_plane_are_no_zeros(planar: Result) ->
 
 
 def test_the_complete_rope_reports_its_yaw() -> None:
-    result = wound(rope_in_process("rope-120", level="standard"))
+    result = wind(rope_in_process("rope-120", level="standard"))
     text = render(summarize(result, Hoist(), SHORT, Coupling()))
     assert "largest yaw of the loop" in text
     assert "warning" not in text
@@ -142,28 +144,42 @@ def test_the_rope_in_process_tells_its_parameters_and_its_level() -> None:
         (rope_120().scene.with_(mesh=Mesh("eem", elements=20)), ""),
     ],
 )
-def test_a_level_is_named_where_mesh_and_rung_are_its_own(scene: Scene, level: str) -> None:
+def test_a_level_is_named_where_mesh_and_fidelity_are_its_own(scene: Scene, level: str) -> None:
     assert InProcessRope(scene).data().level(_levels()) == level
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
-def test_a_demo_s_reports_state_rope_file_level_and_rung(tmp_path: Path) -> None:
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, tmp_path: Path) -> None:
     export, demo = ([sys.executable, "-m", "balance_rope", name] for name in ("export", "demo"))
     fmu, out = tmp_path / "mine.fmu", tmp_path / "out"
 
-    def run(command: list[str]) -> None:
+    def run(command: list[str]) -> str:
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)
         assert done.returncode == 0, done.stderr
+        return done.stdout
 
-    run([*export, "--native", "--platform", "host", "--level", "draft", "--out", str(fmu)])
-    run([*demo, "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)])
+    run([*export, "--native", "--fmi", fmi, "--platform", "host", "--level", "draft", "--out", str(fmu)])
+    said = run([*demo, "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)])
+    title = f"Winding 0.5 m: case rope-120, balance rope in the FMU mine.fmu, FMI {fmi}.0"
+    assert said.startswith(f"{title}\n")
     for name in ("report.md", "report.html"):
         text = (out / name).read_text(encoding="utf-8")
         assert hashlib.sha256(fmu.read_bytes()).hexdigest() in text
-        for word in ("mine.fmu", "draft", "planar", "rope.EI", "rope.Qa", "0 (locked)", "mesh.loop_error", "native"):
+        for word in (
+            title,
+            "FMI version",
+            "draft",
+            "planar",
+            "rope.EI",
+            "rope.Qa",
+            "0 (locked)",
+            "mesh.loop_error",
+            "native",
+        ):
             assert word in text, (name, word)
         assert "sheave mass" in text
-    # the table holds the rope's own rung, and no zero where nothing was computed
+    # the table holds the rope's own fidelity, and no zero where nothing was computed
     header, first = (out / "signals.csv").read_text(encoding="utf-8").splitlines()[:2]
     assert dict(zip(header.split(","), first.split(","), strict=True))["loop.yaw [rad]"] == "nan"
 
@@ -207,7 +223,7 @@ def test_the_residual_of_a_long_rope_is_what_its_time_integration_dissipates() -
     scene = CASES["monopol-1000"]
     trip, top = s_curve(scene.winding), scene.hoist.shaft_travel
 
-    def dissipated(**solver: float) -> float:
+    def dissipation(**solver: float) -> float:
         """Between 26 and 34 s, at full speed."""
         data = rope_data(scene.rope)
         rope = InProcessRope(data.with_(solver=replace(data.solver, **solver)))
@@ -218,21 +234,21 @@ def test_the_residual_of_a_long_rope_is_what_its_time_integration_dissipates() -
             return left, EndMotion(y=top - p.position, vy=-p.speed, ay=-p.acceleration)
 
         assert rope.initialize(0.0, *ends(0.0)).valid
-        books = []
+        residuals = []
         for k in range(3400):
             assert rope.step(k * 0.01, 0.01, *ends((k + 1) * 0.01)).valid
             if k in (2599, 3399):
-                books.append(rope.read(["energy.residual"])["energy.residual"])
-        return books[0] - books[1]
+                residuals.append(rope.read(["energy.residual"])["energy.residual"])
+        return residuals[0] - residuals[1]
 
-    standard = dissipated()
+    standard = dissipation()
     assert standard > 40.0  # J
-    # third order in the step: an eighth, within what books kept to the second order do not explain
-    assert 6.0 < standard / dissipated(step_max=0.005) < 10.0
-    assert abs(dissipated(rho_inf=0.9)) < 0.2 * standard
+    # third order in the step: an eighth, within the residual of a balance of second order
+    assert 6.0 < standard / dissipation(step_max=0.005) < 10.0
+    assert abs(dissipation(rho_inf=0.9)) < 0.2 * standard
 
 
-def test_marks_and_summary_do_not_mind_a_rung(planar: Result) -> None:
+def test_marks_and_summary_do_not_mind_a_fidelity(planar: Result) -> None:
     assert [mark.label for mark in marks(planar, SHORT)] == ["reference at rest"]
 
 
@@ -253,11 +269,12 @@ def test_a_system_is_refused_with_the_cure(tmp_path: Path) -> None:
             reader(path)
 
 
-@pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
-def test_fmi_3_is_refused_with_the_cure(fmu_of: Callable[[str], Path]) -> None:
-    path = fmu_of("native-3")
+def test_other_versions_and_kinds_of_fmi_are_refused_with_the_cure(tmp_path: Path) -> None:
+    described = """<fmiModelDescription fmiVersion="1.0" modelName="m" modelIdentifier="m" guid="g"
+        numberOfContinuousStates="0" numberOfEventIndicators="0"><ModelVariables/></fmiModelDescription>"""
+    path = archive(tmp_path / "old.fmu", modelDescription__xml=described)
     for reader in (read_parameters, FmuRope):
-        with pytest.raises(ValueError, match=r"is of FMI 3\.0.*export --native"):
+        with pytest.raises(ValueError, match=r"is of FMI 1\.0, no co-simulation.* FMI 2\.0 and 3\.0: give the FMU of"):
             reader(path)
 
 
@@ -270,16 +287,16 @@ def test_a_state_of_another_kind_of_rope_is_refused() -> None:
         rope.from_bytes(b"BalanceRope by balance-rope\nstate")
 
 
-def test_a_checkpoint_leads_back_to_its_scene_and_names_what_differs() -> None:
+def test_a_checkpoint_leads_back_to_its_case_and_names_what_differs() -> None:
     scene = CASES["rope-120"]
     rope = rope_in_process("rope-120", level="draft")
     stopped = Host(rope, scene.hoist, SHORT, gains=scene.gains).run(lambda fraction, t: t < 0.1)
     assert stopped.checkpoint is not None
-    assert _scene_of(stopped.checkpoint, None, {}) == "rope-120"
-    with pytest.raises(ValueError, match="--scene rope-240 must be rope-120"):
-        _scene_of(stopped.checkpoint, "rope-240", {})
+    assert _case_of(stopped.checkpoint, None, {}) == "rope-120"
+    with pytest.raises(ValueError, match="--case rope-240 must be rope-120"):
+        _case_of(stopped.checkpoint, "rope-240", {})
     other = Host(rope, scene.hoist, replace(SHORT, travel=0.7), gains=scene.gains)
-    with pytest.raises(ValueError, match=r"travel is 0\.5 there, travel is 0\.7 here: give the scene") as refused:
+    with pytest.raises(ValueError, match=r"travel is 0\.5 there, travel is 0\.7 here: give the case") as refused:
         other.run(resume=stopped.checkpoint)
     assert len(str(refused.value)) < 300
 

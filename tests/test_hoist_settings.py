@@ -17,7 +17,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process, rope_parameters
 from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.time_series import matching, read_csv
+from hoist_demo.recording.time_series import match_signals, read_csv
 from hoist_demo.study.catalogue import Catalogue
 from rope_model.numerics import kernels
 
@@ -27,11 +27,17 @@ DEMO = ["demo", "--in-process", "--quick", "--travel", "0.5", "--level", "draft"
 
 
 def test_values_have_their_parameters_type_and_choices_their_words() -> None:
-    given = ["rope.EI = 450", "left.swivel.mode=coulomb", "model.rung=1", "hoist.head_rope_number=6", "rope.Qb=-1e4"]
+    given = [
+        "rope.EI = 450",
+        "left.swivel.mode=coulomb",
+        "model.fidelity=1",
+        "hoist.head_rope_number=6",
+        "rope.Qb=-1e4",
+    ]
     assert settings(given, CATALOGUE) == {
         "rope.EI": 450.0,
         "left.swivel.mode": 2,
-        "model.rung": 1,
+        "model.fidelity": 1,
         "hoist.head_rope_number": 6,
         "rope.Qb": -1e4,
     }
@@ -44,7 +50,8 @@ def test_values_have_their_parameters_type_and_choices_their_words() -> None:
         ("rope.EI=stiff", r"rope\.EI = 'stiff' must be a finite number: give it in N\.m2"),
         ("rope.EI=nan", r"rope\.EI = nan must be a finite number"),
         ("rope.IE=1", r"rope\.IE is not a parameter: did you mean rope\.EI"),
-        ("model.rung=7", r"model\.rung = 7\.0 must be within 0 and 4"),
+        ("model.rung=1", r"model\.rung is not a parameter: did you mean model\.fidelity"),
+        ("model.fidelity=7", r"model\.fidelity = 7\.0 must be within 0 and 4"),
         ("hoist.head_rope_number=2.5", r"hoist\.head_rope_number = 2\.5 must be a whole number"),
         ("shaper.kind=ZV", r"shaper\.kind is for studies"),
         ("inputs_at_step_end=true", "inputs_at_step_end cannot be chosen"),
@@ -62,10 +69,10 @@ def test_a_value_is_given_once() -> None:
 
 def test_signals_are_found_by_name_and_by_star_in_the_order_asked_for() -> None:
     known = ["left.fy", "loop.x", "loop.y", "shape.x[1]", "shape.x[2]"]
-    assert matching(["loop.*", "left.fy", "loop.x"], known) == ("loop.x", "loop.y", "left.fy")
-    assert matching(["shape.x[1]"], known) == ("shape.x[1]",)
+    assert match_signals(["loop.*", "left.fy", "loop.x"], known) == ("loop.x", "loop.y", "left.fy")
+    assert match_signals(["shape.x[1]"], known) == ("shape.x[1]",)
     with pytest.raises(ValueError, match=r"signals has 'loop\.z', which nothing shows: did you mean loop\.[xy]"):
-        matching(["loop.z"], known)
+        match_signals(["loop.z"], known)
 
 
 def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path: Path) -> None:
@@ -116,7 +123,7 @@ def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -
     [
         (["--step", "0.06", "--scheme", "jacobi-2", "--travel", "10"], "the run will be unstable"),
         (["--step", "0.06", "--scheme", "jacobi-2", "--travel", "10"], "do not fit together"),
-        ([], "the planar rung"),
+        ([], "the planar model"),
     ],
 )
 def test_a_demo_says_each_thing_once(options: list[str], text: str, tmp_path: Path) -> None:

@@ -198,7 +198,7 @@ def run(tmp_path: Path, known: bool = True, **more: np.ndarray) -> Path:
         recording=Recording(signals | more, {"left.fy": "N", "conveyance.left.y": "m"}),
         completed=True,
         cause="",
-        reference=SimpleNamespace(duration=9.0),
+        trajectory=SimpleNamespace(duration=9.0),
     )
     winding = Winding(emergency_at=5.0)
     path = tmp_path / "run.html"
@@ -345,7 +345,7 @@ def test_a_run_that_stopped_after_one_row_is_shown(tmp_path: Path) -> None:
     only = {name: np.array([value]) for name, value in (("time", 0.0), ("left.fy", -1e3), ("loop.y", -15.0))}
     only |= {f"shape.{c}[{i + 1}]": curve(0.0)[i : i + 1, k] for k, c in enumerate("xyz") for i in range(POINTS)}
     result = SimpleNamespace(
-        recording=Recording(only, {}), completed=False, cause="overwind", reference=SimpleNamespace(duration=9.0)
+        recording=Recording(only, {}), completed=False, cause="overwind", trajectory=SimpleNamespace(duration=9.0)
     )
     page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html")
     seen = look(page, 'seen.bottom = document.getElementById("loop").dataset.bottom;', 800)
@@ -354,7 +354,7 @@ def test_a_run_that_stopped_after_one_row_is_shown(tmp_path: Path) -> None:
 
 
 def test_a_run_that_never_began_says_why(tmp_path: Path) -> None:
-    result = SimpleNamespace(recording=Recording({}, {}), completed=False, cause="no <shape>", reference=None)
+    result = SimpleNamespace(recording=Recording({}, {}), completed=False, cause="no <shape>", trajectory=None)
     page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html")
     seen = look(page, 'seen.note = document.querySelector(".stopped").textContent;', 800)
     assert seen.console == []

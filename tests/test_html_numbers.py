@@ -14,12 +14,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report import events
-from hoist_demo.report.html import along, given, packing, page, panels
+from hoist_demo.report.html import along, packing, page, panels, parameter_tables
 from hoist_demo.report.html.study import study_report
 
 
@@ -57,7 +57,7 @@ def test_thinning_keeps_a_peak_of_one_row_near_its_instant() -> None:
     t = np.linspace(0.0, 10.0, 5001)
     values = np.zeros(5001)
     values[3217] = 5.0
-    thin, times = packing.thinned(values, 400), packing.thinned_times(t, 400)
+    thin, times = packing.thin(values, 400), packing.thin_times(t, 400)
     assert len(thin) == len(times) <= 400
     # two points per interval: at most an interval away
     assert abs(times[np.argmax(thin)] - t[3217]) < packing.interval(5001, 400) * 0.002
@@ -88,7 +88,7 @@ def test_a_value_between_two_far_points_is_on_the_line_between_them() -> None:
     np.testing.assert_allclose(picture[:, 0], upper_ends, rtol=1e-12)
 
 
-def curved(**along_it: list[float]) -> Recording:
+def curved_rope(**along_it: list[float]) -> Recording:
     """Two instants of a rope of three points on a line, 4 m long, with what is known at them."""
     points = {"x": [0.0, 1.0, 4.0], "y": [0.0] * 3, "z": [0.0] * 3} | along_it
     signals = {f"shape.{name}[{i + 1}]": np.full(2, row[i]) for name, row in points.items() for i in range(3)}
@@ -96,7 +96,7 @@ def curved(**along_it: list[float]) -> Recording:
 
 
 def test_quantities_along_the_rope_are_shown_in_their_units_over_its_length() -> None:
-    shown = along.along(curved(bending=[0.0, 3e7, 0.0], torsion=[2e6, 2e6, 2e6], tension=[-1e3, 0.0, 9e3]))
+    shown = along.along(curved_rope(bending=[0.0, 3e7, 0.0], torsion=[2e6, 2e6, 2e6], tension=[-1e3, 0.0, 9e3]))
     assert (shown["length"], shown["note"]) == (4.0, "")
     kept = {m["id"]: (m["unit"], m["values"]["hi"], m["quiet"]) for m in shown["maps"]}
     expected = {"bending": ("MPa", 30.0, False), "torsion": ("MPa", 2.0, True), "tension": ("kN", 9.0, False)}
@@ -106,7 +106,7 @@ def test_quantities_along_the_rope_are_shown_in_their_units_over_its_length() ->
 
 
 def test_a_rope_without_these_outputs_is_named_as_the_cause() -> None:
-    shown = along.along(curved(bending=[0.0, 3e7, 0.0]))
+    shown = along.along(curved_rope(bending=[0.0, 3e7, 0.0]))
     assert [m["id"] for m in shown["maps"]] == ["bending"]
     assert "shape.torsion and shape.tension" in shown["note"]
 
@@ -129,7 +129,7 @@ def test_transformations_are_where_their_count_grows() -> None:
 
 def test_the_emergency_stop_and_the_end_of_a_stopped_run_are_marked() -> None:
     run = SimpleNamespace(
-        recording=recording(time=[0, 5, 9]), completed=False, cause="?", reference=SimpleNamespace(duration=12.0)
+        recording=recording(time=[0, 5, 9]), completed=False, cause="?", trajectory=SimpleNamespace(duration=12.0)
     )
     found = events.marks(run, Winding(emergency_at=4.0))
     assert [(mark.t, mark.label) for mark in found] == [(4.0, "emergency stop"), (9.0, "run stopped")]
@@ -139,7 +139,7 @@ def test_both_creeps_are_marked_where_they_begin() -> None:
     winding = Winding(travel=20.0, creep_distance=3.0, departure_creep_distance=2.0, creep_speed=0.5, start_delay=1.0)
     reference = s_curve(winding)
     run = SimpleNamespace(
-        recording=recording(time=[10.0, 10.0 + reference.duration]), completed=True, cause="", reference=reference
+        recording=recording(time=[10.0, 10.0 + reference.duration]), completed=True, cause="", trajectory=reference
     )
     times = [mark.t - 10.0 for mark in events.marks(run, winding) if mark.label == "creep"]
     # the first after two ramps of jerk sqrt(0.5 / 0.5) s, in 0.5 m
@@ -155,7 +155,7 @@ def test_panels_hold_recorded_signals_only() -> None:
 
 
 def test_parameters_show_the_unit_that_stands_behind_them() -> None:
-    rows = {name.split(",")[0]: (value, unit) for name, value, unit in given.rows(Hoist())}
+    rows = {name.split(",")[0]: (value, unit) for name, value, unit in parameter_tables.rows(Hoist())}
     assert rows["conveyance mass"] == ("10000", "kg")
     assert rows["loss viscous"] == ("200", "N s/m")
     assert rows["friction coefficient"] == ("0.25", "")
@@ -164,7 +164,7 @@ def test_parameters_show_the_unit_that_stands_behind_them() -> None:
 
 def test_every_parameter_has_a_unit_or_is_a_pure_number() -> None:
     for data in (Hoist(), Winding(), Coupling()):
-        rows = {name.split(",")[0].replace(" ", "_"): unit for name, _, unit in given.rows(data)}
+        rows = {name.split(",")[0].replace(" ", "_"): unit for name, _, unit in parameter_tables.rows(data)}
         assert set(rows) == {field.name for field in fields(data)}
         numbers = {name for name, unit in rows.items() if not unit and isinstance(getattr(data, name), (int, float))}
         assert numbers <= {
@@ -189,7 +189,7 @@ class Outer:
 
 
 def test_parameters_of_parameters_are_shown_too() -> None:
-    assert given.rows(Outer()) == [
+    assert parameter_tables.rows(Outer()) == [
         ("guide: gap, play of a guide", "2", "mm"),
         ("on, whether it brakes", "yes", ""),
     ]
@@ -222,9 +222,9 @@ def columns(table: pd.DataFrame, meta: dict, path: Path) -> dict[str, dict]:
 
 
 def test_only_what_differs_between_runs_has_an_axis_and_constants_are_data(tmp_path: Path) -> None:
-    table = study().assign(run=[1, 2, 3], key=["a1", "b2", "c3"], case="", mass=7.5, limit=[1.0, 1.0, 1.0])
+    table = study().assign(run=[1, 2, 3], key=["a1", "b2", "c3"], variant="", mass=7.5, limit=[1.0, 1.0, 1.0])
     path = tmp_path / "study.html"
-    found = columns(table, {"parameters": ["jerk", "case", "mass"]}, path)
+    found = columns(table, {"parameters": ["jerk", "variant", "mass"]}, path)
     assert {name for name, column in found.items() if column["axis"]} == {"jerk", "swing"}
     assert list(found) == [
         "jerk",

@@ -33,6 +33,7 @@ MAY_IMPORT = {
     },
     "rope_model.public": {
         "rope_model.parameters",
+        "rope_model.numerics",
         "rope_model.simulation",
         "rope_model.native",
     },
@@ -125,11 +126,14 @@ HOMES = {
     "scipy": {
         "rope_model.simulation.modal",
         "hoist_demo.design",
-        "hoist_demo.control.reference",
+        "hoist_demo.control.trajectory",
         "hoist_demo.study.sampling",
     },
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
-    "fmpy": {"hoist_demo.cosimulation.participants.fmu_rope", "hoist_demo.cosimulation.participants.fmu_parameters"},
+    "fmpy": {
+        "hoist_demo.cosimulation.participants.fmi_versions",
+        "hoist_demo.cosimulation.participants.fmu_parameters",
+    },
     "matplotlib": {"hoist_demo.report.figures"},
     "tqdm": {"hoist_demo.cosimulation.progress", "hoist_demo.command_line.study"},
     "dask": {"hoist_demo.study.cluster"},

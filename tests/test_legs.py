@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from benchmarks.chart.depth import scene_of
 from benchmarks.kinematic import ends_at, wind
-from benchmarks.legs import Case, apart, meshes, wound
-from hoist_demo.control.reference import s_curve
+from benchmarks.legs import Case, apart, meshes, wind_uncoupled
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh
-from rope_model.simulation.mesh import suited
+from rope_model.simulation.mesh import fit_mesh
 from rope_model.simulation.simulator import RopeSimulator
 
 
@@ -26,11 +26,11 @@ def rms(x: NDArray[np.float64]) -> float:
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
 def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err() -> None:
     scene = scene_of("monopol-1000", "uncoupled")
-    auto = suited(Mesh("auto"), scene.rope, scene.layout)
-    assert auto.leg_growth > 0
+    auto = fit_mesh(Mesh("auto"), scene.rope, scene.layout)
+    assert auto.grading_length > 0
     trip = Winding(travel=400.0, speed=8.0)
     places = []
-    for mesh in (auto, replace(auto, leg_growth=0.0)):
+    for mesh in (auto, replace(auto, grading_length=0.0)):
         run = wind(scene.with_(mesh=mesh), s_curve(trip), trip.travel, settle=0.0, interval=0.01)
         assert run.status.valid, run.status.message
         places.append(np.array(run.bottom))
@@ -41,8 +41,11 @@ def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may
 def test_joined_elements_follow_an_emergency_stop_as_well_as_the_steps_do() -> None:
     case = Case("monopol-1000", Winding(travel=900.0, speed=16.0, emergency_at=40.0))
     auto = meshes(case, 5e-3)[0]
-    plain = wound(case, replace(auto, leg_growth=0.0))
-    by_the_legs, by_the_steps = apart(wound(case, auto), plain), apart(wound(case, auto, 2.5e-3), wound(case, auto))
+    plain = wind_uncoupled(case, replace(auto, grading_length=0.0))
+    by_the_legs, by_the_steps = (
+        apart(wind_uncoupled(case, auto), plain),
+        apart(wind_uncoupled(case, auto, 2.5e-3), wind_uncoupled(case, auto)),
+    )
     assert 1e-4 < by_the_legs < by_the_steps < 0.05
 
 

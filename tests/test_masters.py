@@ -47,15 +47,15 @@ def trip(t: float) -> tuple[EndMotion, EndMotion]:
     return EndMotion(y=y, vy=v, ay=a), EndMotion(y=TRAVEL - y, vy=-v, ay=-a)
 
 
-def missed(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarray:
+def largest_miss(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarray:
     """Largest error of the path in y, vy, ay behind a motion of constant jerk that is extrapolated from each start.
 
     It begins at 0; the step before was a ``rest`` of so many seconds.
     """
-    path, t, last, largest = EndPath.resting(0.0, EndMotion()), 0.0, rest, np.zeros(3)
+    path, t, last, largest = EndPath.at_rest(0.0, EndMotion()), 0.0, rest, np.zeros(3)
     for h in steps:
         given = EndMotion(y=jerk * t**3 / 6, vy=jerk * t**2 / 2, ay=jerk * t)
-        path, last = path.to(t + h, given.extrapolated(h), last), h
+        path, last = path.to(t + h, given.extrapolate(h), last), h
         for s in t + h * np.linspace(0, 1, 21):
             truth = np.array([jerk * s**3 / 6, jerk * s**2 / 2, jerk * s])
             largest = np.maximum(largest, np.abs(np.array(path.rates(s, 1)) - truth))
@@ -64,22 +64,22 @@ def missed(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarray:
 
 
 def test_path_misses_no_more_in_any_steps_than_stated_and_hardly_more_than_in_even_ones() -> None:
-    even = missed([1.0] * 40, 1.0)
+    even = largest_miss([1.0] * 40, 1.0)
     assert_allclose(even, [0.2575, 0.509, 2.94], rtol=2e-3)
     worst = np.zeros(3)
     for seed in range(200):
-        worst = np.maximum(worst, missed([h for _, h in random_steps(seed, 20.0, 1e-6, 1.0)], 1.0))
+        worst = np.maximum(worst, largest_miss([h for _, h in random_steps(seed, 20.0, 1e-6, 1.0)], 1.0))
     for short in (1e-6, 0.1, 0.5, 0.9):
-        worst = np.maximum(worst, missed([1.0, *[short] * 3] * 10, 1.0))
+        worst = np.maximum(worst, largest_miss([1.0, *[short] * 3] * 10, 1.0))
     print("missed in even steps", even, "in any", worst)
     assert np.all(worst <= MISSED)
     # without an aim beyond the step's end the last of these would take the path 1e6 times as far off
-    assert np.all(missed([1.0] * 5 + [1e-6] * 5, 1.0) <= MISSED)
+    assert np.all(largest_miss([1.0] * 5 + [1e-6] * 5, 1.0) <= MISSED)
 
 
 def test_path_misses_as_much_after_a_long_step_of_rest_as_without() -> None:
     for rest in (1.0, 60.0):
-        assert_allclose(missed([0.01] * 100, JERK, rest), missed([0.01] * 100, JERK), rtol=1e-12)
+        assert_allclose(largest_miss([0.01] * 100, JERK, rest), largest_miss([0.01] * 100, JERK), rtol=1e-12)
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +138,7 @@ def forces(host: Host, steps: Steps, at_end: bool) -> np.ndarray:
 @pytest.mark.parametrize(("H", "T"), [(0.02, 5.0), (0.005, 5.0), (0.02, 9.0)])
 def test_loop_of_a_master_ends_where_it_should(host: Host, loop: str, H: float, T: float) -> None:
     """Some of these end with a step of 1e-15 to 1e-13 s."""
-    host.start(**({"model.rung": 4} if is_rope(host) else {}))  # rigid: the clock is what counts
+    host.start(**({"model.fidelity": 4} if is_rope(host) else {}))  # rigid: the clock is what counts
     run(host, LOOPS[loop](H, T), T)
 
 
@@ -154,7 +154,7 @@ def test_loops_of_masters_end_where_they_should_over_all_steps(host: Host, loop:
 def test_rest_of_rounding_size_moves_nothing_and_is_not_lost(host: Host) -> None:
     """In the middle of a trip, 4000 rests that are 2e-6 s together: the conveyances do 10 um in it."""
     t0, H, rest, rests = 8.0, 0.02, 5e-10, 4000
-    host.start(**({"model.rung": 4} if is_rope(host) else {}))
+    host.start(**({"model.fidelity": 4} if is_rope(host) else {}))
     run(host, LOOPS["counting"](H, t0), t0)
     state, shown = host.state(), FORCES if is_rope(host) else ("left.y",)
 
@@ -223,7 +223,7 @@ def test_announced_stop_time_is_part_of_a_state(host: Host) -> None:
         assert host.step(0.0, 0.01) == ""
         return host.state()
 
-    host.set(**{"model.rung": 4})
+    host.set(**{"model.fidelity": 4})
     soon, late, never = at(0.02), at(5.0), at(None)
     for state, reaches in ((soon, False), (late, True), (never, True), (soon, False)):
         host.restore(state)
@@ -236,7 +236,7 @@ def test_announced_stop_time_is_part_of_a_state(host: Host) -> None:
 @rope_only
 @pytest.mark.parametrize("start", [1e5, 1e9, 1e10])
 def test_step_that_was_made_already_is_refused_at_any_time(host: Host, start: float) -> None:
-    host.set(**{"model.rung": 4})
+    host.set(**{"model.fidelity": 4})
     host.enter(start=start)
     host.fmu.exitInitializationMode()
     h = 0.01
@@ -322,9 +322,9 @@ def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(
 
 @native_only
 @pytest.mark.parametrize("at_end", [False, True])
-@pytest.mark.parametrize("rung", [1, 4])
-def test_trip_after_a_long_step_of_rest_has_the_forces_of_even_steps(host: Host, rung: int, at_end: bool) -> None:
-    H, parameters = 0.01, {"model.rung": rung, "inputs_at_step_end": at_end}
+@pytest.mark.parametrize("fidelity", [1, 4])
+def test_trip_after_a_long_step_of_rest_has_the_forces_of_even_steps(host: Host, fidelity: int, at_end: bool) -> None:
+    H, parameters = 0.01, {"model.fidelity": fidelity, "inputs_at_step_end": at_end}
 
     def trip_after(rests: Steps) -> np.ndarray:
         host.call("Reset")

@@ -22,11 +22,11 @@ from rope_model.simulation.mesh import (
     inner_length,
     ladder,
     partition,
+    transform,
     transformation_due,
-    transformed,
 )
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
-from rope_model.simulation.transfer import interpolated, transferred
+from rope_model.simulation.transfer import interpolate, transfer_fields
 
 Array = NDArray[np.float64]
 
@@ -121,7 +121,7 @@ MESHES = st.builds(
         coarse_length=coarse,
         counts=(2 * two, 4 * three * (two > 0), 8 * four, 4 * three * (two > 0), 2 * two),
         end_levels=ends,
-        leg_growth=growth,
+        grading_length=growth,
     ),
     st.floats(0.5, 4.0),
     st.integers(0, 3),
@@ -141,7 +141,7 @@ def test_the_ladder_adds_up_to_the_rope_and_is_centred_as_well_as_it_can_be(
     assume(length > inner + 3 * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     np.testing.assert_allclose(p.lengths.sum(), length, rtol=1e-12)  # a sum of some hundred lengths
-    if mesh.leg_growth == 0:
+    if mesh.grading_length == 0:
         assert sum(p.counts) + 2 * mesh.end_levels == p.lengths.size
     assert min(p.counts[0], p.counts[3], p.counts[6]) >= 1
     assert p.counts[1:6] == mesh.counts
@@ -159,16 +159,16 @@ def test_a_transformation_moves_one_coarse_element_across_and_back_again(
     assume(length > inner + 3 * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     assume(p.counts[6 if direction > 0 else 0] > 1)
-    there = transformed(p, direction)
+    there = transform(p, direction)
     assert there.lengths.size == p.lengths.size
     assert there.counts[1:6] == p.counts[1:6]
     assert (there.counts[0] - p.counts[0], there.counts[6] - p.counts[6]) == (direction, -direction)
     np.testing.assert_allclose(there.lengths.sum(), length, rtol=1e-12)
     np.testing.assert_allclose(there.centre - p.centre, direction * p.coarse, rtol=1e-9)
-    back = transformed(there, -direction)
+    back = transform(there, -direction)
     assert back.counts == p.counts
     np.testing.assert_array_equal(back.lengths, p.lengths)
-    if mesh.leg_growth > 0:
+    if mesh.grading_length > 0:
         return  # three may become two
     # whole elements become one, or one becomes several
     old, new = nodes(p), nodes(there)
@@ -186,7 +186,7 @@ def test_a_transformation_is_due_when_the_loop_has_travelled_and_not_due_back_at
         at = p.centre + direction * (DUE * p.coarse + 1e-6)
         assert transformation_due(p, p.centre + direction * (DUE * p.coarse - 1e-6)) == 0
         assert transformation_due(p, at) == direction
-        assert transformation_due(transformed(p, direction), at) == 0
+        assert transformation_due(transform(p, direction), at) == 0
     # at the end of the rope there is nothing left to give
     spent = replace(p, counts=(p.counts[0] + p.counts[6] - 1, *p.counts[1:6], 1))
     assert transformation_due(spent, 119.0) == 0
@@ -199,7 +199,7 @@ def test_a_loop_that_travels_to_the_end_and_back_ends_on_the_mesh_it_began_with(
     for bottom in bottoms:
         # the loop moves less than l at a time: one transformation is enough
         if direction := transformation_due(p, float(bottom)):
-            p, counts = transformed(p, direction), counts + 1
+            p, counts = transform(p, direction), counts + 1
         assert transformation_due(p, float(bottom)) == 0
         assert abs(p.centre - bottom) <= (DUE + 1e-9) * p.coarse
         assert p.lengths.size == start.lengths.size
@@ -210,7 +210,7 @@ def test_a_loop_that_travels_to_the_end_and_back_ends_on_the_mesh_it_began_with(
 def test_joined_elements_grow_much_more_slowly_with_the_rope() -> None:
     lengths = (250.0, 500.0, 1000.0, 2000.0)
     joined, plain = (
-        [partition(Mesh(leg_growth=growth), length, 0.4 * length).lengths.size for length in lengths]
+        [partition(Mesh(grading_length=growth), length, 0.4 * length).lengths.size for length in lengths]
         for growth in (4.0, 0.0)
     )
     assert plain[-1] > 1000
@@ -223,7 +223,7 @@ def test_joined_elements_grow_much_more_slowly_with_the_rope() -> None:
 def test_elements_of_the_legs_are_as_long_as_their_distances_from_end_and_loop_allow(
     length: float, place: float, growth: float
 ) -> None:
-    p = partition(Mesh(end_levels=0, leg_growth=growth), length, place * length)
+    p = partition(Mesh(end_levels=0, grading_length=growth), length, place * length)
     units, first, last = p.lengths / p.coarse, p.counts[0], p.counts[6]
     s = nodes(p) / p.coarse
     for size, a, b in zip(units, s, s[1:], strict=False):
@@ -239,21 +239,21 @@ def test_elements_of_the_legs_are_as_long_as_their_distances_from_end_and_loop_a
 # the transfer
 
 
-def carried(x: Array, old_s: Array, new_s: Array) -> Array:
+def carry(x: Array, old_s: Array, new_s: Array) -> Array:
     """One field."""
-    return transferred(x[None], old_s, new_s)[0]
+    return transfer_fields(x[None], old_s, new_s)[0]
 
 
 @pytest.fixture(params=[-1, 1])
 def pair(request: pytest.FixtureRequest) -> tuple[Partition, Partition]:
     p = partition(Mesh(), 120.0, 60.0)
-    return p, transformed(p, request.param)
+    return p, transform(p, request.param)
 
 
 def test_a_transfer_reaches_no_further_than_some_elements(pair: tuple[Partition, Partition]) -> None:
     old_s, new_s = map(nodes, pair)
     x = np.random.default_rng(1).normal(size=(old_s.size, 7))
-    change = np.abs(carried(x, old_s, new_s) - interpolated(x, old_s, new_s)).max(axis=1)
+    change = np.abs(carry(x, old_s, new_s) - interpolate(x, old_s, new_s)).max(axis=1)
     merged = 0.5 * (new_s[:-1] + new_s[1:])[np.diff(np.searchsorted(old_s + 1e-9, new_s)) > 1]
     assert merged.size == 4 + 2 + 1  # to l/4, to l/2, to l
     away = np.abs(new_s[:, None] - merged).min(axis=1) / 2.0  # l
@@ -266,18 +266,18 @@ def test_a_transfer_reaches_no_further_than_some_elements(pair: tuple[Partition,
 def test_a_transfer_to_the_same_mesh_changes_nothing() -> None:
     s = nodes(partition(Mesh(), 120.0, 60.0))
     x = np.random.default_rng(2).normal(size=(s.size, 7))
-    np.testing.assert_array_equal(carried(x, s, s), x)
+    np.testing.assert_array_equal(carry(x, s, s), x)
 
 
 def test_a_split_reproduces_the_element_to_the_bit() -> None:
     rng = np.random.default_rng(3)
     s, halves = np.array([0.0, 1.7, 3.0]), np.array([0.0, 0.85, 1.7, 2.35, 3.0])
     x = rng.normal(size=(3, 7))
-    split = carried(x, s, halves)
-    np.testing.assert_array_equal(split, interpolated(x, s, halves))
+    split = carry(x, s, halves)
+    np.testing.assert_array_equal(split, interpolate(x, s, halves))
     anywhere = np.linspace(0.0, 3.0, 61)
-    expected = interpolated(x, s, anywhere)
-    np.testing.assert_allclose(interpolated(split, halves, anywhere), expected, rtol=0, atol=1e-13)  # rounding
+    expected = interpolate(x, s, anywhere)
+    np.testing.assert_allclose(interpolate(split, halves, anywhere), expected, rtol=0, atol=1e-13)  # rounding
 
 
 def test_the_interpolation_is_the_elements_own_cubic() -> None:
@@ -287,7 +287,7 @@ def test_the_interpolation_is_the_elements_own_cubic() -> None:
     x = np.zeros((2, 7))
     x[:, POSITION], x[:, SLOPE], x[:, ANGLE] = powers(s) @ c, rates(s) @ c, [1.0, 5.0]
     at = np.linspace(0.0, 2.0, 9)
-    y = interpolated(x, s, at)
+    y = interpolate(x, s, at)
     np.testing.assert_allclose(y[:, POSITION], powers(at) @ c, atol=1e-13)
     np.testing.assert_allclose(y[:, SLOPE], rates(at) @ c, atol=1e-13)
     np.testing.assert_allclose(y[:, ANGLE], 1 + 2 * at, atol=1e-13)
@@ -297,7 +297,7 @@ def test_a_split_keeps_momentum_and_kinetic_energy_to_rounding() -> None:
     s, halves = np.linspace(0.0, 6.0, 4), np.linspace(0.0, 6.0, 7)
     v = smooth(s, 6.0)
     before = momentum_and_energy(v, np.diff(s))
-    after = momentum_and_energy(carried(v, s, halves), np.diff(halves))
+    after = momentum_and_energy(carry(v, s, halves), np.diff(halves))
     np.testing.assert_allclose(after[0], before[0], atol=1e-12)
     np.testing.assert_allclose(after[1], before[1], rtol=1e-12)
 
@@ -318,8 +318,8 @@ def test_a_transformation_keeps_the_momentum_and_takes_energy_where_elements_mer
     old, new = pair
     v = np.random.default_rng(5).normal(size=(old.lengths.size + 1, 7))
     before = momentum_and_energy(v, old.lengths)
-    moved = carried(v, nodes(old), nodes(new))
-    dropped = interpolated(v, nodes(old), nodes(new))
+    moved = carry(v, nodes(old), nodes(new))
+    dropped = interpolate(v, nodes(old), nodes(new))
     after = momentum_and_energy(moved, new.lengths)
     # the ends, 20 l away, take up nothing that can be seen
     np.testing.assert_allclose(after[0], before[0], rtol=0, atol=1e-9)
@@ -343,17 +343,17 @@ def test_what_a_transfer_loses_is_orthogonal_to_every_field_on_the_new_elements(
     # any two meshes of one rope, nested or not; integrated without mass matrices
     old_s, new_s = (np.concatenate(([0.0], np.cumsum(l))) / sum(l) for l in (old, new))
     x = np.random.default_rng(seed).normal(size=(old_s.size, 7))
-    y = carried(x, old_s, new_s)
+    y = carry(x, old_s, new_s)
     knots = np.union1d(old_s, new_s)
     points, weights = np.polynomial.legendre.leggauss(5)
     at = 0.5 * (knots[:-1, None] + knots[1:, None] + np.diff(knots)[:, None] * points).ravel()
     weight = (0.5 * np.diff(knots)[:, None] * weights).ravel()
-    lost = interpolated(x, old_s, at) - interpolated(y, new_s, at)
+    lost = interpolate(x, old_s, at) - interpolate(y, new_s, at)
     for node in range(1, new_s.size - 1):
         for rows, columns in ((POSITION, POSITION), (SLOPE, POSITION), (ANGLE, ANGLE)):
             field = np.zeros((new_s.size, 7))
             field[node, rows] = 1.0
-            product = interpolated(field, new_s, at)[:, columns] * lost[:, columns]
+            product = interpolate(field, new_s, at)[:, columns] * lost[:, columns]
             assert np.abs(weight @ product).max() < 1e-8  # arc lengths are the same within 1e-9
 
 
@@ -362,7 +362,7 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
     for elements in (8, 16, 32):
         s, merged = np.linspace(0.0, 6.0, 2 * elements + 1), np.linspace(0.0, 6.0, elements + 1)
         v = smooth(s, 9.0)
-        back = interpolated(carried(v, s, merged), merged, s)
+        back = interpolate(carry(v, s, merged), merged, s)
         lost.append(momentum_and_energy(back - v, np.diff(s))[1] ** 0.5)
     np.testing.assert_allclose(np.log2(np.array(lost[:-1]) / lost[1:]), 4.0, atol=0.3)
     # at the middle of an element Hermite interpolation misses the fourth derivative times l^4/384; waves of 4.5 to 9 m
@@ -374,9 +374,9 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
 def test_a_transformation_there_and_back_returns_a_smooth_motion(place: float, length: float, direction: int) -> None:
     p = partition(Mesh(), length, place * length)
     assume(p.counts[6 if direction > 0 else 0] > 1)
-    s, other = nodes(p), nodes(transformed(p, direction))
+    s, other = nodes(p), nodes(transform(p, direction))
     v = smooth(s, length)
-    back = carried(carried(v, s, other), other, s)
+    back = carry(carry(v, s, other), other, s)
     # nodes merged and split again come from cubics of 2 m: (2 pi 2 l/L)^4/384
     bound = (4 * np.pi * p.coarse / length) ** 4 / 384
     np.testing.assert_allclose(back[:, POSITION], v[:, POSITION], rtol=0, atol=bound)

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from hoist_demo.cases.table import case_named
-from hoist_demo.control.reference import s_curve
+from hoist_demo.cases.table import find_case
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from rope_model.native.build import library
 from rope_model.native.engine import NativeRope
-from rope_model.parameters import Layout, Mesh, Model, Rope, RungChoice, Scene, Solver, Swivel, rope_120, rope_240
+from rope_model.parameters import FidelityChoice, Layout, Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.sensitivity import load_derivative
@@ -44,7 +44,7 @@ def winding(travel: float, speed: float, skip: float = 0.0) -> Motions:
     return ends
 
 
-def turning(rate: float) -> Motions:
+def turn(rate: float) -> Motions:
     """Both conveyances turn about the vertical and about each other's middle, as one body."""
 
     def ends(t: float) -> tuple[EndMotion, EndMotion]:
@@ -65,7 +65,7 @@ def turning(rate: float) -> Motions:
     return ends
 
 
-def bounced(t: float) -> tuple[EndMotion, EndMotion]:
+def bounce(t: float) -> tuple[EndMotion, EndMotion]:
     """The left end is dropped by .5 m faster than the rope falls, and caught."""
     s = min(max(t - 0.1, 0.0) / 0.3, 1.0)
     y, v, a = 10 * s**3 - 15 * s**4 + 6 * s**5, 30 * s**2 - 60 * s**3 + 30 * s**4, 60 * s - 180 * s**2 + 120 * s**3
@@ -106,11 +106,11 @@ CASES: dict[str, tuple[Scene, Motions, float, float]] = {
     ),
     "turned through a right angle": (
         Scene(rope=SHORT, mesh=Mesh("eem", elements=60), solver=Solver(rho_inf=0.8)),
-        turning(1.5),
+        turn(1.5),
         2.5,
         0.02,
     ),
-    "slack and caught": (Scene(rope=Rope(length=60.0)), bounced, 0.7, 0.01),
+    "slack and caught": (Scene(rope=Rope(length=60.0)), bounce, 0.7, 0.01),
     "non-conservative": (Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5)), winding(40.0, 4.0), 1.5, 0.01),
 }
 
@@ -130,7 +130,7 @@ def together(
         yield tuple(rope.state for rope in ropes)
 
 
-def lifted(motions: Motions, by: float) -> Motions:
+def lift(motions: Motions, by: float) -> Motions:
     """The same in another height: the same forces but for rounding."""
     return lambda t: tuple(replace(end, y=end.y + by) for end in motions(t))  # type: ignore[return-value]
 
@@ -140,15 +140,15 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
     scene, motions, duration, h = CASES[case]
     reference, native, higher = RopeSimulator(scene), NativeRope(scene), RopeSimulator(scene)
     largest = difference = rounding = 0.0
-    ends = motions, motions, lifted(motions, 7.3)
+    ends = motions, motions, lift(motions, 7.3)
     for a, b, c in together((reference, native, higher), ends, duration, h):
         assert a.counts._replace(newton=0) == b.counts._replace(newton=0)
-        assert (a.rung, a.rung_reason) == (b.rung, b.rung_reason)
+        assert (a.fidelity, a.fidelity_reason) == (b.fidelity, b.fidelity_reason)
         # a moment creeps up to the static limit: its last bits decide when it gets there
         assert [(e.what, pytest.approx(e.t, abs=1e-5)) for e in a.events] == [(e.what, e.t) for e in b.events]
-        forces, twin, same = (state.motion.reaction[[0, -1], :3] for state in (a, b, c))
+        forces, native, same = (state.motion.reaction[[0, -1], :3] for state in (a, b, c))
         largest = max(largest, float(np.abs(forces).max()))
-        difference = max(difference, float(np.abs(forces - twin).max()))
+        difference = max(difference, float(np.abs(forces - native).max()))
         rounding = max(rounding, float(np.abs(forces - same).max()))
     assert a.counts.steps > 10
     assert b.counts.newton == pytest.approx(a.counts.newton, rel=0.02)  # the search for an event may take one more
@@ -160,7 +160,7 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
     scale = dict.fromkeys(SIGNALS, 1.0) | dict.fromkeys(forces_and_moments, largest)
     scale |= {name: largest for name in SIGNALS if name.startswith("shape.tension")}
     scale |= {name: 1e7 for name in SIGNALS if name.startswith(("stress", "shape.bending", "shape.torsion"))}
-    scale |= {name: max(abs(a.ledger.total), 1e4) for name in SIGNALS if name.startswith("energy")}
+    scale |= {name: max(abs(a.energy_balance.total), 1e4) for name in SIGNALS if name.startswith("energy")}
     # differences of forces over 1e-3 m/s^2
     scale |= {name: 3 * rounding / 1e-3 / 1e-8 for name in SIGNALS if name.endswith("added_mass")}
     scale |= {name: 10.0 for name in SIGNALS if name.endswith("swivel.torque")}  # of a rope that carries 19 N m
@@ -178,7 +178,7 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
 
 
 def test_the_cases_meet_what_they_are_for() -> None:
-    """Transformations, slips, pole changes, another rung and a slack rope happen in the cases above."""
+    """Transformations, slips, pole changes, another fidelity and a slack rope happen in the cases above."""
     seen: set[str] = set()
     for name in ("winding", "stick and slip", "rigid, then raised", "turned through a right angle"):
         scene, motions, duration, h = CASES[name]
@@ -314,11 +314,11 @@ def test_derivatives_are_those_of_a_step(name: str, side: int) -> None:
     assert_allclose(derivative, differences, rtol=2e-3, atol=2e-3 * np.abs(differences).max())
 
 
-@pytest.mark.parametrize("rung", ["torsional", "planar", "rigid"])
+@pytest.mark.parametrize("fidelity", ["torsional", "planar", "rigid"])
 @pytest.mark.parametrize("side", [0, 1])
-def test_derivatives_are_those_of_the_python_rope(side: int, rung: RungChoice) -> None:
-    twist = 1.0 if rung == "torsional" else 0.0
-    scene = Scene(rope=Rope(length=60.0, installed_twist=twist), model=Model(rung))
+def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityChoice) -> None:
+    twist = 1.0 if fidelity == "torsional" else 0.0
+    scene = Scene(rope=Rope(length=60.0, installed_twist=twist), model=Model(fidelity))
     ropes = RopeSimulator(scene), NativeRope(scene)
     for rope in ropes:
         assert rope.initialize(0.0, EndMotion(), EndMotion(y=10.0)).valid
@@ -403,7 +403,7 @@ def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
     assert rope.advance_to(0.01, EndMotion(), EndMotion()).valid
 
 
-def test_rigid_rung_has_the_derivatives_and_added_mass_of_its_own_forces() -> None:
+def test_rigid_fidelity_has_the_derivatives_and_added_mass_of_its_own_forces() -> None:
     scene = Scene(rope=Rope(length=60.0), model=Model("rigid"))
     at_start = EndMotion(), EndMotion(y=20.0)
     ropes = RopeSimulator(scene), NativeRope(scene)
@@ -427,9 +427,9 @@ def test_rigid_rung_has_the_derivatives_and_added_mass_of_its_own_forces() -> No
     assert native.derivative(0, "ay")[1] < -100.0
 
 
-@pytest.mark.parametrize("rung", ["planar", "spatial"])
-def test_what_a_rung_leaves_out_stays_as_it_was(rung: RungChoice) -> None:
-    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), model=Model(rung))
+@pytest.mark.parametrize("fidelity", ["planar", "spatial"])
+def test_what_a_fidelity_leaves_out_stays_as_it_was(fidelity: FidelityChoice) -> None:
+    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), model=Model(fidelity))
     for rope in (RopeSimulator(scene), NativeRope(scene)):
         assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
         assert rope.advance_to(0.01, EndMotion(), EndMotion()).valid
@@ -454,7 +454,7 @@ def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() ->
     with pytest.raises(ValueError, match="not a state"):
         other.restore(damaged)
     assert other.native_state() == before
-    assert other.state.rung == "planar"
+    assert other.state.fidelity == "planar"
 
 
 def test_a_rigid_rope_that_cannot_hang_is_a_status_in_both() -> None:
@@ -470,7 +470,7 @@ def test_a_rigid_rope_that_cannot_hang_is_a_status_in_both() -> None:
 
 def test_a_search_for_a_swivel_event_that_fails_is_taken_up_again_with_a_shorter_step() -> None:
     released = Swivel(mode="coulomb", release_time=10.0)
-    scene = rope_data(case_named("kiruna-710").rope).with_(left=released, right=released, solver=Solver())
+    scene = rope_data(find_case("kiruna-710").rope).with_(left=released, right=released, solver=Solver())
     rope = NativeRope(scene.with_(rope=replace(scene.rope, installed_twist=5.0), model=Model("torsional")))
     step, ends = scene.solver.step_max, winding(400.0, 16.0)
     assert rope.initialize(0.0, *ends(0.0)).valid

@@ -1,4 +1,4 @@
-"""The native rope's ends, rungs, rigid rope and parameter checks give what their Python twins give.
+"""The native rope's ends, fidelities, rigid rope and parameter checks give what the Python functions give.
 
 Both do the same operations in the same order.  Numbers may differ by what libm and numpy round differently, 1e-12 of
 the quantities' size where nothing else is said; texts may not differ at all.
@@ -35,11 +35,18 @@ from rope_model.native.structures import (
 )
 from rope_model.native.tables import parameter_bounds, parameter_structures
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
-from rope_model.parameters import CHOICES, Mesh, Model, Preset, Rope, RungChoice, Scene, Swivel
+from rope_model.parameters import CHOICES, FidelityChoice, Mesh, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.simulation.ends import SIDES, EndMotion, EndPath, HangingEnds, nominal_points, refusal
+from rope_model.simulation.fidelity import (
+    FIDELITIES,
+    carries_torque,
+    choose_fidelity,
+    ends_after,
+    lowest_sufficient,
+    unsupported_motion,
+)
 from rope_model.simulation.rigid import lowest_tension, rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.rungs import LADDER, carries_torque, chosen, ends_after, lowest_able, outgrown
 from rope_model.simulation.statics import StaticsError
 
 Array = NDArray[np.float64]
@@ -47,10 +54,10 @@ Ends = tuple[EndMotion, EndMotion]
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("text.c", "ends.c", "rungs.c", "rigid.c", "parameters.c", "shape.c", "mesh.c", "transfer.c")
+PARTS = ("text.c", "ends.c", "fidelity.c", "rigid.c", "parameters.c", "shape.c", "mesh.c", "transfer.c")
 MESSAGE, ROUNDING = 512, 1e-12
-#: the codes of the rungs
-RUNGS = get_args(RungChoice)
+#: the codes of the fidelities
+FIDELITY_NAMES = get_args(FidelityChoice)
 FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
 
 
@@ -72,7 +79,7 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     library = ct.CDLL(str(made))
     for function in (library.path_resting, library.path_to):
         function.restype = PathStructure
-    for function in (library.text_number, library.text_exact, library.rung_name):
+    for function in (library.text_number, library.text_exact, library.fidelity_name):
         function.restype = ct.c_char_p
     library.path_end.restype = EndStructure
     library.swivel_friction.restype = library.rigid_lowest_tension.restype = ct.c_double
@@ -128,8 +135,8 @@ def test_codes_are_those_of_the_interface() -> None:
         assert get_args(get_type_hints(kind)[field]) == tuple(words)
 
 
-def test_names_of_the_rungs_follow_their_codes(native: Any) -> None:
-    assert tuple(native.rung_name(code).decode() for code in range(5)) == RUNGS
+def test_names_of_the_fidelities_follow_their_codes(native: Any) -> None:
+    assert tuple(native.fidelity_name(code).decode() for code in range(5)) == FIDELITY_NAMES
 
 
 @given(
@@ -141,7 +148,7 @@ def test_names_of_the_rungs_follow_their_codes(native: Any) -> None:
 def test_path_through_any_motions_is_the_same(
     native: Any, first: EndMotion, targets: list[tuple[float, EndMotion]], part: float, within: float
 ) -> None:
-    path = EndPath.resting(1.5, first)
+    path = EndPath.at_rest(1.5, first)
     ours = native.path_resting(ct.c_double(1.5), ct.byref(end_structure(first)))
     for h, target in targets:
         stop = path.stop + h
@@ -169,7 +176,7 @@ def end_message(native: Any, target: EndMotion, path: EndPath, side: int) -> str
 @pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(EndMotion)])
 @pytest.mark.parametrize("side", [0, 1])
 def test_end_that_is_out_of_bounds_has_the_same_message(native: Any, side: int, name: str) -> None:
-    path = EndPath.resting(0.0, EndMotion())
+    path = EndPath.at_rest(0.0, EndMotion())
     for value in (math.nan, -math.nan, math.inf, -math.inf, -100000.25, 1.234567e9, 60.0, 60.001, 100.0, 100.1, 1e4):
         target = EndMotion(**{name: value})
         assert end_message(native, target, path, side) == refusal(target, path, SIDES[side])
@@ -180,7 +187,7 @@ def test_end_that_is_out_of_bounds_has_the_same_message(native: Any, side: int, 
 def test_motion_that_does_not_fit_together_has_the_same_message(native: Any, name: str) -> None:
     for value in (0.001, 0.4321, 1.0, 50.0):
         target = EndMotion(**{name: value})
-        path = EndPath.resting(0.0, EndMotion()).to(0.02, target)
+        path = EndPath.at_rest(0.0, EndMotion()).to(0.02, target)
         assert end_message(native, target, path, 1) == refusal(target, path, "right")
     assert "do not fit together" in refusal(target, path, "right")
 
@@ -202,7 +209,7 @@ def test_friction_of_a_swivel_is_the_same(native: Any, mode: Any) -> None:
 
 def values_of(scene: Scene) -> dict[str, Any]:
     """The FMU's parameters for the scene."""
-    table = variables(Preset(scene, 0.0, 1.0))
+    table = variables(RopeCase(scene, 0.0, 1.0))
     return {x.name: x.start for x in table if x.causality == "parameter" and not x.name.startswith("inputs")}
 
 
@@ -241,7 +248,7 @@ def test_parameter_out_of_range_is_refused_with_the_same_message(native: Any, na
     for value in REALS if isinstance(PARAMETERS[name], float) else INTEGERS:
         message = message_of(PARAMETERS | {name: value})
         structure = with_values(Scene(), {name: value})
-        assert text_of(native.scene_checked, ct.byref(structure)) == message
+        assert text_of(native.check_scene, ct.byref(structure)) == message
         refused += bool(message)
     assert refused
 
@@ -253,7 +260,7 @@ def test_first_of_several_parameters_out_of_range_is_named(native: Any) -> None:
         names = chance.sample(sorted(PARAMETERS), 3)
         values = {n: chance.choice(REALS if isinstance(PARAMETERS[n], float) else INTEGERS) for n in names}
         message = message_of(PARAMETERS | values)
-        assert text_of(native.scene_checked, ct.byref(with_values(Scene(), values))) == message
+        assert text_of(native.check_scene, ct.byref(with_values(Scene(), values))) == message
         seen.add(message.split(" = ")[0])
     assert len(seen) > 20
 
@@ -287,39 +294,41 @@ ENDS: tuple[Ends, ...] = (
 )
 
 
-def assert_same_rungs(native: Any, scene: Scene, ends: Ends) -> None:
+def assert_same_fidelities(native: Any, scene: Scene, ends: Ends) -> None:
     structure, c_ends = scene_structure(scene), ends_of(ends)
-    choice = chosen(scene, ends)
+    choice = choose_fidelity(scene, ends)
     reason = ct.create_string_buffer(MESSAGE)
-    assert RUNGS[native.rung_chosen(ct.byref(structure), c_ends, reason)] == choice.rung
+    assert FIDELITY_NAMES[native.fidelity_choose(ct.byref(structure), c_ends, reason)] == choice.fidelity
     assert reason.value.decode() == choice.reason
-    assert RUNGS[native.rung_lowest_able(ct.byref(structure), c_ends)] == lowest_able(scene, ends)
-    for rung in LADDER:
-        ours = text_of(native.rung_outgrown, ct.byref(structure), RUNGS.index(rung), c_ends)
-        assert ours == outgrown(scene, rung, ends)
-    assert native.rung_carries_torque(ct.byref(structure)) == carries_torque(scene)
+    assert FIDELITY_NAMES[native.fidelity_lowest_sufficient(ct.byref(structure), c_ends)] == lowest_sufficient(
+        scene, ends
+    )
+    for fidelity in FIDELITIES:
+        ours = text_of(native.fidelity_unsupported_motion, ct.byref(structure), FIDELITY_NAMES.index(fidelity), c_ends)
+        assert ours == unsupported_motion(scene, fidelity, ends)
+    assert native.scene_carries_torque(ct.byref(structure)) == carries_torque(scene)
 
 
 @pytest.mark.parametrize("scene", list(scenes()))
 @pytest.mark.parametrize("tolerance", [0.0, 1e-5, 2e-3, 0.1, 0.9])
-def test_rung_and_its_reason_are_the_same(native: Any, scene: Scene, tolerance: float) -> None:
+def test_fidelity_and_its_reason_are_the_same(native: Any, scene: Scene, tolerance: float) -> None:
     for ends in ENDS:
-        assert_same_rungs(native, scene.with_(model=Model(force_tolerance=tolerance)), ends)
+        assert_same_fidelities(native, scene.with_(model=Model(force_tolerance=tolerance)), ends)
 
 
-@pytest.mark.parametrize("rung", RUNGS)
-def test_rung_by_name_is_the_same(native: Any, rung: RungChoice) -> None:
+@pytest.mark.parametrize("fidelity", FIDELITY_NAMES)
+def test_fidelity_by_name_is_the_same(native: Any, fidelity: FidelityChoice) -> None:
     for ends in ENDS:
-        assert_same_rungs(native, Scene(model=Model(rung=rung, force_tolerance=0.1)), ends)
+        assert_same_fidelities(native, Scene(model=Model(fidelity=fidelity, force_tolerance=0.1)), ends)
 
 
 @pytest.mark.parametrize("case", [pytest.param(case, id=case.title) for case in CASES])
-def test_rungs_along_the_windings_of_the_choice_are_the_same(native: Any, case: Case) -> None:
+def test_fidelities_along_the_windings_of_the_choice_are_the_same(native: Any, case: Case) -> None:
     for t in np.arange(0.0, case.until, 0.25):
-        assert_same_rungs(native, case.scene, case.ends(case.trip, case.travel, float(t)))
+        assert_same_fidelities(native, case.scene, case.ends(case.trip, case.travel, float(t)))
 
 
-def uneven(nodes: int, length: float, seed: int) -> Array:
+def uneven_lengths(nodes: int, length: float, seed: int) -> Array:
     """Lengths of the elements."""
     lengths = np.random.default_rng(seed).uniform(0.5, 2.0, nodes - 1)
     return lengths * (length / lengths.sum())
@@ -334,8 +343,8 @@ ends_here = st.tuples(*[st.builds(EndMotion, gentle, coordinates, gentle, *[gent
 def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, nodes: int, length: float) -> None:
     scene = Scene(rope=Rope(length=length))
     moved = [dataclasses.replace(b, y=a.y + b.vx, vy=b.vy + a.x) for a, b in zip(first, then, strict=True)]
-    paths = tuple(EndPath.resting(0.0, a).to(1.0, b) for a, b in zip(first, moved, strict=True))
-    s = arc_lengths(uneven(nodes, length, nodes))
+    paths = tuple(EndPath.at_rest(0.0, a).to(1.0, b) for a, b in zip(first, moved, strict=True))
+    s = arc_lengths(uneven_lengths(nodes, length, nodes))
     q, v, a, reaction = (np.full((nodes, 7), np.nan) for _ in range(4))
     kinetic, gravity = ct.c_double(), ct.c_double()
     message = text_of(
@@ -367,7 +376,7 @@ def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, 
 
 def test_slack_rope_has_the_same_message(native: Any) -> None:
     falling = EndMotion(ay=-15.0)
-    paths = (EndPath.resting(0.0, EndMotion()).to(1.0, falling), EndPath.resting(0.0, EndMotion(y=1.0)))
+    paths = (EndPath.at_rest(0.0, EndMotion()).to(1.0, falling), EndPath.at_rest(0.0, EndMotion(y=1.0)))
     s, room = np.linspace(0.0, 120.0, 61), np.zeros((4, 61, 7))
     message = text_of(
         native.rigid_rope,

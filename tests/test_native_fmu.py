@@ -185,7 +185,7 @@ def test_min_and_max_of_a_parameter_are_taken_by_the_rope() -> None:
 
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
-    resting = EndPath.resting(0.0, EndMotion())
+    resting = EndPath.at_rest(0.0, EndMotion())
     inputs = [v for v in variables(rope_120()) if v.causality == "input"]
     assert len(inputs) == 22
     for v in inputs:
@@ -261,7 +261,7 @@ def test_parameters_decide_until_initialisation_ends(host: Host) -> None:
     host.set(rope__mass_per_length=16.0)
     host.fmu.exitInitializationMode()
     assert sum(host.get("left.fy", "right.fy")) == pytest.approx(-16.0 * 9.81 * 120.0)
-    assert host.get("status.valid", "status.message", "status.rung") == [True, "", "torsional"]
+    assert host.get("status.valid", "status.message", "status.fidelity") == [True, "", "torsional"]
 
 
 @pytest.mark.parametrize("at_step_end", [True, False])
@@ -482,7 +482,7 @@ LEGAL = {
 }
 
 
-def brought_to(host: Host, mode: str) -> None:
+def bring_to(host: Host, mode: str) -> None:
     if mode != "instantiated":
         host.enter()
     if mode in ("stepping", "terminated", "failed"):
@@ -496,7 +496,7 @@ def brought_to(host: Host, mode: str) -> None:
 @pytest.mark.parametrize("mode", ["instantiated", "initialization", "stepping", "terminated", "failed"])
 @pytest.mark.parametrize("name", list(LEGAL))
 def test_calls_are_legal_in_the_modes_of_the_standard(host: Host, name: str, mode: str) -> None:
-    brought_to(host, mode)
+    bring_to(host, mode)
     calls = {
         "EnterInitializationMode": host.enter,
         "ExitInitializationMode": host.fmu.exitInitializationMode,
@@ -597,12 +597,12 @@ def test_serialized_state_goes_on_in_another_instance_with_other_parameters(
     host.start(inputs_at_step_end=True, rope__mass_per_length=16.0, mesh__kind=1, mesh__elements=60)
     host.run(0, 5)
     state = host.state()
-    data = host.serialized(state)
-    assert host.serialized(state) == data
+    data = host.serialize(state)
+    assert host.serialize(state) == data
     host.free(state)
     expected = host.run(5, 8)
     other = Host(fmus[fmi], folders[fmi])
-    taken = other.deserialized(data)  # without any initialisation
+    taken = other.deserialize(data)  # without any initialisation
     other.restore(taken)
     other.free(taken)
     assert other.get("rope.mass_per_length") == [16.0]
@@ -628,14 +628,14 @@ def test_damaged_state_is_refused_and_changes_nothing(host: Host) -> None:
     host.start(inputs_at_step_end=True)
     host.run(0, 3)
     state = host.state()
-    data = host.serialized(state)
+    data = host.serialize(state)
     host.free(state)
     damaged = [b"", b"x", data[:-1], data + b"\0", data[: len(data) // 2]]
     places = np.linspace(0, len(data) - 1, 200).astype(int)
     damaged += [data[:i] + bytes([data[i] ^ 1]) + data[i + 1 :] for i in places]
     for bad in damaged:
         with pytest.raises(FMICallException):
-            host.deserialized(bad)
+            host.deserialize(bad)
         assert "state" in host.error()
     assert len(host.run(3, 5)) == 2
 
@@ -667,7 +667,7 @@ RUNNERS = {
 }
 
 
-def lived(fmu: Path, folder: Path, way: str) -> list[int]:
+def live(fmu: Path, folder: Path, way: str) -> list[int]:
     """Allocations while stepping, in each of the lives of tests/native/life_cycle.c, run in one of RUNNERS."""
     runner = RUNNERS[way]
     if runner and shutil.which(runner[0]) is None:
@@ -696,7 +696,7 @@ def lived(fmu: Path, folder: Path, way: str) -> list[int]:
 def test_no_memory_is_taken_while_stepping_and_all_is_given_back(
     fmus: dict[int, Path], tmp_path: Path, way: str
 ) -> None:
-    assert lived(fmus[2], tmp_path, way) == [0, 0]
+    assert live(fmus[2], tmp_path, way) == [0, 0]
 
 
 # command line
@@ -718,10 +718,10 @@ def test_python_flavour_of_fmi_3_is_refused_with_the_cure(capsys: pytest.Capture
     assert "comes with --native" in capsys.readouterr().err
 
 
-def test_an_installed_scene_is_exported_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_installed_case_is_exported_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
     path = tmp_path / "monopol.fmu"
-    options = ["--scene", "monopol-1000", "--native", "--platform", "host", "--out", str(path)]
+    options = ["--case", "monopol-1000", "--native", "--platform", "host", "--out", str(path)]
     assert main(["export", *options]) == 0
     starts = {v.name: v.start for v in fmpy.read_model_description(str(path)).modelVariables}
     assert [float(starts[name]) for name in ("rope.length", "right.y")] == [1040.0, 1000.0]

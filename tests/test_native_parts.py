@@ -1,4 +1,4 @@
-"""The native rope's mesh, frame, shape and signals give what their Python twins give.
+"""The native rope's mesh, frame, shape and signals give what the Python functions give.
 
 Both do the same operations in the same order.  They may differ by what libm, numpy's vectorised sine, cosine and power,
 and sums in another order round differently: 1e-12 of the quantities' size, where nothing else is said.
@@ -28,34 +28,34 @@ from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
 from rope_model.physics.frame import best_pole, pole_change_angle, pole_margin
-from rope_model.simulation.adaptation import counted_on
+from rope_model.simulation.adaptation import nearest_turn
 from rope_model.simulation.diagnostics import LoopBottom, leg_clearance, loop_bottom, shape, shape_places
 from rope_model.simulation.ends import EndPath, HangingEnds, Phase, SwivelState, nominal_points
+from rope_model.simulation.fidelity import FIDELITIES, Fidelity
 from rope_model.simulation.mesh import (
     Partition,
     distance_to_due,
-    misplaced,
+    fit_mesh,
     partition,
-    suited,
+    placement_problem,
+    transform,
     transformation_due,
-    transformed,
 )
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.rungs import LADDER, RungName
 from rope_model.simulation.signals import (
     SIGNALS,
     added_mass_signals,
     along_signals,
-    book_signals,
     end_signals,
+    energy_signals,
     group_of,
     loop_signals,
     shape_signals,
     stress_signals,
 )
-from rope_model.simulation.state import Counts, Ledger, RopeState
+from rope_model.simulation.state import Counts, EnergyBalance, RopeState
 from rope_model.simulation.statics import StaticsError, hanging_guess
-from rope_model.simulation.transfer import interpolated, transferred
+from rope_model.simulation.transfer import interpolate, transfer_fields
 
 Array = NDArray[np.float64]
 
@@ -64,12 +64,12 @@ FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "
 PARTS = ("mesh.c", "transfer.c", "frame.c", "shape.c", "signals.c", "rigid.c", "ends.c", "parameters.c", "text.c")
 KINDS = ("tmn", "eem", "auto")
 MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
-RUNGS = ("auto", "torsional", "spatial", "planar", "rigid")
+FIDELITY_NAMES = ("auto", "torsional", "spatial", "planar", "rigid")
 GROUPS_OF_SIGNALS = (
     end_signals,
     loop_signals,
     stress_signals,
-    book_signals,
+    energy_signals,
     shape_signals,
     along_signals,
     added_mass_signals,
@@ -80,7 +80,7 @@ MESSAGE, ROUNDING = 512, 1e-12
 class CPattern(ct.Structure):
     _fields_ = (
         ("coarse", ct.c_double),
-        ("leg_growth", ct.c_double),
+        ("grading_length", ct.c_double),
         ("counts", ct.c_int32 * 7),
         ("end_levels", ct.c_int32),
     )
@@ -99,22 +99,23 @@ SIGNALS_BY_MEMBERS = """
 #include <string.h>
 #include "signals.h"
 
-void signals_by_members(int group, const Scene *scene, int rung, double t, double loop_yaw, const double *pole,
+void signals_by_members(int group, const Scene *scene, int fidelity, double t, double loop_yaw, const double *pole,
                         const double *offsets, const double *means, const int *phases, const double *signs,
-                        const Path *paths, const double *ledger, const double *counts, const Arrays *arrays,
+                        const Path *paths, const double *energy_balance, const double *counts, const Arrays *arrays,
                         const double (*strains)[4], const LoopBottom *bottom, double *values) {
     State s;
     memset(&s, 0, sizeof s);
-    s.t = t, s.loop_yaw = loop_yaw, s.rung = rung;
+    s.t = t, s.loop_yaw = loop_yaw, s.fidelity = fidelity;
     memcpy(s.pole, pole, sizeof s.pole);
     for (int k = 0; k < 2; k++) {
         s.offsets[k] = offsets[k], s.force_mean[k] = means[k], s.paths[k] = paths[k];
         s.swivels[k].phase = phases[k], s.swivels[k].sign = signs[k];
     }
-    const double *l = ledger, *n = counts;
-    s.ledger.kinetic = l[0], s.ledger.strain = l[1], s.ledger.gravity = l[2], s.ledger.work_ends = l[3];
-    s.ledger.dissipated_material = l[4], s.ledger.dissipated_swivel = l[5], s.ledger.nonconservative = l[6];
-    s.ledger.transformations = l[7], s.ledger.start = l[8];
+    const double *l = energy_balance, *n = counts;
+    EnergyBalance *e = &s.energy_balance;
+    e->kinetic = l[0], e->strain = l[1], e->gravity = l[2], e->work_ends = l[3];
+    e->dissipated_material = l[4], e->dissipated_swivel = l[5], e->nonconservative = l[6];
+    e->transformations = l[7], e->start = l[8];
     s.counts.steps = (int64_t)n[0], s.counts.rejections = (int64_t)n[1], s.counts.newton = (int64_t)n[2];
     s.counts.transformations = (int64_t)n[3], s.counts.swivel_events = (int64_t)n[4];
     signals_of(group, scene, &s, arrays, strains, bottom, values);
@@ -146,21 +147,21 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     library = ct.CDLL(str(path))
     n, x, p = ct.c_int, ct.c_double, ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
-        "mesh_suited": (GROUPS[Mesh], p, p, p),
+        "mesh_fit": (GROUPS[Mesh], p, p, p),
         "mesh_elements": (n, p, x, p),
         "mesh_partition": (None, p, x, x, n, p, p),
-        "mesh_transformed": (None, p, n, n, p),
+        "mesh_transform": (None, p, n, n, p),
         "mesh_centre": (x, p),
         "mesh_distance_to_due": (x, p, x),
         "mesh_transformation_due": (n, p, x, x),
-        "mesh_misplaced": (None, p, x, x, p),
+        "mesh_placement_problem": (None, p, x, x, p),
         "mesh_arc_lengths": (None, n, p, p),
-        "transfer_interpolated": (None, n, p, p, n, p, p),
-        "transfer_carried": (None, n, p, p, n, p, p),
+        "transfer_interpolate": (None, n, p, p, n, p, p),
+        "transfer_fields": (None, n, p, p, n, p, p),
         "frame_pole_margin": (x, p, n, p),
         "frame_best_pole": (None, n, p, p),
         "frame_pole_change_angle": (None, p, p, n, p, p),
-        "frame_counted_on": (x, x, x),
+        "frame_nearest_turn": (x, x, x),
         "shape_loop_bottom": (CLoopBottom, n, p, p),
         "shape_leg_clearance": (x, n, p, p, p, x, x),
         "shape_places": (None, x, x, n, p),
@@ -213,7 +214,7 @@ def c_partition(parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float
 
 def as_in_c(mesh: Partition) -> tuple[Any, Array]:
     """Pattern and lengths."""
-    return CPattern(mesh.coarse, mesh.leg_growth, (ct.c_int32 * 7)(*mesh.counts), mesh.end_levels), mesh.lengths
+    return CPattern(mesh.coarse, mesh.grading_length, (ct.c_int32 * 7)(*mesh.counts), mesh.end_levels), mesh.lengths
 
 
 def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:
@@ -225,7 +226,7 @@ def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:
     return bytes(pattern), lengths.tobytes()
 
 
-def counted(twos: tuple[int, int], fours: tuple[int, int], fine: int) -> tuple[int, int, int, int, int]:
+def element_counts(twos: tuple[int, int], fours: tuple[int, int], fine: int) -> tuple[int, int, int, int, int]:
     """Numbers of elements of all segments, without II and VI also without III and V."""
     if twos == (0, 0):
         fours = twos
@@ -234,7 +235,7 @@ def counted(twos: tuple[int, int], fours: tuple[int, int], fine: int) -> tuple[i
 
 meshes = st.builds(
     lambda kind, elements, l, twos, fours, fine, levels, growth, error: Mesh(
-        kind, elements, l, counted(twos, fours, fine), levels, growth, error
+        kind, elements, l, element_counts(twos, fours, fine), levels, growth, error
     ),
     st.sampled_from(KINDS),
     st.integers(2, 400),
@@ -257,8 +258,8 @@ layouts = st.builds(Layout, st.floats(0.3, 5.0))
 @given(mesh=meshes, rope=ropes, layout=layouts)
 @example(mesh=Mesh("auto", loop_error=1.0), rope=Rope(length=9000.0, EI=0.01), layout=Layout(8.0))  # most end levels
 @settings(max_examples=200, deadline=None)
-def test_suited_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
-    ours, expected = parts.mesh_suited(c_of(mesh), c_of(rope), c_of(layout)), suited(mesh, rope, layout)
+def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
+    ours, expected = parts.mesh_fit(c_of(mesh), c_of(rope), c_of(layout)), fit_mesh(mesh, rope, layout)
     assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
         expected.kind,
         expected.elements,
@@ -266,7 +267,7 @@ def test_suited_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope,
         expected.end_levels,
     )
     assert_allclose(ours.coarse_length, expected.coarse_length, rtol=1e-15)
-    assert_allclose(ours.leg_growth, expected.leg_growth, rtol=1e-15)
+    assert_allclose(ours.grading_length, expected.grading_length, rtol=1e-15)
     assert ours.loop_error == expected.loop_error
 
 
@@ -314,13 +315,13 @@ def test_loop_that_travels_to_and_fro_transforms_alike(
     for place in data.draw(st.lists(st.floats(0.0, length), min_size=1, max_size=5)):
         slack = data.draw(st.sampled_from((0.0, 1e-7)))
         text = message()
-        parts.mesh_misplaced(pattern, length, place, text)
-        assert text.value.decode() == misplaced(old, place)
+        parts.mesh_placement_problem(pattern, length, place, text)
+        assert text.value.decode() == placement_problem(old, place)
         while direction := transformation_due(old, place, slack):
             assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
             assert parts.mesh_transformation_due(pattern, place, slack) == direction
-            old = transformed(old, direction)
-            parts.mesh_transformed(pattern, direction, len(lengths), lengths)
+            old = transform(old, direction)
+            parts.mesh_transform(pattern, direction, len(lengths), lengths)
             assert [*map(bytes, ours)] == [*map(bytes, as_in_c(old))]
             assert parts.mesh_centre(pattern) == old.centre
         assert parts.mesh_transformation_due(pattern, place, slack) == 0
@@ -333,8 +334,8 @@ def test_loop_at_the_centre_or_a_limit_is_judged_alike(parts: SimpleNamespace, l
     pattern, _ = c_partition(parts, Mesh(), 120.0, 60.0)
     for part in (-limit - 0.01, -limit, limit, limit + 0.01):
         place, text = mesh.centre + part * mesh.coarse, message()
-        parts.mesh_misplaced(pattern, 120.0, place, text)
-        assert text.value.decode() == misplaced(mesh, place)
+        parts.mesh_placement_problem(pattern, 120.0, place, text)
+        assert text.value.decode() == placement_problem(mesh, place)
         for slack in (-1.0, 0.0, 1e-7, 100.0):
             assert parts.mesh_transformation_due(pattern, place, slack) == transformation_due(mesh, place, slack)
 
@@ -361,8 +362,8 @@ def test_interpolated_values_are_the_same(
     # anywhere, at the nodes, and a hair beside them
     new_s = np.concatenate((np.array(new) * s[-1], s, s + 1e-10, s - 1e-8, s + 1e-8))
     x, y = rough(s, seed), np.full((new_s.size + 1, 7), -7.0)
-    parts.transfer_interpolated(s.size, x, s, new_s.size, new_s, y)
-    assert_allclose(y[:-1], interpolated(x, s, new_s), rtol=ROUNDING, atol=ROUNDING)
+    parts.transfer_interpolate(s.size, x, s, new_s.size, new_s, y)
+    assert_allclose(y[:-1], interpolate(x, s, new_s), rtol=ROUNDING, atol=ROUNDING)
     assert np.all(y[-1] == -7.0)
 
 
@@ -370,16 +371,16 @@ def test_interpolated_values_are_the_same(
 def test_state_carried_to_a_transformed_mesh_is_the_same(
     parts: SimpleNamespace, direction: int, growth: float, seed: int
 ) -> None:
-    mesh = Mesh(leg_growth=growth)
+    mesh = Mesh(grading_length=growth)
     old = partition(mesh, 120.0, 50.0)
     pattern, lengths = c_partition(parts, mesh, 120.0, 50.0)
-    parts.mesh_transformed(pattern, direction, len(lengths), lengths)
+    parts.mesh_transform(pattern, direction, len(lengths), lengths)
     new_s = arc_lengths(lengths)
     fields = np.array([rough(old.nodes_s, seed + k) for k in range(2)])
     work = np.full((10 + 14 * len(fields)) * new_s.size + 1, -7.0)  # as in core.h
-    expected = transferred(fields, old.nodes_s, transformed(old, direction).nodes_s)
+    expected = transfer_fields(fields, old.nodes_s, transform(old, direction).nodes_s)
     addresses = (ct.c_void_p * 2)(*(x.ctypes.data for x in fields))
-    parts.transfer_carried(new_s.size, old.nodes_s, new_s, 2, addresses, work)
+    parts.transfer_fields(new_s.size, old.nodes_s, new_s, 2, addresses, work)
     assert_allclose(fields, expected, rtol=ROUNDING, atol=ROUNDING)
     assert work[-1] == -7.0
 
@@ -394,7 +395,7 @@ def unit(seed: int) -> Array:
     return np.asarray(x / np.linalg.norm(x))
 
 
-def curved(seed: int, nodes: int = 60, turns: float = 1.5) -> Array:
+def random_curve(seed: int, nodes: int = 60, turns: float = 1.5) -> Array:
     """(nodes, 7): tangents that wander over the sphere without a jump, of any length."""
     random, u = np.random.default_rng(seed), np.linspace(0.0, 1.0, nodes)
     q = random.normal(size=(nodes, 7))
@@ -406,7 +407,7 @@ def curved(seed: int, nodes: int = 60, turns: float = 1.5) -> Array:
 @given(seed=st.integers(0, 10000))
 @settings(deadline=None)
 def test_pole_and_its_margin_are_the_same(parts: SimpleNamespace, seed: int) -> None:
-    q, pole = curved(seed), np.empty(3)
+    q, pole = random_curve(seed), np.empty(3)
     t = tangents(q)
     parts.frame_best_pole(len(q), q[0, 3:], pole)
     assert_allclose(pole, best_pole(t), atol=ROUNDING)
@@ -417,7 +418,7 @@ def test_pole_and_its_margin_are_the_same(parts: SimpleNamespace, seed: int) -> 
 @given(seed=st.integers(0, 10000), turns=st.floats(0.1, 4.0))
 @settings(deadline=None)
 def test_pole_change_angle_is_the_same(parts: SimpleNamespace, seed: int, turns: float) -> None:
-    q, old, new = curved(seed, turns=turns), unit(seed + 1), unit(seed + 2)
+    q, old, new = random_curve(seed, turns=turns), unit(seed + 1), unit(seed + 2)
     t = tangents(q)
     assume(min(pole_margin(old, t), pole_margin(new, t)) > 1e-3)  # at a pole's antipode rounding grows
     angle = np.empty(len(q))
@@ -441,12 +442,12 @@ def test_pole_change_angle_counts_on_beyond_the_cut(parts: SimpleNamespace) -> N
 
 @given(angle=st.floats(-4.0, 4.0), last=st.floats(-100.0, 100.0))
 def test_angle_counted_on_is_the_same(parts: SimpleNamespace, angle: float, last: float) -> None:
-    assert parts.frame_counted_on(angle, last) == counted_on(angle, last)
+    assert parts.frame_nearest_turn(angle, last) == nearest_turn(angle, last)
 
 
 def test_angle_half_a_turn_away_is_rounded_to_even_turns(parts: SimpleNamespace) -> None:
     for halves in range(-7, 8):
-        assert parts.frame_counted_on(0.0, halves * math.pi) == counted_on(0.0, halves * math.pi)
+        assert parts.frame_nearest_turn(0.0, halves * math.pi) == nearest_turn(0.0, halves * math.pi)
 
 
 hangings = st.tuples(
@@ -454,7 +455,7 @@ hangings = st.tuples(
 )
 
 
-def hung(spacing: float, height: float, z: float, coarse: float, length: float) -> tuple[Array, Array, Array]:
+def hang(spacing: float, height: float, z: float, coarse: float, length: float) -> tuple[Array, Array, Array]:
     """Arc lengths and ends of a rope."""
     left, right = np.array([-0.5 * spacing, height, z]), np.array([0.5 * spacing, 0.0, -z])
     cells = partition(Mesh(coarse_length=coarse, counts=(2, 4, 8, 4, 2)), length, 0.5 * (length + height))
@@ -465,7 +466,7 @@ def hung(spacing: float, height: float, z: float, coarse: float, length: float) 
 @settings(max_examples=200, deadline=None)
 def test_hanging_guess_is_the_same(parts: SimpleNamespace, hanging: tuple[float, ...]) -> None:
     assume(hanging[-1] > 15 * hanging[3])
-    s, left, right = hung(*hanging)
+    s, left, right = hang(*hanging)
     q, text = np.empty((s.size, 7)), message()
     parts.shape_hanging_guess(s.size, s, left, right, q, text)
     assert text.value == b""
@@ -498,9 +499,9 @@ def test_rope_too_short_to_hang_is_refused_in_the_same_words(
     assert text.value.decode() == str(expected.value)
 
 
-def swaying(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:
+def sway(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:
     """Configuration, element lengths and nodes of a rope that hangs crooked, its legs perhaps crossed."""
-    s, left, right = hung(*hanging)
+    s, left, right = hang(*hanging)
     q, random = hanging_guess(s, left, right), np.random.default_rng(seed)
     q[:, 0] += random.normal() * np.sin(3 * s / s[-1])
     q[:, 2] += random.normal() * np.sin(5 * s / s[-1])
@@ -512,7 +513,7 @@ def swaying(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]
 @settings(max_examples=100, deadline=None)
 def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: tuple[float, ...], seed: int) -> None:
     assume(hanging[-1] > 15 * hanging[3])
-    q, lengths, s = swaying(hanging, seed)
+    q, lengths, s = sway(hanging, seed)
     bottom, expected = parts.shape_loop_bottom(s.size, q, s), loop_bottom(q, lengths)
     # the parabola's minimum comes from second differences: the root of rounding of s, and of what s moves
     root = 1e-7
@@ -555,10 +556,10 @@ def any_rope(
     seed: int,
     phases: tuple[Phase, Phase],
     modes: tuple[SwivelMode, SwivelMode],
-    rung: RungName = "torsional",
+    fidelity: Fidelity = "torsional",
 ) -> Any:
     """What a RopeSimulator shows of itself, with any numbers in it that belong to no motion."""
-    q, lengths, s = swaying(hanging, seed)
+    q, lengths, s = sway(hanging, seed)
     random = np.random.default_rng(seed + 1)
     swivels = tuple(Swivel(mode, 0.1, 0.3, 0.2, 0.7) for mode in modes)
     states = tuple(SwivelState(phase, *random.normal(size=2)) for phase in phases)
@@ -579,9 +580,9 @@ def any_rope(
         last_interval=0.1,
         force_mean=tuple(random.normal(size=2)),
         loop_yaw=20 * random.normal(),
-        rung=rung,
-        rung_reason="",
-        ledger=Ledger(*random.normal(size=9)),
+        fidelity=fidelity,
+        fidelity_reason="",
+        energy_balance=EnergyBalance(*random.normal(size=9)),
         counts=Counts(*map(int, random.integers(0, 2**40, 6))),
     )
     scene = Scene(Rope(Qb=2.4e5, Qc=2.1e5), Layout(hanging[0]), *swivels)
@@ -602,12 +603,12 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     phases = (ct.c_int * 2)(*(x.phase.value for x in state.swivels))
     signs, offsets, means = (np.array(x) for x in ([x.sign for x in state.swivels], state.offsets, state.force_mean))
     paths = (PathStructure * 2)(*map(path_structure, state.paths))
-    ledger, counts = np.array(state.ledger), np.array(state.counts, dtype=float)
+    energy_balance, counts = np.array(state.energy_balance), np.array(state.counts, dtype=float)
     arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
     parts.arrays_of(m.q, m.v, m.a, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
     parts.signals_by_members(
-        group, scene_structure(rope.scene), RUNGS.index(state.rung), m.t, state.loop_yaw, state.pole, offsets, means,
-        phases, signs, paths, ledger, counts, arrays, rope.system.strains(m.q), bottom, values
+        group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, state.pole,
+        offsets, means, phases, signs, paths, energy_balance, counts, arrays, rope.system.strains(m.q), bottom, values
     )  # fmt: skip
     assert np.isnan(values[-1])
     return values[:-1]
@@ -618,7 +619,7 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     seed=st.integers(0, 1000),
     phases=st.tuples(*[st.sampled_from(Phase)] * 2),
     modes=st.tuples(*[st.sampled_from(MODES)] * 2),
-    rung=st.sampled_from(LADDER),
+    fidelity=st.sampled_from(FIDELITIES),
 )
 @settings(max_examples=60, deadline=None)
 def test_signals_are_the_same(
@@ -627,10 +628,10 @@ def test_signals_are_the_same(
     seed: int,
     phases: tuple[Phase, Phase],
     modes: tuple[SwivelMode, SwivelMode],
-    rung: RungName,
+    fidelity: Fidelity,
 ) -> None:
     assume(hanging[-1] > 15 * hanging[3])
-    rope = any_rope(hanging, seed, phases, modes, rung)
+    rope = any_rope(hanging, seed, phases, modes, fidelity)
     computed = (function(rope) for function in GROUPS_OF_SIGNALS if function is not added_mass_signals)
     expected, ours = {name: value for values in computed for name, value in values.items()}, {}
     for group in range(len(GROUPS_OF_SIGNALS)):

@@ -18,7 +18,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
-from native_raw import ERROR, OK, SMALL, Instance, Library, resealed
+from native_raw import ERROR, OK, SMALL, Instance, Library, reseal
 
 from fmu_src.native.build import available_platforms
 from fmu_src.native.export import native_table, rope_sources, shell_sources
@@ -49,7 +49,7 @@ def library(request: pytest.FixtureRequest, libraries: dict[int, Library]) -> Li
     return libraries[request.param]
 
 
-def lived(rope: Instance, steps: int) -> list[tuple[float, ...]]:
+def live(rope: Instance, steps: int) -> list[tuple[float, ...]]:
     """The forces of steps of 20 ms, over a transformation when there are some fifty of them."""
     record = []
     for k in range(steps):
@@ -81,10 +81,10 @@ def test_eight_threads_step_eight_instances_as_one_alone(library: Library) -> No
     start = {"right.y": 0.0, "inputs_at_step_end": 1}
     ropes = [Instance(library) for _ in range(9)]
     assert [rope.hang(start) for rope in ropes] == [OK] * 9
-    alone = lived(ropes[8], 50)
+    alone = live(ropes[8], 50)
     assert ropes[8].real("energy.transformations") != 0
     with ThreadPoolExecutor(8) as threads:
-        records = list(threads.map(lambda rope: lived(rope, 50), ropes[:8]))
+        records = list(threads.map(lambda rope: live(rope, 50), ropes[:8]))
     for rope in ropes:
         rope.free()
     assert all(record == alone for record in records)
@@ -112,7 +112,7 @@ def test_nothing_is_taken_from_the_host_after_initialisation(libraries: dict[int
     assert rope.hang({"right.y": 0.0, "inputs_at_step_end": 1}) == OK
     before = len(taken)
     assert before <= 5  # instance, component, model, simulator, and its arrays in one piece
-    lived(rope, 60)
+    live(rope, 60)
     assert rope.real("energy.transformations") != 0
     assert rope.real("left.added_mass") > 0
     known, unknown = (ctypes.c_uint(rope.library.variables[n].valueReference) for n in ("left.y", "left.fy"))
@@ -142,7 +142,7 @@ def test_the_library_asks_for_memory_only_where_the_standard_leaves_it_to_the_fm
     assert not asked & {"open", "fopen", "write", "printf", "time", "exit", "abort", "setlocale", "rand", "pthread_create"}  # fmt: skip  # noqa: E501
 
 
-def compiled(folder: Path, fmi: int, *flags: str) -> Path:
+def compile_sources(folder: Path, fmi: int, *flags: str) -> Path:
     """The FMU's sources in ``folder``, compiled by cc with ``flags``."""
     table = native_table(rope_120())
     files = rope_sources() | shell_sources(table, fmi)
@@ -159,7 +159,7 @@ def test_no_source_has_data_that_can_be_written(fmi: int, tmp_path: Path) -> Non
     """Neither global nor static; what the compiler's own start-up code brings is not in the objects."""
     if not LINUX or not all(shutil.which(x) for x in ("cc", "nm")):
         pytest.skip("needs Linux, a C compiler and nm")
-    compiled(tmp_path, fmi, "-O0", "-fno-pic", "-c")
+    compile_sources(tmp_path, fmi, "-O0", "-fno-pic", "-c")
     listed = subprocess.run(
         ["nm", "-A", *sorted(p.name for p in tmp_path.glob("*.o"))], cwd=tmp_path, capture_output=True, text=True,
         check=True,
@@ -176,7 +176,7 @@ def test_a_whole_life_with_failed_calls_is_clean(checker: str, tmp_path: Path) -
     if not LINUX or (missing := [x for x in needed if not shutil.which(x)]):
         pytest.skip(f"needs Linux and {', '.join(needed if not LINUX else missing)}")
     flags = ["-g", "-O1"] + ([] if checker == "valgrind" else ["-fsanitize=address,undefined", "-fno-sanitize-recover"])
-    compiled(tmp_path, 2, *flags, "-fPIC", "-shared", "-fvisibility=hidden", "-o", "rope.so")
+    compile_sources(tmp_path, 2, *flags, "-fPIC", "-shared", "-fvisibility=hidden", "-o", "rope.so")
     program = ROOT / "tests" / "native" / "life_cycle.c"
     command = ["cc", "-std=gnu99", *flags, "-I.", str(program), "-o", "life", "-ldl", "-lm"]
     subprocess.run(command, cwd=tmp_path, check=True)
@@ -296,14 +296,14 @@ def test_hostile_states_are_refused_or_step_without_harm(library: Library, kind:
     lived_before = [rope.move(0.02 * k, 0.02) for k in range(5)]
     assert lived_before == [OK] * 5
     assert rope.save(state) == OK
-    data, good = rope.written(state), ctypes.c_void_p(state.value)
+    data, good = rope.write(state), ctypes.c_void_p(state.value)
     words = [struct.pack("<d", x) for x in (math.nan, math.inf, -1e300, 1e-300, 1e300)]
     words += [struct.pack("<ii", 2**31 - 1, -1), struct.pack("<ii", -(2**31), 7), struct.pack("<q", 2**62)]
     accepted = 0
     for number, place in enumerate(range(24, len(data) - 8, 8 * stride)):  # behind the checksum
         word = words[number % len(words)]
         bad = ctypes.c_void_p()
-        if rope.read(resealed(data[:place] + word + data[place + 8 :]), bad) == ERROR:
+        if rope.read(reseal(data[:place] + word + data[place + 8 :]), bad) == ERROR:
             continue
         if rope.restore(bad) == OK:
             accepted += 1
@@ -324,12 +324,12 @@ def test_a_state_on_other_elements_is_refused(library: Library) -> None:
     rope, state, bad = Instance(library), ctypes.c_void_p(), ctypes.c_void_p()
     assert rope.hang() == OK
     assert rope.save(state) == OK
-    data = rope.written(state)
+    data = rope.write(state)
     for word in range(1, 9 + 10 + 1):
         at = len(data) - 8 * word
         (value,) = struct.unpack_from("<d", data, at)
         for other in (value + 1e-6, -value - 1.0, math.nan):
-            assert rope.read(resealed(data[:at] + struct.pack("<d", other) + data[at + 8 :]), bad) == OK
+            assert rope.read(reseal(data[:at] + struct.pack("<d", other) + data[at + 8 :]), bad) == OK
             assert rope.restore(bad) == ERROR
             assert "not a state of this rope; save one anew" in rope.said[-1]
             assert rope.forget(bad) == OK
@@ -438,12 +438,12 @@ class Calls(RuleBasedStateMachine):
     def damage(self, i: int, slot: int, end: int | None, places: list[tuple[int, bytes]], sealed: bool) -> None:
         if not self.states[slot].value:
             return
-        data = bytearray(self.ropes[i].written(self.states[slot]))
+        data = bytearray(self.ropes[i].write(self.states[slot]))
         for place, new in places:
             at = place % len(data)
             data[at : at + len(new)] = new[: len(data) - at]
         bad, state = bytes(data[:end]), ctypes.c_void_p()
-        if self.ropes[i].read(resealed(bad) if sealed else bad, state) == OK:
+        if self.ropes[i].read(reseal(bad) if sealed else bad, state) == OK:
             self.ropes[i].restore(state)
             self.ropes[i].forget(state)
 
@@ -475,7 +475,7 @@ def as_new(rope: Instance) -> tuple[float, ...]:
     return rope.forces()
 
 
-def fuzzed(library: Library, examples: int, calls: int) -> None:
+def fuzz(library: Library, examples: int, calls: int) -> None:
     rope = Instance(library)
     expected = as_new(rope)
     rope.free()
@@ -490,9 +490,9 @@ def fuzzed(library: Library, examples: int, calls: int) -> None:
 
 
 def test_any_calls_in_any_order_neither_crash_nor_hang_and_a_reset_helps(library: Library) -> None:
-    fuzzed(library, 40, 40)
+    fuzz(library, 40, 40)
 
 
 @pytest.mark.slow
 def test_many_more_calls_in_any_order_neither_crash_nor_hang(library: Library) -> None:
-    fuzzed(library, 1000, 60)
+    fuzz(library, 1000, 60)

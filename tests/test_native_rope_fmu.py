@@ -50,7 +50,7 @@ def host(request: pytest.FixtureRequest, fmus: dict[int, Path], folders: dict[in
     made.call("FreeInstance")
 
 
-def moved(host: Host, t: float) -> None:
+def move(host: Host, t: float) -> None:
     for side, values in zip(("left", "right"), motion(t), strict=True):
         host.set(**{f"{side}.{key}": value for key, value in values.items()})
 
@@ -59,7 +59,7 @@ def run(host: Host, first: int, last: int, part: float = 1.0) -> list[list[float
     """Steps of ``part`` H over the winding of fmu_driver, and what is compared."""
     record = []
     for k in range(round(first / part), round(last / part)):
-        moved(host, (k + 1) * part * H)
+        move(host, (k + 1) * part * H)
         assert host.step(k * part * H, part * H) == ""
         record.append(host.get(*COMPARED))
     return record
@@ -114,7 +114,7 @@ def test_state_goes_on_to_the_bit_over_transformations_after_half_steps(host: Ho
     host.start(inputs_at_step_end=True)
     run(host, 0, 120)
     state = host.state()
-    data = host.serialized(state)
+    data = host.serialize(state)
     first = run(host, 120, 180)
     assert host.get("count.transformations")[0] > 0
     host.restore(state)
@@ -122,7 +122,7 @@ def test_state_goes_on_to_the_bit_over_transformations_after_half_steps(host: Ho
     host.restore(state)
     host.free(state)
     assert run(host, 120, 180) == first
-    taken = host.deserialized(data)
+    taken = host.deserialize(data)
     host.restore(taken)
     host.free(taken)
     assert run(host, 120, 180) == first
@@ -136,7 +136,7 @@ SWIVELS = {
 def elsewhere(path: str, folder: str, state: str, first: int, last: int) -> str:
     """What another process gets that goes on from the serialized state in a file, as exact text."""
     other = Host(Path(path), folder)
-    taken = other.deserialized(Path(state).read_bytes())
+    taken = other.deserialize(Path(state).read_bytes())
     other.restore(taken)
     other.free(taken)
     return repr(run(other, first, last))
@@ -149,7 +149,7 @@ def test_serialized_state_goes_on_in_another_process_over_swivel_events_to_the_b
     run(host, 0, 40)
     state = host.state()
     saved = tmp_path / "state"
-    saved.write_bytes(host.serialized(state))
+    saved.write_bytes(host.serialize(state))
     host.free(state)
     before = host.get("count.swivel_events")[0]
     here = repr(run(host, 40, 160))
@@ -167,17 +167,17 @@ def test_directional_derivatives_are_those_of_a_step(host: Host) -> None:
     run(host, 0, 30)
     for name in ("left.y", "right.vy", "left.ay", "right.ax"):
         state = host.state()
-        moved(host, 31 * H)
+        move(host, 31 * H)
         start, size = host.get(name)[0], {"y": 1e-7, "vy": 1e-5, "ay": 1e-3, "ax": 1e-3}[name.split(".")[1]]
         forces = []
         for change in (-size, size):
             host.restore(state)
-            moved(host, 31 * H)
+            move(host, 31 * H)
             host.set(**{name: start + change})
             assert host.step(30 * H) == ""
             forces.append(host.get(*LOADS))
         host.restore(state)
-        moved(host, 31 * H)
+        move(host, 31 * H)
         assert host.step(30 * H) == ""
         difference = (np.array(forces[1]) - forces[0]) / (2 * size)
         analytic = [host.derivative(force, name) for force in LOADS]
@@ -205,7 +205,7 @@ def test_hostile_values_name_value_bound_and_cure(host: Host) -> None:
     run(host, 0, 3)
     state = host.state()
     for values, words in (({"left.vy": 1e4}, "beyond +-60"), ({"left.y": 5.0}, "do not fit together")):
-        moved(host, 4 * H)
+        move(host, 4 * H)
         host.set(**values)
         assert words in host.step(3 * H)
         host.restore(state)

@@ -38,7 +38,7 @@ def small(start: Start, name: str = host_platform()) -> bytes:
     return library(SOURCES | {"start.c": c_start(start)}, "start", name).read_bytes()
 
 
-def filled(start: Start, name: str = host_platform()) -> bytes:
+def fill(start: Start, name: str = host_platform()) -> bytes:
     """The library of zeros, then ``start`` written into it."""
     shared = without_start(SOURCES, len(start.values))
     return with_start(library(shared, "start", name).read_bytes(), start)
@@ -49,25 +49,25 @@ START = Start("{0b0d8ab1-6e23-5ba9-8b62-1d3d6a1b8e05}", (1.5, -0.0, 1e300, 5e-32
 
 @pytest.mark.parametrize("name", [n for n in EVERYWHERE if "linux" in str(n.values[0])])
 def test_a_library_written_into_is_the_one_that_its_own_sources_make(name: str) -> None:
-    assert filled(START, name) == small(START, name) != small(Start("", (0.0,) * 4), name)
+    assert fill(START, name) == small(START, name) != small(Start("", (0.0,) * 4), name)
 
 
 @pytest.mark.parametrize("name", EVERYWHERE)
 def test_every_platform_has_one_place_for_start_values_and_takes_them(name: str) -> None:
-    made = filled(START, name)
+    made = fill(START, name)
     place = made.index(START.block())
     assert made.count(MAGIC) == 1
-    assert with_start(made, Start("", (0.0,) * 4)) == filled(Start("", (0.0,) * 4), name)
+    assert with_start(made, Start("", (0.0,) * 4)) == fill(Start("", (0.0,) * 4), name)
     assert place % 8 == 0  # as the doubles need it
 
 
 def test_other_numbers_of_start_values_and_long_tokens_are_refused() -> None:
     with pytest.raises(RuntimeError, match=r"takes 4 start values, not 3; delete it"):
-        with_start(filled(START), Start("", (0.0,) * 3))
+        with_start(fill(START), Start("", (0.0,) * 3))
     with pytest.raises(RuntimeError, match="no one place"):
-        with_start(filled(START) + START.block(), START)
+        with_start(fill(START) + START.block(), START)
     with pytest.raises(ValueError, match="65 bytes"):
-        with_start(filled(START), START._replace(token=65 * "x"))
+        with_start(fill(START), START._replace(token=65 * "x"))
 
 
 def signature(library: bytes) -> tuple[int, int, int, int, int]:

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("exudyn")
 
 from benchmarks.peer.exudyn_rope import Method, PeerRope
-from benchmarks.peer.runs import REFERENCE, TRAVEL, UNCOUPLED, hanging
+from benchmarks.peer.runs import REFERENCE, TRAVEL, UNCOUPLED, hanging_shape
 from rope_model.parameters import Mesh
 from rope_model.simulation.diagnostics import loop_bottom
 from rope_model.simulation.modal import natural_modes
@@ -19,7 +19,7 @@ HEIGHTS = (80.0, 0.0)
 
 @pytest.fixture(scope="module")
 def theirs() -> PeerRope:
-    rope = PeerRope(UNCOUPLED, "beam-quadratic", 120, hanging(UNCOUPLED, HEIGHTS), HEIGHTS)
+    rope = PeerRope(UNCOUPLED, "beam-quadratic", 120, hanging_shape(UNCOUPLED, HEIGHTS), HEIGHTS)
     rope.rest()
     return rope
 
@@ -46,7 +46,7 @@ def test_an_independent_code_finds_the_same_in_plane_frequencies(theirs: PeerRop
 
 def test_its_ends_follow_the_s_curve() -> None:
     heights = (0.0, TRAVEL)
-    rope = PeerRope(UNCOUPLED, "beam", 60, hanging(UNCOUPLED, heights), heights, REFERENCE)
+    rope = PeerRope(UNCOUPLED, "beam", 60, hanging_shape(UNCOUPLED, heights), heights, REFERENCE)
     rope.rest()
     record = rope.run(4.0, 0.04, Method(0.02, "full"))
     climbed = REFERENCE.at(4.0).position

@@ -110,7 +110,7 @@ def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_
     assert_allclose([left, right], [-25.0 * WEIGHT, -95.0 * WEIGHT], atol=0.5 * WEIGHT)
     assert sum("again the same: True" in line for line in (*told, at_rest)) == 9
     assert "533 signals" in last
-    assert "nothing to mind" in last
+    assert "no warnings" in last
     assert [file.name for file in cache.iterdir()] == [library().name]
 
 
@@ -138,13 +138,13 @@ def form(request: pytest.FixtureRequest) -> public.Form:
     return chosen
 
 
-def test_a_rope_that_is_not_hung_up_has_no_state(form: public.Form) -> None:
+def test_a_rope_that_is_not_initialised_has_no_state(form: public.Form) -> None:
     rope = balance_rope(SMALL, form)
     calls: tuple[Callable[[], object], ...] = (
         lambda: rope.state,
         lambda: rope.time,
-        lambda: rope.rung,
-        lambda: rope.rung_reason,
+        lambda: rope.fidelity,
+        lambda: rope.fidelity_reason,
         lambda: rope.signals(),
         lambda: rope.added_mass(),
         lambda: rope.warnings(),
@@ -160,7 +160,7 @@ def test_a_rope_that_is_not_hung_up_has_no_state(form: public.Form) -> None:
 def test_signals_are_read_by_name_in_the_order_asked_for(form: public.Form) -> None:
     rope = balance_rope(SMALL, form)
     assert rope.initialize(2.0, EndMotion(), EndMotion(y=10.0)).valid
-    assert (rope.time, rope.rung) == (2.0, "torsional")
+    assert (rope.time, rope.fidelity) == (2.0, "torsional")
     every = rope.signals()
     assert [*every] == [name for name in public.SIGNALS if not name.endswith("added_mass")]
     names = ("right.fy", "left.added_mass", "count.steps")
@@ -181,8 +181,8 @@ def test_both_forms_warn_of_the_same_in_the_same_words() -> None:
     for rope in (balance_rope(scene, "native"), balance_rope(scene, "python")):
         assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
         told.append(rope.warnings())
-    assert [*told[0]] == ["left_out"]
-    assert "the planar rung computes no torsion" in told[0]["left_out"]
+    assert [*told[0]] == ["neglected_effects"]
+    assert "the planar model computes no torsion" in told[0]["neglected_effects"]
     assert told[0] == told[1]
 
 
@@ -196,12 +196,24 @@ def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> No
         balance_rope(SMALL, "compiled")  # type: ignore[arg-type]
 
 
-def test_auto_takes_the_python_form_where_the_native_one_cannot_be_had(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_auto_takes_the_python_form_where_the_native_one_cannot_be_had(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    causes: list[Exception] = [
+        subprocess.CalledProcessError(1, ["cc"], stderr="rope.c:1: error: no room\n"),
+        RuntimeError("the native rope needs a C compiler; install one, or the ziglang package"),
+    ]
+
     def missing(scene: Scene) -> None:
-        raise RuntimeError("the native rope needs a C compiler; install one, or the ziglang package")
+        raise causes[0]
 
     monkeypatch.setattr(public, "NativeRope", missing)
+    # a compiler that fails is a fault and told, none is not
     assert isinstance(balance_rope(SMALL.with_(solver=Solver())), public.RopeSimulator)
+    assert ["no room" in r.getMessage() for r in caplog.records if r.levelname == "WARNING"] == [True]
+    del causes[0]
+    assert isinstance(balance_rope(SMALL.with_(solver=Solver())), public.RopeSimulator)
+    assert len([r for r in caplog.records if r.levelname == "WARNING"]) == 1
     with pytest.raises(RuntimeError, match="needs a C compiler"):
         balance_rope(SMALL, "native")
 

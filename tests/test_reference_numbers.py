@@ -15,7 +15,7 @@ from scipy.optimize import brentq, fsolve
 from rope_model.parameters import Rope
 from rope_model.physics.element import PARAMETERS
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
-from rope_model.simulation.modal import assembled_matrix, natural_modes
+from rope_model.simulation.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_system import (
     ANGLE,
     POSITION,
@@ -151,7 +151,7 @@ def loop_system(rope: Rope, height: float, theta: str, torque: float) -> RopeSys
 @cache
 def hanging_loop(rope: Rope, height: float, theta: str, torque: float = 0.0) -> Equilibrium:
     system = loop_system(rope, height, theta, torque)
-    ends = system.prescribed(0.0)[0][[0, -1], POSITION]
+    ends = system.prescribed_motion(0.0)[0][[0, -1], POSITION]
     return find_equilibrium(system, hanging_guess(arc_lengths(system.lengths), *ends))
 
 
@@ -237,7 +237,7 @@ def test_a_torque_yaws_the_loop_and_moves_the_legs_oppositely(torque: float, asi
     assert left * right < 0
     np.testing.assert_allclose(abs(np.degrees(bottom.yaw)), degrees, rtol=0.02)
     # the end that is held gives the torque back
-    np.testing.assert_allclose(system.assess(q, 0 * q, 0 * q, 0 * q).reaction[0, ANGLE], -torque, rtol=1e-3)
+    np.testing.assert_allclose(system.evaluate(q, 0 * q, 0 * q, 0 * q).reaction[0, ANGLE], -torque, rtol=1e-3)
 
 
 # rods without weight
@@ -308,7 +308,7 @@ def couple_of(d: Array, force: Array, pole: Array) -> Array:
     return np.array(moment)
 
 
-def twisted_straight(length: float, elements: int, tension: float, P: Array) -> tuple[RopeSystem, Array]:
+def clamped_straight(length: float, elements: int, tension: float, P: Array) -> tuple[RopeSystem, Array]:
     """Clamped at both ends; the stretch of ``tension`` in it, no twist yet."""
     s = np.linspace(0.0, length, elements + 1)
     q = straight(s)
@@ -324,7 +324,7 @@ def softest(system: RopeSystem, q: Array, twist: float) -> float:
     q = q.copy()
     q[:, ANGLE] = twist * arc_lengths(system.lengths) / arc_lengths(system.lengths)[-1]
     free = np.flatnonzero(system.free.ravel())
-    stiffness = assembled_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
+    stiffness = assemble_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
     # the chain couples neighbouring nodes only
     band = np.zeros((14, free.size))
     for k in range(14):
@@ -334,7 +334,7 @@ def softest(system: RopeSystem, q: Array, twist: float) -> float:
 
 def test_a_clamped_rod_buckles_at_the_known_twist() -> None:
     EI, GJ, L = 1.0, 0.7, 1.0
-    system, q = twisted_straight(L, 24, 0.0, material(POLE_X, Qa=1e4, Qd=GJ, EI=EI))
+    system, q = clamped_straight(L, 24, 0.0, material(POLE_X, Qa=1e4, Qd=GJ, EI=EI))
     twist = brentq(lambda x: softest(system, q, x), 6.0, 20.0, xtol=1e-8)
     # fourth order in l: 3e-5 with 24 elements
     np.testing.assert_allclose(GJ * twist / EI, 8.986819, rtol=1e-4)
@@ -342,7 +342,7 @@ def test_a_clamped_rod_buckles_at_the_known_twist() -> None:
 
 def test_a_long_rod_under_tension_hockles_at_twice_the_root_of_ei_t() -> None:
     EI, GJ, T, L = 1.0, 0.7, 1.0, 60.0
-    system, q = twisted_straight(L, 80, T, material(POLE_X, Qa=1e5, Qd=GJ, EI=EI))
+    system, q = clamped_straight(L, 80, T, material(POLE_X, Qa=1e5, Qd=GJ, EI=EI))
     twist = brentq(lambda x: softest(system, q, x), 1.9 * L / GJ, 2.2 * L / GJ, xtol=1e-3)
     # a finite length adds about (2 pi/L)^2/2: 0.5 %
     np.testing.assert_allclose(GJ * twist / L, 2 * np.sqrt(EI * T), rtol=0.01)
@@ -362,13 +362,13 @@ def ring_is_stable(elements: int, EI: float, GJ: float, twist: float) -> bool:
     system = portable_system(np.full(n, 2 * np.pi / n), P, Chain.unloaded(ring(np.ones(2))))
 
     # in equilibrium by symmetry but for its radius and stretch
-    def unbalanced(p: Array) -> Array:
+    def imbalance(p: Array) -> Array:
         q = ring(p)
-        return np.asarray(system.assess(q, 0 * q, 0 * q, 0 * q).reaction[n // 2, [0, 4]])
+        return np.asarray(system.evaluate(q, 0 * q, 0 * q, 0 * q).reaction[n // 2, [0, 4]])
 
-    q = ring(fsolve(unbalanced, np.ones(2), xtol=1e-12))
+    q = ring(fsolve(imbalance, np.ones(2), xtol=1e-12))
     closed = np.vstack((np.eye(7 * n), np.eye(7, 7 * n)))
-    stiffness = closed.T @ assembled_matrix(system, q, (1.0, 0.0, 0.0)) @ closed
+    stiffness = closed.T @ assemble_matrix(system, q, (1.0, 0.0, 0.0)) @ closed
     # rigid motions and rolling cost nothing: zero to 1e-10
     return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T))[0] > -1e-6)
 
@@ -386,12 +386,12 @@ def test_a_twisted_ring_leaves_its_plane_at_michells_twist() -> None:
 
 
 def test_a_tangent_rotated_with_the_rope_has_the_same_spectrum() -> None:
-    system, q = twisted_straight(1.0, 4, 0.0, material(POLE_X, Qa=1e4, Qd=0.7, EI=1.0))
+    system, q = clamped_straight(1.0, 4, 0.0, material(POLE_X, Qa=1e4, Qd=0.7, EI=1.0))
     turn = rotation(np.array([0.3, -0.8, 0.5]))
     moved = q.copy()
     moved[:, POSITION], moved[:, SLOPE] = q[:, POSITION] @ turn.T, q[:, SLOPE] @ turn.T
     other = portable_system(system.lengths, np.concatenate((system.P[:9], turn @ POLE_X)), Chain.unloaded(moved))
     spectra = [
-        np.linalg.eigvalsh(assembled_matrix(x, y, (1.0, 0.0, 0.0)).toarray()) for x, y in ((system, q), (other, moved))
+        np.linalg.eigvalsh(assemble_matrix(x, y, (1.0, 0.0, 0.0)).toarray()) for x, y in ((system, q), (other, moved))
     ]
     np.testing.assert_allclose(spectra[1], spectra[0], atol=1e-11 * spectra[0].max())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import importlib.metadata
 import json
@@ -24,7 +25,7 @@ from fmu_src.native.table import start_values
 from release.bill import bill_of_materials
 from release.libraries import libraries
 from release.trial import try_wheel
-from release.wheels import PACKAGES, build
+from release.wheels import PACKAGES, add_bill, build
 from rope_model.parameters import rope_120
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -63,6 +64,20 @@ def test_the_bill_names_every_file_with_its_hash_and_every_package_that_is_neede
     references = [part["bom-ref"] for part in bill["components"]]
     assert len(set(references)) == len(references)
     assert set(bill["dependencies"][0]["dependsOn"]) == set(references) - {"file:a.whl"}
+
+
+def test_the_bill_lies_in_the_wheel_and_in_its_record(tmp_path: Path) -> None:
+    wheel = tmp_path / "some.whl"
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("some.py", "1\n")
+        archive.writestr("some-1.dist-info/RECORD", "some.py,,\n")
+    add_bill(wheel)
+    with zipfile.ZipFile(wheel) as archive:
+        name = "some-1.dist-info/sboms/balance-rope.cdx.json"
+        data, record = archive.read(name), archive.read("some-1.dist-info/RECORD").decode()
+    assert json.loads(data)["bomFormat"] == "CycloneDX"
+    digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+    assert record == f"some.py,,\n{name},sha256={digest},{len(data)}\n"
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

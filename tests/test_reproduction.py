@@ -14,7 +14,7 @@ from benchmarks.reproduction.page import DATA, IMAGES, page
 from benchmarks.reproduction.section import Claim
 from benchmarks.reproduction.tables import Tables, read, table, write
 from benchmarks.stability.entry import Measured
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import RopeSimulator
 
@@ -80,7 +80,7 @@ def test_veering_is_told_from_curves_that_only_come_close() -> None:
         rows = frequencies.approaches(heights, f, shapes)
         names = ("lower mode", "H [m]", "gap [Hz]", "gap [%]", *frequencies.SWAPPED, *frequencies.KEPT, "along")
         assert [row[1] for row in rows] == [0.0]
-        assert list(frequencies.exchanged(table(names, rows))) == [swaps]
+        assert list(frequencies.exchange_rows(table(names, rows))) == [swaps]
 
 
 def test_eem_counts_at_an_error_are_interpolated_in_the_logarithms() -> None:

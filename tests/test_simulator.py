@@ -39,14 +39,14 @@ def ends_at(t: float) -> tuple[EndMotion, EndMotion]:
     return EndMotion(y=LOW + x, vy=v, ay=a), EndMotion(y=HIGH - x, vy=-v, ay=-a)
 
 
-def started(scene: Scene = SHORT) -> RopeSimulator:
+def start(scene: Scene = SHORT) -> RopeSimulator:
     rope = RopeSimulator(scene)
     status = rope.initialize(0.0, *ends_at(0.0))
     assert status.valid, status.message
     return rope
 
 
-def wound(rope: RopeSimulator, first: int, last: int, step: float = H) -> list[dict[str, float]]:
+def wind(rope: RopeSimulator, first: int, last: int, step: float = H) -> list[dict[str, float]]:
     """Signals after every step of the host."""
     record = []
     for k in range(first, last):
@@ -63,7 +63,7 @@ def test_locate_ends_between_neighbouring_numbers() -> None:
 
 
 def test_end_path_is_twice_continuously_differentiable_and_arrives() -> None:
-    path = EndPath.resting(0.0, EndMotion(y=2.0))
+    path = EndPath.at_rest(0.0, EndMotion(y=2.0))
     targets = [EndMotion(x=0.01, y=2.1, vy=3.0, ay=5.0, yaw=0.1, yaw_rate=0.2), EndMotion(y=2.2, vy=2.0, ay=-4.0)]
     for k, target in enumerate(targets):
         following = path.to(0.1 * (k + 1), target)
@@ -77,7 +77,7 @@ def test_end_path_is_twice_continuously_differentiable_and_arrives() -> None:
 
 
 def test_end_path_derivatives_are_those_of_its_position() -> None:
-    path = EndPath.resting(0.0, EndMotion()).to(0.5, EndMotion(y=1.0, vy=3.0, ay=2.0, yaw=0.3, yaw_rate=1.0))
+    path = EndPath.at_rest(0.0, EndMotion()).to(0.5, EndMotion(y=1.0, vy=3.0, ay=2.0, yaw=0.3, yaw_rate=1.0))
     d = 1e-6
     for t in (0.1, 0.25, 0.4):
         assert_allclose((path(t + d)[0] - path(t - d)[0]) / (2 * d), path(t)[1], rtol=0, atol=1e-8)
@@ -85,7 +85,7 @@ def test_end_path_derivatives_are_those_of_its_position() -> None:
 
 
 def test_rope_at_rest_stays_at_rest() -> None:
-    rope = started()
+    rope = start()
     before = rope.state.motion.q
     for k in range(20):
         assert rope.advance_to((k + 1) * H, *ends_at(0.0)).valid
@@ -111,7 +111,7 @@ def test_moments_of_the_ends_balance_about_the_vertical() -> None:
 
 def test_tmn_agrees_with_a_fine_equal_length_mesh_through_the_winding() -> None:
     fine = SHORT.with_(mesh=Mesh(kind="eem", elements=120))
-    records = [wound(started(scene), 0, 600) for scene in (SHORT, fine)]
+    records = [wind(start(scene), 0, 600) for scene in (SHORT, fine)]
     force = np.array([[row["left.fy"], row["right.fy"]] for row in records[0]])
     reference = np.array([[row["left.fy"], row["right.fy"]] for row in records[1]])
     # measured 0.008 % of the largest force and 1.1 mm; the acceptance is 0.5 % and 1 cm
@@ -123,7 +123,7 @@ def test_tmn_agrees_with_a_fine_equal_length_mesh_through_the_winding() -> None:
 
 
 def test_transformation_happens_each_coarse_length_of_travel_and_on_the_way_back() -> None:
-    rope = started()
+    rope = start()
     instants, counts = [], [rope.state.partition.counts]
     there = 500
     for k in range(2 * there):
@@ -146,65 +146,65 @@ def test_transformation_happens_each_coarse_length_of_travel_and_on_the_way_back
 
 
 def test_transformation_changes_the_energy_little() -> None:
-    rope = started()
+    rope = start()
     changes = []
     for k in range(500):
         assert rope.advance_to((k + 1) * H, *ends_at((k + 1) * H)).valid
         changes += [(e.kinetic, e.potential) for e in rope.state.events]
-    kinetic = max(s["energy.kinetic"] for s in wound(started(), 0, 300))
+    kinetic = max(s["energy.kinetic"] for s in wind(start(), 0, 300))
     worst = np.abs(changes).max(axis=0)
     # of about 500 J of kinetic energy, and of the work of one step
     assert worst[0] < 1e-5 * kinetic
     assert worst[1] < 0.05
 
 
-def test_energy_books_close_at_second_order_in_the_step() -> None:
+def test_energy_balance_closes_at_second_order_in_the_step() -> None:
     residuals = []
     for step in (0.01, 0.005):
         solver = Solver(step_max=step, tolerance=1.0)
-        rope = started(SHORT.with_(mesh=Mesh(kind="eem", elements=62), solver=solver))
-        wound(rope, 0, 550)
-        residuals.append(abs(rope.state.ledger.residual))
-    assert residuals[0] < 0.01 * rope.state.ledger.dissipated_material
+        rope = start(SHORT.with_(mesh=Mesh(kind="eem", elements=62), solver=solver))
+        wind(rope, 0, 550)
+        residuals.append(abs(rope.state.energy_balance.residual))
+    assert residuals[0] < 0.01 * rope.state.energy_balance.dissipated_material
     assert residuals[1] < 0.35 * residuals[0]
 
 
-def test_nonconservative_coupling_is_booked_and_the_books_close() -> None:
+def test_work_of_nonconservative_coupling_is_counted_and_the_energy_balance_closes() -> None:
     published = replace(SHORT.rope, Qb=2.371e5, Qc=2.301e5)
-    rope = started(SHORT.with_(rope=published))
-    wound(rope, 0, 550)
-    assert rope.state.ledger.nonconservative != 0.0
-    assert abs(rope.state.ledger.residual) < 0.2
+    rope = start(SHORT.with_(rope=published))
+    wind(rope, 0, 550)
+    assert rope.state.energy_balance.nonconservative != 0.0
+    assert abs(rope.state.energy_balance.residual) < 0.2
 
 
 def test_saved_state_continues_to_the_bit_over_a_transformation_and_a_release() -> None:
     swivel = Swivel(mode="coulomb", mu_static=0.004, mu_kinetic=0.003, release_time=1.5)
     scene = SHORT.with_(left=swivel, right=swivel)
-    rope = started(scene)
-    wound(rope, 0, 140)
+    rope = start(scene)
+    wind(rope, 0, 140)
     data = rope.save()
-    expected = wound(rope, 140, 240)
+    expected = wind(rope, 140, 240)
     assert expected[-1]["count.transformations"] > 0
     assert expected[-1]["count.swivel_events"] > 0
 
     again = RopeSimulator(scene)
     again.restore(data)
-    assert wound(again, 140, 240) == expected
+    assert wind(again, 140, 240) == expected
     assert again.save() == rope.save()
     assert RopeState.from_bytes(data).to_bytes() == data
 
 
 def test_same_run_twice_gives_the_same_bytes() -> None:
-    first, second = started(), started()
-    wound(first, 0, 50)
-    wound(second, 0, 50)
+    first, second = start(), start()
+    wind(first, 0, 50)
+    wind(second, 0, 50)
     assert first.save() == second.save()
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
 def test_compiled_and_portable_kernels_wind_alike() -> None:
     forms: tuple[Literal["compiled", "portable"], ...] = ("compiled", "portable")
-    records = [wound(started(SHORT.with_(solver=Solver(kernels=form))), 0, 100)[-1] for form in forms]
+    records = [wind(start(SHORT.with_(solver=Solver(kernels=form))), 0, 100)[-1] for form in forms]
     for name, value in records[1].items():
         # Newton leaves up to 1e-7, differently with the rounding of either form
         assert_allclose(records[0][name], value, rtol=1e-6, atol=1e-6, err_msg=name)
@@ -213,13 +213,13 @@ def test_compiled_and_portable_kernels_wind_alike() -> None:
 @pytest.mark.parametrize("data", [b"", b"nonsense", b"PK\x03\x04 not really"])
 def test_bytes_that_are_no_state_are_refused(data: bytes) -> None:
     with pytest.raises(ValueError, match="not a rope state"):
-        started().restore(data)
+        start().restore(data)
 
 
 def test_state_of_another_mesh_is_refused() -> None:
-    other = started(SHORT.with_(mesh=Mesh(kind="eem", elements=20), solver=Solver(kernels="portable")))
+    other = start(SHORT.with_(mesh=Mesh(kind="eem", elements=20), solver=Solver(kernels="portable")))
     with pytest.raises(ValueError, match="20 elements"):
-        started().restore(other.save())
+        start().restore(other.save())
 
 
 @pytest.mark.parametrize(
@@ -232,25 +232,25 @@ def test_state_of_another_mesh_is_refused() -> None:
     ],
 )
 def test_bad_motion_is_refused_with_its_name_and_nothing_is_lost(motion: EndMotion, message: str) -> None:
-    rope = started()
-    wound(rope, 0, 5)
+    rope = start()
+    wind(rope, 0, 5)
     before = rope.save()
     status = rope.advance_to(0.06, motion, ends_at(0.06)[1])
     assert not status.valid
     assert message in status.message
     assert rope.save() == before
-    wound(rope, 5, 8)
+    wind(rope, 5, 8)
 
 
 @pytest.mark.parametrize("t", [-1e-8, -1.0, math.nan, math.inf])
 def test_time_must_go_forward(t: float) -> None:
-    status = started().advance_to(t, *ends_at(0.0))
+    status = start().advance_to(t, *ends_at(0.0))
     assert not status.valid
     assert "time must go forward" in status.message or "cannot advance" in status.message
 
 
 def test_step_that_cannot_be_done_names_cause_and_cure_and_keeps_the_state() -> None:
-    rope = started(SHORT.with_(solver=Solver(tolerance=1e-14, step_min=2e-3)))
+    rope = start(SHORT.with_(solver=Solver(tolerance=1e-14, step_min=2e-3)))
     before = rope.save()
     status = rope.advance_to(0.5, *ends_at(0.5))
     assert not status.valid
@@ -260,15 +260,15 @@ def test_step_that_cannot_be_done_names_cause_and_cure_and_keeps_the_state() -> 
 
 
 def test_rejected_steps_are_halved_and_retried() -> None:
-    rope = started(SHORT.with_(solver=Solver(step_max=0.25, tolerance=1e-5)))
+    rope = start(SHORT.with_(solver=Solver(step_max=0.25, tolerance=1e-5)))
     assert rope.advance_to(1.0, *ends_at(1.0)).valid
     assert rope.state.counts.rejections > 0
     assert rope.state.step_next < 0.25
 
 
 def test_work_is_bounded() -> None:
-    rope = started()
-    wound(rope, 0, 550)
+    rope = start()
+    wind(rope, 0, 550)
     counts = rope.state.counts
     # one step of the host is one step of the rope but for transformations, and Newton needs two or three corrections
     assert counts.steps <= 550 + 2 * counts.transformations
@@ -277,8 +277,8 @@ def test_work_is_bounded() -> None:
 
 
 def test_every_signal_of_the_table_has_a_finite_value() -> None:
-    rope = started()
-    wound(rope, 0, 10)
+    rope = start()
+    wind(rope, 0, 10)
     values = rope.signals(SIGNALS)
     assert set(values) == set(SIGNALS)
     assert all(math.isfinite(value) for value in values.values())
@@ -287,8 +287,8 @@ def test_every_signal_of_the_table_has_a_finite_value() -> None:
 def test_added_mass_predicts_the_force_of_a_small_extra_acceleration() -> None:
     # one internal step per interval, so that the linearisation is the step itself
     scene = SHORT.with_(solver=Solver(newton_tolerance=1e-12))
-    rope = started(scene)
-    wound(rope, 0, 100)
+    rope = start(scene)
+    wind(rope, 0, 100)
     extra = 1e-2
     data, (left, right) = rope.save(), ends_at(1.01)
     pushed = replace(left, y=left.y + 0.5 * H**2 * extra, vy=left.vy + H * extra, ay=left.ay + extra)
@@ -349,14 +349,14 @@ def test_a_stiff_rope_hangs_without_being_told_how(EI: float) -> None:
 
 def test_swivel_without_any_friction_turns_freely_and_does_not_chatter() -> None:
     ideal = Swivel(mode="coulomb", mu_static=0.0, mu_kinetic=0.0)
-    rope = started(SHORT.with_(rope=replace(SHORT.rope, Qb=0.0, Qc=0.0), left=ideal, right=ideal))
-    wound(rope, 0, 20)
+    rope = start(SHORT.with_(rope=replace(SHORT.rope, Qb=0.0, Qc=0.0), left=ideal, right=ideal))
+    wind(rope, 0, 20)
     assert rope.state.counts.steps <= 22
     assert rope.state.counts.swivel_events == 0
 
 
 def test_twist_is_what_torque_and_strain_ask_for() -> None:
-    rope = started()
+    rope = start()
     s, data = rope.signals(), SHORT.rope
     # M = Qc e + Qd tau at the right end, with e from the tension there (Qs tau is small against Qa e)
     strain = (-s["right.fy"] - data.Qb * s["right.twist"]) / data.Qa

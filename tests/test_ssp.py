@@ -55,7 +55,7 @@ def ssp(request: Any, tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable
 
 
 @functools.cache
-def wound(tool: str, ssp: Path, steps: int = STEPS) -> NDArray[np.float64]:
+def wind(tool: str, ssp: Path, steps: int = STEPS) -> NDArray[np.float64]:
     """(steps, signals)."""
     command = [sys.executable, str(Path(ssp_driver.__file__)), tool, str(ssp), str(steps)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment())
@@ -69,14 +69,14 @@ def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(ssp: Path, tool: st
     require(tool)
     if ssp.parent.name.startswith("native-3") and 3 not in IMPORTS[tool]:
         pytest.skip(f"{tool} does not import FMI 3")
-    found, expected = wound(tool, ssp), wound(oracle, ssp)
+    found, expected = wind(tool, ssp), wind(oracle, ssp)
     assert expected[-1, 0] == pytest.approx(90.0, abs=0.01)
     # the same calls in the same order
     assert_allclose(found, expected, rtol=1e-13, atol=0.0)
 
 
 def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
-    found = wound("fmpy_adding", ssp)
+    found = wind("fmpy_adding", ssp)
     # the connections carry mean forces
     recording = Host(rope_in_process("rope-120"), coupling=Coupling(scheme="impulse-preserving")).run().recording
     names = ["conveyance.left.y", "conveyance.right.y", "conveyance.left.vy", "drive.torque", "left.fy", "right.fy"]
@@ -90,7 +90,7 @@ def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
 
 def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
     """Whatever rest of a step adding up the steps leaves at the end."""
-    found, expected = wound("master", ssp), wound("fmpy_adding", ssp)
+    found, expected = wind("master", ssp), wind("fmpy_adding", ssp)
     assert abs(len(found) - STOP / ssp_driver.H) <= 1
     assert_allclose(found[:STEPS], expected, rtol=0.0, atol=0.0)
 
@@ -109,7 +109,7 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
     )
     start = {**scene.rope, "right.y": scene.hoist.shaft_travel}
     export_native(tmp_path / "rope.fmu", fmi=3, platforms=here, start=start)
-    found = wound("fmpy_adding", system(tmp_path, tmp_path / "rope.fmu", tmp_path / "drive.fmu"), steps)
+    found = wind("fmpy_adding", system(tmp_path, tmp_path / "rope.fmu", tmp_path / "drive.fmu"), steps)
     recording = (
         Host(
             rope_in_process(name), scene.hoist, short.winding, Coupling(scheme="impulse-preserving"), gains=scene.gains

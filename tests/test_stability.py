@@ -1,4 +1,4 @@
-"""Every claim of the stability suite: that the twin breaks, and that ours holds."""
+"""Every claim of the stability suite: that the counterexample breaks, and that ours holds."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from benchmarks.stability.suite import chapters, entries
 @pytest.mark.parametrize(
     "entry", [pytest.param(e, id=e.key, marks=[pytest.mark.slow] if e.slow else []) for e in entries()]
 )
-def test_the_twin_breaks_and_ours_holds(entry: Entry) -> None:
+def test_the_counterexample_breaks_and_ours_holds(entry: Entry) -> None:
     finding = entry.measure()
-    assert finding.twin
+    assert finding.counterexample
     assert finding.ours
-    failed = [f"{m.what}: {claim(m)}" for m in (*finding.twin, *finding.ours) if not m.holds]
+    failed = [f"{m.what}: {claim(m)}" for m in (*finding.counterexample, *finding.ours) if not m.holds]
     assert finding.holds, f"{entry.key}: {'; '.join(failed)}"
 
 

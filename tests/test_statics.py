@@ -31,7 +31,7 @@ def tmn_lengths(height: float) -> Array:
     return np.concatenate((np.full(left, 2.0), fine, np.full(round((120 - fine.sum()) / 2) - left, 2.0)))
 
 
-def hanging(rope: Rope, lengths: Array, spacing: float, height: float) -> tuple[RopeSystem, Equilibrium]:
+def hang(rope: Rope, lengths: Array, spacing: float, height: float) -> tuple[RopeSystem, Equilibrium]:
     ends = np.array([[-spacing / 2, height / 2, 0.0], [spacing / 2, -height / 2, 0.0]])
     chain = Chain.unloaded(np.zeros((lengths.size + 1, 7)))
     chain.held[[0, -1]] = True
@@ -62,7 +62,7 @@ def assert_hangs(rope: Rope, system: RopeSystem, e: Equilibrium) -> None:
 @pytest.mark.parametrize("EI", [50.0, 300.0, 1000.0])
 def test_the_hanging_shape_is_found(EI: float, spacing: float, height: float, coupling: float) -> None:
     rope = Rope(EI=EI, Qb=coupling, Qc=coupling)
-    system, e = hanging(rope, tmn_lengths(height), spacing, height)
+    system, e = hang(rope, tmn_lengths(height), spacing, height)
     assert_hangs(rope, system, e)
 
 
@@ -73,7 +73,7 @@ def test_the_hanging_shape_is_found(EI: float, spacing: float, height: float, co
 def test_the_hanging_shape_is_found_on_a_coarse_mesh(EI: float, height: float) -> None:
     # elements of 3 m around a loop 2 m wide: the shape is poor, but it is found and carries the weight
     rope = Rope(EI=EI)
-    _, e = hanging(rope, np.full(40, 3.0), 2.0, height)
+    _, e = hang(rope, np.full(40, 3.0), 2.0, height)
     weight = rope.mass_per_length * G * rope.length
     np.testing.assert_allclose(e.reaction[[0, -1], 1].sum(), weight, rtol=1e-9)
 
@@ -100,7 +100,7 @@ def test_a_search_without_success_says_what_is_left_and_what_to_check() -> None:
 
 
 def test_an_equilibrium_stays_where_it_is() -> None:
-    system, e = hanging(Rope(), tmn_lengths(0.0), 2.0, 0.0)
+    system, e = hang(Rope(), tmn_lengths(0.0), 2.0, 0.0)
     again = find_equilibrium(system, e.q)
     # the step of pseudo-time has to grow from 0.1 s to 1e8 s by 1.5 each
     assert again.iterations < 60

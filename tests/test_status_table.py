@@ -34,7 +34,7 @@ class Call(NamedTuple):
     versions: tuple[int, ...] = (2, 3)
 
 
-def brought_to(library: Library, state: str) -> Instance:
+def bring_to(library: Library, state: str) -> Instance:
     """An instance in one of STATES; "failed" by a step that goes on from another time."""
     rope = Instance(library)
     if state == "instantiated":
@@ -51,7 +51,7 @@ def brought_to(library: Library, state: str) -> Instance:
     return rope
 
 
-def entered(rope: Instance) -> int:
+def enter(rope: Instance) -> int:
     """Into initialisation mode, without set-up in FMI 2."""
     return rope.call("EnterInitializationMode") if rope.library.fmi == 2 else rope.enter()
 
@@ -73,7 +73,7 @@ def got(name: str, reference: int | None = None) -> Callable[[Instance], int]:
     return make
 
 
-def put(name: str, value: float, **more: Any) -> Callable[[Instance], int]:
+def put_value(name: str, value: float, **more: Any) -> Callable[[Instance], int]:
     """A scalar is set."""
     return lambda rope: rope.set(name, value, **more)
 
@@ -83,32 +83,32 @@ def logging(category: bytes) -> Callable[[Instance], int]:
     return lambda rope: rope.call("SetDebugLogging", ctypes.c_int(1), _ONE, names)
 
 
-def saved(rope: Instance) -> int:
+def save(rope: Instance) -> int:
     state = ctypes.c_void_p()
     return rope.save(state) or rope.forget(state)
 
 
-def saved_and_restored(rope: Instance) -> int:
+def save_and_restore(rope: Instance) -> int:
     state = ctypes.c_void_p()
     return rope.save(state) or rope.restore(state) or rope.forget(state)
 
 
-def written_and_read(rope: Instance) -> int:
+def write_and_read(rope: Instance) -> int:
     state, read = ctypes.c_void_p(), ctypes.c_void_p()
-    return rope.save(state) or rope.read(rope.written(state), read) or rope.restore(read)
+    return rope.save(state) or rope.read(rope.write(state), read) or rope.restore(read)
 
 
-def asked(name: str, kind: int) -> Callable[[Instance], int]:
+def ask(name: str, kind: int) -> Callable[[Instance], int]:
     """fmi2Get...Status: 0 doStep, 1 pending, 2 last successful time, 3 terminated."""
     room = ctypes.create_string_buffer(16)
     return lambda rope: rope.call(name, ctypes.c_int(kind), room)
 
 
-def unsupported(name: str) -> Callable[[Instance], int]:
+def call_unsupported(name: str) -> Callable[[Instance], int]:
     return lambda rope: rope.call(name, *[ctypes.c_size_t(0)] * 5)
 
 
-def derived(unknown: str, known: str) -> Callable[[Instance], int]:
+def derive(unknown: str, known: str) -> Callable[[Instance], int]:
     def make(rope: Instance) -> int:
         table = rope.library.variables
         of, to = (ctypes.byref(ctypes.c_uint(table[name].valueReference)) for name in (unknown, known))
@@ -125,7 +125,7 @@ TABLE: dict[str, Call] = {
     "setupExperiment": Call(set_up(0.0, STOP), "OEEEE", (2,)),
     "setupExperiment, start NaN": Call(set_up(math.nan, STOP), "EEEEE", (2,)),
     "setupExperiment, stop before start": Call(set_up(1.0, 0.0), "EEEEE", (2,)),
-    "enterInitializationMode": Call(entered, "OEEEE"),
+    "enterInitializationMode": Call(enter, "OEEEE"),
     "exitInitializationMode": Call(lambda rope: rope.call("ExitInitializationMode"), "EOEEE"),
     "doStep": Call(lambda rope: rope.step(H, H), "EEOEE"),
     "doStep from another time": Call(lambda rope: rope.step(0.5, H), "EEEEE"),
@@ -139,38 +139,38 @@ TABLE: dict[str, Call] = {
     "get a real output": Call(got("left.fy"), "EOOOO"),
     "get an integer output": Call(got("count.steps"), "EOOOO"),
     "get a boolean output": Call(got("left.swivel.slipping"), "EOOOO"),
-    "get a text": Call(got("status.rung"), "EOOOO", (2,)),
+    "get a text": Call(got("status.fidelity"), "EOOOO", (2,)),
     "get status.valid": Call(got("status.valid"), "OOOOO"),
     "get status.message": Call(got("status.message"), "OOOOO", (2,)),
     "get an unknown reference": Call(got("left.fy", 99999), "EEEEE"),
-    "set a fixed parameter": Call(put("rope.EI", 400.0), "OOEEE"),
-    "set a fixed parameter as it is": Call(put("rope.EI", 300.0), "OOOEE"),
-    "set a tunable parameter": Call(put("solver.step_max", 0.01), "OOOEE"),
-    "set a choice": Call(put("left.swivel.mode", 1), "OOEEE"),
-    "set no choice": Call(put("left.swivel.mode", 7), "EEEEE"),
-    "set an input": Call(put("left.y", 0.0), "OOOEE"),
-    "set an input to NaN": Call(put("left.y", math.nan), "EEEEE"),
-    "set an output": Call(put("left.fy", 0.0), "EEEEE"),
-    "set a text": Call(put("status.message", 0.0, kind="String"), "EEEEE", (2,)),
-    "set an unknown reference": Call(put("left.y", 0.0, reference=99999), "EEEEE"),
-    "get and free a state": Call(saved, "OOOOO"),
-    "restore a state": Call(saved_and_restored, "OOOOO"),
-    "restore a serialized state": Call(written_and_read, "OOOOO"),
+    "set a fixed parameter": Call(put_value("rope.EI", 400.0), "OOEEE"),
+    "set a fixed parameter as it is": Call(put_value("rope.EI", 300.0), "OOOEE"),
+    "set a tunable parameter": Call(put_value("solver.step_max", 0.01), "OOOEE"),
+    "set a choice": Call(put_value("left.swivel.mode", 1), "OOEEE"),
+    "set no choice": Call(put_value("left.swivel.mode", 7), "EEEEE"),
+    "set an input": Call(put_value("left.y", 0.0), "OOOEE"),
+    "set an input to NaN": Call(put_value("left.y", math.nan), "EEEEE"),
+    "set an output": Call(put_value("left.fy", 0.0), "EEEEE"),
+    "set a text": Call(put_value("status.message", 0.0, kind="String"), "EEEEE", (2,)),
+    "set an unknown reference": Call(put_value("left.y", 0.0, reference=99999), "EEEEE"),
+    "get and free a state": Call(save, "OOOOO"),
+    "restore a state": Call(save_and_restore, "OOOOO"),
+    "restore a serialized state": Call(write_and_read, "OOOOO"),
     "read bytes that are no state": Call(lambda rope: rope.read(b"{}", ctypes.c_void_p()), "EEEEE"),
     "setDebugLogging": Call(logging(b"logAll"), "OOOOO"),
     "setDebugLogging, unknown category": Call(logging(b"logEvents"), "EEEEE"),
-    "getStatus": Call(asked("GetStatus", 0), "EDDDD", (2,)),
-    "getRealStatus, last successful time": Call(asked("GetRealStatus", 2), "EOOOO", (2,)),
-    "getIntegerStatus": Call(asked("GetIntegerStatus", 0), "EDDDD", (2,)),
-    "getBooleanStatus, terminated": Call(asked("GetBooleanStatus", 3), "EOOOO", (2,)),
-    "getStringStatus, pending": Call(asked("GetStringStatus", 1), "EDDDD", (2,)),
-    "getDirectionalDerivative": Call(derived("left.fy", "left.ay"), "EOOOO"),
-    "getDirectionalDerivative of another output": Call(derived("loop.x", "left.ay"), "EEEEE"),
-    "getDirectionalDerivative to a parameter": Call(derived("left.fy", "rope.EI"), "EEEEE"),
-    "cancelStep": Call(unsupported("CancelStep"), "EEEEE", (2,)),
-    "setRealInputDerivatives": Call(unsupported("SetRealInputDerivatives"), "EEEEE", (2,)),
-    "getRealOutputDerivatives": Call(unsupported("GetRealOutputDerivatives"), "EEEEE", (2,)),
-    "enterEventMode": Call(unsupported("EnterEventMode"), "EEEEE"),
+    "getStatus": Call(ask("GetStatus", 0), "EDDDD", (2,)),
+    "getRealStatus, last successful time": Call(ask("GetRealStatus", 2), "EOOOO", (2,)),
+    "getIntegerStatus": Call(ask("GetIntegerStatus", 0), "EDDDD", (2,)),
+    "getBooleanStatus, terminated": Call(ask("GetBooleanStatus", 3), "EOOOO", (2,)),
+    "getStringStatus, pending": Call(ask("GetStringStatus", 1), "EDDDD", (2,)),
+    "getDirectionalDerivative": Call(derive("left.fy", "left.ay"), "EOOOO"),
+    "getDirectionalDerivative of another output": Call(derive("loop.x", "left.ay"), "EEEEE"),
+    "getDirectionalDerivative to a parameter": Call(derive("left.fy", "rope.EI"), "EEEEE"),
+    "cancelStep": Call(call_unsupported("CancelStep"), "EEEEE", (2,)),
+    "setRealInputDerivatives": Call(call_unsupported("SetRealInputDerivatives"), "EEEEE", (2,)),
+    "getRealOutputDerivatives": Call(call_unsupported("GetRealOutputDerivatives"), "EEEEE", (2,)),
+    "enterEventMode": Call(call_unsupported("EnterEventMode"), "EEEEE"),
 }
 
 
@@ -200,7 +200,7 @@ def test_each_call_returns_what_the_table_says(library: Library, state: str) -> 
     calls = {name: call for name, call in TABLE.items() if library.fmi in call.versions}
     found = {}
     for name, call in calls.items():
-        rope = brought_to(library, state)
+        rope = bring_to(library, state)
         found[name] = _LETTERS[call.make(rope)]
         rope.free()
     assert found == {name: call.statuses[STATES.index(state)] for name, call in calls.items()}

@@ -10,7 +10,7 @@ from benchmarks.study_words import creep_pays, draft_error, winner, with_differe
 
 CREEP = pd.DataFrame(
     {
-        "case": ["none", "none", "1 m/s, 2 m", "1 m/s, 2 m"],
+        "variant": ["none", "none", "1 m/s, 2 m", "1 m/s, 2 m"],
         "controller": ["pi", "input-shaping", "pi", "input-shaping"],
         "winding.jerk": [1.0, 1.0, 1.0, 1.0],
         "cycle_time": [26.0, 22.0, 28.0, 23.5],
@@ -36,7 +36,8 @@ def test_what_creep_costs_is_told_over_the_creeping_windings_only() -> None:
 
 
 def test_the_winner_is_the_fastest_and_the_gentlest_of_its_jerk_ripples_least() -> None:
-    table = CREEP.assign(slip_safety=[1.1, 1.2, 1.3, 1.4], case=list("abcd"), rope_force_ripple=[9.0, 30.0, 20.0, 8.0])
+    ripples = [9.0, 30.0, 20.0, 8.0]
+    table = CREEP.assign(slip_safety=[1.1, 1.2, 1.3, 1.4], variant=list("abcd"), rope_force_ripple=ripples)
     table["winding.jerk"] = [3.0, 3.0, 3.0, 1.0]
     told = winner(table)
     assert "First is: **b**, 22.00 s with 1.0 mm" in told
@@ -47,14 +48,14 @@ def test_the_winner_is_the_fastest_and_the_gentlest_of_its_jerk_ripples_least() 
 def test_a_draft_winding_is_compared_with_the_complete_one_of_its_case_and_jerk() -> None:
     draft = pd.DataFrame(
         {
-            "case": ["PI", "PI", "ZV"],
+            "variant": ["PI", "PI", "ZV"],
             "winding.jerk": [1.0, 3.0, 3.0],
             "cycle_time": [26.0, 27.0, 22.0],
             "swing_left": [1e-3, 1e-3, 1e-3],
             "swing_right": [1e-3, 1e-3, 1e-3],
         }
     )
-    complete = draft[1:].assign(case=["PI, jerk 3", "ZV"], cycle_time=[27.0, 22.1], swing_left=[1.3e-3, 1e-3])
+    complete = draft[1:].assign(variant=["PI, jerk 3", "ZV"], cycle_time=[27.0, 22.1], swing_left=[1.3e-3, 1e-3])
     # rounded up
     assert "within 0.10 s and its swing within 0.30 mm" in draft_error(draft, complete)
 

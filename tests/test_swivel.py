@@ -16,7 +16,7 @@ from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends import EndMotion, HangingEnds, Phase, SwivelState
 from rope_model.simulation.model import RopeModel
-from rope_model.simulation.rope_system import Assessment, RopeSystem
+from rope_model.simulation.rope_system import Evaluation, RopeSystem
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import Event
 
@@ -27,7 +27,7 @@ STIFF_BEARING = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.014)
 
 def scene(step: float = 2e-3, **swivels: Swivel) -> Scene:
     solver = Solver(step_max=step, tolerance=1.0, newton_tolerance=1e-10, kernels="portable")
-    mesh, model = Mesh(kind="eem", elements=8), Model(rung="torsional")
+    mesh, model = Mesh(kind="eem", elements=8), Model(fidelity="torsional")
     return Scene(rope=SOFT, mesh=mesh, solver=solver, model=model, **swivels)
 
 
@@ -35,7 +35,7 @@ def scene(step: float = 2e-3, **swivels: Swivel) -> Scene:
 YAW, YAWED, END = 1.5, 1.2, 2.4
 
 
-def twisted(data: Scene) -> tuple[RopeSimulator, tuple[Event, ...]]:
+def twist(data: Scene) -> tuple[RopeSimulator, tuple[Event, ...]]:
     """The rope after its right conveyance has yawed along one smooth path, and all events."""
     rope, events = RopeSimulator(data), ()
     assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
@@ -53,7 +53,7 @@ def test_friction_follows_the_tension_and_never_turns_negative() -> None:
 
 def test_stick_does_not_creep() -> None:
     seized = replace(STIFF_BEARING, mu_static=1.0, mu_kinetic=0.9)
-    rope, events = twisted(scene(left=seized, right=seized))
+    rope, events = twist(scene(left=seized, right=seized))
     assert events == ()
     for side, node in ((0, 0), (1, -1)):
         motion = rope.state.motion
@@ -65,7 +65,7 @@ def test_stick_does_not_creep() -> None:
 
 def test_free_swivel_carries_no_moment_and_has_no_events() -> None:
     free = Swivel(mode="free")
-    rope, events = twisted(scene(left=free, right=free))
+    rope, events = twist(scene(left=free, right=free))
     # both leave their locked phase at once, and nothing follows
     assert {event.t for event in events} <= {0.0}
     assert rope.ends.moment(0, rope.state.motion.reaction) == 0.0
@@ -81,14 +81,14 @@ class Phased:
 
     def motion(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         free = self.system.free
-        q, v, a = self.system.prescribed(t)
+        q, v, a = self.system.prescribed_motion(t)
         q = np.where(free, y[: q.size].reshape(self.shape), q)
         v = np.where(free, y[q.size :].reshape(self.shape), v)
         reaction = np.zeros(self.shape)
         for _ in range(3):  # friction depends on the end tension, which depends on the acceleration
-            x, _ = self.system.direction(q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
+            x, _ = self.system.newton_step(q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
             a = a + x
-            reaction = self.system.assess(q, v, a, reaction).reaction
+            reaction = self.system.evaluate(q, v, a, reaction).reaction
         return q, v, a, reaction
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:
@@ -145,7 +145,7 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
     errors: list[float] = []
     path = list(zip(start.ends.paths, (0.0, YAW), strict=True))
     for step in (2e-3, 1e-3):
-        _, events = twisted(scene(step, **bearings))
+        _, events = twist(scene(step, **bearings))
         if not errors:
             moving = replace(start.ends, paths=tuple(p.to(YAWED, EndMotion(yaw=yaw)) for p, yaw in path))
             expected = reference_events(start, moving, END)
@@ -157,7 +157,7 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
     assert errors[1] < 0.35 * errors[0]
 
 
-def test_friction_only_takes_energy_and_the_books_close() -> None:
+def test_friction_only_takes_energy_and_the_balance_closes() -> None:
     rope = RopeSimulator(scene(left=STIFF_BEARING, right=STIFF_BEARING))
     assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
     path = np.linspace(0.0, 1.2, 61)[1:]
@@ -166,17 +166,17 @@ def test_friction_only_takes_energy_and_the_books_close() -> None:
     yaw, rate = 1.5 * (10 * s**3 - 15 * s**4 + 6 * s**5), 1.5 / 1.2 * (30 * s**2 - 60 * s**3 + 30 * s**4)
     for t, angle, speed in zip(path, yaw, rate, strict=True):
         assert rope.advance_to(float(t), EndMotion(), EndMotion(yaw=angle, yaw_rate=speed)).valid
-        dissipated.append(rope.state.ledger.dissipated_swivel)
+        dissipated.append(rope.state.energy_balance.dissipated_swivel)
     assert np.all(np.diff(dissipated) >= -1e-15)
     assert dissipated[-1] > 0.01
-    ledger = rope.state.ledger
+    energy_balance = rope.state.energy_balance
     # what the integrator itself takes is small against what the friction takes
-    assert abs(ledger.residual) < 0.02 * dissipated[-1]
+    assert abs(energy_balance.residual) < 0.02 * dissipated[-1]
 
 
 def test_release_at_its_time_and_not_before() -> None:
     late = replace(STIFF_BEARING, release_time=0.5, mu_static=0.001, mu_kinetic=0.001)
-    _, events = twisted(scene(left=late, right=Swivel()))
+    _, events = twist(scene(left=late, right=Swivel()))
     assert events
     assert_allclose(events[0].t, 0.5, rtol=0, atol=1e-12)
     assert all(event.t >= 0.5 for event in events)
@@ -186,15 +186,15 @@ def test_a_search_for_an_event_that_fails_is_taken_up_again_with_a_shorter_step(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     data, trial, found = scene(left=STIFF_BEARING, right=Swivel()), RopeModel.trial, iter([1e-7] * 3)
-    _, expected = twisted(data)
+    _, expected = twist(data)
 
-    def failing(model: RopeModel, system: RopeSystem, old: Motion, h: float) -> StepResult[Assessment]:
+    def fail(model: RopeModel, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         result = trial(model, system, old, h)
         return replace(result, motion=None) if h == 1e-7 else result
 
-    monkeypatch.setattr(RopeModel, "trial", failing)
+    monkeypatch.setattr(RopeModel, "trial", fail)
     monkeypatch.setattr("rope_model.simulation.switching.locate", lambda *search: next(found, None) or locate(*search))
-    rope, events = twisted(data)
+    rope, events = twist(data)
     assert rope.state.counts.rejections == 3
     assert [event.what for event in events] == [event.what for event in expected]
     # found on other steps
@@ -207,11 +207,11 @@ def test_a_search_for_an_event_that_always_fails_ends_with_its_cause(
 ) -> None:
     trial = RopeModel.trial
 
-    def failing(model: RopeModel, system: RopeSystem, old: Motion, h: float) -> StepResult[Assessment]:
+    def fail(model: RopeModel, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         result = trial(model, system, old, h)
         return replace(result, motion=None) if h == 1e-7 else result
 
-    monkeypatch.setattr(RopeModel, "trial", failing)
+    monkeypatch.setattr(RopeModel, "trial", fail)
     monkeypatch.setattr("rope_model.simulation.switching.locate", lambda *_: 1e-7)
     rope = RopeSimulator(scene(left=STIFF_BEARING, right=Swivel()))
     assert rope.initialize(start, EndMotion(), EndMotion()).valid

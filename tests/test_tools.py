@@ -46,7 +46,7 @@ def require(tool: str) -> None:
         pytest.skip(f"{PACKAGES[tool]} is not installed; it has no wheel for this platform or Python")
 
 
-def wound(tool: str, fmu: Path, reading: str, steps: int) -> NDArray[np.float64]:
+def wind(tool: str, fmu: Path, reading: str, steps: int) -> NDArray[np.float64]:
     """(steps, 12) end forces and moments."""
     command = [sys.executable, str(DRIVER), tool, str(fmu), reading, str(steps)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment())
@@ -65,7 +65,7 @@ def in_process(native: bool, tool: str, reading: str, steps: int, lift: float = 
     for k, (t, h) in enumerate(tool_driver.clock(tool, steps)):
         ends = motions((k + 1) * tool_driver.H, lift)
         if reading == "start":
-            ends = [end.extrapolated(h) for end in motions(k * tool_driver.H, lift)]
+            ends = [end.extrapolate(h) for end in motions(k * tool_driver.H, lift)]
         status = rope.advance_to(t + h, *ends)
         assert status.valid, status.message
         values = rope.signals()
@@ -108,7 +108,7 @@ def test_forces_in_the_tool_are_those_of_the_rope_in_process(
     require(tool)
     if flavour.fmi not in IMPORTS[tool]:
         pytest.skip(f"{tool} does not import FMI {flavour.fmi}")
-    expected, found = in_process(flavour.native, tool, reading, steps), wound(tool, fmu, reading, steps)
+    expected, found = in_process(flavour.native, tool, reading, steps), wind(tool, fmu, reading, steps)
     assert found.shape == expected.shape
     allowed = flavour.tolerance * np.maximum(np.abs(expected).max(axis=0), 1.0)
     if flavour.native:
@@ -117,7 +117,7 @@ def test_forces_in_the_tool_are_those_of_the_rope_in_process(
     assert (np.abs(found - expected).max(axis=0) < allowed).all()
 
 
-def simulated_without_python(flavour: Flavour, fmu: Path, folder: Path, *preloaded: Path) -> int:
+def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path, *preloaded: Path) -> int:
     """Exit code of the program ecos, which leaves its record in ``folder``."""
     require("ecos")
     if sys.platform != "linux":
@@ -155,7 +155,7 @@ def simulated_without_python(flavour: Flavour, fmu: Path, folder: Path, *preload
 
 
 def test_tool_without_python_runs_the_fmu(exported: tuple[Flavour, Path], tmp_path: Path) -> None:
-    assert simulated_without_python(*exported, tmp_path) == 0
+    assert simulate_without_python(*exported, tmp_path) == 0
     written = next(tmp_path.rglob("*.csv")).read_text().splitlines()
     column = next(i for i, name in enumerate(written[0].split(",")) if "status.valid" in name)
     assert {line.split(",")[column].strip() for line in written[1:]} == {"1"}
@@ -163,7 +163,7 @@ def test_tool_without_python_runs_the_fmu(exported: tuple[Flavour, Path], tmp_pa
 
 
 def test_tool_without_python_ends_without_use_of_freed_memory(exported: tuple[Flavour, Path], tmp_path: Path) -> None:
-    assert simulated_without_python(*exported, tmp_path, freed_blocks(tmp_path)) == 0
+    assert simulate_without_python(*exported, tmp_path, freed_blocks(tmp_path)) == 0
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")

@@ -28,7 +28,7 @@ from collections.abc import Callable
 import fmpy
 import numpy as np
 
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 
 H = 0.01

@@ -10,7 +10,7 @@ from benchmarks.reproduction.tables import Table, Tables, read, write
 from . import depth
 from .figures import FIGURES
 from .levels import with_block
-from .measure import measure, merged
+from .measure import measure, merge
 from .page import page
 from .points import FAMILIES, complete, quick
 
@@ -32,7 +32,7 @@ def run(out: Path, only: str | None = None, few: bool = False) -> list[Path]:
         families = FAMILIES if only is None else (only,)
         tables = dict(measure(quick() if few else complete(), families))
         if only is not None:
-            tables["points"] = merged(read(out / DATA)["points"], tables["points"], families)
+            tables["points"] = merge(read(out / DATA)["points"], tables["points"], families)
         write(tables, out / DATA)
     if (peer := _peer(out / PEER)) is not None:
         write({"peer": peer}, out / DATA)

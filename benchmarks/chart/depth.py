@@ -19,8 +19,8 @@ from benchmarks.kinematic import wind
 from benchmarks.reproduction.costs import SOURCE_SAVED
 from benchmarks.reproduction.drawing import ACCENTS, COLOURS, figure
 from benchmarks.reproduction.tables import Table, Tables, table
-from hoist_demo.cases.table import case_named
-from hoist_demo.control.reference import s_curve
+from hoist_demo.cases.table import find_case
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh, Model, Scene, Solver
@@ -64,7 +64,7 @@ def quick() -> Depth:
 
 def scene_of(rope: str, coupling: str) -> Scene:
     """The rope between locked ends; uncoupled without Qb and Qc, where the planar rung leaves nothing out."""
-    scene = rope_data(case_named(rope).rope)
+    scene = rope_data(find_case(rope).rope)
     held = {"left": replace(scene.left, mode="locked"), "right": replace(scene.right, mode="locked")}
     scene = scene.with_(solver=Solver(step_max=STEP), model=Model("torsional"), **held)
     if coupling == "coupled":
@@ -200,7 +200,7 @@ def reading(t: Table) -> str:
             f"| {s.rope}, {s.length:g} m | {trip_of(s)} | {s.coupling} | {s.elements} | {1e3 * s.loop_error:.2g} mm | "
             f"{100 * s.force_error:.2g} % | {equal} | {part} |"
         )
-    return "\n".join(rows) + "\n\n" + " ".join(_reached(found, c) for c in COUPLINGS)
+    return "\n".join(rows) + "\n\n" + " ".join(_verdict_of(found, c) for c in COUPLINGS)
 
 
 def trip_of(s: Saved) -> str:
@@ -208,7 +208,7 @@ def trip_of(s: Saved) -> str:
     return f"{s.travel:g} m at {s.speed:g} m/s"
 
 
-def _reached(found: Sequence[Saved], coupling: str) -> str:
+def _verdict_of(found: Sequence[Saved], coupling: str) -> str:
     asked = SOURCE_SAVED[coupling]
     mine = [s for s in found if s.coupling == coupling and np.isfinite(s.saved)]
     reached = [s for s in mine if s.saved >= asked]

@@ -18,9 +18,9 @@ from tqdm import tqdm
 from benchmarks.kinematic import wind
 from benchmarks.reproduction.tables import Table, Tables, table
 from benchmarks.reproduction.windings import COUPLINGS, TRAVEL
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from rope_model.parameters import Scene
-from rope_model.simulation.mesh import suited
+from rope_model.simulation.mesh import fit_mesh
 
 from .front import pareto
 from .points import FAMILIES, SAMPLE, Point, Study
@@ -57,7 +57,7 @@ class Run:
     force: Array  # (samples, 2), N
     bottom: Array  # (samples, 3), m
     theta: Array  # (samples, 2), rad, at the observation points
-    rung: str
+    fidelity: str
     kernels: str
     elements: int
     work: tuple[int, int, int, int]  # steps, Newton iterations, rejections, transformations
@@ -71,7 +71,7 @@ class Run:
         return float(np.median(self.costs)) if not self.failure else float("nan")
 
 
-def followed(point: Point, study: Study) -> Run:
+def follow(point: Point, study: Study) -> Run:
     """One winding."""
     sample = round(SAMPLE / point.communication)
     trip = s_curve(study.trip)
@@ -85,7 +85,7 @@ def followed(point: Point, study: Study) -> Run:
         np.array(run.force),
         np.array(run.bottom),
         np.array(run.observed)[:, :, 6],
-        state.rung,
+        state.fidelity,
         run.rope.form,
         state.partition.lengths.size,
         (c.steps, c.newton, c.rejections, c.transformations),
@@ -104,7 +104,7 @@ def errors(run: Run, exact: Run, coupling: str) -> tuple[float, float, float]:
         return float("nan"), float("nan"), float("nan")
     force = np.sqrt(np.mean((run.force - exact.force) ** 2)) / np.max(np.abs(exact.force))
     bottom = np.max(np.linalg.norm(run.bottom - exact.bottom, axis=1))
-    twisted = coupling == "coupled" and run.rung == "torsional"
+    twisted = coupling == "coupled" and run.fidelity == "torsional"
     return float(force), float(bottom), float(np.max(np.abs(run.theta - exact.theta))) if twisted else float("nan")
 
 
@@ -115,7 +115,7 @@ def measure(study: Study, families: Sequence[str]) -> Tables:
     runs: dict[tuple[Scene, float], Run] = {}
     for p in tqdm(points, desc="round 1", unit="run", leave=False):
         if _key(p) not in runs:
-            runs[_key(p)] = followed(p, study)
+            runs[_key(p)] = follow(p, study)
     failed = {c: runs[_key(p)].failure for c, p in exact.items() if runs[_key(p)].failure}
     if failed:
         raise RuntimeError(f"the reference solution fails: {failed}")
@@ -123,7 +123,7 @@ def measure(study: Study, families: Sequence[str]) -> Tables:
     again = {_key(p): p for p in _worth_repeating(found)}
     for k in range(2, study.rounds + 1):
         for key, p in tqdm(again.items(), desc=f"round {k}", unit="run", leave=False):
-            runs[key].costs += followed(p, study).costs
+            runs[key].costs += follow(p, study).costs
     rows = [_row(p, runs[_key(p)], e) for p, (_, e) in found.items() if p.family in families]
     return {"points": table(COLUMNS, rows), "machine": machine()}
 
@@ -131,7 +131,9 @@ def measure(study: Study, families: Sequence[str]) -> Tables:
 def _key(point: Point) -> tuple[Scene, float]:
     """The same for points that are the same run."""
     scene = point.scene
-    return scene.with_(mesh=replace(suited(scene.mesh, scene.rope, scene.layout), loop_error=0.1)), point.communication
+    return scene.with_(
+        mesh=replace(fit_mesh(scene.mesh, scene.rope, scene.layout), loop_error=0.1)
+    ), point.communication
 
 
 def _worth_repeating(found: dict[Point, tuple[Run, tuple[float, float, float]]]) -> list[Point]:
@@ -150,7 +152,7 @@ def _worth_repeating(found: dict[Point, tuple[Run, tuple[float, float, float]]])
 def _row(p: Point, run: Run, errors: tuple[float, float, float]) -> tuple[object, ...]:
     s = p.solver
     return (
-        *(p.family, p.name, p.coupling, run.rung, run.kernels, _described(p), run.elements),
+        *(p.family, p.name, p.coupling, run.fidelity, run.kernels, _describe(p), run.elements),
         *(s.step_max, p.communication, s.tolerance, s.newton_tolerance, s.rho_inf, len(run.costs), run.cost),
         *errors,
         *run.work,
@@ -158,9 +160,9 @@ def _row(p: Point, run: Run, errors: tuple[float, float, float]) -> tuple[object
     )
 
 
-def _described(p: Point) -> str:
+def _describe(p: Point) -> str:
     """The mesh in words."""
-    mesh = suited(p.mesh, p.scene.rope, p.scene.layout)
+    mesh = fit_mesh(p.mesh, p.scene.rope, p.scene.layout)
     if mesh.kind == "eem":
         return f"EEM, {mesh.elements}"
     return f"TMN-ETM, l = {mesh.coarse_length:.3g} m, IV of {mesh.counts[2]}, ends halved {mesh.end_levels} times"
@@ -185,7 +187,7 @@ def _processor() -> str:
     return next(names, platform.machine())
 
 
-def merged(old: Table, new: Table, families: Sequence[str]) -> Table:
+def merge(old: Table, new: Table, families: Sequence[str]) -> Table:
     """``new`` in place of the old rows of its families, ordered as a complete run orders them."""
     keep = ~np.isin(old["family"], list(families))
     both = {name: np.concatenate((old[name][keep], new[name])) for name in COLUMNS}

@@ -114,7 +114,7 @@ def _lessons(t: Table) -> str:
     lines += ["| error below | coupled | uncoupled |", "|---|---|---|"]
     for error, bound, words in ASKED:
         lines.append(f"| {words} | {_fastest(t, 'coupled', error, bound)} | {_fastest(t, 'uncoupled', error, bound)} |")
-    return "\n".join([*lines, "", _step_and_mesh(t), "", _rungs(t)])
+    return "\n".join([*lines, "", _step_and_mesh(t), "", _fidelities(t)])
 
 
 def _fastest(t: Table, coupling: str, error: str, bound: float) -> str:
@@ -153,7 +153,7 @@ def _step_and_mesh(t: Table) -> str:
     return head + "\n".join(words)
 
 
-def _rungs(t: Table) -> str:
+def _fidelities(t: Table) -> str:
     u = rows(t, family="rungs", coupling="uncoupled")
     c = rows(t, family="rungs", coupling="coupled")
     full = the(u, "torsional", COST)
@@ -192,7 +192,7 @@ def _meshes(t: Table) -> str:
             part = saved(t, c, error, bound)
             cells.append(f"{part:.0f} %" if np.isfinite(part) else "")
         lines.append(f"| {words} | {' | '.join(cells)} |")
-    stated = "; ".join(_stated(t, c) for c in COUPLINGS)
+    stated = "; ".join(_statement(t, c) for c in COUPLINGS)
     return (
         "\n".join(lines)
         + "\n\nThe source states savings for 600 equal elements against 98 of TMN-ETM, not at equal error. The "
@@ -212,7 +212,7 @@ def _depth(t: Table) -> str:
     )
 
 
-def _stated(t: Table, coupling: str) -> str:
+def _statement(t: Table, coupling: str) -> str:
     r = rows(t, family="levels", name="standard", coupling=coupling)
     eem = the(t, f"600, {1e3 * float(r['largest step [s]'][0]):g} ms", COST, family="eem", coupling=coupling)
     part = 100 * (1 - float(r[COST][0]) / eem)

@@ -9,7 +9,7 @@ from typing import Literal
 
 from benchmarks.reproduction.windings import COUPLINGS, scene_of
 from hoist_demo.parameters import Winding as Trip
-from rope_model.parameters import LEVELS, Mesh, Model, RungChoice, Scene, Solver
+from rope_model.parameters import LEVELS, FidelityChoice, Mesh, Model, Scene, Solver
 
 #: s, every run is sampled at multiples of it; every communication step divides it
 SAMPLE = 0.04
@@ -111,7 +111,7 @@ def _all(coupling: str, elements: tuple[int, ...], steps: tuple[float, ...]) -> 
         yield Point("eem", eem_name(n, h), coupling, Mesh("eem", elements=n), Solver(step_max=h))
     for (name, mesh), h in product(tmn_meshes().items(), STEPS):
         yield Point("tmn", f"{name}, {milliseconds(h)}", coupling, mesh, Solver(step_max=h))
-    yield from _rungs(coupling)
+    yield from _fidelities(coupling)
     if coupling == "coupled":
         yield from _solvers(coupling)
 
@@ -130,12 +130,12 @@ def _levels(coupling: str) -> Iterator[Point]:
             yield Point("levels", "standard, 10 ms", coupling, **settings, interval=SHORTEST)
 
 
-def _rungs(coupling: str) -> Iterator[Point]:
+def _fidelities(coupling: str) -> Iterator[Point]:
     """Exact ones where the rope is uncoupled; in the coupled rope the lower ones leave something out."""
-    exact: tuple[RungChoice, ...] = ("torsional", "spatial", "planar", "rigid")
-    approximate: tuple[RungChoice, ...] = ("torsional", "planar", "rigid")
-    for rung in exact if coupling == "uncoupled" else approximate:
-        yield Point("rungs", rung, coupling, model=Model(rung))
+    exact: tuple[FidelityChoice, ...] = ("torsional", "spatial", "planar", "rigid")
+    approximate: tuple[FidelityChoice, ...] = ("torsional", "planar", "rigid")
+    for fidelity in exact if coupling == "uncoupled" else approximate:
+        yield Point("rungs", fidelity, coupling, model=Model(fidelity))
 
 
 def _solvers(coupling: str) -> Iterator[Point]:

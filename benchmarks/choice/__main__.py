@@ -7,10 +7,10 @@ from dataclasses import asdict
 
 from tqdm import tqdm
 
+from .fidelity import VARIED, calibrations, measure_choice
 from .page import DATA, DOCS, page, read_csv, terms, write_csv
-from .rungs import VARIED, calibrations, taken
 from .scenes import CASES
-from .terms import SCENES, VARIANTS, measured
+from .terms import SCENES, VARIANTS, measure
 
 
 def main() -> None:
@@ -22,12 +22,12 @@ def main() -> None:
         write_csv(DATA / "estimates.csv", [asdict(row) for row in windings])
     results = []
     for case in tqdm(CASES, unit="scene", leave=False):
-        results.append(taken(case))
-        tqdm.write(f"{case.title}: {results[-1].rung}, {results[-1].reason}")
-    rungs = [
+        results.append(measure_choice(case))
+        tqdm.write(f"{case.title}: {results[-1].fidelity}, {results[-1].reason}")
+    fidelities = [
         {
             "scene": x.case.title,
-            "rung": x.rung,
+            "rung": x.fidelity,
             "reason": x.reason,
             "raised": "; ".join(x.switches),
             "force_rms": x.force,
@@ -37,14 +37,14 @@ def main() -> None:
         }
         for x in results
     ]
-    write_csv(DATA / "rungs.csv", rungs)
+    write_csv(DATA / "rungs.csv", fidelities)
     with tqdm(total=len(SCENES) * (len(VARIANTS) + 1), unit="run", leave=False) as bar:
 
         def advance(what: str) -> None:
             bar.set_description(what)
             bar.update()
 
-        bases, changes = measured(advance)
+        bases, changes = measure(advance)
     rows = [
         {
             "scene": x.scene,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rope_model.physics.estimates import ASSUMED
 
-from .rungs import Taken
+from .fidelity import Taken
 from .terms import SCENES, VARIANTS, Base, Change
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -18,10 +18,10 @@ INTRODUCTION = """\
 # How much model a scene needs
 
 This page is written by `make choice`; do not edit it. Times are processor times and differ from run to run; all other
-numbers are reproduced to the digit. End forces are the vertical ones. `tests/test_rungs.py` asserts the choices.
+numbers are reproduced to the digit. End forces are the vertical ones. `tests/test_fidelity.py` asserts the choices.
 """
 
-RUNGS = f"""\
+FIDELITY_NAMES = f"""\
 ## The rungs
 
 | rung | unknowns per node | leaves out | exact when |
@@ -32,12 +32,12 @@ RUNGS = f"""\
 | rigid | none | also bending, stretch, waves, side forces, the loop's own motion | never |
 
 `spatial` leaves the inertia of the spin and of the swivels out even then, and what the interpolation of theta on a
-finite mesh adds (0.13 mm on elements of 0.5 m, 0.02 mm on 0.25 m in `tests/test_rungs.py`): a small difference. With
+finite mesh adds (0.13 mm on elements of 0.5 m, 0.02 mm on 0.25 m in `tests/test_fidelity.py`): a small difference. With
 swivels that hold, a rope that moves out of plane is twisted by its own writhe, and only `torsional` follows. Planar and
 rigid give no yaw, and no rung but torsional gives torque or twist; that is why the force tolerance is 0 by default.
 
-`model.rung = auto` takes the lowest rung that leaves nothing out. With `model.force_tolerance` above 0 it may take a
-lower one whose estimated error (root mean square of the end forces over a winding, relative to the largest force) is
+`model.fidelity = auto` takes the lowest rung that leaves nothing out. With `model.force_tolerance` above 0 it may take
+a lower one whose estimated error (root mean square of the end forces over a winding, relative to the largest force) is
 within the tolerance. When the ends do what the rung cannot follow, the run goes on with the lowest rung that can; it
 never goes back down. The estimates do not know the winding: they expect ends at up to
 {ASSUMED.speed:g} m/s, {ASSUMED.acceleration:g} m/s^2 and {ASSUMED.jerk:g} m/s^3, and more when the ends show more.
@@ -111,9 +111,9 @@ def scenes(results: Sequence[Taken]) -> str:
     rows, raised = [], []
     for i, x in enumerate(results, start=1):
         then = "".join(f", then {s.split()[0]}" for s in x.switches)
-        same = x.rung == "torsional"
+        same = x.fidelity == "torsional"
         differences = ["same"] * 3 if same else [percent(x.force), percent(x.peak), millimetres(x.bottom)]
-        rows.append((str(i), x.case.title, x.rung + then, x.reason, *differences, "1" if same else f"{x.time:.2f}"))
+        rows.append((str(i), x.case.title, x.fidelity + then, x.reason, *differences, "1" if same else f"{x.time:.2f}"))
         raised += [f"- {i}: {s}." for s in x.switches]
     head = ("", "scene", "rung", "because", "force", "largest", "loop", "time")
     return table(head, rows) + "\n\nRaised in the run:\n\n" + "\n".join(raised)
@@ -127,9 +127,9 @@ def estimates(rows: Sequence[dict[str, str]]) -> str:
     for length, swivels, speed in sorted({(float(r["length"]), r["swivels"], float(r["speed"])) for r in rows}):
         part = [r for r in rows if (float(r["length"]), r["swivels"], float(r["speed"])) == (length, swivels, speed)]
         cells = [f"{length:g} m", swivels, f"{speed:g} m/s"]
-        for rung in ("planar", "rigid"):
-            errors = [float(r[rung]) for r in part]
-            factors = [float(r[f"{rung}_estimate"]) / float(r[rung]) for r in part]
+        for fidelity in ("planar", "rigid"):
+            errors = [float(r[fidelity]) for r in part]
+            factors = [float(r[f"{fidelity}_estimate"]) / float(r[fidelity]) for r in part]
             cells.append(span(percent(min(errors)), percent(max(errors))))
             cells.append(span(f"{min(factors):.1f}", f"{max(factors):.1f}"))
         out.append(cells)
@@ -206,7 +206,7 @@ NEEDED, NEEDED_PLACE = 1e-3, 0.01
 
 def page(results: Sequence[Taken], calibration: Sequence[dict[str, str]], term_part: str) -> str:
     """The whole page."""
-    parts = [INTRODUCTION, RUNGS, SCENES_TEXT, scenes(results), "[Data](data/choice/rungs.csv)"]
+    parts = [INTRODUCTION, FIDELITY_NAMES, SCENES_TEXT, scenes(results), "[Data](data/choice/rungs.csv)"]
     parts += [ESTIMATES_TEXT, estimates(calibration), TERMS_TEXT, term_part, "[Data](data/choice/terms.csv)"]
     return "\n\n".join(part.strip() for part in parts) + "\n"
 

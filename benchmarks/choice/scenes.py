@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from benchmarks.kinematic import Winding, ends_at, wind
-from hoist_demo.control.reference import Reference, emergency_stop, s_curve
+from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model.parameters import Model, RungChoice, Scene, Swivel, rope_120, rope_240
+from rope_model.parameters import FidelityChoice, Model, Scene, Swivel, rope_120, rope_240
 from rope_model.simulation.ends import EndMotion
-from rope_model.simulation.rungs import RungName
+from rope_model.simulation.fidelity import Fidelity
 
 P120, P240 = rope_120(), rope_240()
 TRIP = s_curve(Trip())
@@ -30,29 +30,29 @@ class Case:
 
     title: str
     scene: Scene
-    rung: RungName
-    trip: Reference = TRIP
+    fidelity: Fidelity
+    trip: Trajectory = TRIP
     travel: float = P120.travel  # m
     until: float = TRIP.duration + 3.0  # s
-    last: RungName | None = None  # the rung at the end where it is another
+    last: Fidelity | None = None  # the rung at the end where it is another
     z: float = 0.0  # m, by which the left conveyance moves out of plane between 1 s and 4 s
     yaw: float = 0.0  # rad, by which it turns
 
-    def ends(self, reference: Reference, travel: float, t: float) -> tuple[EndMotion, EndMotion]:
+    def ends(self, reference: Trajectory, travel: float, t: float) -> tuple[EndMotion, EndMotion]:
         """The ends' motion at ``t``."""
         left, right = ends_at(reference, travel, t)
         x, v, a = smooth_step(t)
         left = replace(left, z=self.z * x, vz=self.z * v, az=self.z * a, yaw=self.yaw * x, yaw_rate=self.yaw * v)
         return left, right
 
-    def wound(self, scene: Scene) -> Winding:
+    def wind(self, scene: Scene) -> Winding:
         """The winding with other data."""
         settle = self.until - self.trip.duration
         return wind(scene, self.trip, self.travel, settle, sample=2, ends_at=self.ends)
 
-    def on(self, rung: RungChoice) -> Scene:
+    def on(self, fidelity: FidelityChoice) -> Scene:
         """The scene on a rung by name, or on the one 'auto' takes."""
-        return self.scene.with_(model=replace(self.scene.model, rung=rung))
+        return self.scene.with_(model=replace(self.scene.model, fidelity=fidelity))
 
 
 def smooth_step(t: float, start: float = 1.0, duration: float = 3.0) -> tuple[float, float, float]:

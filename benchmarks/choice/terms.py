@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.kinematic import Winding
 from rope_model.parameters import Rope
 
-from .rungs import force_difference, valid
+from .fidelity import force_difference, valid
 from .scenes import COUPLED, LONG_TRIP, P240, STOP, Case
 
 SCENES = {
@@ -85,7 +85,7 @@ def base_of(name: str, run: Winding) -> Base:
 def change(name: str, variant: Variant, base: Winding) -> Change:
     """One run against the base."""
     case = SCENES[name]
-    run = case.wound(case.scene.with_(rope=variant.rope(case.scene.rope)))
+    run = case.wind(case.scene.with_(rope=variant.rope(case.scene.rope)))
     steps = run.rope.state.counts.steps
     if not run.status.valid:
         nan = float("nan")
@@ -96,12 +96,12 @@ def change(name: str, variant: Variant, base: Winding) -> Change:
     return Change(name, variant, force_difference(run, base)[0], float(bottom), float(theta), float(torque), steps, "")
 
 
-def measured(advance: Callable[[str], None]) -> tuple[list[Base], list[Change]]:
+def measure(advance: Callable[[str], None]) -> tuple[list[Base], list[Change]]:
     """All scenes with all variants; ``advance`` hears of each."""
     bases, changes = [], []
     for name, case in SCENES.items():
         advance(name)
-        run = valid(case.wound(case.scene))
+        run = valid(case.wind(case.scene))
         bases.append(base_of(name, run))
         for variant in VARIANTS:
             advance(f"{name}, {variant.change}")

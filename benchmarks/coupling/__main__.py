@@ -31,9 +31,9 @@ def main() -> None:
     options = parser.parse_args()
     if options.only != "draw":
         # the hoist and the rope are needed only here
-        from .tables import measured
+        from .tables import measure
 
-        write(measured(options.only), options.out / DATA)
+        write(measure(options.only), options.out / DATA)
     for path in publish(options.out):
         print(path)
 

@@ -52,7 +52,7 @@ class Run:
     cause: str
 
 
-def wound(case: Case, scheme: str | Scheme, H: float) -> Run:
+def wind(case: Case, scheme: str | Scheme, H: float) -> Run:
     """One run; a scheme may be given that has no name."""
     scene = CASES[case.preset]
     data = rope_data(scene.rope, case.level)
@@ -76,7 +76,7 @@ def wound(case: Case, scheme: str | Scheme, H: float) -> Run:
         float(r["coupling.exchanges"][-1]),
         float(r["coupling.exchanges"][-1]) - result.steps,
         float(np.max(power, initial=0.0)),
-        host.outlook.growth if host.outlook is not None else float("nan"),
+        host.stability.growth if host.stability is not None else float("nan"),
         result.cause,
     )
 

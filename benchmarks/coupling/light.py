@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import Motion, Pair, Scheme, Vector
-from hoist_demo.cosimulation.schemes.stability import MARGIN, growth, measured_answer
+from hoist_demo.cosimulation.schemes.stability import MARGIN, growth, measure_response
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
@@ -113,7 +113,7 @@ def points() -> list[Point]:
     end, found = OneEnd(), []
     nowhere = Motion(np.zeros(1), np.zeros(1), np.zeros(1))
     for H in tqdm(STEPS, desc="stability", unit="step", leave=False):
-        answer, cause = measured_answer(Pair(Drive(Data(), np.zeros(2)), end), 0.0, float(H), nowhere)
+        answer, cause = measure_response(Pair(Drive(Data(), np.zeros(2)), end), 0.0, float(H), nowhere)
         if cause:
             raise RuntimeError(cause)
         for name in NAMES:

@@ -54,7 +54,7 @@ class Data:
         return float((self.f - self.k * y - self.k_2 * (y - x) - self.c_2 * (v - w)) / (self.m + self.m_e))
 
 
-def driven(A: Array, b: Array, x: Array, h: float, coefficients: Array) -> Array:
+def drive(A: Array, b: Array, x: Array, h: float, coefficients: Array) -> Array:
     """x(h) of x' = A x + b u with u = sum c_i s^i, s = t / h: exact."""
     free, forced = propagators(A.tobytes(), b.tobytes(), len(x), h, len(coefficients))
     end: Array = free @ x + forced @ coefficients
@@ -87,7 +87,7 @@ class Drive:
         d = self.data
         mass = d.m + float(load.added_mass[0])
         A, b = np.array([[0.0, 1.0], [-d.k / mass, 0.0]]), np.array([0.0, 1.0 / mass])
-        self.state = driven(A, b, self.state, h, np.array([load.start[0] + d.f, load.rise[0], load.bend[0]]))
+        self.state = drive(A, b, self.state, h, np.array([load.start[0] + d.f, load.rise[0], load.bend[0]]))
         return ""
 
     def motion(self, load: Load, s: float) -> Motion:
@@ -125,7 +125,7 @@ class Follower:
         A = np.array([[0.0, 1.0], [-d.k_2 / d.m_2, -d.c_2 / d.m_2]])
         force = d.k_2 * c + d.c_2 * np.append(np.arange(1, 6) * c[1:], 0.0) / h
         impulse = d.m_e * (new[1] - self.end[1])
-        self.state, self.end, self.h = driven(A, np.array([0.0, 1.0 / d.m_2]), self.state, h, force), new, h
+        self.state, self.end, self.h = drive(A, np.array([0.0, 1.0 / d.m_2]), self.state, h, force), new, h
         self.mean = -(impulse + d.m_2 * float(self.state[1] - before[1])) / h
         return ""
 
@@ -163,7 +163,7 @@ def quintic(start: Array, end: Array, h: float) -> Array:
     return np.array([y0, h * v0, h * h * a0 / 2, c3, c4, c5])
 
 
-def started(data: Data, t: float, H: float) -> tuple[Pair, Memory]:
+def start(data: Data, t: float, H: float) -> tuple[Pair, Memory]:
     """Both halves on the exact solution at t [s], with exact samples of the two steps before."""
     samples = []
     for past in (t - 2 * H, t - H, t):
@@ -184,7 +184,7 @@ START, END = 0.5, 2.5  # s
 def error(scheme: Scheme, H: float, data: Data | None = None) -> float:
     """RMS error of the force over its largest, from START to END, at the communication points."""
     data = Data() if data is None else data
-    pair, memory = started(data, START, H)
+    pair, memory = start(data, START, H)
     found, exact = [], []
     for k in range(round((END - START) / H)):
         advance = scheme.advance(pair, memory, START + k * H, H)

@@ -18,7 +18,7 @@ from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Winding
 
 from . import light, oscillator
-from .hoist import CONVERGED, Case, errors, wound
+from .hoist import CONVERGED, Case, errors, wind
 
 #: s, communication steps of the error charts
 STEPS = (0.04, 0.02, 0.01, 0.005)
@@ -46,13 +46,13 @@ def oscillators() -> Table:
 
 def schemes() -> Table:
     """Error and cost of every scheme on the hoist's first half metre."""
-    exact = wound(SHORT, CONVERGED, ROPE_STEP)
+    exact = wind(SHORT, CONVERGED, ROPE_STEP)
     rows = []
     for name in tqdm(SCHEMES, desc="hoist", unit="scheme", leave=False):
         given = SCHEMES[name]
         scheme = replace(given, tolerance=0.01) if isinstance(given, Iterative) else name
         for H in STEPS:
-            run = wound(SHORT, scheme, H)
+            run = wind(SHORT, scheme, H)
             rms, largest = errors(run, exact)
             steps = run.simulated / H
             cost = run.processor / run.simulated if not run.cause else float("nan")
@@ -77,8 +77,8 @@ def presets() -> Table:
         travel = SHORTENED if name in INSTALLED else setup.winding.travel
         winding = replace(setup.winding, travel=travel, settle=2.0)
         case = Case(name, winding, rope_step=PRESET_REFERENCE, sample=PRESET_STEP)
-        exact = wound(case, CONVERGED, PRESET_REFERENCE)
-        run = wound(replace(case, rope_step=None), Coupling().scheme, PRESET_STEP)
+        exact = wind(case, CONVERGED, PRESET_REFERENCE)
+        run = wind(replace(case, rope_step=None), Coupling().scheme, PRESET_STEP)
         ratio = setup.hoist.tail_mass * setup.hoist.tail_rope_length / setup.hoist.conveyance_mass
         rows.append(
             (
@@ -110,10 +110,10 @@ def presets() -> Table:
 
 def energies() -> Table:
     """The energy control at several bounds, around the impulse-preserving scheme, which makes up most."""
-    exact = wound(SHORT, CONVERGED, ROPE_STEP)
+    exact = wind(SHORT, CONVERGED, ROPE_STEP)
     rows = []
     for bound in BOUNDS:
-        run = wound(SHORT, EnergyControlled(ImpulsePreserving(), bound, order=1), 0.02)
+        run = wind(SHORT, EnergyControlled(ImpulsePreserving(), bound, order=1), 0.02)
         rows.append((bound, run.power, run.exchanges, run.taken_back, run.simulated, errors(run, exact)[0], run.cause))
     names = ("bound [W]", "power [W]", "exchanges", "extra exchanges", "simulated [s]", "force error", "cause")
     return table(names, rows)
@@ -135,7 +135,7 @@ TABLES: dict[str, Callable[[], Table]] = {
 }
 
 
-def measured(only: str | None = None) -> Tables:
+def measure(only: str | None = None) -> Tables:
     """All tables, or one."""
     if only not in (None, *TABLES):
         raise SystemExit(f"--only {only!r} must be one of {', '.join(TABLES)}, or draw")

@@ -31,7 +31,7 @@ from rope_model import (
 from rope_model.simulation.modal import natural_modes
 
 from .rod import Friction, Material, Rod
-from .solve import Record, equilibrium, hung, lowest_point, modes, move
+from .solve import Record, equilibrium, first_guess, lowest_point, modes, move
 
 Array = NDArray[np.float64]
 Results = dict[str, Array]
@@ -86,7 +86,7 @@ def rod_of(rope: Rope, lengths: Array, ends: Winding, right: Swivel | None = Non
     return Rod(lengths, Material(rope.mass_per_length, **data, beta=rope.beta_K), ends.rod, frictions)
 
 
-def graded(length: float, bottom: float, edges: int) -> Array:
+def grade(length: float, bottom: float, edges: int) -> Array:
     """(edges,): edge lengths, short at the clamps and around the loop's lowest point at arc length ``bottom``."""
     s = np.linspace(0.0, length, 100 * edges + 1)
     size = np.minimum(0.2 + 0.06 * np.abs(s - bottom), 0.08 + 0.25 * np.minimum(s, length - s))
@@ -138,8 +138,8 @@ def statics_ours(elements: int, rope: Rope = PUBLISHED) -> Results:
 
 def statics_rod(edges: int, rope: Rope = PUBLISHED) -> Results:
     """The same."""
-    rod = rod_of(rope, graded(rope.length, 0.5 * rope.length, edges), Winding(0.0, np.inf))
-    y = equilibrium(rod, hung(rod))
+    rod = rod_of(rope, grade(rope.length, 0.5 * rope.length, edges), Winding(0.0, np.inf))
+    y = equilibrium(rod, first_guess(rod))
     loads = rod.evaluate(0.0, y[:, None], (0.0, 0.0))
     return _rest(loads.reaction[:, :, 0], loads.moment[:, 0], *lowest_point(rod, 0.0, y))
 
@@ -177,8 +177,8 @@ def modes_ours(case: str, elements: int) -> Results:
 def modes_rod(case: str, edges: int) -> Results:
     """The same."""
     rope, height, named = VIBRATIONS[case]
-    rod = rod_of(rope, graded(rope.length, 0.5 * (rope.length - height), edges), Winding(height, np.inf))
-    found = modes(rod, equilibrium(rod, hung(rod)), 10)
+    rod = rod_of(rope, grade(rope.length, 0.5 * (rope.length - height), edges), Winding(height, np.inf))
+    found = modes(rod, equilibrium(rod, first_guess(rod)), 10)
     return named(found.frequencies, found.out_of_plane)
 
 
@@ -223,7 +223,7 @@ def winding_ours(multiple: int, times: Array) -> Results:
 def winding_rod(edges: int, times: Array) -> Results:
     """The same, on equal edges."""
     rod = rod_of(SHORT, np.full(edges, SHORT.length / edges), Winding(TRAVEL, DURATION))
-    return _histories(move(rod, equilibrium(rod, hung(rod)), times))
+    return _histories(move(rod, equilibrium(rod, first_guess(rod)), times))
 
 
 def _release(r: Record) -> Results:
@@ -244,7 +244,7 @@ def release_ours(elements: int, times: Array) -> Results:
 def release_rod(edges: int, times: Array) -> Results:
     """The same."""
     rod = rod_of(SHORT, np.full(edges, SHORT.length / edges), Winding(TRAVEL, np.inf), DIRTY)
-    return _release(move(rod, equilibrium(rod, hung(rod)), times, (np.inf, RELEASE)))
+    return _release(move(rod, equilibrium(rod, first_guess(rod)), times, (np.inf, RELEASE)))
 
 
 # side by side

@@ -142,14 +142,14 @@ class Rod:
         """Rates of the state ``y`` (size, columns); ``slip`` is the sense in which each swivel slips, 0: it holds."""
         c, l, L = self.material, self.lengths[:, None], self.cells[:, None]
         p, (place, speed, acceleration) = split(y), (z[:, :, None] for z in self.ends(t))
-        edge, dv = (np.diff(_between(z, inner), axis=0) for z, inner in ((place, p.x), (speed, p.v)))
+        edge, dv = (np.diff(_with_ends(z, inner), axis=0) for z, inner in ((place, p.x), (speed, p.v)))
         size = np.sqrt(_dot(edge, edge))
         t_e = edge / size[:, None]
         t_t = (dv - t_e * _dot(t_e, dv)[:, None]) / size[:, None]
         e, e_t = size / l - 1, _dot(t_e, dv) / l
 
         # tangents, their rates and spins with those of the clamps, as seen from the nodes
-        tangent, turning = _between(CLAMPS[:, :, None], t_e), _between(np.zeros((2, 3, 1)), t_t)
+        tangent, turning = _with_ends(CLAMPS[:, :, None], t_e), _with_ends(np.zeros((2, 3, 1)), t_t)
         spin = np.concatenate((p.b_t[:1], p.w, p.b_t[1:]))
         omega = _cross(tangent, turning) + spin[:, None] * tangent
         (t1, t2), (d1, d2) = _sides(tangent), _sides(turning)
@@ -179,7 +179,7 @@ class Rod:
         torque[1:] -= M - 0.5 * _dot(t2, turn)
 
         force = T[:, None] * t_e + (g - t_e * _dot(g, t_e)[:, None]) / size[:, None]
-        F = _between(np.zeros((2, 3, 1)), np.diff(force, axis=0))
+        F = _with_ends(np.zeros((2, 3, 1)), np.diff(force, axis=0))
         F[0], F[-1] = force[0], -force[-1]
         F[:, 1] -= c.rho * c.gravity * L
         mass = c.rho * L[:, None]
@@ -221,7 +221,7 @@ def swept_area(a: Array, b: Array, c: Array) -> Array:
     return np.asarray(2 * np.arctan2(triple, 1 + np.sum(a * b + b * c + c * a, axis=1)))
 
 
-def _between(ends: Array, inner: Array) -> Array:
+def _with_ends(ends: Array, inner: Array) -> Array:
     """``inner`` with the row of the left end before it and that of the right end behind it."""
     shape = (1, *inner.shape[1:])
     return np.concatenate((np.broadcast_to(ends[0], shape), inner, np.broadcast_to(ends[1], shape)))

@@ -30,7 +30,7 @@ HELD = (0.0, 0.0)
 LARGEST_MOVE = 0.3
 
 
-def hung(rod: Rod) -> Array:
+def first_guess(rod: Rod) -> Array:
     """First guess: two legs and a half circle, untwisted."""
     left, right = rod.ends(0.0)[0]
     radius, s = 0.5 * (right[0] - left[0]), rod.s
@@ -68,7 +68,7 @@ def equilibrium(rod: Rod, guess: Array, slip: tuple[float, float] = HELD, tolera
         u = np.zeros(y.size)
         u[speeds] = splu(sp.csc_matrix(sp.identity(speeds.size) / tau**2 - A)).solve(rates)
         move = float(np.abs(u).max())
-        y = _moved(rod, y, u * min(1.0, LARGEST_MOVE / max(move, 1e-300)))
+        y = _displace(rod, y, u * min(1.0, LARGEST_MOVE / max(move, 1e-300)))
         if tau > 1e5 and move < tolerance * rod.s[-1]:
             return y
         now = float(np.linalg.norm(rates))
@@ -77,7 +77,7 @@ def equilibrium(rod: Rod, guess: Array, slip: tuple[float, float] = HELD, tolera
     raise RuntimeError(f"no equilibrium: the last correction moved by {move:.3g} m or rad; give a better guess")
 
 
-def _moved(rod: Rod, y: Array, u: Array) -> Array:
+def _displace(rod: Rod, y: Array, u: Array) -> Array:
     """``y`` displaced by the virtual velocity ``u``: places along it, twists by their exact change."""
     p, du = split(y), split(u)
     x = p.x + du.v
@@ -146,7 +146,7 @@ def move(
     rows, switches = [(t, y, slip)], list[float]()
     due = tuple(r == t for r in release)
     while t < end:
-        before, (y, slip) = slip, _switched(rod, t, y, slip, due)
+        before, (y, slip) = slip, _switch(rod, t, y, slip, due)
         switches += [t for new, old in zip(slip, before, strict=True) if new != old]
         stop = min(end, *(r for r in (*release, end) if r > t))
         events = [_phase_end(rod, side, slip, t >= release[side]) for side in (0, 1)]
@@ -175,7 +175,7 @@ def move(
     return replace(_record(rod, rows), switches=tuple(switches))
 
 
-def _switched(
+def _switch(
     rod: Rod, t: float, y: Array, slip: tuple[float, float], sides: tuple[bool, ...]
 ) -> tuple[Array, tuple[float, float]]:
     """State and phases after the swivels on ``sides`` were let go, came to rest or passed their static limit."""

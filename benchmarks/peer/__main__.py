@@ -19,7 +19,7 @@ from .exudyn_rope import Method
 from .figures import work_precision
 from .page import Results, page, write_data
 from .precision import LEVELS, Measured
-from .runs import UNCOUPLED, Error, Run, error, exudyn, ours, timed
+from .runs import UNCOUPLED, Error, Run, error, exudyn, measure_times, ours
 from .statics import frequencies, yaws
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -60,16 +60,16 @@ def compute() -> Results:
             f"{1e3 * m.step:g} ms, {m.newton} Newton, radius {m.spectral_radius:g}": partial(exudyn, element, count, m)
             for m in OPTIONS
         }
-        options = timed(cases, ROUNDS, SHORT, tell)
+        options = measure_times(cases, ROUNDS, SHORT, tell)
         method = Method(0.01, "full")
         forms = {f"symbolic: {x}": partial(exudyn, element, count, method, symbolic=x) for x in (True, False)}
-        functions = timed(forms, ROUNDS, SHORT, tell)
+        functions = measure_times(forms, ROUNDS, SHORT, tell)
         damping = difference_without_damping(element, count, method)
         damping_3d = difference_without_damping("beam-3d", 120, Method(0.02, "full"))
-        planar = timed(planar_cases(), ROUNDS, SHORT, tell)
+        planar = measure_times(planar_cases(), ROUNDS, SHORT, tell)
         space: list[tuple[str, list[tuple[str, Run, Error]]]] = []
         for scene in SPACE:
-            runs = timed(space_cases(scene), ROUNDS, SHORT, tell)
+            runs = measure_times(space_cases(scene), ROUNDS, SHORT, tell)
             reference = next(iter(runs.values()))
             space.append((scene.title, [(label, run, error(run, reference)) for label, run in runs.items()]))
     return Results(

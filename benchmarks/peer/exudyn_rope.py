@@ -20,9 +20,9 @@ from exudyn import itemInterface as items
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
 from numpy.typing import NDArray
 
-from hoist_demo.control.reference import Reference
+from hoist_demo.control.trajectory import Trajectory
 from rope_model.parameters import Rope, Scene
-from rope_model.simulation.transfer import interpolated
+from rope_model.simulation.transfer import interpolate
 
 from .elements import BEAM_2D, ELEMENTS, RIGID, euler_parameters
 from .motions import s_curve, swing
@@ -76,7 +76,7 @@ class PeerRope:
         count: int,
         hanging: tuple[Array, Array],
         heights: tuple[float, float],
-        reference: Reference | None = None,
+        reference: Trajectory | None = None,
         sideways: tuple[float, float] | None = None,
         symbolic: bool = True,
     ) -> None:
@@ -84,7 +84,7 @@ class PeerRope:
         pieces = 2 * count if self.element.middle else count
         self.lengths = np.full(pieces, self.rope.length / pieces)
         s, q = hanging
-        self._start = interpolated(q, s, np.concatenate(([0.0], np.cumsum(self.lengths))))
+        self._start = interpolate(q, s, np.concatenate(([0.0], np.cumsum(self.lengths))))
         self._half, self._heights = 0.5 * scene.layout.spacing, heights
         self._container = exu.SystemContainer()
         self.mbs = self._container.AddSystem()

@@ -8,10 +8,10 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from hoist_demo.control.reference import Reference
+from hoist_demo.control.trajectory import Trajectory
 
 
-def s_curve(reference: Reference, sense: float, symbolic: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
+def s_curve(reference: Trajectory, sense: float, symbolic: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Offset and its rate, as Exudyn's user functions: each change of the jerk adds a truncated cubic."""
     jerks = np.array([p.jerk for p in reference.points])
     terms = [(float(t), sense * float(j)) for t, j in zip(reference.starts, np.diff(jerks, prepend=0.0), strict=True)]

@@ -109,7 +109,7 @@ def _table(rows: Table) -> str:
 
 
 def _head(results: Results) -> str:
-    twins = _repeated(results)
+    twins = _repetitions(results)
     return f"""# The rope in an independent code
 
 `make peer` writes this page, its figures and its data (docs/data/peer). It puts the same rope into Exudyn {VERSION}, a
@@ -121,7 +121,7 @@ took {min(r.cost for r in twins):.3f} to {max(r.cost for r in twins):.3f} s per 
 differ from 1 by less than that spread say nothing. The machine was shared with other work."""
 
 
-def _repeated(results: Results) -> list[Run]:
+def _repetitions(results: Results) -> list[Run]:
     """The run that the symbolic functions were timed with, wherever it was timed again."""
     twin = results.functions[0]
     named = "10 ms, full Newton, radius 0.8"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import ends_at
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import EndMotion, Mesh, Scene, Swivel, balance_rope, rope_120
 from rope_model.simulation.diagnostics import loop_bottom
@@ -106,7 +106,7 @@ def ours(group: str, label: str, scene: Scene, ends: Ends = winding_ends) -> Run
 
 
 @cache
-def hanging(scene: Scene, heights: tuple[float, float]) -> tuple[Array, Array]:
+def hanging_shape(scene: Scene, heights: tuple[float, float]) -> tuple[Array, Array]:
     """Arc lengths and nodes (n, 7) of our equilibrium between the heights: where Exudyn's search begins."""
     rope = balance_rope(scene.with_(mesh=Mesh(kind="eem", elements=600)))
     status = rope.initialize(0.0, EndMotion(y=heights[0]), EndMotion(y=heights[1]))
@@ -128,7 +128,7 @@ def exudyn(
     label = f"{count}, {1e3 * method.step:g} ms"
     samples = round(DURATION / SAMPLE)
     try:
-        rope = PeerRope(scene, element, count, hanging(scene, heights), heights, REFERENCE, sideways, symbolic)
+        rope = PeerRope(scene, element, count, hanging_shape(scene, heights), heights, REFERENCE, sideways, symbolic)
         rope.rest()
         record = rope.run(DURATION, SAMPLE, method)
     except PeerError as failed:
@@ -138,7 +138,7 @@ def exudyn(
     return Run("Exudyn", element, label, count, method.step, record.cpu, record.force, bottom)
 
 
-def timed(
+def measure_times(
     cases: Mapping[str, Callable[[], Run]], rounds: int, short: float, tell: Callable[[str], None]
 ) -> dict[str, Run]:
     """Every case once, those below ``short`` seconds ``rounds`` times in turn; the median of the CPU times."""

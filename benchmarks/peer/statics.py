@@ -15,7 +15,7 @@ from rope_model.simulation.simulator import RopeSimulator
 
 from .elements import ELEMENTS
 from .exudyn_rope import PeerRope
-from .runs import TORSION_FREE, UNCOUPLED, hanging
+from .runs import TORSION_FREE, UNCOUPLED, hanging_shape
 
 Array = NDArray[np.float64]
 FINE = Mesh(kind="eem", elements=600)
@@ -82,7 +82,7 @@ def _ours(height: float, plane: str) -> tuple[float, ...]:
 
 def peer_frequencies(element: str, count: int, height: float, plane: str) -> tuple[float, ...]:
     """Exudyn's lowest MODES in or out of plane."""
-    rope = PeerRope(UNCOUPLED, element, count, hanging(UNCOUPLED, (height, 0.0)), (height, 0.0))
+    rope = PeerRope(UNCOUPLED, element, count, hanging_shape(UNCOUPLED, (height, 0.0)), (height, 0.0))
     rope.rest()
     values, out = rope.frequencies(12)
     return tuple(float(f) for f in values[(out > 0.5) == (plane == "out")][:MODES])
@@ -91,7 +91,7 @@ def peer_frequencies(element: str, count: int, height: float, plane: str) -> tup
 def yaws() -> list[Yaw]:
     """Both codes at each of TWISTS; Exudyn's follow each other."""
     rows = []
-    theirs = PeerRope(UNCOUPLED, "beam-3d", 240, hanging(UNCOUPLED, (0.0, 0.0)), (0.0, 0.0))
+    theirs = PeerRope(UNCOUPLED, "beam-3d", 240, hanging_shape(UNCOUPLED, (0.0, 0.0)), (0.0, 0.0))
     theirs.rest()
     for k in range(1, max(TWISTS) + 1):
         theirs.twist_right_end(k * TWIST_STEP)

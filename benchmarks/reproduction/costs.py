@@ -15,7 +15,7 @@ from .drawing import ACCENTS, COLOURS, REFERENCE, figure
 from .section import Claim, Picture, Section
 from .tables import Table, Tables, table
 from .timestep import ERRORS, errors
-from .windings import COUPLINGS, DEFAULT_MESH, ROUNDS, followed, scene_of
+from .windings import COUPLINGS, DEFAULT_MESH, ROUNDS, follow, scene_of
 
 Array = NDArray[np.float64]
 
@@ -42,10 +42,10 @@ LEVELS = (1.0, 0.1, 0.01)  # %
 def measure() -> Tables:
     """Every mesh once through the coupled winding, against EEM with REFERENCE_ELEMENTS."""
     meshes = {f"EEM {n}": Mesh(kind="eem", elements=n) for n in EEM_ELEMENTS} | TMN_MESHES
-    exact = followed(scene_of("coupled", Mesh(kind="eem", elements=REFERENCE_ELEMENTS)), "reference")
+    exact = follow(scene_of("coupled", Mesh(kind="eem", elements=REFERENCE_ELEMENTS)), "reference")
     rows = []
     for name, mesh in meshes.items():
-        run = followed(scene_of("coupled", mesh), name)
+        run = follow(scene_of("coupled", mesh), name)
         rows.append((name, mesh.kind, *_row(run, exact)))
     names = ("mesh", "kind", "elements", "processor time [s]", *ERRORS, "kinetic change [J]", "steps", "rejections")
     return {"costs": table(names, rows)}

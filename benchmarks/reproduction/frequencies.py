@@ -13,11 +13,11 @@ from tqdm import tqdm
 from benchmarks.stability.entry import Measured
 from rope_model.parameters import Swivel, rope_120
 from rope_model.simulation.ends import EndMotion, EndPath, HangingEnds, Phase, SwivelState, nominal_points
-from rope_model.simulation.mesh import partition, suited
+from rope_model.simulation.mesh import fit_mesh, partition
 from rope_model.simulation.modal import natural_modes
 from rope_model.simulation.rope_system import RopeKernels, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
-from rope_model.simulation.transfer import interpolated
+from rope_model.simulation.transfer import interpolate
 
 from .drawing import CURVES, figure
 from .section import Claim, Picture, Section
@@ -53,7 +53,7 @@ class HangingRope:
     def __init__(self) -> None:
         self.scene = rope_120().scene
         self.rope = replace(self.scene.rope, Qb=0.0, Qc=0.0)
-        self.mesh = suited(self.scene.mesh, self.rope, self.scene.layout)
+        self.mesh = fit_mesh(self.scene.mesh, self.rope, self.scene.layout)
         cells = partition(self.mesh, self.rope.length, 0.5 * self.rope.length)
         self.kernels = RopeKernels(cells.lengths.size, self.scene.solver.kernels)
 
@@ -63,7 +63,7 @@ class HangingRope:
         The left end is ``height`` (m) above the right one.
         """
         lengths = partition(self.mesh, self.rope.length, 0.5 * (self.rope.length + height)).lengths
-        paths = EndPath.resting(0.0, EndMotion(y=0.5 * height)), EndPath.resting(0.0, EndMotion(y=-0.5 * height))
+        paths = EndPath.at_rest(0.0, EndMotion(y=0.5 * height)), EndPath.at_rest(0.0, EndMotion(y=-0.5 * height))
         points = nominal_points(self.scene.layout.spacing)
         P = parameter_vector(self.rope, self.scene.layout.gravity, np.array([1.0, 0.0, 0.0]))
         s = arc_lengths(lengths)
@@ -80,7 +80,7 @@ class HangingRope:
             for plane in PLANES:
                 chosen = np.flatnonzero((modes.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
                 columns = [2] if plane == "out" else [0, 1]
-                shapes = [interpolated(modes.shapes[k], s, GRID)[:, columns] for k in chosen]
+                shapes = [interpolate(modes.shapes[k], s, GRID)[:, columns] for k in chosen]
                 found[swivels, plane] = modes.frequencies[chosen], np.array(shapes)
         return found
 
@@ -138,7 +138,7 @@ def approaches(heights: Array, f: Array, shapes: Array) -> list[tuple[float, ...
     return rows
 
 
-def exchanged(t: Table) -> NDArray[np.bool_]:
+def exchange_rows(t: Table) -> NDArray[np.bool_]:
     """Rows of ``approaches`` at which the shapes after it are rather those of the other mode before it."""
     swapped, kept = (np.array([t[name] for name in names]) for names in (SWAPPED, KEPT))
     found: NDArray[np.bool_] = swapped.min(axis=0) > kept.max(axis=0)
@@ -147,7 +147,7 @@ def exchanged(t: Table) -> NDArray[np.bool_]:
 
 def veerings(t: Table, swivels: str, plane: str) -> NDArray[np.bool_]:
     """Rows of ``approaches`` at which two curves come close without touching and exchange their shapes."""
-    found: NDArray[np.bool_] = (t["swivels"] == swivels) & (t["plane"] == plane) & exchanged(t)
+    found: NDArray[np.bool_] = (t["swivels"] == swivels) & (t["plane"] == plane) & exchange_rows(t)
     return found
 
 
@@ -252,7 +252,7 @@ def reading(tables: Tables) -> str:
         swapped, kept = (" / ".join(f"{t[name][i]:.2f}" for name in names) for names in (SWAPPED, KEPT))
         rows.append(
             f"| {t['swivels'][i]} | {t['plane'][i]} | {k}, {k + 1} | {t['H [m]'][i]:.2f} | {t['gap [Hz]'][i]:.5f} | "
-            f"{swapped} | {kept} | {t[ALONG][i]:.2f} | {'yes' if exchanged(t)[i] else 'no'} |"
+            f"{swapped} | {kept} | {t[ALONG][i]:.2f} | {'yes' if exchange_rows(t)[i] else 'no'} |"
         )
     return "\n".join(lines) + EXPLANATION + "\n".join(rows)
 

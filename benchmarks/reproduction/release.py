@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import H, Winding, progress_bar, wind
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, RopeSimulator, Scene, Swivel, rope_240
 from rope_model.physics.costello import torque
@@ -55,7 +55,7 @@ class Watch:
             self.twists += [(round(m.t, 3), *row) for row in np.column_stack((middle, tau, M))]
 
 
-def followed(scene: Scene, name: str, until: float = END) -> tuple[Winding, Watch]:
+def follow(scene: Scene, name: str, until: float = END) -> tuple[Winding, Watch]:
     """The preset's winding up to ``until`` (s); RuntimeError when it fails."""
     preset, watch = rope_240(), Watch(RopeSimulator(scene))
     reference = s_curve(Trip(travel=preset.travel, speed=preset.speed))
@@ -69,8 +69,8 @@ def followed(scene: Scene, name: str, until: float = END) -> tuple[Winding, Watc
 def measure() -> Tables:
     """Both runs as tables."""
     scene = rope_240().scene
-    run, watch = followed(scene, "240 m, swivels released")
-    twin, still = followed(scene.with_(left=Swivel(), right=Swivel()), "240 m, swivels locked")
+    run, watch = follow(scene, "240 m, swivels released")
+    twin, still = follow(scene.with_(left=Swivel(), right=Swivel()), "240 m, swivels locked")
     t = np.array(run.t)
     late = t >= FROM
     columns = {

@@ -11,7 +11,7 @@ from benchmarks.kinematic import Winding
 from rope_model import Mesh, RopeSimulator
 
 from .tables import Table, Tables, table
-from .windings import DEFAULT_MESH, Stresses, followed, scene_of
+from .windings import DEFAULT_MESH, Stresses, follow, scene_of
 
 SHORT_STEP = 2.5e-3  # s
 #: TMN-ETM's default mesh, and EEM of about its accuracy
@@ -39,7 +39,7 @@ def measure() -> Tables:
         scene = scene_of("coupled", mesh)
         scene = scene.with_(solver=replace(scene.solver, step_max=step))
         seen = Stresses(RopeSimulator(scene))
-        runs[name] = followed(scene, name, seen)
+        runs[name] = follow(scene, name, seen)
         torsion[name] = [values[1] for values in seen.values]
     pairs = []
     for a, b in PAIRS:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import Winding, progress_bar, wind
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, rope_120
-from rope_model.simulation.mesh import suited
+from rope_model.simulation.mesh import fit_mesh
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.signals import nominal_stresses
 
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 COUPLINGS = ("uncoupled", "coupled")
 PRESET = rope_120().scene
 #: the default mesh in numbers
-DEFAULT_MESH = suited(PRESET.mesh, PRESET.rope, PRESET.layout)
+DEFAULT_MESH = fit_mesh(PRESET.mesh, PRESET.rope, PRESET.layout)
 MESHES = {"TMN-ETM": DEFAULT_MESH, "EEM": Mesh(kind="eem", elements=600)}
 TRAVEL, SETTLE = 90.0, 3.0  # m, s after the conveyances have stopped
 ROUNDS = 3
@@ -60,10 +60,10 @@ class Stresses:
         self.bottom.append(python.loop.s)
         self.nodes.append(arc_lengths(state.partition.lengths))
         strains = python.system.strains(state.motion.q)
-        self.values.append((*nominal_stresses(rope.scene.rope, strains, state.rung), np.abs(strains[:, 1])))
+        self.values.append((*nominal_stresses(rope.scene.rope, strains, state.fidelity), np.abs(strains[:, 1])))
 
 
-def followed(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding:
+def follow(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding:
     """One winding of 90 m, with a progress bar; RuntimeError when it fails."""
     reference = s_curve(Trip())
     with progress_bar(name, reference.duration + SETTLE) as advance:
@@ -81,13 +81,13 @@ def measure() -> Tables:
     times: list[tuple[object, ...]] = []
     for k, coupling, name in product(range(ROUNDS), COUPLINGS, MESHES):
         watched = stresses[name] if k == 0 and coupling == "coupled" else None
-        run = followed(scene_of(coupling, MESHES[name]), f"winding, {coupling}, {name}, round {k + 1}", watched)
+        run = follow(scene_of(coupling, MESHES[name]), f"winding, {coupling}, {name}, round {k + 1}", watched)
         runs.setdefault((coupling, name), run)
         counts = run.rope.state.counts
         elements = run.rope.state.partition.lengths.size
         times.append((coupling, name, elements, k + 1, run.cpu, counts.steps, counts.newton, counts.rejections))
     names = ("coupling", "mesh", "elements", "round", "processor time [s]", "steps", "Newton iterations", "rejections")
-    tables = {f"winding-{c}": _seen({name: runs[c, name] for name in MESHES}) for c in COUPLINGS}
+    tables = {f"winding-{c}": _observations({name: runs[c, name] for name in MESHES}) for c in COUPLINGS}
     changes = [(c, *row) for c in COUPLINGS for row in _transformations(runs[c, "TMN-ETM"])]
     t = np.array(runs["coupled", "EEM"].t)
     return {
@@ -99,7 +99,7 @@ def measure() -> Tables:
     }
 
 
-def _seen(runs: dict[str, Winding]) -> Table:
+def _observations(runs: dict[str, Winding]) -> Table:
     """Observation points, loop bottom, end forces and kinetic energy of both meshes at the samples."""
     columns = {"t [s]": np.array(next(iter(runs.values())).t)}
     for name, run in runs.items():

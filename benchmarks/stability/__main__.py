@@ -29,10 +29,10 @@ def main() -> int:
         bar.set_description(entry.key)
         finding = findings[entry.key] = entry.measure()
         illustrate(entry, finding)
-        failed = [f"{m.what}: {claim(m)}" for m in (*finding.twin, *finding.ours) if not m.holds]
+        failed = [f"{m.what}: {claim(m)}" for m in (*finding.counterexample, *finding.ours) if not m.holds]
         tqdm.write(f"{entry.key:<16} {'as claimed' if finding.holds else 'NOT AS CLAIMED  ' + '; '.join(failed)}")
         if only:
-            for side, claims in ((COUNTEREXAMPLE, finding.twin), ("ours", finding.ours)):
+            for side, claims in ((COUNTEREXAMPLE, finding.counterexample), ("ours", finding.ours)):
                 for m in claims:
                     tqdm.write(f"  {side}  {m.what}: {claim(m)}")
     if only is None:

@@ -57,7 +57,9 @@ def measure_bulging() -> Finding:
     curves.append(Curve("left by ours, largest of all", np.array([0.0, 100.0]), np.full(2, unbalanced), "--"))
     return Finding(
         # a method is of no use to a user who meets a failure in every tenth data set
-        twin=(Measured(f"share of {len(loops)} data sets without the shape", failed / len(loops), "1", ">", 0.1),),
+        counterexample=(
+            Measured(f"share of {len(loops)} data sets without the shape", failed / len(loops), "1", ">", 0.1),
+        ),
         ours=(
             Measured("shapes that are not stable", unstable, "1", "<", 1),
             # 60 m of rounding in the strain of elements of 0.25 m: Qa 60 eps / l = 6e-6 N, ten times that at most

@@ -35,13 +35,13 @@ class Held:
     def free(self, nodes: int) -> NDArray[np.bool_]:
         return ~self.held
 
-    def prescribed(self, t: float, nodes: int) -> Array:
+    def prescribed_motion(self, t: float, nodes: int) -> Array:
         return np.array([self.values, 0 * self.values, 0 * self.values])
 
     def load(self, nodes: int) -> Array:
         return np.zeros_like(self.values)
 
-    def grip(self, nodes: int) -> Array:
+    def friction_load(self, nodes: int) -> Array:
         return np.zeros_like(self.values)
 
 
@@ -56,11 +56,11 @@ class Iterated:
 
 def plain_newton(system: RopeSystem, guess: Array, tolerance: float = 1e-9, most: int = 100) -> Iterated:
     """Full corrections with the tangent stiffness from ``guess``, until one is below ``tolerance``."""
-    q = np.where(system.free, guess, system.prescribed(0.0)[0])
+    q = np.where(system.free, guess, system.prescribed_motion(0.0)[0])
     rest, unbalanced = np.zeros_like(q), []
     with np.errstate(all="ignore"):  # divergence is what the caller looks for
         for _ in range(most):
-            x, R = system.direction(q, rest, rest, rest, STATIC)
+            x, R = system.newton_step(q, rest, rest, rest, STATIC)
             unbalanced.append(float(np.max(np.abs(np.where(system.free, R, 0.0)))))
             if not np.all(np.isfinite(x)):
                 break

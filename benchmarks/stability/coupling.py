@@ -41,7 +41,7 @@ class Run:
     message: str
 
 
-def hanging(step_max: float = 0.01) -> RopeSimulator:
+def hang(step_max: float = 0.01) -> RopeSimulator:
     solver = Solver(step_max=step_max)
     rope = RopeSimulator(Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=30), solver=solver))
     status = rope.initialize(0.0, EndMotion(), EndMotion())
@@ -54,7 +54,7 @@ def hanging(step_max: float = 0.01) -> RopeSimulator:
 RUNAWAY = 20.0
 
 
-def coupled(rope: RopeSimulator, mass: float, H: float, exchange: Exchange, end: float) -> Run:
+def couple(rope: RopeSimulator, mass: float, H: float, exchange: Exchange, end: float) -> Run:
     """The conveyance on its head rope; ``rope`` is at rest and is left where the run ends."""
     w = 2 * math.pi * FREQUENCY
     k, c = mass * w * w, 2 * DAMPING * mass * w
@@ -86,18 +86,18 @@ STEPS = np.geomspace(0.002, 0.05, 8)  # s
 
 def stable_points(exchange: Exchange) -> Array:
     """(masses, steps): 1 where the exchange is stable over 0.5 s and 60 communication steps at least, else 0."""
-    rope = hanging()
+    rope = hang()
     start, stable = rope.state, np.zeros((MASSES.size, STEPS.size))
     for i, mass in enumerate(MASSES):
         for j, H in enumerate(STEPS):
             rope.restore(start)
-            stable[i, j] = coupled(rope, float(mass), float(H), exchange, max(0.5, 60 * float(H))).stable
+            stable[i, j] = couple(rope, float(mass), float(H), exchange, max(0.5, 60 * float(H))).stable
     return stable
 
 
 def added_masses() -> Array:
     """kg, of the left end at rest, for STEPS."""
-    rope, found = hanging(), []
+    rope, found = hang(), []
     start = rope.state
     for H in STEPS:
         rope.restore(start)
@@ -108,30 +108,30 @@ def added_masses() -> Array:
 
 def accuracy() -> float:
     """Largest difference of the heights with 10 ms and with 1.25 ms over 1 s, over the stroke."""
-    rope = hanging()
+    rope = hang()
     start, heights = rope.state, []
     for H in (0.01, 0.00125):
         rope.restore(start)
-        heights.append(coupled(rope, 0.1 * LEG, H, "semi-implicit", 1.0).y)
+        heights.append(couple(rope, 0.1 * LEG, H, "semi-implicit", 1.0).y)
     return float(np.max(np.abs(heights[0] - heights[1][::8]))) / STROKE
 
 
 def measure_map() -> Finding:
-    twin, ours, added = stable_points("explicit"), stable_points("semi-implicit"), added_masses()
-    rope = hanging()
-    message = coupled(rope, float(MASSES[0]), 0.01, "explicit", 1.0).message
+    counterexample, ours, added = stable_points("explicit"), stable_points("semi-implicit"), added_masses()
+    rope = hang()
+    message = couple(rope, float(MASSES[0]), 0.01, "explicit", 1.0).message
     masses, steps = np.meshgrid(MASSES, STEPS, indexing="ij")
     # |a_{k+1}| = m_a / M |a_k|: explicit exchange is a fixed-point iteration for a, one turn per step
     ratio = masses / added
     clear = (ratio < 0.5) | (ratio > 2.0)
-    predicted = float(np.mean((ratio > 1.0)[clear] == (twin > 0)[clear]))
+    predicted = float(np.mean((ratio > 1.0)[clear] == (counterexample > 0)[clear]))
 
     def points(which: NDArray[np.bool_]) -> tuple[Array, Array]:
         return 1e3 * steps[which], masses[which] / LEG
 
     return Finding(
-        twin=(
-            Measured("explicit: unstable points of 64", float(np.sum(twin == 0)), "1", ">", 12.0),
+        counterexample=(
+            Measured("explicit: unstable points of 64", float(np.sum(counterexample == 0)), "1", ">", 12.0),
             Measured("points beyond a factor of 2 that M > m_a predicts", predicted, "1", ">", 0.95),
         ),
         ours=(
@@ -144,8 +144,8 @@ def measure_map() -> Finding:
             "communication step, ms",
             "M over the mass of a leg",
             (
-                Curve("explicit, stable", *points(twin > 0), style="o"),
-                Curve("explicit, unstable", *points(twin == 0), style="x"),
+                Curve("explicit, stable", *points(counterexample > 0), style="o"),
+                Curve("explicit, unstable", *points(counterexample == 0), style="x"),
                 Curve("semi-implicit (ours), stable", *points(ours > 0), style="."),
                 Curve("M = added mass over the step", 1e3 * STEPS, added / LEG),
                 Curve("M = Z H / 2", 1e3 * STEPS, 0.5 * IMPEDANCE * STEPS / LEG, "--"),
@@ -179,13 +179,13 @@ Inputs = Literal["held", "extrapolated", "step end"]
 
 def pulls(H: float, inputs: Inputs, step_max: float = 0.01) -> tuple[Array, str]:
     """Pull (N) of the rope on the left end at the communication points, and what ended the run."""
-    rope, found, message = hanging(step_max), [], ""
+    rope, found, message = hang(step_max), [], ""
     for k in range(1, round(PERIOD / H) + 1):
         last = lift((k - 1) * H)
         if inputs == "held":
             given = EndMotion(y=last.y)
         elif inputs == "extrapolated":
-            given = last.extrapolated(H)
+            given = last.extrapolate(H)
         else:
             given = lift(k * H)
         status = rope.advance_to(k * H, given, EndMotion())
@@ -215,7 +215,7 @@ def measure_steps() -> Finding:
     }
     ratio = errors["extrapolated"][0] / errors["step end"][0]
     return Finding(
-        twin=(
+        counterexample=(
             # a host would not accept a tenth of the rope's load as an error
             Measured("held: largest error at 50 ms over the leg's weight", errors["held"][2], "1", ">", 0.1),
             Measured("extrapolated: largest error at 200 ms over ours", ratio, "1", ">", 10.0),

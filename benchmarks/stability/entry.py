@@ -54,7 +54,7 @@ class Figure:
 class Finding:
     """What the failing twin did and what ours did in the same scene, and a figure where looking helps."""
 
-    twin: tuple[Measured, ...]  # claims that the twin breaks
+    counterexample: tuple[Measured, ...]  # claims that the twin breaks
     ours: tuple[Measured, ...]  # claims that ours holds
     figure: Figure | None = None
     message: str = ""  # what the user is told where ours stops instead of holding
@@ -62,7 +62,7 @@ class Finding:
     @property
     def holds(self) -> bool:
         """Whether all claims are true."""
-        return all(m.holds for m in (*self.twin, *self.ours))
+        return all(m.holds for m in (*self.counterexample, *self.ours))
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ class Fall:
     unexplained: float
 
 
-def folded(EI: float, elements: int) -> tuple[RopeSystem, Array]:
+def fold(EI: float, elements: int) -> tuple[RopeSystem, Array]:
     """A rope that hangs in its plane as a U of its natural width, one end pinned, the other let go."""
     width = 2.54307 * (EI / (Rope.mass_per_length * GRAVITY)) ** (1 / 3)
     s = np.linspace(0.0, CHAIN, elements + 1)
@@ -40,32 +40,32 @@ def folded(EI: float, elements: int) -> tuple[RopeSystem, Array]:
     rope = Rope(length=CHAIN, EI=EI, Qa=1e6, Qb=0.0, Qc=0.0)
     kernels, P = RopeKernels(elements), parameter_vector(rope, GRAVITY, POLE_X)
 
-    def held(values: Array, nodes: list[int]) -> RopeSystem:
+    def hold(values: Array, nodes: list[int]) -> RopeSystem:
         boundary = Held.nothing(values)
         boundary.held[:, [2, 5, 6]] = True
         boundary.held[nodes, POSITION] = True
         return RopeSystem(kernels, np.diff(s), P, boundary)
 
-    hanging = find_equilibrium(held(q, [0, -1]), q).q
-    return held(hanging.copy(), [0]), hanging
+    hanging = find_equilibrium(hold(q, [0, -1]), q).q
+    return hold(hanging.copy(), [0]), hanging
 
 
 def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
     """The tip's fall by generalized-alpha; a step that fails or errs by more than ``tolerance`` (m) is halved."""
-    system, q = folded(EI, elements)
+    system, q = fold(EI, elements)
     rest = np.zeros_like(q)
     motion, start = restart(system, 0.0, q, rest, rest)
     method, h, dissipated, unexplained = Coefficients(0.8), largest, 0.0, 0.0
     rows = [(0.0, 0.0)]
     while h > 1e-7 and motion.t < 2 * math.sqrt(2 * CHAIN / GRAVITY):
         result = step(system, motion, h, method, 1e-8)
-        if result.motion is None or result.assessment is None or result.error > tolerance:
+        if result.motion is None or result.evaluation is None or result.error > tolerance:
             h *= 0.5
             continue
         new = result.motion
-        middle = system.assess(0.5 * (motion.q + new.q), (new.q - motion.q) / h, new.a, new.reaction).balance
+        middle = system.evaluate(0.5 * (motion.q + new.q), (new.q - motion.q) / h, new.a, new.reaction).balance
         dissipated += h * middle["damping_power"]
-        balance = result.assessment.balance
+        balance = result.evaluation.balance
         unexplained = potential(balance) + balance["kinetic"] + dissipated - potential(start.balance)
         motion = new
         rows.append((motion.t, -float(motion.q[-1, 1])))
@@ -117,7 +117,7 @@ def measure_fall() -> Finding:
     curves = [Curve(f"ours, EI = {EI:g} N m²", x.t / unit, x.depth / CHAIN) for EI, x in falls.items()]
     unexplained = max(abs(x.unexplained) for x in falls.values())
     return Finding(
-        twin=(
+        counterexample=(
             # it falls with g: 1 instead of 0.847
             Measured("inelastic fold: fall time over the exact one", float(free_t[-1] / exact_t[-1]), "1", ">", 1.1),
         ),

@@ -13,8 +13,8 @@ from rope_model.simulation import modal
 from rope_model.simulation.rope_system import ANGLE, RopeKernels, RopeSystem, arc_lengths
 
 from .chain import POLE_X, Held, Solve, by_continuation, by_newton, is_stable
+from .counterexamples import no_rate
 from .entry import Array, Curve, Entry, Figure, Finding, Measured
-from .twins import no_rate
 
 BEND, TWIST_STIFFNESS, TENSION, ROD = 1.0, 0.7, 1.0, 60.0  # N m^2, N m^2, N, m
 
@@ -69,7 +69,7 @@ def measure_hockling() -> Finding:
     newton = np.array([deflection(by_newton, M, 1e-3) for M in torques])
     found = np.array([deflection(by_continuation, M, 1e-3) for M in torques])
     return Finding(
-        twin=(
+        counterexample=(
             Measured(
                 "tau = theta' alone: torque up to which nothing happens, part of 2 sqrt(EI T)",
                 without / theory,

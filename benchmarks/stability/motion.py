@@ -11,7 +11,7 @@ from scipy.sparse.linalg import splu
 
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends import EndMotion
-from rope_model.simulation.modal import assembled_matrix
+from rope_model.simulation.modal import assemble_matrix
 from rope_model.simulation.simulator import RopeSimulator
 
 from . import bulging, falling, hockling, turn_over
@@ -24,7 +24,7 @@ GRAVITY = Layout().gravity
 LENGTH, DROP, FALL, SHOWN, END, H = 30.0, 1.5, 0.35, 0.6, 1.0, 0.005  # m, m, s, s, s, s
 
 
-def dropped(t: float) -> EndMotion:
+def drop_motion(t: float) -> EndMotion:
     """The left conveyance goes down by DROP within FALL, with up to 7 g, and stands."""
     s = min(t / FALL, 1.0)
     return EndMotion(
@@ -53,11 +53,11 @@ def drop(solver: Solver, end: float = END, beta_K: float = Rope.beta_K, elements
     status = rope.initialize(0.0, EndMotion(), EndMotion())
     rows = []
     for k in range(1, round(end / H) + 1):
-        status = rope.advance_to(k * H, dropped(k * H), EndMotion())
+        status = rope.advance_to(k * H, drop_motion(k * H), EndMotion())
         if not status.valid:
             break
         state = rope.state
-        rows.append((k * H, state.motion.reaction[0, 1], state.ledger.residual, state.ledger.kinetic))
+        rows.append((k * H, state.motion.reaction[0, 1], state.energy_balance.residual, state.energy_balance.kinetic))
     t, pull, unexplained, kinetic = np.array(rows).T
     return Drop(t, pull, unexplained, kinetic, status.message)
 
@@ -67,7 +67,7 @@ def linear_drop(end: float) -> tuple[Array, Array]:
     rope = RopeSimulator(Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=60)))
     rope.initialize(0.0, EndMotion(), EndMotion())
     system, q = rope.system, rope.state.motion.q
-    K, C, M = (assembled_matrix(system, q, c) for c in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    K, C, M = (assemble_matrix(system, q, c) for c in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
     free = np.flatnonzero(system.free.ravel())
     held = 1  # height of the left end
     h = H
@@ -76,7 +76,7 @@ def linear_drop(end: float) -> tuple[Array, Array]:
     weight = float(rope.state.motion.reaction[0, 1])
     times, pulls = [], []
     for k in range(1, round(end / H) + 1):
-        at = dropped(k * h)
+        at = drop_motion(k * h)
         new_v, new_a = -2 / h * x - v, -4 / h**2 * x - 4 / h * v - a  # but for 2 x/h and 4 x/h^2
         new_x = np.zeros_like(x)
         new_x[held], new_v[held], new_a[held] = at.y, at.vy, at.ay
@@ -95,7 +95,7 @@ def measure_slack() -> Finding:
     # a leg clamped at both ends buckles under 4 pi^2 EI / l^2
     buckling = 4 * math.pi**2 * Rope.EI / (0.5 * LENGTH) ** 2
     return Finding(
-        twin=(
+        counterexample=(
             # one wave up and down of the prescribed acceleration against a blow: no bound but "not nearly"
             Measured(
                 "linear: largest pull, part of the largest one", float(pull.max() / fine.pull.max()), "1", "<", 0.5
@@ -143,12 +143,12 @@ def measure_slack() -> Finding:
 def measure_snatch() -> Finding:
     fixed = Solver(tolerance=1.0, rho_inf=1.0, step_max=0.005, step_min=0.005)
     undamped = drop(fixed, beta_K=0.0)
-    twin = drop(fixed)
+    counterexample = drop(fixed)
     ours, fine = drop(Solver()), drop(Solver(tolerance=1e-4))
     largest = ours.kinetic.max()
     return Finding(
-        twin=(
-            Measured("rho_inf = 1, fixed step: time reached", float(twin.t[-1]), "s", "<", 0.9 * END),
+        counterexample=(
+            Measured("rho_inf = 1, fixed step: time reached", float(counterexample.t[-1]), "s", "<", 0.9 * END),
             Measured("the same without material damping: time reached", float(undamped.t[-1]), "s", "<", 0.9 * END),
         ),
         ours=(
@@ -182,11 +182,11 @@ def measure_snatch() -> Finding:
             "pull of the rope on the conveyance, kN",
             (
                 Curve("ours", ours.t, 1e-3 * ours.pull),
-                Curve("rho_inf = 1, fixed step, until it stops", twin.t, 1e-3 * twin.pull, "--"),
+                Curve("rho_inf = 1, fixed step, until it stops", counterexample.t, 1e-3 * counterexample.pull, "--"),
                 Curve("the same without material damping", undamped.t, 1e-3 * undamped.pull, ":"),
             ),
         ),
-        message=twin.stopped,
+        message=counterexample.stopped,
     )
 
 

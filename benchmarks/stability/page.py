@@ -53,7 +53,7 @@ def summary(heading: str, entry: Entry, finding: Finding) -> str:
 
 
 def first_claims(finding: Finding) -> tuple[Measured, Measured]:
-    return finding.twin[0], finding.ours[0]
+    return finding.counterexample[0], finding.ours[0]
 
 
 def anchor(title: str) -> str:
@@ -65,7 +65,7 @@ def section(entry: Entry, finding: Finding) -> str:
     """Text, numbers and figure of an entry."""
     rows = [
         f"| {side} | {m.what} | {claim(m)} | {'yes' if m.holds else '**no**'} |"
-        for side, claims in ((COUNTEREXAMPLE, finding.twin), ("ours", finding.ours))
+        for side, claims in ((COUNTEREXAMPLE, finding.counterexample), ("ours", finding.ours))
         for m in claims
     ]
     parts = [

@@ -25,7 +25,7 @@ LENGTH = 30.0  # m
 UNCOUPLED = Rope(length=LENGTH, Qb=0.0, Qc=0.0)
 
 
-def hanging(rope: Rope, left: Swivel, elements: int = 40) -> RopeSimulator:
+def hang(rope: Rope, left: Swivel, elements: int = 40) -> RopeSimulator:
     """At rest with both conveyances at height zero."""
     simulator = RopeSimulator(
         Scene(rope=rope, left=left, mesh=Mesh(kind="eem", elements=elements), model=Model("torsional"))
@@ -51,7 +51,9 @@ HOLD = 20.0  # s
 INSTALLED = 0.1  # rad, a torque of half the static friction
 
 
-def regularised(speed: float, moment: float, static: float, stiffness: float, inertia: float) -> tuple[Array, Array]:
+def regularised_friction(
+    speed: float, moment: float, static: float, stiffness: float, inertia: float
+) -> tuple[Array, Array]:
     """Times and angles of the rotor under M = M_static tanh(b_t / speed), the rope a torsion spring."""
 
     def rates(t: float, y: Array) -> list[float]:
@@ -62,7 +64,7 @@ def regularised(speed: float, moment: float, static: float, stiffness: float, in
     return times, np.asarray(solution.y[0])
 
 
-def trembling(t: float) -> EndMotion:
+def tremble(t: float) -> EndMotion:
     """The left conveyance turns to and fro by 4 mrad, so that the torque held varies."""
     w = 2 * math.pi / 4.0
     return EndMotion(yaw=0.002 * (1 - math.cos(w * t)), yaw_rate=0.002 * w * math.sin(w * t))
@@ -70,29 +72,29 @@ def trembling(t: float) -> EndMotion:
 
 def measure_creep() -> Finding:
     bearing = Swivel(mode="coulomb", mu_static=0.1, mu_kinetic=0.08)
-    rope = hanging(replace(UNCOUPLED, installed_twist=INSTALLED), bearing)
+    rope = hang(replace(UNCOUPLED, installed_twist=INSTALLED), bearing)
     moment = abs(rope.state.motion.reaction[0, ANGLE])
     static = rope.ends.friction(0, rope.state.motion.reaction, kinetic=False)
     instants, angles, largest = [0.0], [relative(rope)[0]], 0.0
     for k in range(1, round(HOLD / 0.05) + 1):
         t = 0.05 * k
-        _require(rope.advance_to(t, trembling(t), EndMotion()))
+        _require(rope.advance_to(t, tremble(t), EndMotion()))
         instants.append(t)
         angles.append(relative(rope)[0])
         largest = max(largest, abs(rope.state.motion.reaction[0, ANGLE]))
     drift = np.abs(np.array(angles) - angles[0])
-    curves, twin = [], []
+    curves, counterexample = [], []
     for speed in (0.01, 0.001):
-        times, crept = regularised(speed, moment, static, moment / INSTALLED, bearing.inertia)
+        times, crept = regularised_friction(speed, moment, static, moment / INSTALLED, bearing.inertia)
         # the law balances the torque at the rate speed * atanh(M / M_static); the rope unwinds by it, hence the half
         bound = 0.5 * min(speed * math.atanh(moment / static) * HOLD, INSTALLED)
         curves.append(Curve(f"tanh law, {speed:g} rad/s", times, crept))
-        twin.append(
+        counterexample.append(
             Measured(f"angle crept in {HOLD:g} s, tanh law of {speed:g} rad/s", float(crept[-1]), "rad", ">", bound)
         )
     curves.append(Curve("stick as a constraint (ours)", np.array(instants), drift, "--"))
     return Finding(
-        twin=tuple(twin),
+        counterexample=tuple(counterexample),
         ours=(
             Measured("largest torque held, part of the static friction", largest / static, "1", "<", 1.0),
             # exact but for the rounding of theta = offset + yaw + b
@@ -107,7 +109,7 @@ def measure_creep() -> Finding:
 YAW, TURNED, END, H = 0.8, 1.0, 4.0, 0.01  # rad, s, s, s
 
 
-def turning(t: float) -> EndMotion:
+def turn(t: float) -> EndMotion:
     """The left conveyance yaws by YAW until TURNED, then stands."""
     s = min(t / TURNED, 1.0)
     return EndMotion(
@@ -120,7 +122,7 @@ def explicit_sign(rope: RopeSimulator) -> Array:
     model, rates = rope.model, [0.0]
     for k in range(1, round(END / H) + 1):
         state, (angle, rate) = rope.state, relative(rope)
-        paths = (state.paths[0].to(k * H, turning(k * H)), state.paths[1].to(k * H, EndMotion()))
+        paths = (state.paths[0].to(k * H, turn(k * H)), state.paths[1].to(k * H, EndMotion()))
         slip = SwivelState(Phase.SLIP, angle, math.copysign(1.0, rate))
         state = state._replace(swivels=(slip, state.swivels[1]), paths=paths)
         system, motion = model.system(state), state.motion
@@ -129,16 +131,16 @@ def explicit_sign(rope: RopeSimulator) -> Array:
         result = model.trial(system, motion, k * H - motion.t)
         if result.motion is None:
             raise RuntimeError(result.newton.status.value)
-        rope.restore(model.committed(state, system, result))
+        rope.restore(model.commit(state, system, result))
         rates.append(relative(rope)[1])
     return np.array(rates)
 
 
-def located(rope: RopeSimulator) -> tuple[Array, list[str]]:
+def locate(rope: RopeSimulator) -> tuple[Array, list[str]]:
     """Rates (rad/s) at the communication points, and what the swivel did, by the simulator's own switching."""
     rates, events = [0.0], []
     for k in range(1, round(END / H) + 1):
-        _require(rope.advance_to(k * H, turning(k * H), EndMotion()))
+        _require(rope.advance_to(k * H, turn(k * H), EndMotion()))
         rates.append(relative(rope)[1])
         events += [event.what for event in rope.state.events]
     return np.array(rates), events
@@ -146,16 +148,16 @@ def located(rope: RopeSimulator) -> tuple[Array, list[str]]:
 
 def measure_chattering() -> Finding:
     bearing = Swivel(mode="coulomb", mu_static=0.08, mu_kinetic=0.04)
-    chattering = explicit_sign(hanging(UNCOUPLED, bearing))
-    rope = hanging(UNCOUPLED, bearing)
-    rates, events = located(rope)
+    chattering = explicit_sign(hang(UNCOUPLED, bearing))
+    rope = hang(UNCOUPLED, bearing)
+    rates, events = locate(rope)
     times: Array = H * np.arange(rates.size, dtype=float)
     standing = times > TURNED
     kinetic = rope.ends.friction(0, rope.state.motion.reaction, kinetic=True)
     changes = float(np.count_nonzero(np.diff(np.sign(chattering[standing]))))
     shown = (times > 0.8) & (times < 2.0)
     return Finding(
-        twin=(
+        counterexample=(
             # a pair of steps there and back at the least often enough to notice: one change in four steps
             Measured("changes of sign while the conveyance stands", changes, "1", ">", 0.25 * (END - TURNED) / H),
             # friction of a whole step, h M / J, is what the rate can jump by; a tenth of it is no rounding
@@ -195,12 +197,12 @@ RELEASE, AFTER = 0.01, 0.02  # s
 def release(inertia: float, elements: int) -> tuple[float, float, float]:
     """Angular acceleration (rad/s^2) at the release, rate (rad/s) AFTER it, and the torque (N m) before."""
     bearing = Swivel(mode="free", inertia=inertia, release_time=RELEASE)
-    rope = hanging(replace(UNCOUPLED, installed_twist=1.0), bearing, elements)
+    rope = hang(replace(UNCOUPLED, installed_twist=1.0), bearing, elements)
     moment = abs(rope.state.motion.reaction[0, ANGLE])
     _require(rope.advance_to(RELEASE, EndMotion(), EndMotion()))
     state = rope.state
     slip = SwivelState(Phase.SLIP, state.swivels[0].angle, 1.0)
-    freed = rope.model.restarted(state._replace(swivels=(slip, state.swivels[1])))
+    freed = rope.model.restart(state._replace(swivels=(slip, state.swivels[1])))
     _require(rope.advance_to(RELEASE + AFTER, EndMotion(), EndMotion()))
     return abs(float(freed.motion.a[0, ANGLE])), abs(relative(rope)[1]), moment
 
@@ -223,7 +225,7 @@ def measure_release() -> Finding:
     expected = moment / impedance * (1 - math.exp(-AFTER * impedance / INERTIAS[0]))
     message = refusal()
     return Finding(
-        twin=(
+        counterexample=(
             # M / (rhoJ l / sqrt(12)) for a rod of linear elements: in proportion to their number
             Measured(
                 f"acceleration, elements of 0.19 m to 0.75 m, {INERTIAS[-1]:g} kg m^2",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.kinematic import ends_at
-from hoist_demo.control.reference import Reference, s_curve
+from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import Status
@@ -36,13 +36,13 @@ class Record:
         return float(self.t[-1]) / self.wanted if self.t.size else 0.0
 
 
-def trip(travel: float, speed: float, acceleration: float, jerk: float) -> Reference:
+def trip(travel: float, speed: float, acceleration: float, jerk: float) -> Trajectory:
     """An S-curve that begins at once."""
     stop = max(acceleration, 5.0)  # not used, but validated
     return s_curve(Winding(travel, speed, acceleration, jerk, start_delay=0.0, emergency_deceleration=stop))
 
 
-def hung(scene: Scene, left: float = 0.0, right: float = 0.0) -> RopeSimulator:
+def hang(scene: Scene, left: float = 0.0, right: float = 0.0) -> RopeSimulator:
     """The rope at rest between ends at these heights, m."""
     rope = RopeSimulator(scene)
     status = rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right))
@@ -50,7 +50,7 @@ def hung(scene: Scene, left: float = 0.0, right: float = 0.0) -> RopeSimulator:
     return rope
 
 
-def followed(rope: RopeSimulator, reference: Any, travel: float, interval: float = 0.01, settle: float = 1.0) -> Record:
+def follow(rope: RopeSimulator, reference: Any, travel: float, interval: float = 0.01, settle: float = 1.0) -> Record:
     """``reference`` followed from the rope's present time to its end and ``settle`` s more, or to the first failure.
 
     The left end goes up from height 0, the right one down from ``travel``.

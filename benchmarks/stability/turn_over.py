@@ -28,7 +28,7 @@ LONG = Scene(
 )
 
 
-def started(scene: Scene) -> RopeSimulator:
+def start(scene: Scene) -> RopeSimulator:
     rope = RopeSimulator(scene)
     status = rope.initialize(0.0, EndMotion(), EndMotion())
     if not status.valid:
@@ -36,12 +36,12 @@ def started(scene: Scene) -> RopeSimulator:
     return rope
 
 
-def twisted(state: RopeState, twist: float) -> RopeState:
+def twist(state: RopeState, twist: float) -> RopeState:
     """The right end turned by ``twist`` (rad) in its conveyance."""
     return state._replace(swivels=(state.swivels[0], SwivelState(Phase.LOCKED, twist, 0.0)))
 
 
-def rested(rope: RopeSimulator, state: RopeState, solve: Solve) -> RopeState | None:
+def find_rest(rope: RopeSimulator, state: RopeState, solve: Solve) -> RopeState | None:
     """At rest by ``solve``, again after each change of the frame's pole, until the loop's yaw stays."""
     for _ in range(20):
         q = solve(rope.model.system(state), state.motion.q)
@@ -54,11 +54,11 @@ def rested(rope: RopeSimulator, state: RopeState, solve: Solve) -> RopeState | N
     return state
 
 
-def turned(rope: RopeSimulator, solve: Solve) -> list[RopeState]:
+def turn(rope: RopeSimulator, solve: Solve) -> list[RopeState]:
     """The rope at rest at each of TWISTS, or as far as ``solve`` gets."""
     state, states = rope.state, []
     for twist in TWISTS:
-        found = rested(rope, twisted(state, float(twist)), solve)
+        found = find_rest(rope, twist(state, float(twist)), solve)
         if found is None:
             break
         state = found
@@ -66,7 +66,7 @@ def turned(rope: RopeSimulator, solve: Solve) -> list[RopeState]:
     return states
 
 
-def turned_over(rope: RopeSimulator) -> tuple[RopeState, Array]:
+def turn_over(rope: RopeSimulator) -> tuple[RopeState, Array]:
     """The planar loop that a full turn leaves without twist, its legs crossed; and how it is disturbed, 2 cm."""
     q, s = rope.state.motion.q.copy(), rope.state.partition.nodes_s
     part = np.clip(np.minimum(s, s[-1] - s) / (0.45 * s[-1]), 0.0, 1.0)
@@ -80,7 +80,7 @@ def turned_over(rope: RopeSimulator) -> tuple[RopeState, Array]:
     return state._replace(motion=replace(state.motion, q=q)), aside
 
 
-def refused(system: RopeSystem, q: Array) -> str:
+def refusal(system: RopeSystem, q: Array) -> str:
     """What natural_modes says of an unstable equilibrium, '' of a stable one."""
     try:
         natural_modes(system, q, 2)
@@ -100,32 +100,32 @@ def bifilar_limit(yaw: float, torque: float, scene: Scene) -> float:
 
 
 def measure_turn_over() -> Finding:
-    rope = started(LONG)
-    newton, ours = turned(rope, by_newton), turned(rope, by_continuation)
+    rope = start(LONG)
+    newton, ours = turn(rope, by_newton), turn(rope, by_continuation)
     yaws = np.array([state.loop_yaw for state in ours])
     jump = int(np.argmax(np.diff(yaws) > 0.5))  # at most 0.33 rad before
     critical = 0.5 * (TWISTS[jump] + TWISTS[jump + 1])
     first = rope.model.system(ours[0])
     rest = np.zeros_like(ours[0].motion.q)
-    torque = float(first.assess(ours[0].motion.q, rest, rest, rest).reaction[-1, ANGLE])
+    torque = float(first.evaluate(ours[0].motion.q, rest, rest, rest).reaction[-1, ANGLE])
     bound = bifilar_limit(ours[0].loop_yaw, torque, LONG)
     unstable = sum(not is_stable(rope.model.system(x), x.motion.q) for x in ours)
 
     # a full turn at once: the planar loop with crossed legs, disturbed
-    planar, aside = turned_over(rope)
+    planar, aside = turn_over(rope)
     system = rope.model.system(planar)
     flat = plain_newton(system, plain_newton(system, planar.motion.q).q + aside)
-    message = refused(system, flat.q)
-    left = rested(rope, planar._replace(motion=replace(planar.motion, q=flat.q + aside)), by_continuation)
+    message = refusal(system, flat.q)
+    left = find_rest(rope, planar._replace(motion=replace(planar.motion, q=flat.q + aside)), by_continuation)
     assert left is not None
     same = np.interp(2 * math.pi, TWISTS, yaws)
 
     # the last twist at once with the pole left at X, as a program with one fixed frame has it
-    at_once = find_equilibrium(rope.model.system(twisted(rope.state, float(TWISTS[-1]))), rope.state.motion.q).q
+    at_once = find_equilibrium(rope.model.system(twist(rope.state, float(TWISTS[-1]))), rope.state.motion.q).q
     stuck = with_loop_yaw(rope.state._replace(motion=replace(rope.state.motion, q=at_once))).loop_yaw
     reached = np.array([state.loop_yaw for state in newton])
     return Finding(
-        twin=(
+        counterexample=(
             Measured(
                 "Newton: twist from which it finds nothing more",
                 float(TWISTS[len(newton)]),

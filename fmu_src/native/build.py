@@ -44,7 +44,7 @@ def _compilable() -> set[str]:
     return {host_platform()} if find_compiler() else set()
 
 
-def chosen_platforms(asked: Sequence[str] | None) -> tuple[str, ...]:
+def choose_platforms(asked: Sequence[str] | None) -> tuple[str, ...]:
     """Those that are asked for, all that can be had if None; ValueError when there is none."""
     chosen = available_platforms() if asked is None else tuple(asked)
     if not chosen:
@@ -78,15 +78,15 @@ def library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
     ValueError when it cannot be had here.
     """
     brought = prebuilt_file(_PACKAGE, sources, identifier, name)
-    return brought if brought.exists() else _made(sources, identifier, name, _HIDDEN)
+    return brought if brought.exists() else _build(sources, identifier, name, _HIDDEN)
 
 
 def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
     """As ``library``, but for ctypes: all functions of the sources are seen."""
-    return _made(sources, identifier, name)
+    return _build(sources, identifier, name)
 
 
-def _made(sources: Mapping[str, str], identifier: str, name: str, *flags: str) -> Path:
+def _build(sources: Mapping[str, str], identifier: str, name: str, *flags: str) -> Path:
     if name not in PLATFORMS or name not in _compilable():
         could = ", ".join(available_platforms()) or "none, without a C compiler"
         raise ValueError(f"the platform {name!r} cannot be built here; can be: {could}. {CURE}")

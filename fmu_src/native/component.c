@@ -49,7 +49,7 @@ static size_t values_bytes(void) {
 }
 
 /* the model goes by the present entries */
-static void taken_over(Component *c) {
+static void take_over(Component *c) {
     memcpy(c->values + MODEL_SCALARS, c->values, MODEL_SCALARS * sizeof(double));
     c->retune = 0;
 }
@@ -162,7 +162,7 @@ void component_enter_initialization(Component *c) {
     c->warned = 0;
 }
 
-/* what is to be minded, each thing once */
+/* warnings, each of them once */
 static void warn(Component *c) {
     char text[MODEL_MESSAGE];
     int k;
@@ -191,7 +191,7 @@ static int set_up(Component *c) {
         model_destroy(c->model);
         c->model = NULL;
     } else {
-        taken_over(c);
+        take_over(c);
         model_note(c->model, why);
         if (*why) c->log(c->context, LOG_NOTE, why);
         warn(c);
@@ -232,7 +232,7 @@ static int step(Component *c, double t, double h) {
                       shortest(t + h, text), shortest(c->stop, other));
     if (t + h - model_time(c->model) < SHORTEST_STEP) return 1; /* the next step goes on from the model's time */
     if (c->retune && !model_retune(c->model, c->values, why)) return refuse(c, "%s", why);
-    taken_over(c);
+    take_over(c);
     if (!model_step(c->model, t, h, c->values, why)) return refuse(c, "%s", why);
     return 1;
 }
@@ -325,7 +325,7 @@ int component_get_text(Component *c, size_t scalar, const char **text) {
 }
 
 /* why an entry cannot have the value; "" when it can */
-static void entry_checked(const Variable *variable, double value, char why[MODEL_MESSAGE]) {
+static void check_entry(const Variable *variable, double value, char why[MODEL_MESSAGE]) {
     char text[NUMBER];
     why[0] = '\0';
     if (!isfinite(value) && variable->causality == CAUSALITY_INPUT)
@@ -355,7 +355,7 @@ int component_set(Component *c, size_t scalar, double value) {
         return refuse(c, "%s is fixed after initialisation; it stays %s; reset the FMU to change it", variable->name,
                       value_text(variable, c->values[scalar], text));
     }
-    entry_checked(variable, value, why);
+    check_entry(variable, value, why);
     if (*why) return refuse(c, "%s", why);
     if (c->started && variable->variability == VARIABILITY_TUNABLE) c->retune = 1;
     c->changed |= variable->causality == CAUSALITY_PARAMETER ? PARAMETERS : INPUTS;
@@ -456,7 +456,7 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
     for (i = 0; i < 2 * MODEL_SCALARS; i++) {
         const Variable *variable = &MODEL_VARIABLES[i % MODEL_SCALARS];
         if (variable->source != FROM_ENTRY) continue;
-        entry_checked(variable, values[i], why);
+        check_entry(variable, values[i], why);
         if (*why) return refuse(c, "the state contradicts itself: %s", why);
     }
     return 1;

@@ -10,16 +10,16 @@ import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rope_model.parameters import Level, Preset
+from rope_model.parameters import Level, RopeCase
 
 from ..archive import write_archive
 from ..arrays import arrays, scalars
 from ..attachments import attachments, xml_bytes
-from ..interface import NO_CHANGES, Value, Variable, preset_with, variables
+from ..interface import NO_CHANGES, Value, Variable, case_with, variables
 from ..model_description import MODEL, Build, model_description
 from ..model_description3 import build_description, model_description3
 from ..profile import Profile
-from .build import chosen_platforms
+from .build import choose_platforms
 from .shell import shell
 from .start import Start, binaries_with, c_start
 from .table import c_places, c_table, start_values
@@ -27,7 +27,7 @@ from .table import c_places, c_table, start_values
 
 def export_native(
     destination: Path,
-    preset: str = "rope-120",
+    case: str = "rope-120",
     level: Level = "standard",
     fmi: int = 2,
     platforms: Sequence[str] | None = None,
@@ -35,19 +35,19 @@ def export_native(
     start: Mapping[str, Value] = NO_CHANGES,
     profile: Profile = Profile(),  # noqa: B008  it is frozen
 ) -> Path:
-    """Write the native FMU with the start values of ``preset``, at a level of accuracy and with ``start``.
+    """Write the native FMU with the start values of ``case``, at a level of accuracy and with ``start``.
 
     ``platforms`` are names of FMI 3.0, all that can be built here if None.  ``rope`` replaces the C files behind
     rope.h (tests do).  Two exports of the same sources give the same bytes.
     """
     if fmi not in (2, 3):
         raise ValueError(f"there is no FMI version {fmi}; choose 2 or 3")
-    chosen = chosen_platforms(platforms)
-    data = preset_with(preset, level, start)
+    chosen = choose_platforms(platforms)
+    data = case_with(case, level, start)
     table = native_table(data)
     form = arrays if fmi == 3 and profile.arrays else scalars
     sources = {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)}
-    what = f"{preset} {level} {fmi} {sorted(start.items())} {profile}"
+    what = f"{case} {level} {fmi} {sorted(start.items())} {profile}"
     own = Start(_token(sources, what), start_values(table, fmi), form is arrays)
     code = binaries_with(own, sources, MODEL, fmi, chosen)
     sources["start.c"] = c_start(own)
@@ -60,7 +60,7 @@ def export_native(
         data.scene.solver.tolerance,
         tuple(sorted(name for name in sources if name.endswith(".c"))),
     )
-    described = profile.described(table)
+    described = profile.select(table)
     root = model_description(described, build) if fmi == 2 else model_description3(form(described), len(table), build)
     files = {"modelDescription.xml": xml_bytes(root)}
     files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
@@ -71,13 +71,13 @@ def export_native(
     return destination
 
 
-def native_table(preset: Preset) -> tuple[Variable, ...]:
+def native_table(case: RopeCase) -> tuple[Variable, ...]:
     """The interface table; what only the Python flavour can do is said."""
     return tuple(
         v._replace(description=f"of no effect here, the code is compiled; Python flavour: {v.description}")
         if v.name == "solver.kernels"
         else v
-        for v in variables(preset)
+        for v in variables(case)
     )
 
 

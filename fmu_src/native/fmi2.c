@@ -46,11 +46,11 @@ static int may(Instance *i, const char *function, int modes) {
     return i && component_allows(i->component, function, modes);
 }
 
-static int given(Instance *i, const void *pointer) {
+static int not_null(Instance *i, const void *pointer) {
     return pointer || component_refuse(i->component, "a pointer is NULL; give the address of the data");
 }
 
-static fmi2Status unsupported(fmi2Component c, const char *message) {
+static fmi2Status refuse_unsupported(fmi2Component c, const char *message) {
     if (c) component_refuse(((Instance *)c)->component, message);
     return fmi2Error;
 }
@@ -70,9 +70,9 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
     Instance *i = c;
     size_t k;
     int all = nCategories == 0;
-    if (!i || (nCategories && !given(i, categories))) return fmi2Error;
+    if (!i || (nCategories && !not_null(i, categories))) return fmi2Error;
     for (k = 0; k < nCategories; k++) {
-        if (!given(i, categories[k])) return fmi2Error;
+        if (!not_null(i, categories[k])) return fmi2Error;
         if (!strcmp(categories[k], "logAll"))
             all = 1;
         else if (!is_log_category(categories[k]))
@@ -177,13 +177,13 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c) {
-    return unsupported(c, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel");
+    return refuse_unsupported(c, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel");
 }
 
 /* values */
 
 static int may_access(Instance *i, const char *function, int modes, const void *vr, size_t nvr, const void *value) {
-    return may(i, function, modes) && (!nvr || (given(i, vr) && given(i, value)));
+    return may(i, function, modes) && (!nvr || (not_null(i, vr) && not_null(i, value)));
 }
 
 static void put(void *values, size_t at, Kind kind, double value) {
@@ -199,7 +199,7 @@ static void put(void *values, size_t at, Kind kind, double value) {
     }
 }
 
-static double picked(const void *values, size_t at, Kind kind) {
+static double pick(const void *values, size_t at, Kind kind) {
     switch (kind) {
     case KIND_REAL:
         return ((const fmi2Real *)values)[at];
@@ -238,7 +238,7 @@ static fmi2Status set(Instance *i, const char *function, Kind kind, const fmi2Va
     if (!may_access(i, function, SETTABLE, vr, nvr, values)) return fmi2Error;
     for (k = 0; k < nvr; k++)
         if (!component_find(i->component, vr[k], kind, &first, &length) ||
-            !component_set(i->component, first, picked(values, k, kind))) {
+            !component_set(i->component, first, pick(values, k, kind))) {
             component_fail(i->component);
             return fmi2Error;
         }
@@ -281,13 +281,13 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     Instance *i = c;
-    return status(may(i, "fmi2GetFMUstate", ANY_MODE) && given(i, FMUstate) &&
+    return status(may(i, "fmi2GetFMUstate", ANY_MODE) && not_null(i, FMUstate) &&
                   snapshot_take(i->component, &i->allocator, (Snapshot **)FMUstate));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
     Instance *i = c;
-    return status(may(i, "fmi2SetFMUstate", ANY_MODE) && given(i, FMUstate) &&
+    return status(may(i, "fmi2SetFMUstate", ANY_MODE) && not_null(i, FMUstate) &&
                   snapshot_restore(i->component, FMUstate));
 }
 
@@ -303,21 +303,23 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
     Instance *i = c;
-    if (!may(i, "fmi2SerializedFMUstateSize", ANY_MODE) || !given(i, FMUstate) || !given(i, size)) return fmi2Error;
+    if (!may(i, "fmi2SerializedFMUstateSize", ANY_MODE) || !not_null(i, FMUstate) || !not_null(i, size))
+        return fmi2Error;
     *size = snapshot_bytes(FMUstate);
     return fmi2OK;
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
     Instance *i = c;
-    return status(may(i, "fmi2SerializeFMUstate", ANY_MODE) && given(i, FMUstate) && given(i, serializedState) &&
+    return status(may(i, "fmi2SerializeFMUstate", ANY_MODE) && not_null(i, FMUstate) && not_null(i, serializedState) &&
                   snapshot_write(i->component, FMUstate, serializedState, size));
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
                                    fmi2FMUstate *FMUstate) {
     Instance *i = c;
-    return status(may(i, "fmi2DeSerializeFMUstate", ANY_MODE) && given(i, serializedState) && given(i, FMUstate) &&
+    return status(may(i, "fmi2DeSerializeFMUstate", ANY_MODE) && not_null(i, serializedState) &&
+                  not_null(i, FMUstate) &&
                   snapshot_read(i->component, &i->allocator, serializedState, size, (Snapshot **)FMUstate));
 }
 
@@ -328,20 +330,21 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         fmi2Real dvUnknown[]) {
     Instance *i = c;
     if (!may_access(i, "fmi2GetDirectionalDerivative", COMPUTED, vUnknown_ref, nUnknown, dvUnknown)) return fmi2Error;
-    if (nKnown && !(given(i, vKnown_ref) && given(i, dvKnown))) return fmi2Error;
+    if (nKnown && !(not_null(i, vKnown_ref) && not_null(i, dvKnown))) return fmi2Error;
     return status(component_derivative(i->component, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown));
 }
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[]) {
     (void)vr, (void)nvr, (void)order, (void)value;
-    return unsupported(c, "fmi2SetRealInputDerivatives: canInterpolateInputs is false; set the inputs themselves");
+    return refuse_unsupported(c,
+                              "fmi2SetRealInputDerivatives: canInterpolateInputs is false; set the inputs themselves");
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
     (void)vr, (void)nvr, (void)order, (void)value;
-    return unsupported(c, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none");
+    return refuse_unsupported(c, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none");
 }
 
 /* status; only steps that run on in the background have a pending one */
@@ -349,14 +352,14 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value) {
     Instance *i = c;
     (void)s;
-    if (!may(i, "fmi2GetStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    if (!may(i, "fmi2GetStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
     *value = fmi2OK;
     return fmi2Discard;
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
     Instance *i = c;
-    if (!may(i, "fmi2GetRealStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    if (!may(i, "fmi2GetRealStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
     *value = component_time(i->component);
     return s == fmi2LastSuccessfulTime ? fmi2OK : fmi2Discard;
 }
@@ -364,14 +367,14 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value) {
     Instance *i = c;
     (void)s;
-    if (!may(i, "fmi2GetIntegerStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    if (!may(i, "fmi2GetIntegerStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
     *value = 0;
     return fmi2Discard;
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
     Instance *i = c;
-    if (!may(i, "fmi2GetBooleanStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    if (!may(i, "fmi2GetBooleanStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
     *value = fmi2False;
     return s == fmi2Terminated ? fmi2OK : fmi2Discard;
 }
@@ -379,7 +382,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value) {
     Instance *i = c;
     (void)s;
-    if (!may(i, "fmi2GetStringStatus", COMPUTED) || !given(i, value)) return fmi2Error;
+    if (!may(i, "fmi2GetStringStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
     *value = "";
     return fmi2Discard;
 }
@@ -387,7 +390,7 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
 /* model exchange: a complete library has these functions, this FMU has no such interface */
 
 static fmi2Status no_model_exchange(fmi2Component c) {
-    return unsupported(c, "this FMU is for co-simulation only; functions of model exchange are not supported");
+    return refuse_unsupported(c, "this FMU is for co-simulation only; functions of model exchange are not supported");
 }
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) {

@@ -34,11 +34,11 @@ static int may(Instance *i, const char *function, int modes) {
     return i && component_allows(i->component, function, modes);
 }
 
-static int given(Instance *i, const void *pointer) {
+static int not_null(Instance *i, const void *pointer) {
     return pointer || component_refuse(i->component, "a pointer is NULL; give the address of the data");
 }
 
-static fmi3Status unsupported(fmi3Instance instance, const char *message) {
+static fmi3Status refuse_unsupported(fmi3Instance instance, const char *message) {
     if (instance) component_refuse(((Instance *)instance)->component, message);
     return fmi3Error;
 }
@@ -54,9 +54,9 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, siz
     Instance *i = instance;
     size_t k;
     int all = nCategories == 0;
-    if (!i || (nCategories && !given(i, categories))) return fmi3Error;
+    if (!i || (nCategories && !not_null(i, categories))) return fmi3Error;
     for (k = 0; k < nCategories; k++) {
-        if (!given(i, categories[k])) return fmi3Error;
+        if (!not_null(i, categories[k])) return fmi3Error;
         if (!strcmp(categories[k], "logAll"))
             all = 1;
         else if (!is_log_category(categories[k]))
@@ -174,8 +174,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     Instance *i = instance;
     int ok;
     (void)noSetFMUStatePriorToCurrentPoint; /* states are the host's, nothing is to be thrown away */
-    if (!may(i, "fmi3DoStep", STEPPING) || !given(i, eventHandlingNeeded) || !given(i, terminateSimulation) ||
-        !given(i, earlyReturn) || !given(i, lastSuccessfulTime))
+    if (!may(i, "fmi3DoStep", STEPPING) || !not_null(i, eventHandlingNeeded) || !not_null(i, terminateSimulation) ||
+        !not_null(i, earlyReturn) || !not_null(i, lastSuccessfulTime))
         return fmi3Error;
     ok = component_step(i->component, currentCommunicationPoint, communicationStepSize);
     *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
@@ -187,17 +187,17 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
 
 static int may_access(Instance *i, const char *function, int modes, const void *references, size_t number,
                       const void *values) {
-    return may(i, function, modes) && (!number || (given(i, references) && given(i, values)));
+    return may(i, function, modes) && (!number || (not_null(i, references) && not_null(i, values)));
 }
 
 /* the scalars of the variable, of which there must be values left */
-static int found(Instance *i, fmi3ValueReference reference, Kind kind, size_t left, size_t *first, size_t *length) {
+static int find(Instance *i, fmi3ValueReference reference, Kind kind, size_t left, size_t *first, size_t *length) {
     if (!component_find(i->component, reference, kind, first, length)) return 0;
     return *length <= left ||
            component_refuse(i->component, "there are fewer values than the variables have elements; give nValues");
 }
 
-static int exhausted(Instance *i, size_t used, size_t number) {
+static int all_used(Instance *i, size_t used, size_t number) {
     return used == number ||
            component_refuse(i->component, "there are more values than the variables have elements; give nValues");
 }
@@ -218,7 +218,7 @@ static void put(void *values, size_t at, Kind kind, double value) {
     }
 }
 
-static double picked(const void *values, size_t at, Kind kind) {
+static double pick(const void *values, size_t at, Kind kind) {
     switch (kind) {
     case KIND_REAL:
         return ((const fmi3Float64 *)values)[at];
@@ -240,7 +240,7 @@ static fmi3Status get(Instance *i, const char *function, Kind kind, const fmi3Va
     double value;
     if (!may_access(i, function, ANY_MODE, references, number, values)) return fmi3Error;
     for (k = 0; k < number; k++) {
-        if (!found(i, references[k], kind, nValues - used, &first, &length)) return fmi3Error;
+        if (!find(i, references[k], kind, nValues - used, &first, &length)) return fmi3Error;
         for (j = 0; j < length; j++, used++) {
             value = kind == KIND_REAL ? NAN : 0.0;
             if (kind == KIND_STRING) ((fmi3String *)values)[used] = "";
@@ -253,7 +253,7 @@ static fmi3Status get(Instance *i, const char *function, Kind kind, const fmi3Va
             }
         }
     }
-    return status(ok && exhausted(i, used, nValues));
+    return status(ok && all_used(i, used, nValues));
 }
 
 static fmi3Status set(Instance *i, const char *function, Kind kind, const fmi3ValueReference references[],
@@ -262,11 +262,11 @@ static fmi3Status set(Instance *i, const char *function, Kind kind, const fmi3Va
     int ok = 1;
     if (!may_access(i, function, SETTABLE, references, number, values)) return fmi3Error;
     for (k = 0; ok && k < number; k++) {
-        ok = found(i, references[k], kind, nValues - used, &first, &length);
+        ok = find(i, references[k], kind, nValues - used, &first, &length);
         for (j = 0; ok && j < length; j++, used++)
-            ok = component_set(i->component, first + j, picked(values, used, kind));
+            ok = component_set(i->component, first + j, pick(values, used, kind));
     }
-    if (ok && exhausted(i, used, nValues)) return fmi3OK;
+    if (ok && all_used(i, used, nValues)) return fmi3OK;
     component_fail(i->component);
     return fmi3Error;
 }
@@ -343,13 +343,13 @@ fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference valueRef
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
     Instance *i = instance;
-    return status(may(i, "fmi3GetFMUState", ANY_MODE) && given(i, FMUState) &&
+    return status(may(i, "fmi3GetFMUState", ANY_MODE) && not_null(i, FMUState) &&
                   snapshot_take(i->component, &i->allocator, (Snapshot **)FMUState));
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
     Instance *i = instance;
-    return status(may(i, "fmi3SetFMUState", ANY_MODE) && given(i, FMUState) &&
+    return status(may(i, "fmi3SetFMUState", ANY_MODE) && not_null(i, FMUState) &&
                   snapshot_restore(i->component, FMUState));
 }
 
@@ -365,7 +365,8 @@ fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
     Instance *i = instance;
-    if (!may(i, "fmi3SerializedFMUStateSize", ANY_MODE) || !given(i, FMUState) || !given(i, size)) return fmi3Error;
+    if (!may(i, "fmi3SerializedFMUStateSize", ANY_MODE) || !not_null(i, FMUState) || !not_null(i, size))
+        return fmi3Error;
     *size = snapshot_bytes(FMUState);
     return fmi3OK;
 }
@@ -373,14 +374,15 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUSta
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
                                  size_t size) {
     Instance *i = instance;
-    return status(may(i, "fmi3SerializeFMUState", ANY_MODE) && given(i, FMUState) && given(i, serializedState) &&
+    return status(may(i, "fmi3SerializeFMUState", ANY_MODE) && not_null(i, FMUState) && not_null(i, serializedState) &&
                   snapshot_write(i->component, FMUState, serializedState, size));
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
                                    fmi3FMUState *FMUState) {
     Instance *i = instance;
-    return status(may(i, "fmi3DeserializeFMUState", ANY_MODE) && given(i, serializedState) && given(i, FMUState) &&
+    return status(may(i, "fmi3DeserializeFMUState", ANY_MODE) && not_null(i, serializedState) &&
+                  not_null(i, FMUState) &&
                   snapshot_read(i->component, &i->allocator, serializedState, size, (Snapshot **)FMUState));
 }
 
@@ -391,7 +393,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
     Instance *i = instance;
     if (!may_access(i, "fmi3GetDirectionalDerivative", COMPUTED, unknowns, nUnknowns, sensitivity)) return fmi3Error;
-    if (nKnowns && !(given(i, knowns) && given(i, seed))) return fmi3Error;
+    if (nKnowns && !(not_null(i, knowns) && not_null(i, seed))) return fmi3Error;
     if (nSeed != nKnowns || nSensitivity != nUnknowns)
         return status(component_refuse(i->component,
                                        "derivatives are of scalars: give one seed per known, one place per unknown"));
@@ -400,8 +402,8 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
 
 /* what the capability flags rule out */
 
-static fmi3Status not_provided(fmi3Instance instance) {
-    return unsupported(instance, "this FMU does not provide that; see its capability flags");
+static fmi3Status refuse_not_provided(fmi3Instance instance) {
+    return refuse_unsupported(instance, "this FMU does not provide that; see its capability flags");
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
@@ -409,20 +411,20 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
                                     size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
     (void)unknowns, (void)nUnknowns, (void)knowns, (void)nKnowns, (void)seed, (void)nSeed;
     (void)sensitivity, (void)nSensitivity;
-    return not_provided(instance);
+    return refuse_not_provided(instance);
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                                     size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
                                     size_t nValues) {
     (void)valueReferences, (void)nValueReferences, (void)orders, (void)values, (void)nValues;
-    return not_provided(instance);
+    return refuse_not_provided(instance);
 }
 
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference valueReference,
                                                size_t *nDependencies) {
     (void)valueReference, (void)nDependencies;
-    return not_provided(instance);
+    return refuse_not_provided(instance);
 }
 
 fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
@@ -431,13 +433,13 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference
                                        size_t nDependencies) {
     (void)dependent, (void)elementIndicesOfDependent, (void)independents, (void)elementIndicesOfIndependents;
     (void)dependencyKinds, (void)nDependencies;
-    return not_provided(instance);
+    return refuse_not_provided(instance);
 }
 
 /* structural parameters, events and clocks */
 
 static fmi3Status no_events(fmi3Instance instance) {
-    return unsupported(instance, "this FMU has no structural parameters, no event mode and no clocks");
+    return refuse_unsupported(instance, "this FMU has no structural parameters, no event mode and no clocks");
 }
 
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) {
@@ -529,7 +531,8 @@ fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference 
 /* model exchange */
 
 static fmi3Status no_model_exchange(fmi3Instance instance) {
-    return unsupported(instance, "this FMU is for co-simulation only; functions of model exchange are not supported");
+    return refuse_unsupported(instance,
+                              "this FMU is for co-simulation only; functions of model exchange are not supported");
 }
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {

@@ -72,7 +72,7 @@ int model_output(ModelInstance *model, size_t scalar, double *value, char *messa
 int model_text(ModelInstance *model, size_t scalar, const char **text, char *message);
 /* a line for the log about what was set up; "" for none */
 void model_note(const ModelInstance *model, char *message);
-/* What to mind in valid results, by number from 0 on: 1, and in message a sentence or "" when there is nothing to mind;
+/* Warnings about valid results, by number from 0 on: 1, and in message a sentence or "" where it does not apply;
    0 when the model has no more. */
 int model_warning(ModelInstance *model, int number, char *message);
 

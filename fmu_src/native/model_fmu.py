@@ -15,7 +15,7 @@ from ..interface import Variable
 from ..model_description import ALL_FOLLOWED, Build, model_description
 from ..model_description3 import build_description, model_description3
 from ..profile import Profile
-from .build import chosen_platforms
+from .build import choose_platforms
 from .shell import shell
 from .start import Start, binaries_with, c_start
 from .table import c_table, start_values
@@ -44,7 +44,7 @@ def export_model(
     sources = model_sources(table, model, fmi)
     values = start_values(table, fmi)
     start = Start(_token(name, sources, values), values)
-    code = binaries_with(start, sources, name, fmi, chosen_platforms(platforms))
+    code = binaries_with(start, sources, name, fmi, choose_platforms(platforms))
     sources["start.c"] = c_start(start)
     version = importlib.metadata.version("balance-rope")
     compiled = tuple(sorted(file for file in sources if file.endswith(".c")))

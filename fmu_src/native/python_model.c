@@ -186,7 +186,7 @@ static void take_text(PyObject *text, char *message) {
 }
 
 /* whether a method succeeded; else why, from the object's message */
-static int succeeded(PyObject *object, PyObject *answer, char *message) {
+static int check_answer(PyObject *object, PyObject *answer, char *message) {
     int ok = answer ? python.PyObject_IsTrue(answer) : -1;
     python.Py_DecRef(answer);
     if (ok < 0)
@@ -243,14 +243,14 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     gil = python.PyGILState_Ensure();
     model->object = python.PyObject_CallFunction(make, NULL);
     if (model->object)
-        ok = succeeded(model->object,
-                       python.PyObject_CallMethod(
-                           model->object, "create", "NNNN",
-                           python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
-                           python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
-                           python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
-                           python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE)),
-                       message);
+        ok = check_answer(model->object,
+                          python.PyObject_CallMethod(
+                              model->object, "create", "NNNN",
+                              python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
+                              python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
+                              python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
+                              python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE)),
+                          message);
     else {
         report(message);
         ok = 0;
@@ -280,7 +280,7 @@ static void hand_over(ModelInstance *model, const double *values) {
 int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
     hand_over(model, values);
-    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "initialize", "d", t), message);
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "initialize", "d", t), message);
     python.PyGILState_Release(gil);
     return ok;
 }
@@ -288,7 +288,7 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
 int model_step(ModelInstance *model, double t, double h, const double *values, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
     hand_over(model, values);
-    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "do_step", "dd", t, h), message);
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "do_step", "dd", t, h), message);
     python.PyGILState_Release(gil);
     return ok;
 }
@@ -296,7 +296,7 @@ int model_step(ModelInstance *model, double t, double h, const double *values, c
 int model_retune(ModelInstance *model, const double *values, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
     hand_over(model, values);
-    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "retune", NULL), message);
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "retune", NULL), message);
     python.PyGILState_Release(gil);
     return ok;
 }
@@ -312,8 +312,8 @@ int model_output(ModelInstance *model, size_t scalar, double *value, char *messa
     int ok = 1;
     if (!model->known[scalar]) {
         int gil = python.PyGILState_Ensure();
-        ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar),
-                       message);
+        ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar),
+                          message);
         python.PyGILState_Release(gil);
     }
     if (ok) *value = model->outputs[scalar];
@@ -352,8 +352,8 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
     int gil = python.PyGILState_Ensure(), ok;
     size_t i;
     for (i = 0; i < MODEL_SCALARS; i++) model->derivatives[i] = NAN;
-    ok = succeeded(model->object, python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed),
-                   message);
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed),
+                      message);
     python.PyGILState_Release(gil);
     for (i = 0; ok && i < number; i++) {
         if (isnan(model->derivatives[unknown[i]])) {
@@ -389,10 +389,10 @@ void model_save(const ModelInstance *model, void *to) {
 
 int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
-    ok = succeeded(model->object,
-                   python.PyObject_CallMethod(model->object, "restore", "N",
-                                              python.PyMemoryView_FromMemory((char *)from, (ptrdiff_t)bytes, READ)),
-                   message);
+    ok = check_answer(model->object,
+                      python.PyObject_CallMethod(model->object, "restore", "N",
+                                                 python.PyMemoryView_FromMemory((char *)from, (ptrdiff_t)bytes, READ)),
+                      message);
     memset(model->known, 0, MODEL_SCALARS);
     python.PyGILState_Release(gil);
     return ok;

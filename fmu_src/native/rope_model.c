@@ -18,7 +18,7 @@ struct ModelInstance {
     Scene scene;
     double interval; /* length of the last step */
     int at_step_end; /* the reading of the inputs */
-    char warning[(ROPE_CAVEATS + 1) * (MODEL_MESSAGE + 2)];
+    char warning[(ROPE_WARNINGS + 1) * (MODEL_MESSAGE + 2)];
 };
 
 static void *field(void *structure, size_t offset) {
@@ -44,7 +44,7 @@ static void read_motions(const double *values, EndMotion ends[2]) {
     }
 }
 
-static int told(const ModelInstance *model, int ok, char *message) {
+static int copy_message(const ModelInstance *model, int ok, char *message) {
     if (!ok) snprintf(message, MODEL_MESSAGE, "%s", rope_message(model->rope));
     return ok;
 }
@@ -80,7 +80,7 @@ void model_destroy(ModelInstance *model) {
 int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
     EndMotion ends[2];
     read_motions(values, ends);
-    return told(model, rope_initialize(model->rope, t, ends), message);
+    return copy_message(model, rope_initialize(model->rope, t, ends), message);
 }
 
 int model_step(ModelInstance *model, double t, double h, const double *values, char *message) {
@@ -88,11 +88,11 @@ int model_step(ModelInstance *model, double t, double h, const double *values, c
     EndMotion ends[2];
     read_motions(values, ends);
     if (!model->at_step_end) {
-        ends[LEFT] = end_extrapolated(ends[LEFT], h);
-        ends[RIGHT] = end_extrapolated(ends[RIGHT], h);
+        ends[LEFT] = end_extrapolate(ends[LEFT], h);
+        ends[RIGHT] = end_extrapolate(ends[RIGHT], h);
         if (rope_has_moved(model->rope)) within = fmax(within, model->interval);
     }
-    if (!told(model, rope_advance(model->rope, t + h, ends, within), message)) return 0;
+    if (!copy_message(model, rope_advance(model->rope, t + h, ends, within), message)) return 0;
     model->interval = h;
     return 1;
 }
@@ -100,7 +100,7 @@ int model_step(ModelInstance *model, double t, double h, const double *values, c
 int model_retune(ModelInstance *model, const double *values, char *message) {
     Scene before = model->scene;
     read_parameters(model, values);
-    if (told(model, rope_retune(model->rope, &model->scene), message)) return 1;
+    if (copy_message(model, rope_retune(model->rope, &model->scene), message)) return 1;
     model->scene = before;
     return 0;
 }
@@ -116,12 +116,12 @@ int model_output(ModelInstance *model, size_t scalar, double *value, char *messa
 }
 
 int model_warning(ModelInstance *model, int number, char *message) {
-    if (number < ROPE_CAVEATS) {
-        rope_caveat(model->rope, number, message);
+    if (number < ROPE_WARNINGS) {
+        rope_warning(model->rope, number, message);
         return 1;
     }
     message[0] = '\0';
-    if (number > ROPE_CAVEATS) return 0;
+    if (number > ROPE_WARNINGS) return 0;
     if (!model->at_step_end && rope_has_moved(model->rope) && model->interval > LONGEST_EXTRAPOLATION * (1 + 1e-9))
         snprintf(message, MODEL_MESSAGE,
                  "a communication step of %.6g s is too long for inputs that are extrapolated: forces err by percents "
@@ -146,13 +146,14 @@ int model_text(ModelInstance *model, size_t scalar, const char **text, char *mes
     if (ROPE_PLACES[scalar].where == WARNING)
         *text = warning(model);
     else
-        *text = ROPE_PLACES[scalar].where == RUNG_NAME ? rope_rung(model->rope) : rope_rung_reason(model->rope);
+        *text =
+            ROPE_PLACES[scalar].where == FIDELITY_NAME ? rope_fidelity(model->rope) : rope_fidelity_reason(model->rope);
     return 1;
 }
 
 void model_note(const ModelInstance *model, char *message) {
-    snprintf(message, MODEL_MESSAGE, "model: %s, %d elements, %s", rope_rung(model->rope), rope_elements(model->rope),
-             rope_rung_reason(model->rope));
+    snprintf(message, MODEL_MESSAGE, "model: %s, %d elements, %s", rope_fidelity(model->rope),
+             rope_elements(model->rope), rope_fidelity_reason(model->rope));
 }
 
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
@@ -175,7 +176,7 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
         }
     for (part = 0; part < parts; part++) {
         int input = side * INPUTS_OF_END + k - part * stride;
-        if (!told(model, rope_derivative(model->rope, input, force), message)) return 0;
+        if (!copy_message(model, rope_derivative(model->rope, input, force), message)) return 0;
         for (i = 0; i < number; i++) sum[i] += change[part] * force[ROPE_PLACES[unknown[i]].derivative];
     }
     return 1;
@@ -199,7 +200,8 @@ int model_restore(ModelInstance *model, const void *from, size_t bytes, char *me
         snprintf(message, MODEL_MESSAGE, "the state has no rope that was moved in it; save it anew");
         return 0;
     }
-    if (!told(model, rope_restore(model->rope, (const double *)from + 1, bytes - sizeof(double)), message)) return 0;
+    if (!copy_message(model, rope_restore(model->rope, (const double *)from + 1, bytes - sizeof(double)), message))
+        return 0;
     model->interval = interval;
     return 1;
 }

@@ -11,8 +11,8 @@ enum Where {
     LEFT_MOTION,   /* offset: in struct EndMotion */
     RIGHT_MOTION,  /* likewise */
     SIGNAL,        /* offset: number of the signal */
-    RUNG_NAME,
-    RUNG_REASON,
+    FIDELITY_NAME,
+    FIDELITY_REASON,
     WARNING,
     AT_STEP_END
 };

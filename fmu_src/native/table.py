@@ -14,7 +14,7 @@ from ..arrays import arrays, scalars
 from ..interface import Variable, choices_of
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
-_TEXTS = {"status.rung": "RUNG_NAME", "status.rung_reason": "RUNG_REASON", "status.warning": "WARNING"}
+_TEXTS = {"status.fidelity": "FIDELITY_NAME", "status.fidelity_reason": "FIDELITY_REASON", "status.warning": "WARNING"}
 #: fields of struct Scene whose names differ from the interface's
 _SCENE = {"left.swivel": "swivels[LEFT]", "right.swivel": "swivels[RIGHT]"}
 _HEAD = """\

@@ -66,7 +66,7 @@ def round_rope(length: float, mass_per_length: float, spacing: float, coupling: 
     }
 
 
-def _installed(
+def _installed_case(
     *,
     travel: float,
     speed: float,
@@ -129,7 +129,7 @@ def _installed(
 
 
 INSTALLED = {
-    "kiruna-355": _installed(
+    "kiruna-355": _installed_case(
         travel=355.0,
         speed=11.0,
         payload=30.0e3,
@@ -144,7 +144,7 @@ INSTALLED = {
         "rope attachment 36.5 t, motor 5600 kW at 64.7 rpm",
         source=_KIRUNA,
     ),
-    "kiruna-710": _installed(
+    "kiruna-710": _installed_case(
         travel=710.0,
         speed=17.0,
         payload=34.0e3,
@@ -159,7 +159,7 @@ INSTALLED = {
         "rope attachment 40 t, motor 5600 kW at 100 rpm",
         source=_KIRUNA,
     ),
-    "monopol-1000": _installed(
+    "monopol-1000": _installed_case(
         travel=1000.0,
         speed=16.0,
         payload=20.0e3,
@@ -175,7 +175,7 @@ INSTALLED = {
         source=_MONOPOL,
         length_up=70.0,
     ),
-    "robert-1096": _installed(
+    "robert-1096": _installed_case(
         travel=1096.0,
         speed=17.0,
         payload=18.0e3,
@@ -191,7 +191,7 @@ INSTALLED = {
         source=_ROBERT,
         length_up=70.0,
     ),
-    "palabora-1282": _installed(
+    "palabora-1282": _installed_case(
         travel=1282.0,
         speed=18.0,
         payload=32.0e3,

@@ -11,14 +11,14 @@ from hoist_demo.cases.installed import INSTALLED
 from hoist_demo.parameters import Hoist, Winding
 
 
-def _published(hoist: Hoist, winding: Winding, ends: dict[str, float]) -> Case:
+def _published_case(hoist: Hoist, winding: Winding, ends: dict[str, float]) -> Case:
     """The published rope, which has the FMU's own data but for its length and its swivels."""
     return Case(hoist, winding, rope={"rope.length": hoist.tail_rope_length, **ends})
 
 
 CASES = {
-    "rope-120": _published(Hoist(), Winding(), swivels(LOCKED)),
-    "rope-240": _published(
+    "rope-120": _published_case(Hoist(), Winding(), swivels(LOCKED)),
+    "rope-240": _published_case(
         Hoist(shaft_travel=200.0, tail_rope_length=240.0),
         Winding(travel=200.0, speed=10.0),
         swivels(COULOMB, release_time=20.0),
@@ -27,8 +27,8 @@ CASES = {
 }
 
 
-def case_named(name: str) -> Case:
+def find_case(name: str) -> Case:
     """The case of this name; ValueError with all names when there is none."""
     if name not in CASES:
-        raise ValueError(f"scene = {name!r} must be one of {', '.join(CASES)}: choose one")
+        raise ValueError(f"case = {name!r} must be one of {', '.join(CASES)}: choose one")
     return CASES[name]

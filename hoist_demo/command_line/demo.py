@@ -24,11 +24,11 @@ from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw
-from hoist_demo.recording.rungs import computed, rungs_of
-from hoist_demo.recording.time_series import matching, shape_rows, write_csv, write_shapes
+from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
+from hoist_demo.recording.time_series import match_signals, shape_rows, write_csv, write_shapes
 from hoist_demo.report.summary import CAUSE, WARNING, SummaryRow, render, summarize
 from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.nested import changed
+from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.run import RunData, build, fmu_part
 
@@ -46,7 +46,7 @@ LEVELS = ("draft", "standard", "reference")
 _DRAWN = ("shape.", "loop.", "stress.", "energy.", "left.swivel.")
 """Outputs that an FMU may have been exported without, and reports show."""
 
-_SCENE = "rope-120"
+_CASE = "rope-120"
 
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
@@ -58,9 +58,9 @@ The summary table is printed at the end."""
 _DEMO_EPILOG = """\
 examples:
   balance-rope demo --speed 4 --travel 60
-  balance-rope demo --scene rope-240             240 m rope, swivels released at 20 s
-  balance-rope demo --scene monopol-1000         a hoist of installed size: 1000 m, 16 m/s
-  balance-rope demo --scene monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
+  balance-rope demo --case rope-240             240 m rope, swivels released at 20 s
+  balance-rope demo --case monopol-1000         a hoist of installed size: 1000 m, 16 m/s
+  balance-rope demo --case monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
   balance-rope demo --travel -90                 lower the left conveyance instead
   balance-rope demo --creep-distance 3           the last 3 m at creep speed, 0.5 m/s
   balance-rope demo --estop-at 12                emergency stop at 5 m/s^2 near full speed
@@ -88,13 +88,13 @@ def add_demo(
     )
     demo.set_defaults(run=partial(_demo, levels=levels))
     demo.add_argument(
-        "--scene",
+        "--case",
         choices=tuple(CASES),
         metavar="NAME",
-        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(CASES)} ({_SCENE}, or that of --resume)",
+        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(CASES)} ({_CASE}, or that of --resume)",
     )
     rope = demo.add_mutually_exclusive_group()
-    rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 (default: %(default)s)")
+    rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 or 3.0 (%(default)s)")
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without the FMU")
     demo.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
     demo.add_argument("--step", type=float, default=Coupling().step, metavar="H", help="communication step [s] (0.01)")
@@ -112,16 +112,16 @@ def add_demo(
 
 
 def _add_trip(demo: argparse.ArgumentParser) -> None:
-    """What changes the scene's winding."""
-    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the scene)")
-    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the scene)")
+    """What changes the case's winding."""
+    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the case)")
+    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the case)")
     demo.add_argument(
         "--creep-distance",
         type=float,
         metavar="S",
-        help="creep over the last S [m], stop included (that of the scene)",
+        help="creep over the last S [m], stop included (that of the case)",
     )
-    demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the scene)")
+    demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the case)")
     demo.add_argument(
         "--estop-at",
         type=float,
@@ -169,26 +169,28 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     resume = Checkpoint.read(options.resume) if options.resume else None
     chosen = settings(options.set, Catalogue(_parameters(options)))
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
-    options.scene = _scene_of(resume, options.scene, hoist_values) if resume else options.scene or _SCENE
-    run = build(options.scene, _winding(options) | chosen)
+    options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _CASE
+    run = build(options.case, _winding(options) | chosen)
     try:
         options.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ValueError(f"--out {options.out} cannot be made a folder ({error.strerror}): choose another") from error
     rope, signals = _rope(options, run, bool(fmu_part(chosen)))
     hoist, winding, coupling = run.hoist, run.winding, run.coupling
-    if missing := _missing(rope.units()):
+    if missing := _missing_outputs(rope.units()):
         print(f"balance-rope: {missing}", file=sys.stderr)
     try:
         result = _run(Host(rope, hoist, winding, coupling, run.gains), options.out / LAST_GOOD, resume)
         data = rope.data()
     finally:
         rope.close()
-    result = replace(result, recording=computed(result.recording, data.torque_free))
+    result = replace(result, recording=mask_neglected(result.recording, data.torque_free))
     rows = summarize(result, hoist, winding, coupling)
     before = set(options.out.iterdir())
     with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
-        written = _write(options, result, rows, run, (data, data.level(levels())), signals)
+        title = _title(options, run, data)
+        written = _write(options, title, result, rows, run, (data, data.level(levels())), signals)
+    print(f"{title}\n")
     # warnings have been told when they arose, and the cause is told last
     print(render([row for row in rows if row.quantity not in (WARNING, CAUSE)]))
     print(f"\n{ASSUMED_DATA}\n")
@@ -205,7 +207,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     return 130 if interrupted() else 0
 
 
-def _missing(units: Mapping[str, str]) -> str:
+def _missing_outputs(units: Mapping[str, str]) -> str:
     """What a rope with these outputs leaves out of the reports, "" for nothing."""
     groups = [f"{group}*" for group in _DRAWN if not any(name.startswith(group) for name in units)]
     if not groups:
@@ -216,17 +218,17 @@ def _missing(units: Mapping[str, str]) -> str:
     )
 
 
-def _scene_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
-    """The scene of an interrupted run, which its hoist tells; `hoist` is what is set of it."""
-    hoists = {name: changed(scene.hoist, hoist) for name, scene in CASES.items()}
+def _case_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
+    """The case of an interrupted run, which its hoist tells; `hoist` is what is set of it."""
+    hoists = {name: with_values(case.hoist, hoist) for name, case in CASES.items()}
     found = next((name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")), None)
     if found is None:
         raise ValueError(
-            "the run to go on with is of no scene's hoist: repeat its --set hoist..., or go on with it where it was "
+            "the run to go on with is of no case's hoist: repeat its --set hoist..., or go on with it where it was "
             "begun"
         )
     if asked not in (None, found):
-        raise ValueError(f"--scene {asked} must be {found}, that of the run to go on with: leave it out")
+        raise ValueError(f"--case {asked} must be {found}, that of the run to go on with: leave it out")
     return found
 
 
@@ -260,7 +262,7 @@ def _winding(options: argparse.Namespace) -> dict[str, Value]:
         "emergency_law": options.estop_law,
     }
     given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
-    winding = replace(CASES[options.scene].winding, **((_QUICK if options.quick else {}) | given))
+    winding = replace(CASES[options.case].winding, **((_QUICK if options.quick else {}) | given))
     if options.creep_speed is not None and not winding.creeps:
         raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
     values = {f"winding.{name}": value for name, value in ((_QUICK if options.quick else {}) | given).items()}
@@ -288,15 +290,15 @@ def _rope(options: argparse.Namespace, run: RunData, asked: bool) -> tuple[FmuRo
         # only this plant needs rope_model; the FMU brings its own
         from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 
-        rope = rope_in_process(options.scene, options.kernels, options.level or "standard", run.fmu)
-        return rope, matching(options.signals, [*DRIVE_UNITS, *rope.units()])
+        rope = rope_in_process(options.case, options.kernels, options.level or "standard", run.fmu)
+        return rope, match_signals(options.signals, [*DRIVE_UNITS, *rope.units()])
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
             f"`balance-rope export --level {options.level}`"
         )
-    signals = matching(options.signals, [*DRIVE_UNITS, *read_outputs(options.fmu)])
-    if asked and (problems := Probe(options.fmu).rejected(run)):
+    signals = match_signals(options.signals, [*DRIVE_UNITS, *read_outputs(options.fmu)])
+    if asked and (problems := Probe(options.fmu).rejection(run)):
         raise ValueError("; ".join(problems))
     kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
     return FmuRope(options.fmu, {**kernels, **run.fmu}, NOT_READ.difference(signals)), signals
@@ -318,8 +320,18 @@ def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
         signal.signal(signal.SIGINT, before)
 
 
+def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:
+    """What was wound, by what hoist and with which rope."""
+    kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}, FMI {rope.model['FMI version']}"
+    at = run.winding.emergency_at
+    stop = "" if at is None else f", emergency stop at {at:g} s"
+    trip = f"Winding {run.winding.travel:g} m{stop}: case {options.case}, balance rope {kind}"
+    return ", ".join([trip, *options.set])
+
+
 def _write(
     options: argparse.Namespace,
+    title: str,
     result: Result,
     rows: Sequence[SummaryRow],
     run: RunData,
@@ -330,12 +342,12 @@ def _write(
     # matplotlib loads slowly and is needed here only
     from hoist_demo.report.events import marks
     from hoist_demo.report.figures import write_figures
-    from hoist_demo.report.html.given import rope_tables, tables
+    from hoist_demo.report.html.parameter_tables import rope_tables, tables
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import write_report
 
     hoist, winding, coupling = run.hoist, run.winding, run.coupling
-    more = [*tables({"Controller": run.gains}), *rope_tables(*rope, rungs_of(result.recording))]
+    more = [*tables({"Controller": run.gains}), *rope_tables(*rope, fidelities_of(result.recording))]
     directory: Path = options.out
     directory.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
@@ -347,9 +359,6 @@ def _write(
             written.append(directory / "shapes.csv")
             write_shapes(result.recording, shape_rows(result.recording), written[1])
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
-    kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}"
-    stop = "" if winding.emergency_at is None else f", emergency stop at {winding.emergency_at:g} s"
-    title = ", ".join([f"Winding {winding.travel:g} m{stop}: scene {options.scene}, balance rope {kind}", *options.set])
     reports = [
         write_report(
             directory / "report.md",

@@ -55,6 +55,7 @@ def _study(options: argparse.Namespace) -> int:
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
+    from hoist_demo.cosimulation.participants.fmu_parameters import fmi_version
     from hoist_demo.study.definition import read_study
 
     if options.workers is not None and options.workers < 1:
@@ -68,7 +69,7 @@ def _study(options: argparse.Namespace) -> int:
     store = Store(options.out or Path("out") / "study" / options.study.stem)
     keys = [sample.data.key(study.fmu_hash) for sample in study.samples] if study.tuning is None else []
     total = len(set(keys)) or None
-    there = len(store.finished(keys))
+    there = len(store.finished_keys(keys))
     if there:
         print(f"{there} of {total} runs are there already")
     try:
@@ -95,9 +96,9 @@ def _study(options: argparse.Namespace) -> int:
         units = study.units
         print("best: " + ", ".join(f"{key} = {value:.6g} {units[key]}" for key, value in performed.best.items()))
     results = read_results(performed.table)
-    parameters = [name for name in results.table.columns if name in study.units or name in ("case", "controller")]
+    parameters = [name for name in results.table.columns if name in study.units or name in ("variant", "controller")]
     meta: dict[str, Any] = {"title": study.title, "parameters": parameters, "best": performed.judged}
-    meta |= {"study file": options.study.name, "scene": study.scene, "FMU": study.fmu.name, "SHA-256": study.fmu_hash}
-    meta["version"] = version("balance-rope")
+    meta |= {"study file": options.study.name, "case": study.case, "FMU": study.fmu.name, "SHA-256": study.fmu_hash}
+    meta |= {"FMI version": fmi_version(study.fmu), "version": version("balance-rope")}
     print(f"open in a browser: {study_report(results.table, results.units, meta, store.directory / 'report.html')}")
     return 1 if performed.causes else 0

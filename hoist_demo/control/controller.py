@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from hoist_demo.control.emergency import BrakeState, EmergencyBrake
-from hoist_demo.control.reference import Braking, ReferencePoint
+from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.quantity import quantity
 
@@ -75,7 +75,7 @@ class Controller(Protocol):
     and the host hands over a copy, which may be changed.
     """
 
-    def command(self, reference: ReferencePoint, measured: Measurement, state: Any, h: float) -> Command:
+    def command(self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
         """Command for the step of length h [s] that begins now; `state` is the last command's, None at first."""
         ...
 
@@ -93,7 +93,7 @@ class SpeedController:
         self._emergency = EmergencyBrake(hoist, self._gains.speed, self._gains.integral_time)
 
     def command(
-        self, reference: ReferencePoint, measured: Measurement, state: ControllerState | None, h: float
+        self, reference: TrajectoryPoint, measured: Measurement, state: ControllerState | None, h: float
     ) -> Command:
         """Torque command for the step of length h [s] that begins now."""
         state = ControllerState() if state is None else state

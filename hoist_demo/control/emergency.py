@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hoist_demo.control.reference import Braking
+from hoist_demo.control.trajectory import Braking
 from hoist_demo.parameters import Hoist
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from hoist_demo.cosimulation.plain_data import decoded, encoded
+from hoist_demo.cosimulation.plain_data import decode, encode
 from hoist_demo.cosimulation.schemes.interface import Memory, Sample
 from hoist_demo.drive.plant import PlantInput, PlantOutput, PlantState
 from hoist_demo.recording.time_series import Recording
@@ -57,7 +57,7 @@ class Checkpoint:
         text = {
             "sample": self.sample,
             "t": self.t,
-            "controller": encoded(self.controller, CONTROLLER),
+            "controller": encode(self.controller, CONTROLLER),
             "input": vars(self.input),
             "at_rest": vars(self.at_rest),
             "free_lengths": plant.free_lengths,
@@ -78,7 +78,7 @@ class Checkpoint:
         if self.data != data:
             raise ValueError(
                 f"the checkpoint at t = {self.t:g} s must be of the same hoist, winding, controller, gains and "
-                f"sample time, but {_differences(self.data, data)}: give the scene and the options of that run"
+                f"sample time, but {_differences(self.data, data)}: give the case and the options of that run"
             )
         if not self.rope:
             raise ValueError(
@@ -112,7 +112,7 @@ class Checkpoint:
             )
         except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
             raise ValueError(f"'{path}' must be a checkpoint of a run, but: {error}: give another file") from error
-        return replace(kept, controller=decoded(kept.controller))
+        return replace(kept, controller=decode(kept.controller))
 
 
 def _differences(there: str, here: str, most: int = 6) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from hoist_demo.control.controller import Command
-from hoist_demo.control.reference import ReferencePoint
-from hoist_demo.cosimulation.participants.partners import HoistPartner
+from hoist_demo.control.trajectory import TrajectoryPoint
+from hoist_demo.cosimulation.participants.partners import HoistParticipant
 from hoist_demo.cosimulation.schemes.interface import Memory
 from hoist_demo.drive.plant import PlantOutput, energy_residual
 from hoist_demo.recording.time_series import TIME
@@ -45,7 +45,12 @@ DRIVE_UNITS = {
 
 
 def drive_signals(
-    t: float, reference: ReferencePoint, command: Command, drive: HoistPartner, at_rest: PlantOutput, memory: Memory
+    t: float,
+    reference: TrajectoryPoint,
+    command: Command,
+    drive: HoistParticipant,
+    at_rest: PlantOutput,
+    memory: Memory,
 ) -> dict[str, float]:
     """The drive's part of a row; `at_rest` is what it showed at the start."""
     shown, work = drive.output(), drive.state.work

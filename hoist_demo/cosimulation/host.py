@@ -18,18 +18,18 @@ from functools import partial
 from pathlib import Path
 
 from hoist_demo.control.controller import Command, Controller, Gains, Measurement, SpeedController
-from hoist_demo.control.reference import Reference, s_curve
+from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, drive_signals
-from hoist_demo.cosimulation.participants.partners import HangingPartner, HoistPartner, Stopwatch, input_of
+from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant, Stopwatch, input_of
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
-from hoist_demo.cosimulation.plain_data import encoded
+from hoist_demo.cosimulation.plain_data import encode
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.run_state import RunState
-from hoist_demo.cosimulation.schemes.catalogue import scheme_named
+from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.interface import Advance, Pair, Scheme
-from hoist_demo.cosimulation.schemes.stability import Outlook
-from hoist_demo.cosimulation.stability import outlook_at_rest
+from hoist_demo.cosimulation.schemes.stability import StabilityEstimate
+from hoist_demo.cosimulation.stability import estimate_stability_at_rest
 from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant, PlantInput, side_forces
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.recording.time_series import Recorder
@@ -52,7 +52,7 @@ class Host:
         gains: Gains | None = None,
         controller: Callable[[Hoist, float], Controller] | None = None,
         *,
-        reference: Reference | None = None,
+        trajectory: Trajectory | None = None,
         scheme: Scheme | None = None,
     ) -> None:
         """`controller` makes one's own from the hoist and the motor's torque at rest [N m]; else a speed controller.
@@ -64,14 +64,14 @@ class Host:
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
         self.coupling = Coupling() if coupling is None else coupling
-        self.scheme = scheme_named(self.coupling.scheme) if scheme is None else scheme
+        self.scheme = find_scheme(self.coupling.scheme) if scheme is None else scheme
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
         self._controller = partial(SpeedController, gains=gains) if controller is None else controller
         self.plant = HoistPlant(self.hoist)
-        self.reference = s_curve(self.winding) if reference is None else reference
+        self.trajectory = s_curve(self.winding) if trajectory is None else trajectory
         self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
-        self.outlook: Outlook | None = None
+        self.stability: StabilityEstimate | None = None
 
     @property
     def start_heights(self) -> tuple[float, float]:
@@ -82,7 +82,7 @@ class Host:
     @property
     def samples(self) -> int:
         """Sample times of the controller in the whole run."""
-        return math.ceil((self.reference.duration + self.winding.settle) / self.coupling.sample_time - 1e-9)
+        return math.ceil((self.trajectory.duration + self.winding.settle) / self.coupling.sample_time - 1e-9)
 
     @property
     def data(self) -> str:
@@ -122,18 +122,18 @@ class Host:
         start, (y_left, y_right) = self.coupling.start, self.start_heights
         if resume is not None:
             resume.require_fits(self.data)
-        rope = HangingPartner(self.rope, self.rope_clock)
+        rope = RopeParticipant(self.rope, self.rope_clock)
         if cause := rope.start(start, EndMotion(y=y_left), EndMotion(y=y_right), self.start_clock):
             return cause
         recorder = Recorder(DRIVE_UNITS | {n: u for n, u in self.rope.units().items() if n not in DRIVE_UNITS})
         forces, _ = rope.forces()
         state = self.plant.equilibrium(y_left, y_right, float(forces[0]), float(forces[1]))
         held = input_of(PlantInput(float(state.x[0]), 0.0, 0.0), forces)
-        drive = HoistPartner(self.plant, state, held, self.drive_clock)
+        drive = HoistParticipant(self.plant, state, held, self.drive_clock)
         if self.hoist.play is not None:
             rope.beside = drive.ends
         run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), recorder)
-        self.outlook = outlook_at_rest(self.scheme, self.coupling, run.pair, run.memory)
+        self.stability = estimate_stability_at_rest(self.scheme, self.coupling, run.pair, run.memory)
         if resume is not None:
             run.go_on_from(resume, resume.sample * self.coupling.per_sample)
         return run
@@ -150,7 +150,7 @@ class Host:
                 return f"t = {t:.6g} s: stopped by the user"
             command = self._sample(run, controller, t)
             if k == run.first and save_to is not None:
-                encoded(command.state, CONTROLLER)  # told now and not after a long run
+                encode(command.state, CONTROLLER)  # told now and not after a long run
             if k < last:
                 if cause := self._exchange(run, k, command):
                     return cause
@@ -161,11 +161,11 @@ class Host:
 
     def _sample(self, run: RunState, controller: Controller, t: float) -> Command:
         """The controller's command at t [s]; it and all signals are recorded."""
-        reference, shown = self.reference.at(t - self.coupling.start), run.drive.output()
+        point, shown = self.trajectory.at(t - self.coupling.start), run.drive.output()
         measured = Measurement(shown.y_left - self.start_heights[0], self.hoist.sheave_radius * shown.rate)
-        command = controller.command(reference, measured, deepcopy(run.controller), self.coupling.sample_time)
-        drive = drive_signals(t, reference, command, run.drive, run.at_rest, run.memory)
-        with self.rope_clock.running():
+        command = controller.command(point, measured, deepcopy(run.controller), self.coupling.sample_time)
+        drive = drive_signals(t, point, command, run.drive, run.at_rest, run.memory)
+        with self.rope_clock.count_time():
             signals = self.rope.signals()
         run.recorder.add(drive | {name: value for name, value in signals.items() if name not in drive})
         return command
@@ -192,17 +192,16 @@ class Host:
             return Advance(run.memory, f"t = {t:.6g} s: {error}")
 
     def _result(self, recorder: Recorder, steps: int, cause: str) -> Result:
-        planned = self.samples * self.coupling.per_sample
         if cause:
+            planned = self.samples * self.coupling.per_sample
             _log.info("co-simulation stopped after %d of %d steps: %s", steps, planned, cause)
-        seen = self.outlook
+        seen = self.stability
         return Result(
             recording=recorder.recording(),
             completed=not cause,
             cause=cause,
             steps=steps,
-            planned_steps=planned,
-            reference=self.reference,
+            trajectory=self.trajectory,
             drive_clock=self.drive_clock,
             rope_clock=self.rope_clock,
             start_clock=self.start_clock,

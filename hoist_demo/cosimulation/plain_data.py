@@ -18,24 +18,24 @@ import numpy as np
 KINDS = "numbers, texts, bytes, NumPy arrays, and lists, tuples, dictionaries, data classes and named tuples of them"
 
 
-def encoded(value: Any, name: str) -> Any:
+def encode(value: Any, name: str) -> Any:
     """The value as JSON can write it; ValueError with its place under `name` where it is no plain data."""
     kind = type(value)
     if value is None or kind in (bool, int, float, str):
         return value
     if kind is list:
-        return [encoded(x, f"{name}[{k}]") for k, x in enumerate(value)]
+        return [encode(x, f"{name}[{k}]") for k, x in enumerate(value)]
     if kind is tuple:
-        return {"tuple": encoded(list(value), name)}
+        return {"tuple": encode(list(value), name)}
     if kind is dict:
-        return {"dict": [[encoded(k, f"a key of {name}"), encoded(x, f"{name}[{k!r}]")] for k, x in value.items()]}
+        return {"dict": [[encode(k, f"a key of {name}"), encode(x, f"{name}[{k!r}]")] for k, x in value.items()]}
     if kind is bytes:
         return {"bytes": _text(value)}
     if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biufc":
         shape = list(value.shape) if kind is np.ndarray else None
         return {"array": [value.dtype.str, shape, _text(value.tobytes())]}
     if (names := _fields(kind)) is not None and _class(kind.__module__, kind.__qualname__) is kind:
-        inside = {field: encoded(getattr(value, field), f"{name}.{field}") for field in names}
+        inside = {field: encode(getattr(value, field), f"{name}.{field}") for field in names}
         return {"class": [kind.__module__, kind.__qualname__, inside]}
     at_top = ", and classes must stand at the top of their module" if names is not None else ""
     raise ValueError(
@@ -44,10 +44,10 @@ def encoded(value: Any, name: str) -> Any:
     )
 
 
-def decoded(value: Any) -> Any:
+def decode(value: Any) -> Any:
     """What `encoded` was given."""
     if isinstance(value, list):
-        return [decoded(x) for x in value]
+        return [decode(x) for x in value]
     if not isinstance(value, dict):
         return value
     ((kind, content),) = value.items()
@@ -70,7 +70,7 @@ def _class(module: str, name: str) -> Any:
     return found
 
 
-def _made(content: list[Any]) -> Any:
+def _construct(content: list[Any]) -> Any:
     """A data class or named tuple with these values."""
     module, name, inside = content
     kind = _class(module, name)
@@ -80,7 +80,7 @@ def _made(content: list[Any]) -> Any:
             f"the checkpoint's controller remembers a {module}.{name} with {', '.join(inside) or 'nothing'}, which is "
             "not known here: import that module, in the version that wrote it, before reading"
         )
-    values = {field: decoded(x) for field, x in inside.items()}
+    values = {field: decode(x) for field, x in inside.items()}
     if issubclass(kind, tuple):
         return tuple.__new__(kind, (values[field] for field in names))
     made = object.__new__(kind)
@@ -100,9 +100,9 @@ def _text(data: bytes) -> str:
 
 
 _READERS: dict[str, Callable[[Any], Any]] = {
-    "tuple": lambda content: tuple(decoded(content)),
-    "dict": lambda content: {decoded(key): decoded(x) for key, x in content},
+    "tuple": lambda content: tuple(decode(content)),
+    "dict": lambda content: {decode(key): decode(x) for key, x in content},
     "bytes": base64.b64decode,
     "array": _array,
-    "class": _made,
+    "class": _construct,
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from hoist_demo.control.reference import Reference
+from hoist_demo.control.trajectory import Trajectory
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.partners import Stopwatch
 from hoist_demo.recording.time_series import Recording
@@ -19,8 +19,7 @@ class Result:
     completed: bool
     cause: str  # "" when completed
     steps: int  # communication steps done
-    planned_steps: int
-    reference: Reference
+    trajectory: Trajectory
     drive_clock: Stopwatch  # of the drive's steps
     rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
     start_clock: Stopwatch  # of the rope's initialization

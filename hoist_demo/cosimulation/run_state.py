@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hoist_demo.cosimulation.checkpoint import Checkpoint
-from hoist_demo.cosimulation.participants.partners import HangingPartner, HoistPartner
+from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant
 from hoist_demo.cosimulation.schemes.interface import Memory, Pair
 from hoist_demo.drive.plant import PlantInput, PlantOutput, PlantState
 from hoist_demo.recording.time_series import Recorder
@@ -30,8 +30,8 @@ class _Kept:
 class RunState:
     """Everything at the latest communication point, and at the latest sample."""
 
-    drive: HoistPartner
-    rope: HangingPartner
+    drive: HoistParticipant
+    rope: RopeParticipant
     memory: Memory
     at_rest: PlantOutput  # of the drive, at the start
     recorder: Recorder

@@ -5,13 +5,15 @@ from __future__ import annotations
 import logging
 
 from hoist_demo.cosimulation.schemes.interface import Load, Memory, Pair, Scheme
-from hoist_demo.cosimulation.schemes.stability import Outlook, measured_answer, outlook
+from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, estimate_stability, measure_response
 from hoist_demo.parameters import Coupling
 
 _log = logging.getLogger(__name__)
 
 
-def outlook_at_rest(scheme: Scheme, coupling: Coupling, pair: Pair, memory: Memory) -> Outlook | None:
+def estimate_stability_at_rest(
+    scheme: Scheme, coupling: Coupling, pair: Pair, memory: Memory
+) -> StabilityEstimate | None:
     """What to expect of the scheme, None where nobody can tell; ValueError where the rope lacks what it needs."""
     name, H = coupling.scheme, coupling.step
     if scheme.needs_added_mass and pair.rope.added_mass() is None:
@@ -28,11 +30,11 @@ def outlook_at_rest(scheme: Scheme, coupling: Coupling, pair: Pair, memory: Memo
         return None
     pair.rope.free(snapshot)
     here = pair.drive.motion(Load.constant(memory.last.force), 1.0)
-    answer, cause = measured_answer(pair, coupling.start, H, here)
+    answer, cause = measure_response(pair, coupling.start, H, here)
     if cause:
         _log.info("the coupling's stability is not known: %s", cause)
         return None
-    seen = outlook(scheme, answer, pair.drive.mobility())
+    seen = estimate_stability(scheme, answer, pair.drive.mobility())
     if warning := seen.warning(name, H):
         _log.warning("%s", warning)
     return seen

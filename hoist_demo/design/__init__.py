@@ -1,5 +1,5 @@
 """Design of a trip on the lowest model that serves, to be verified on the complete rope by co-simulation.
 
-shaping -> low_rung -> trajectory -> controllers (chosen by name) ; swing measures what is left after arrival;
+shaping -> low_fidelity -> trajectory -> controllers (chosen by name) ; swing measures what is left after arrival;
 tuning searches over complete runs.
 """

@@ -11,9 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.control.reference import Reference, s_curve
+from hoist_demo.control.trajectory import Trajectory, s_curve
+from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise, require_no_creep
 from hoist_demo.design.shaping import Shaper, shape
-from hoist_demo.design.trajectory import Trajectory, optimise, require_no_creep
 from hoist_demo.parameters import Hoist, Winding
 
 CONTROLLERS = ("pi", "pi-feed-forward", "input-shaping", "optimised-trajectory")
@@ -25,10 +25,12 @@ class Drive:
     """What the host needs of a controller."""
 
     gains: Gains
-    reference: Reference
+    trajectory: Trajectory
 
 
-def drive(name: str, hoist: Hoist, winding: Winding, gains: Gains, shaper: Shaper, trajectory: Trajectory) -> Drive:
+def drive(
+    name: str, hoist: Hoist, winding: Winding, gains: Gains, shaper: Shaper, trajectory: TrajectoryOptions
+) -> Drive:
     """The named controller for a trip; an optimised one is computed here, which takes seconds."""
     require_possible(name, winding)
     if name == "pi":
@@ -36,7 +38,7 @@ def drive(name: str, hoist: Hoist, winding: Winding, gains: Gains, shaper: Shape
     if name == "input-shaping":
         return Drive(gains, shape(s_curve(winding), shaper))
     if name == "optimised-trajectory":
-        return Drive(gains, optimise(hoist, winding, gains, trajectory).reference)
+        return Drive(gains, optimise(hoist, winding, gains, trajectory).trajectory)
     return Drive(gains, s_curve(winding))
 
 

@@ -16,7 +16,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-from hoist_demo.control.reference import Reference, ReferencePoint
+from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.parameters.quantity import quantity
 
 KINDS = ("ZV", "ZVD")
@@ -47,7 +47,7 @@ class Shaper:
         return tuple((k * half, weight / sum(weights)) for k, weight in enumerate(weights))
 
 
-def shape(trip: Reference, shaper: Shaper) -> Reference:
+def shape(trip: Trajectory, shaper: Shaper) -> Trajectory:
     """`trip` convolved with the shaper's impulses; it arrives later by the last impulse's time."""
     impulses = shaper.impulses
     starts = sorted({start + delay for start in trip.starts for delay, _ in impulses})
@@ -56,11 +56,11 @@ def shape(trip: Reference, shaper: Shaper) -> Reference:
         # the jerk of a segment is read in its middle, where no rounding can name the neighbour's
         middle = 0.5 * (start + end)
         points.append(
-            ReferencePoint(
+            TrajectoryPoint(
                 position=sum(w * trip.at(start - delay).position for delay, w in impulses),
                 speed=sum(w * trip.at(start - delay).speed for delay, w in impulses),
                 acceleration=sum(w * trip.at(start - delay).acceleration for delay, w in impulses),
                 jerk=sum(w * trip.at(middle - delay).jerk for delay, w in impulses),
             )
         )
-    return Reference(tuple(starts), (*points, trip.points[-1]))
+    return Trajectory(tuple(starts), (*points, trip.points[-1]))

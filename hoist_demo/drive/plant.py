@@ -188,7 +188,7 @@ class HoistPlant:
 
         The conveyances hang in the middle of their guides, under the vertical forces of one balance rope [N].
         """
-        state = self.hanging(y_left, y_right, force_left, force_right)
+        state = self.hanging_state(y_left, y_right, force_left, force_right)
         if not abs(state.x[0]) <= self.hoist.torque_limit:
             raise ValueError(
                 f"holding torque = {state.x[0]:.6g} N m must be within torque_limit = {self.hoist.torque_limit:g} N m: "
@@ -196,7 +196,7 @@ class HoistPlant:
             )
         return state
 
-    def hanging(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
+    def hanging_state(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """As equilibrium, whatever torque that takes."""
         hoist = self.hoist
         lengths = (
@@ -251,7 +251,7 @@ class HoistPlant:
         columns = [self.rates(state, PlantInput(0.0, *forces))[rows] for forces in ((unit, 0.0), (0.0, unit))]
         return np.array([column - at_rest for column in columns]).T / unit
 
-    def acting(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
+    def loads_at(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
         """What acts at s = 0 .. 1 of a path when the drive is in this state there."""
         values = [a + s * (b + s * c) for a, b, c in zip(*map(_pack, (path.start, path.rise, path.bend)), strict=True)]
         added = np.array(path.added_mass)

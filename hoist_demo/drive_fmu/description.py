@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from importlib.resources import files
 
 from hoist_demo.cases.case import Case
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive_fmu.documentation import attachments
 from hoist_demo.drive_fmu.interface import HOLDING, INPUTS, Variable, plant_outputs, side_forces, variables

@@ -51,7 +51,7 @@ def kernels(case: Case) -> Kernels:
     """C functions drive_rest, drive_step, drive_outputs and drive_control; the installed package brings some."""
     brought = kernels_file(_HOST, case)
     if not brought.exists():
-        return generated(case)
+        return generate(case)
     data = json.loads(brought.read_text(encoding="utf-8"))
     return Kernels(**data | {"work": tuple(data["work"])})
 
@@ -67,7 +67,7 @@ def kernels_file(package: Path, case: Case) -> Path:
     return package / "drive_fmu" / "prebuilt" / f"kernels-{digest.hexdigest()[:20]}.json"
 
 
-def generated(case: Case) -> Kernels:
+def generate(case: Case) -> Kernels:
     """The kernels, made anew."""
     plant = HoistPlant(case.hoist)
     lowest = -2.0 * GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length
@@ -91,7 +91,7 @@ def generated(case: Case) -> Kernels:
 def _rest(plant: HoistPlant, case: Case, lowest: float) -> Any:
     """(F_left, F_right) -> x, l0 (2), at the start heights."""
     nodes = 0.5 * lowest * (1.0 - np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)))
-    states = [[plant.hanging(*start_heights(case), float(f), float(g)) for g in nodes] for f in nodes]
+    states = [[plant.hanging_state(*start_heights(case), float(f), float(g)) for g in nodes] for f in nodes]
     values = np.array([[[*s.x, *s.free_lengths] for s in row] for row in states])
     force = ca.SX.sym("F", 2)
     weights = [_lagrange(nodes, force[i]) for i in range(2)]
@@ -174,7 +174,7 @@ def _largest_step(plant: HoistPlant, case: Case, rest: Any) -> float:
     fastest = 0.0
     for force in (0.0, -GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length):
         for heights in (start_heights(case), start_heights(case)[::-1]):
-            state = plant.hanging(*heights, force, force)
+            state = plant.hanging_state(*heights, force, force)
             held = np.zeros(u.size1())
             held[:3] = state.x[0], force, force
             matrix = np.asarray(jacobian(state.x, held, list(state.free_lengths)))

@@ -26,6 +26,6 @@ def meaning_of(of: Field[Any]) -> str:
     return str(of.metadata.get("description", ""))
 
 
-def stated_units(data: type[Any]) -> dict[str, str]:
+def units_of(data: type[Any]) -> dict[str, str]:
     """Unit of each field that states one."""
     return {f.name: unit_of(f) for f in fields(data) if unit_of(f)}

@@ -79,7 +79,7 @@ class Winding:
         return self.creep_distance > 0.0 or self.departure_creep_distance > 0.0
 
     @property
-    def followed_until(self) -> float:
+    def tracking_end(self) -> float:
         """Time [s] until which the drive follows the reference: an emergency stop with the brake ends that."""
         return math.inf if self.emergency_at is None or self.emergency_law == "drive" else self.emergency_at
 

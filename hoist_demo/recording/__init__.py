@@ -1,1 +1,1 @@
-"""What a run leaves behind: its signals over time, and which of them the rope's rung has not computed."""
+"""What a run leaves behind: its signals over time, and which of them the rope's fidelity has not computed."""

@@ -85,7 +85,7 @@ class Recorder:
         return Recording(signals, {name: self._units.get(name, "") for name in self._names})
 
 
-def matching(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:
+def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:
     """The known signals that are asked for, in the order asked for; a `*` stands for any letters."""
     found: dict[str, None] = {}
     for pattern in patterns:

@@ -24,11 +24,11 @@ def marks(result: Result, winding: Winding) -> list[Mark]:
     times = result.recording.time
     # Host's reference counts from the start of the record
     start = float(times[0])
-    found = [Mark(start + result.reference.duration, "reference at rest")]
+    found = [Mark(start + result.trajectory.duration, "reference at rest")]
     if winding.emergency_at is not None:
         found.insert(0, Mark(start + winding.emergency_at, "emergency stop"))
     if winding.creeps:
-        found[:0] = [Mark(start + t, "creep") for t in result.reference.holds(winding.creep_speed)]
+        found[:0] = [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
     found = [mark for mark in found if start <= mark.t <= float(times[-1])]
     return found if result.completed else [*found, Mark(float(times[-1]), "run stopped")]
 

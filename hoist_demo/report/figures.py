@@ -235,7 +235,7 @@ def energies(recording: Recording, hoist: Hoist) -> Figure | None:
 
 
 def _shows(recording: Recording, *names: str) -> bool:
-    """Whether all these signals were recorded; what a rung of the rope's model leaves out is NaN."""
+    """Whether all these signals were recorded; what a fidelity of the rope's model leaves out is NaN."""
     return all(name in recording and bool(np.isfinite(recording[name]).any()) for name in names)
 
 

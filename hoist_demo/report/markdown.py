@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
-from hoist_demo.report.html.given import Table
+from hoist_demo.report.html.parameter_tables import Table
 from hoist_demo.report.summary import SummaryRow
 
 CAPTIONS = {

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.recording.rungs import remark, rungs_of
+from hoist_demo.recording.fidelity import fidelities_of, remark
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number
 
@@ -58,7 +58,7 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
         recording = result.recording
         rows += (
             _trip(recording, hoist, winding)
-            + _swing(recording, result.reference.duration)
+            + _swing(recording, result.trajectory.duration)
             + _rope(recording, hoist)
             + _energy(recording, hoist)
             + _counts(recording)
@@ -94,7 +94,7 @@ def _outcome(result: Result, coupling: Coupling) -> list[SummaryRow]:
 
 
 def warnings(result: Result) -> list[str]:
-    """What a reader of the numbers must know: an unstable coupling, and what the rope's rung leaves out."""
+    """What a reader of the numbers must know: an unstable coupling, and what the rope's fidelity leaves out."""
     return [text for text in (result.warning, remark(result.recording)) if text]
 
 
@@ -106,7 +106,7 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
     rows = [
         SummaryRow(group, "travel asked for", winding.travel, "m"),
         SummaryRow(group, "travel reached, left conveyance", float(travel[-1]), "m"),
-        *_tracking(group, 1e3 * error, recording.time - recording.time[0] <= winding.followed_until),
+        *_tracking(group, 1e3 * error, recording.time - recording.time[0] <= winding.tracking_end),
         *_stopping(group, recording, hoist, winding),
         SummaryRow(group, "peak speed", _largest(recording["conveyance.left.vy"]), "m/s"),
         SummaryRow(group, "peak motor torque", _largest(1e-3 * recording["drive.torque"]), "kN m"),
@@ -173,8 +173,8 @@ def _rope(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
     rows: list[SummaryRow] = []
     if hoist.tail_rope_number > 1:
         rows.append(SummaryRow(group, "equal balance ropes; forces and energies are of one", hoist.tail_rope_number))
-    if rungs := rungs_of(recording):
-        rows.append(SummaryRow(group, "rung of the model that ran", ", then ".join(rungs)))
+    if fidelities := fidelities_of(recording):
+        rows.append(SummaryRow(group, "fidelity of the model that ran", ", then ".join(fidelities)))
     for end in ("left", "right"):
         rows.append(SummaryRow(group, f"largest pull on the {end} conveyance", _pull(recording[f"{end}.fy"]), "kN"))
     extremes = (
@@ -188,7 +188,7 @@ def _rope(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
         ("stress.torsion_max", "largest torsional stress", 1e-6, "MPa", np.nanmax),
     )
     for name, quantity, factor, unit, extreme in extremes:
-        # what the rung leaves out is NaN throughout
+        # what the fidelity leaves out is NaN throughout
         if name in recording and bool(np.isfinite(recording[name]).any()):
             rows.append(SummaryRow(group, quantity, float(extreme(factor * recording[name])), unit))
     if recording.has("left.swivel.slipping", "right.swivel.slipping"):
@@ -224,12 +224,12 @@ def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
             share = 100.0 * residual / kinetic
             rows.append(SummaryRow(group, "the same over the rope's largest kinetic energy", share, "%"))
     if "energy.work_ends" in recording:
-        defect = made_up(recording, hoist)
+        defect = exchange_energy(recording, hoist)
         rows.append(SummaryRow(group, "energy that the coupling's delay makes up, largest", _largest(defect), "J"))
     return rows
 
 
-def made_up(recording: Recording, hoist: Hoist) -> Array:
+def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
     """Energy that the exchange has made up since the start [J]: work on the hoist and on all its balance ropes."""
     ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
     total: Array = recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends

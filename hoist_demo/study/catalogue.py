@@ -15,10 +15,10 @@ from typing import Any
 from hoist_demo.control.controller import Gains
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.design.controllers import CONTROLLERS
+from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.design.trajectory import Trajectory
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.parameters.units import spelled
+from hoist_demo.parameters.units import fmi_unit
 from hoist_demo.study.metrics import Arrival
 from hoist_demo.study.nested import leaves
 
@@ -30,11 +30,13 @@ SECTIONS: dict[str, type[Any]] = {
     "coupling": Coupling,
     "gains": Gains,
     "shaper": Shaper,
-    "trajectory": Trajectory,
+    "trajectory": TrajectoryOptions,
     "arrival": Arrival,
 }
 
 RESERVED = {"inputs_at_step_end": "the host sets it"}
+RENAMED = {"model.rung": ["model.fidelity"], "mesh.leg_growth": ["mesh.grading_length"]}
+"""Names of version 0.1.0 and those of today."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ class Catalogue:
         for name, p in rope.items():
             if name not in RESERVED:
                 kind = "Integer" if p.kind == "Enumeration" else p.kind
-                self._parameters[name] = Parameter(name, spelled(p.unit), kind, p.minimum, p.maximum)
+                self._parameters[name] = Parameter(name, fmi_unit(p.unit), kind, p.minimum, p.maximum)
 
     def __contains__(self, key: str) -> bool:
         return key in self._parameters
@@ -97,9 +99,8 @@ class Catalogue:
         if key in RESERVED:
             raise ValueError(f"{key} cannot be chosen, {RESERVED[key]}: leave it out")
         if key not in self._parameters:
-            near = difflib.get_close_matches(key, self._parameters, n=3) or [
-                name for name in self._parameters if name.split(".")[-1] == key.split(".")[-1]
-            ]
+            near = RENAMED.get(key) or difflib.get_close_matches(key, self._parameters, n=3)
+            near = near or [name for name in self._parameters if name.split(".")[-1] == key.split(".")[-1]]
             cure = (
                 f"did you mean {' or '.join(near)}?" if near else f"sections are {', '.join(SECTIONS)}, or an FMU name"
             )

@@ -67,7 +67,7 @@ def run_samples(
 ) -> list[str]:
     """Carry out what the store does not hold yet, and return the key of each sample."""
     keys = [sample.data.key(study.fmu_hash) for sample in samples]
-    done = store.finished(keys)
+    done = store.finished_keys(keys)
     waiting = {key: sample.data for key, sample in zip(keys, samples, strict=True) if key not in done}
     if not waiting:
         return keys

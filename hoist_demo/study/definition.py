@@ -1,14 +1,14 @@
 """A study file (TOML), read and checked as a whole before anything runs.
 
-    [study]    title, fmu, scene, signals, and minimise or maximise = a metric, which chooses the best run
+    [study]    title, fmu, case, signals, and minimise or maximise = a metric, which chooses the best run
     [fixed]    values of all runs
-    [[case]]   name and values of one case; the runs of [vary] are made for every case
+    [[variant]] name and values of one variant; the runs of [vary] are made for every variant
     [sample]   method = "grid" (the default), or "latin-hypercube" with runs and seed
     [vary]     lists (grid) or ranges { low, high } (latin-hypercube, tune)
     [tune]     instead of [sample]: minimise = { metric = weight }, generations, population, seed
 
 A value is a plain one in SI units, or { value, unit }; a list is [...] or { values, unit }; a range may have
-scale = "log". Later ones count: fixed, then case, then vary. All errors of a file are told at once.
+scale = "log". Later ones count: fixed, then variant, then vary. All errors of a file are told at once.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cases.table import CASES, case_named
+from hoist_demo.cases.table import CASES, find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
-from hoist_demo.parameters.units import spelled
-from hoist_demo.recording.time_series import matching
+from hoist_demo.parameters.units import fmi_unit
+from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
@@ -36,9 +36,9 @@ from hoist_demo.study.sampling import Range, grid, latin_hypercube
 METHODS = ("grid", "latin-hypercube")
 
 _TABLES = {
-    "study": {"title", "fmu", "scene", "signals", "minimise", "maximise"},
+    "study": {"title", "fmu", "case", "signals", "minimise", "maximise"},
     "fixed": None,
-    "case": {"name", "values"},
+    "variant": {"name", "values"},
     "sample": {"method", "runs", "seed"},
     "vary": None,
     "tune": {"minimise", "generations", "population", "seed"},
@@ -48,9 +48,9 @@ _SPECIFICATION = {"value", "values", "low", "high", "unit", "scale"}
 
 @dataclass(frozen=True)
 class Sample:
-    """One run of a study: the case, what varies, and the complete data."""
+    """One run of a study: the variant, what varies, and the complete data."""
 
-    case: str
+    variant: str
     values: Mapping[str, Value]
     data: RunData
 
@@ -72,19 +72,19 @@ class Study:
     title: str
     fmu: Path
     fmu_hash: str
-    scene: str
+    case: str
     signals: tuple[str, ...]
     units: Mapping[str, str]  # of every key that is set
     samples: tuple[Sample, ...]  # all runs; for a search the corners of its ranges
-    cases: Mapping[str, Mapping[str, Value]]  # fixed values of each case
+    variants: Mapping[str, Mapping[str, Value]]  # fixed values of each variant
     ranges: Mapping[str, Range]
     tuning: Tuning | None
     best: Mapping[str, str] | None = None  # metric and sense by which the best run is chosen; a search has its own
 
-    def sample(self, case: str, values: Mapping[str, Value]) -> Sample:
+    def sample(self, variant: str, values: Mapping[str, Value]) -> Sample:
         """A run of this study with the given values."""
-        everything = {**self.cases[case], **values}
-        return Sample(case, everything, build(self.scene, everything, self.signals))
+        everything = {**self.variants[variant], **values}
+        return Sample(variant, everything, build(self.case, everything, self.signals))
 
 
 class StudyError(ValueError):
@@ -134,61 +134,63 @@ class _Reader:
         fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
         with self._collect("[study] fmu" if self.fmu is None else "--fmu"):
             self._open(fmu)
-        scene, signals = head.get("scene", "rope-120"), tuple[str, ...]()
+        case, signals = head.get("case", "rope-120"), tuple[str, ...]()
         with self._collect("[study]"):
-            case_named(str(scene))
+            find_case(str(case))
         with self._collect("[study]"):
             signals = self._signals(head.get("signals", []), fmu)
         best: dict[str, str] | None = None
         with self._collect("[study]"):
             best = self._best(head)
-        cases = self._cases(self._values("fixed", self._table("fixed")))
+        variants = self._variants(self._values("fixed", self._table("fixed")))
         vary = self._vary()
         tuning = self._tuning() if "tune" in self.raw else None
         drawn = self._draw(vary, tuning)
-        if scene not in CASES:
+        if case not in CASES:
             raise StudyError(self.path, self.problems)
-        samples = self._checked(scene, signals, Probe(fmu) if self.fmu_is_there else None, cases, progress(drawn))
+        samples = self._accepted_samples(
+            case, signals, Probe(fmu) if self.fmu_is_there else None, variants, progress(drawn)
+        )
         if self.problems:
             raise StudyError(self.path, self.problems)
-        keys = {key: None for values in cases.values() for key in values} | dict.fromkeys(vary)
+        keys = {key: None for values in variants.values() for key in values} | dict.fromkeys(vary)
         return Study(
             title=str(title),
             fmu=fmu,
             fmu_hash=hashlib.sha256(fmu.read_bytes()).hexdigest(),
-            scene=scene,
+            case=case,
             signals=signals,
             units=self.catalogue.units(keys),
             samples=tuple(samples),
-            cases=cases,
+            variants=variants,
             ranges={key: r for key, r in vary.items() if isinstance(r, Range)},
             tuning=tuning,
             best=best,
         )
 
-    def _checked(
+    def _accepted_samples(
         self,
-        scene: str,
+        case: str,
         signals: tuple[str, ...],
         probe: Probe | None,
-        cases: Mapping[str, dict[str, Value]],
+        variants: Mapping[str, dict[str, Value]],
         drawn: Iterable[dict[str, Value]],
     ) -> list[Sample]:
-        """All runs, case by case, each accepted by the data classes and by the FMU, where there is one."""
-        found: dict[str, list[Sample]] = {case: [] for case in cases}
+        """All runs, variant by variant, each accepted by the data classes and by the FMU, where there is one."""
+        found: dict[str, list[Sample]] = {variant: [] for variant in variants}
         for values in drawn:
-            for case, fixed in cases.items():
+            for variant, fixed in variants.items():
                 everything = {**fixed, **values}
                 problems: list[str] = []
                 try:
-                    data = build(scene, everything, signals)
-                    problems = probe.rejected(data) if probe is not None else []
-                    found[case].append(Sample(case, everything, data))
+                    data = build(case, everything, signals)
+                    problems = probe.rejection(data) if probe is not None else []
+                    found[variant].append(Sample(variant, everything, data))
                 except ValueError as error:
-                    problems = _blamed(scene, everything) or [str(error)]
-                    problems += probe.rejected(build(scene, fmu_part(everything))) if probe is not None else []
+                    problems = _impossible_values(case, everything) or [str(error)]
+                    problems += probe.rejection(build(case, fmu_part(everything))) if probe is not None else []
                 for problem in problems:
-                    problem = f"case {case}: {problem}" if case else problem
+                    problem = f"variant {variant}: {problem}" if variant else problem
                     if problem not in self.problems:
                         self.problems.append(problem)
         return [sample for samples in found.values() for sample in samples]
@@ -199,7 +201,7 @@ class _Reader:
         except ValueError as error:
             raise ValueError(f"{error}; until then nothing of this file that is the FMU's can be checked") from error
 
-    def _can_be_checked(self, key: str) -> bool:
+    def _is_checkable(self, key: str) -> bool:
         """Whether the key is the host's, or the FMU is there to ask."""
         return self.fmu_is_there or key == "controller" or key.partition(".")[0] in SECTIONS
 
@@ -208,7 +210,7 @@ class _Reader:
         if not isinstance(names, list):
             raise ValueError(f'signals = {names!r} must be a list of names: write ["loop.yaw"]')
         if self.fmu_is_there:
-            return matching(map(str, names), [*DRIVE_UNITS, *read_outputs(fmu)])
+            return match_signals(map(str, names), [*DRIVE_UNITS, *read_outputs(fmu)])
         return tuple(map(str, names))
 
     def _best(self, head: dict[str, Any]) -> dict[str, str] | None:
@@ -245,29 +247,29 @@ class _Reader:
         table = self.raw.get(name, {})
         return table if isinstance(table, dict) else {}
 
-    def _cases(self, fixed: dict[str, Value]) -> dict[str, dict[str, Value]]:
-        """Values of each case, fixed ones included; one case without a name when there are none."""
-        tables = self.raw.get("case", [])
+    def _variants(self, fixed: dict[str, Value]) -> dict[str, dict[str, Value]]:
+        """Values of each variant, fixed ones included; one variant without a name when there are none."""
+        tables = self.raw.get("variant", [])
         if not tables:
             return {"": fixed}
-        cases: dict[str, dict[str, Value]] = {}
+        variants: dict[str, dict[str, Value]] = {}
         for number, table in enumerate(tables if isinstance(tables, list) else [tables], 1):
             name = str(table.get("name", number)) if isinstance(table, dict) else str(number)
-            if name in cases:
-                self.problems.append(f"[[case]] name = {name!r} must be given once: choose another name")
+            if name in variants:
+                self.problems.append(f"[[variant]] name = {name!r} must be given once: choose another name")
             content = table.get("values", {}) if isinstance(table, dict) else {}
-            cases[name] = fixed | self._values(f"case {name}", content)
-        return cases
+            variants[name] = fixed | self._values(f"variant {name}", content)
+        return variants
 
     def _values(self, where: str, table: Mapping[str, Any]) -> dict[str, Value]:
         """Single values of a table."""
         found: dict[str, Value] = {}
         for key, content in _flat(table):
             with self._collect(f"[{where}]"):
-                if not self._can_be_checked(key):
+                if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
-                content = self._stripped(parameter, content)
+                content = self._strip_unit(parameter, content)
                 if isinstance(content, (list, dict)):
                     raise ValueError(f"{key} = {content!r} must be one value here: vary it in [vary]")
                 found[key] = parameter.read(content)
@@ -277,10 +279,10 @@ class _Reader:
         found: dict[str, tuple[Value, ...] | Range] = {}
         for key, content in _flat(self._table("vary")):
             with self._collect("[vary]"):
-                if not self._can_be_checked(key):
+                if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
-                content = self._stripped(parameter, content)
+                content = self._strip_unit(parameter, content)
                 if isinstance(content, dict):
                     found[key] = self._range(parameter, content)
                 elif isinstance(content, list) and content:
@@ -289,7 +291,7 @@ class _Reader:
                     raise ValueError(f"{key} = {content!r} must be a list or {{ low, high }}: fix it in [fixed]")
         return found
 
-    def _stripped(self, parameter: Parameter, content: Any) -> Any:
+    def _strip_unit(self, parameter: Parameter, content: Any) -> Any:
         """The content without its unit, which is checked: a value, a list, or a range's table."""
         if not isinstance(content, dict):
             return content
@@ -298,7 +300,7 @@ class _Reader:
                 f"{parameter.key}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}"
             )
         unit = content.get("unit")
-        if unit is not None and spelled(str(unit)) != parameter.unit:
+        if unit is not None and fmi_unit(str(unit)) != parameter.unit:
             raise ValueError(
                 f"{parameter.key} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
             )
@@ -377,12 +379,12 @@ class _Reader:
         return value
 
 
-def _blamed(scene: str, values: Mapping[str, Value]) -> list[str]:
+def _impossible_values(case: str, values: Mapping[str, Value]) -> list[str]:
     """The values that are impossible by themselves, when those of a run cannot stand together."""
     problems = []
     for key, value in values.items():
         try:
-            build(scene, {key: value})
+            build(case, {key: value})
         except ValueError as error:
             problems.append(f"{key} = {value!r}: {error}")
     return problems

@@ -1,4 +1,4 @@
-"""What a drive engineer asks of a run, one number each; NaN where the run, the rope or its rung did not show it.
+"""What a drive engineer asks of a run, one number each; NaN where the run, the rope or its fidelity did not show it.
 
 Arrival. The reference arrives at a known time; the conveyances have arrived when they stay within `Arrival` from
 then on. Residual swing is the height of a conveyance against the rope's end at the sheave, so that a slow creep of
@@ -16,15 +16,15 @@ from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
-from hoist_demo.recording.rungs import RUNG
+from hoist_demo.recording.fidelity import FIDELITY
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.summary import made_up
+from hoist_demo.report.summary import exchange_energy
 
 ENDS = ("left", "right")
 
 METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
-    "reference_time": ("s", "duration of the reference's motion"),
+    "trajectory_time": ("s", "duration of the reference's motion"),
     "position_error": ("m", "of the left conveyance at the record's end"),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
@@ -51,7 +51,7 @@ METRICS = {
     "right_swivel_torque": ("N.m", "likewise, right"),
     "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): below 1 they slip"),
     "simulated_time": ("s", "of the record"),
-    "energy_made_up": ("J", "largest energy that the coupling's delay makes up"),
+    "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
 }
 """Every metric with its unit and meaning, in the order of the table."""
 
@@ -63,7 +63,7 @@ ROPE_SIGNALS = frozenset(
         for end in ENDS
         for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
     }
-    | {"loop.x", "loop.yaw", "loop.clearance", "energy.work_ends", RUNG}
+    | {"loop.x", "loop.yaw", "loop.clearance", "energy.work_ends", FIDELITY}
 )
 """Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them."""
 
@@ -99,7 +99,7 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
         found |= _swivel(recording, end)
     if result.completed:
         found |= _trip(result, winding, arrival)
-        found |= _swing(recording, hoist, result.reference.duration, arrival)
+        found |= _swing(recording, hoist, result.trajectory.duration, arrival)
     return found
 
 
@@ -107,7 +107,7 @@ def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float
     """Times and torques that only a completed trip has."""
     recording = result.recording
     t = recording.time - recording.time[0]
-    if math.isfinite(winding.followed_until):
+    if math.isfinite(winding.tracking_end):
         return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     place = recording["reference.position"][-1]
@@ -115,9 +115,9 @@ def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float
     for end in ENDS:
         outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
-    moving = (t >= winding.start_delay) & (t <= result.reference.duration)
+    moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
     return {
-        "reference_time": result.reference.duration - winding.start_delay,
+        "trajectory_time": result.trajectory.duration - winding.start_delay,
         "cycle_time": float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan,
         "position_error": float(place - travel[-1]),
         "tracking_error": _largest(recording["reference.position"] - travel),
@@ -147,7 +147,7 @@ def _rope(recording: Recording, hoist: Hoist) -> dict[str, float]:
     if "loop.clearance" in recording:
         found["clearance"] = float(np.min(recording["loop.clearance"]))
     if "energy.work_ends" in recording:
-        found["energy_made_up"] = _largest(made_up(recording, hoist))
+        found["coupling_energy"] = _largest(exchange_energy(recording, hoist))
     return found
 
 

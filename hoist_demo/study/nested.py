@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, get_args, get_type_hints
 
-from hoist_demo.parameters.quantity import stated_units
-from hoist_demo.parameters.units import spelled
+from hoist_demo.parameters.quantity import units_of
+from hoist_demo.parameters.units import fmi_unit
 
 _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
@@ -23,7 +23,7 @@ class Leaf:
 
 def leaves(data: type[Any]) -> Iterator[Leaf]:
     """All single values of a data class; `brake: Brake | None` stands for the brake's own."""
-    hints, units = get_type_hints(data), stated_units(data)
+    hints, units = get_type_hints(data), units_of(data)
     for field in fields(data):
         inner = _inner(hints[field.name])
         if inner is not None:
@@ -36,10 +36,10 @@ def leaves(data: type[Any]) -> Iterator[Leaf]:
                 raise ValueError(
                     f"{data.__name__}.{field.name} must state its unit: make it with `quantity(default, unit)`"
                 )
-            yield Leaf(field.name, kinds[0], spelled(units[field.name]) if numeric else "1")
+            yield Leaf(field.name, kinds[0], fmi_unit(units[field.name]) if numeric else "1")
 
 
-def changed(data: Any, values: Mapping[str, object]) -> Any:
+def with_values(data: Any, values: Mapping[str, object]) -> Any:
     """A copy with the given values by dotted name, checked as a whole; a part that was None starts from defaults."""
     direct: dict[str, object] = {}
     parts: dict[str, dict[str, object]] = {}
@@ -55,7 +55,7 @@ def changed(data: Any, values: Mapping[str, object]) -> Any:
             kind = _inner(get_type_hints(type(data))[head])
             assert kind is not None  # the catalogue has let the name pass
             part = kind()
-        direct[head] = changed(part, inside)
+        direct[head] = with_values(part, inside)
     return replace(data, **direct)
 
 

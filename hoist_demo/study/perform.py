@@ -22,7 +22,7 @@ _NUMBER = re.compile(r"\d[\d.e+-]*")
 """Warnings that differ in their numbers only are of one kind."""
 
 COST = "cost"
-"""Column of a search: the weighted sum that it minimises, over all cases of the point."""
+"""Column of a search: the weighted sum that it minimises, over all variants of the point."""
 
 Run = Callable[[Sequence[Sample]], list[str]]
 """Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given."""
@@ -44,15 +44,15 @@ def perform(study: Study, store: Store, run: Run) -> Performed:
     """Run the study's samples, or its search, and write the table."""
     if study.tuning is None:
         samples: list[Sample] = list(study.samples)
-        return _written(study, store, samples, run(samples))
-    return _written(study, store, *_search(study, store, run))
+        return _write(study, store, samples, run(samples))
+    return _write(study, store, *_search(study, store, run))
 
 
 def write_what_is_there(study: Study, store: Store) -> Performed:
     """The table of an interrupted study: the runs that are recorded; a search has its table when it is complete."""
     pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
     there = [(s, key) for s, key in pairs if store.read(key)]
-    return _written(study, store, [s for s, _ in there], [key for _, key in there])
+    return _write(study, store, [s for s, _ in there], [key for _, key in there])
 
 
 def _search(
@@ -60,7 +60,7 @@ def _search(
 ) -> tuple[list[Sample], list[str], Mapping[str, float | int | bool | str], list[float]]:
     """All runs of the search in their order, the best values, and each run's cost, which is that of its point.
 
-    Every point is run for every case.
+    Every point is run for every variant.
     """
     assert study.tuning is not None
     tuning, names = study.tuning, list(study.ranges)
@@ -72,13 +72,13 @@ def _search(
         return {name: study.ranges[name].at(float(u)) for name, u in zip(names, x, strict=True)}
 
     def costs(points: Array) -> list[float]:
-        asked = [[study.sample(case, values(x)) for case in study.cases] for x in points]
+        asked = [[study.sample(variant, values(x)) for variant in study.variants] for x in points]
         new = [sample for group in asked for sample in group]
         new_keys = run(new)
         samples.extend(new)
         keys.extend(new_keys)
         each = [_cost(store, key, tuning.minimise) for key in new_keys]
-        width = len(study.cases)
+        width = len(study.variants)
         found = [sum(each[k : k + width]) for k in range(0, len(each), width)]
         told.extend(cost for cost in found for _ in range(width))
         return found
@@ -96,7 +96,7 @@ def _cost(store: Store, key: str, weights: Mapping[str, float]) -> float:
     return cost if math.isfinite(cost) else math.inf
 
 
-def _written(
+def _write(
     study: Study,
     store: Store,
     samples: Sequence[Sample],
@@ -118,8 +118,8 @@ def _written(
             alike = next((first for first in warnings if _NUMBER.sub("", first) == _NUMBER.sub("", text)), text)
             warnings.setdefault(alike, []).append(number)
         chosen = {name: sample.values.get(name) for name in study.units if name != "controller"}
-        head = {"run": number, "key": key, "case": sample.case, "controller": sample.data.controller}
-        result = {"status": outcome["status"], "cause": outcome["cause"], "rung": outcome.get("rung", "")}
+        head = {"run": number, "key": key, "variant": sample.variant, "controller": sample.data.controller}
+        result = {"status": outcome["status"], "cause": outcome["cause"], "fidelity": outcome.get("fidelity", "")}
         if costs:
             result[COST] = costs[number - 1] if math.isfinite(costs[number - 1]) else math.nan
         rows.append(head | chosen | result | {name: outcome["metrics"].get(name, math.nan) for name in UNITS})

@@ -21,20 +21,20 @@ class Probe:
         self._fmu = fmu
         self._answers: dict[str, str] = {}
 
-    def rejected(self, run: RunData) -> list[str]:
+    def rejection(self, run: RunData) -> list[str]:
         """Why the rope does not start with the run's parameters, naming the key where one alone is to blame."""
         high, rises = run.hoist.shaft_travel, run.winding.travel > 0.0
-        together = self._asked(run.fmu, high, rises)
+        together = self._ask(run.fmu, high, rises)
         if not together:
             return []
-        own = CASES[run.scene].rope
+        own = CASES[run.case].rope
         set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
-        alone = {key: self._asked({**own, key: value}, high, rises) for key, value in set_here.items()}
+        alone = {key: self._ask({**own, key: value}, high, rises) for key, value in set_here.items()}
         blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]
         chosen = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
         return blamed or [f"{chosen}: {together}"]
 
-    def _asked(self, parameters: Mapping[str, Value], high: float, rises: bool) -> str:
+    def _ask(self, parameters: Mapping[str, Value], high: float, rises: bool) -> str:
         question = json.dumps([dict(parameters), high, rises], sort_keys=True)
         if question not in self._answers:
             ends = EndMotion(y=0.0), EndMotion(y=high)

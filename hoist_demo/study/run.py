@@ -16,9 +16,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cases.table import case_named
+from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Gains
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
@@ -26,14 +26,14 @@ from hoist_demo.cosimulation.participants.rope_plant import RopePlant
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.controllers import drive, require_possible
+from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.design.trajectory import Trajectory
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
-from hoist_demo.recording.rungs import computed, rungs_of
+from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
-from hoist_demo.study.nested import changed
+from hoist_demo.study.nested import with_values
 
 FINISHED = ("completed", "stopped")
 """States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause."""
@@ -53,16 +53,16 @@ _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 class RunData:
     """Everything that decides a run's result but the FMU's bytes."""
 
-    scene: str
+    case: str
     controller: str
     hoist: Hoist
     winding: Winding
     coupling: Coupling
     gains: Gains
     shaper: Shaper
-    trajectory: Trajectory
+    trajectory: TrajectoryOptions
     arrival: Arrival
-    fmu: Mapping[str, Value]  # parameters of the scene's rope, and those that the study sets
+    fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
 
     def key(self, fmu_hash: str) -> str:
@@ -88,13 +88,13 @@ class Outcome:
     signals: Mapping[str, list[float]]  # by name, those that were asked for, and their time
     clock: Mapping[str, float]  # s: wall time of the design, the rope, the drive and all; not a result
     units: Mapping[str, str] = field(default_factory=dict)  # of the signals
-    rung: str = ""  # of the rope's model, that ran: why a metric may be missing
+    fidelity: str = ""  # of the rope's model, that ran: why a metric may be missing
     warnings: tuple[str, ...] = ()  # of coupling and rope
 
 
-def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
-    """The scene's data with the given values; a `ValueError` names what does not fit together."""
-    given = case_named(scene)
+def build(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
+    """The case's data with the given values; a `ValueError` names what does not fit together."""
+    given = find_case(case)
     data: dict[str, Any] = {"hoist": given.hoist, "winding": given.winding, "gains": given.gains}
     data |= {name: kind() for name, kind in SECTIONS.items() if name not in data}
     chosen: dict[str, dict[str, Value]] = {name: {} for name in SECTIONS}
@@ -102,9 +102,9 @@ def build(scene: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()
         section, _, field = key.partition(".")
         if section in SECTIONS:
             chosen[section][field] = value
-    data = {name: changed(data[name], chosen[name]) for name in SECTIONS}
+    data = {name: with_values(data[name], chosen[name]) for name in SECTIONS}
     fmu, controller = {**given.rope, **fmu_part(values)}, str(values.get("controller", "pi-feed-forward"))
-    run = RunData(scene, controller, fmu=fmu, signals=signals, **data)
+    run = RunData(case, controller, fmu=fmu, signals=signals, **data)
     require_trip_fits(run.hoist, run.winding)
     require_possible(run.controller, run.winding)
     s_curve(run.winding)
@@ -133,7 +133,7 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
             torque_free = rope.data().torque_free
         finally:
             rope.close()
-        result = replace(result, recording=computed(result.recording, torque_free))
+        result = replace(result, recording=mask_neglected(result.recording, torque_free))
         metrics = measure(result, run.hoist, run.winding, run.arrival)
     except Exception as error:  # recorded, so that the other runs go on
         where = traceback.extract_tb(error.__traceback__)[-1]
@@ -143,9 +143,9 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     # a series means nothing without its instants
     names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
     kept = {name: result.recording[name].tolist() for name in names if name in result.recording}
-    units, rung = {name: result.recording.units[name] for name in kept}, ", ".join(rungs_of(result.recording))
+    units, fidelity = {name: result.recording.units[name] for name in kept}, ", ".join(fidelities_of(result.recording))
     status = "completed" if result.completed else "stopped"
-    return Outcome(status, result.cause, metrics, kept, clock | {"all": time.perf_counter() - begin}, units, rung)
+    return Outcome(status, result.cause, metrics, kept, clock | {"all": time.perf_counter() - begin}, units, fidelity)
 
 
 def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:
@@ -153,5 +153,5 @@ def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:
     begin = time.perf_counter()
     chosen = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
     design_time = time.perf_counter() - begin
-    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, reference=chosen.reference)
+    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
     return host.run(), design_time

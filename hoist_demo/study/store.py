@@ -46,7 +46,7 @@ class Store:
         except OSError as error:
             raise ValueError(f"{directory} cannot be made a folder ({error.strerror}): choose another") from error
 
-    def finished(self, keys: Sequence[str]) -> set[str]:
+    def finished_keys(self, keys: Sequence[str]) -> set[str]:
         """Those of the keys that need no run any more."""
         return {key for key in keys if (record := self.read(key)) and record["outcome"]["status"] in FINISHED}
 
@@ -65,7 +65,12 @@ class Store:
             table = pa.table([pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields))
             with _whole(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
-        said = {"status": outcome.status, "cause": outcome.cause, "rung": outcome.rung, "warnings": outcome.warnings}
+        said = {
+            "status": outcome.status,
+            "cause": outcome.cause,
+            "fidelity": outcome.fidelity,
+            "warnings": outcome.warnings,
+        }
         kept = {**said, "metrics": dict(outcome.metrics)}
         record = {"key": key, "data": asdict(run), "outcome": kept, "clock": dict(outcome.clock), "worker": worker}
         with _whole(self._path(key)) as path:

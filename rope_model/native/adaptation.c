@@ -1,4 +1,4 @@
-/* Changes of the rope's description that leave the rope as it is, and the rigid rung:
+/* Changes of the rope's description that leave the rope as it is, and the rigid model:
    rope_model.simulation.adaptation and rigid, which see. */
 
 #include <math.h>
@@ -15,22 +15,23 @@
 #define SETTLING_TOLERANCE 1e-7
 #define DIFFERENCE 2e-3
 
-static void booked(Simulator *rope, State *state, int what, int64_t *count) {
+static void record_energy_change(Simulator *rope, State *state, int what, int64_t *count) {
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
-    const double before = ledger_total(&state->ledger), kinetic = state->ledger.kinetic;
+    const double before = energy_total(&state->energy_balance), kinetic = state->energy_balance.kinetic;
     double balance[BALANCE], change;
-    chain_of_state(state)->assess(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
-    set_energies(&state->ledger, balance, &s, m.v);
-    change = ledger_total(&state->ledger) - before;
-    state->ledger.transformations += change;
-    happened(state, what, 0, state->ledger.kinetic - kinetic, change - (state->ledger.kinetic - kinetic));
+    chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+    set_energies(&state->energy_balance, balance, &s, m.v);
+    change = energy_total(&state->energy_balance) - before;
+    state->energy_balance.transformations += change;
+    record_event(state, what, 0, state->energy_balance.kinetic - kinetic,
+                 change - (state->energy_balance.kinetic - kinetic));
     *count += 1;
 }
 
 /* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow; 0 when
    there is none, and the state is as it was */
-static int relaxed(Simulator *rope, State *state, double time, double tolerance, int with_reaction) {
+static int solve_equilibrium(Simulator *rope, State *state, double time, double tolerance, int with_reaction) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
@@ -53,17 +54,17 @@ static void on_partition(Simulator *rope, State *state, int direction) {
     const Arrays m = state_arrays(state);
     double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
-    mesh_transformed(&state->pattern, direction, m.elements, m.lengths);
+    mesh_transform(&state->pattern, direction, m.elements, m.lengths);
     mesh_arc_lengths(m.elements, m.lengths, m.s);
-    if (state->rung == RIGID) /* its shape and energies do not come from the mesh */
+    if (state->fidelity == RIGID) /* its shape and energies do not come from the mesh */
         return;
-    transfer_carried(m.nodes, old_s, m.s, 5, fields, rope->work); /* the chain's, free between solutions */
+    transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work); /* the chain's, free between solutions */
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
-    relaxed(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 0);
-    booked(rope, state, TRANSFORMED, &state->counts.transformations);
+    solve_equilibrium(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 0);
+    record_energy_change(rope, state, TRANSFORMED, &state->counts.transformations);
 }
 
-void transformed_if_due(Simulator *rope, State *state) {
+void transform_if_due(Simulator *rope, State *state) {
     int direction;
     while ((direction = mesh_transformation_due(&state->pattern, bottom_of(rope, state, state->t), 1e-7)))
         on_partition(rope, state, direction);
@@ -79,7 +80,7 @@ int lowest_node(const Arrays *x) {
 void with_loop_yaw(State *state) {
     const Arrays x = state_arrays(state);
     const double *d = x.q + (size_t)lowest_node(&x) * DOF + SLOPE;
-    state->loop_yaw = frame_counted_on(atan2(-d[2], d[0]), state->loop_yaw);
+    state->loop_yaw = frame_nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
 int better_pole(State *state, double pole[3]) {
@@ -88,7 +89,7 @@ int better_pole(State *state, double pole[3]) {
     const double length = sqrt(dot(d, d));
     const double across[2] = {d[0] / length, d[2] / length}, size = hypot(across[0], across[1]);
     double margin;
-    if (state->rung != TORSIONAL) /* nothing is counted from the frame */
+    if (state->fidelity != TORSIONAL) /* nothing is counted from the frame */
         return 0;
     margin = frame_pole_margin(old, m.nodes, m.q + SLOPE);
     if (margin >= POLE_MARGIN && old[0] * across[0] + old[2] * across[1] >= POLE_FOLLOWS * size) return 0;
@@ -120,8 +121,8 @@ void with_good_pole(Simulator *rope, State *state) {
     if (!better_pole(state, pole)) return;
     state_copy(rope, rope->spare, state);
     express_in(state, pole, rope->x);
-    if (relaxed(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 1))
-        booked(rope, state, NEW_POLE, &state->counts.pole_changes);
+    if (solve_equilibrium(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 1))
+        record_energy_change(rope, state, NEW_POLE, &state->counts.pole_changes);
     else /* the old frame serves for another step */
         state_copy(rope, state, rope->spare);
 }
@@ -129,10 +130,10 @@ void with_good_pole(Simulator *rope, State *state) {
 int rigid_state(Simulator *rope, State *state, double t, char *message) {
     Arrays m;
     state->t = t;
-    transformed_if_due(rope, state);
+    transform_if_due(rope, state);
     m = state_arrays(state);
-    rigid_rope(&rope->scene, state->paths, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->ledger.kinetic,
-               &state->ledger.gravity, message);
+    rigid_rope(&rope->scene, state->paths, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->energy_balance.kinetic,
+               &state->energy_balance.gravity, message);
     memcpy(m.b, m.a, sizeof(double) * (size_t)m.nodes * DOF);
     memset(m.a_rate, 0, sizeof(double) * (size_t)m.nodes * DOF);
     state->h = 0;
@@ -171,28 +172,28 @@ static int flexible_start(Simulator *rope, State *state, char *message) {
     return found;
 }
 
-int raised(Simulator *rope, State *state, const char *why, char *message) {
+int raise_fidelity(Simulator *rope, State *state, const char *why, char *message) {
     const Arrays m = state_arrays(state);
-    const double before = ledger_total(&state->ledger);
-    const int was = state->rung;
+    const double before = energy_total(&state->energy_balance);
+    const int was = state->fidelity;
     EndMotion ends[2];
     double balance[BALANCE];
     System s;
     ends[LEFT] = path_end(&state->paths[LEFT]);
     ends[RIGHT] = path_end(&state->paths[RIGHT]);
-    snprintf(state->rung_reason, MESSAGE, "the %s rung cannot follow %s", rung_name(was), why);
-    state->rung = rung_lowest_able(&rope->scene, ends);
-    happened(state, RAISED, state->rung, 0, 0);
-    if (was != RIGID && !rung_carries_torque(&rope->scene)) {
-        restarted(rope, state);
+    snprintf(state->fidelity_reason, MESSAGE, "the %s model cannot follow %s", fidelity_name(was), why);
+    state->fidelity = fidelity_lowest_sufficient(&rope->scene, ends);
+    record_event(state, RAISED, state->fidelity, 0, 0);
+    if (was != RIGID && !scene_carries_torque(&rope->scene)) {
+        restart(rope, state);
         return 1;
     }
     if (was == RIGID && !flexible_start(rope, state, message)) return 0;
-    relaxed(rope, state, SETTLING_TIME, SETTLING_TOLERANCE, 1);
-    restarted(rope, state);
+    solve_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE, 1);
+    restart(rope, state);
     s = system_of(rope, state);
-    chain_of_state(state)->assess(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
-    set_energies(&state->ledger, balance, &s, m.v);
-    state->ledger.transformations += ledger_total(&state->ledger) - before;
+    chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+    set_energies(&state->energy_balance, balance, &s, m.v);
+    state->energy_balance.transformations += energy_total(&state->energy_balance) - before;
     return 1;
 }

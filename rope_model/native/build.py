@@ -27,10 +27,10 @@ def sources() -> dict[str, str]:
         p.name: p.read_text(encoding="utf-8") for p in sorted(_FOLDER.iterdir()) if p.suffix in (".c", ".h", ".inc")
     }
     brought = generated_file(_FOLDER.parent)
-    return written | (json.loads(brought.read_text(encoding="utf-8")) if brought.exists() else generated())
+    return written | (json.loads(brought.read_text(encoding="utf-8")) if brought.exists() else generate())
 
 
-def generated() -> dict[str, str]:
+def generate() -> dict[str, str]:
     """The generated files, made anew from the physics and the tables of signals and parameters."""
     return {
         "elements.inc": element_code(),

@@ -5,7 +5,7 @@
 
 #include "chain_wide.h"
 
-/* no rung needs more than the torsional: steps, tangents, correction and residual, and what alignment takes */
+/* no fidelity needs more than the torsional: steps, tangents, correction and residual, and what alignment takes */
 size_t chain_work_bytes(int elements) {
     const size_t n = (size_t)elements;
     return sizeof(torsional_Step) * ((n + 1) / PAIR + 1) + sizeof(double) * (n + 1) * (105 + 2 * DOF);
@@ -14,13 +14,13 @@ size_t chain_work_bytes(int elements) {
 #if HAS_WIDE_FORM
 extern const Chain chains_wide[3];
 
-const Chain *chain_of(int rung) {
+const Chain *chain_of(int fidelity) {
     __builtin_cpu_init();
-    return (__builtin_cpu_supports("avx2") ? chains_wide : chains_plain) + (rung - TORSIONAL);
+    return (__builtin_cpu_supports("avx2") ? chains_wide : chains_plain) + (fidelity - TORSIONAL);
 }
 #else
-const Chain *chain_of(int rung) {
-    return chains_plain + (rung - TORSIONAL);
+const Chain *chain_of(int fidelity) {
+    return chains_plain + (fidelity - TORSIONAL);
 }
 #endif
 

@@ -1,5 +1,5 @@
 /* Equations of a chain of elements, solved by Newton's method with block elimination: rope_model.numerics.block_chain
-   and numerics.newton.  Arrays have DOF entries a node; what a rung leaves out stays zero. */
+   and numerics.newton.  Arrays have DOF entries a node; what a fidelity leaves out stays zero. */
 #ifndef CHAIN_H
 #define CHAIN_H
 
@@ -13,12 +13,12 @@ enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER,
 /* numerics.newton.NewtonStatus */
 enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
 
-/* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a grip (load per newton of
-   the node's own upward reaction) and an inertia on theta. */
+/* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
+   newton of the node's own upward reaction) and an inertia on theta. */
 typedef struct {
     int elements, free[2][DOF];
     const double *lengths;
-    double P[PARAMETERS], load[2], grip[2], inertia[2], shortest;
+    double P[PARAMETERS], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
 typedef struct {
@@ -31,18 +31,18 @@ typedef struct {
     Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
                       double tolerance, double balance[BALANCE]);
     /* J x = -R on the free degrees of freedom */
-    void (*direction)(const System *, void *work, const double *q, const double *v, const double *a,
-                      const double *known, const double c[3], double *x, double *R);
-    void (*assess)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
-                   double balance[BALANCE]);
+    void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
+                        const double *known, const double c[3], double *x, double *R);
+    void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
+                     double balance[BALANCE]);
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
     void (*strains)(const System *, const double *q, double (*strains)[4]);
 } Chain;
 
-/* bytes of work that a chain of so many elements needs, whatever the rung; aligned to 64 bytes */
+/* bytes of work that a chain of so many elements needs, whatever the fidelity; aligned to 64 bytes */
 size_t chain_work_bytes(int elements);
-/* the chain of a rung, TORSIONAL to PLANAR, in the fastest form that this processor runs */
-const Chain *chain_of(int rung);
+/* the chain of a fidelity, TORSIONAL to PLANAR, in the fastest form that this processor runs */
+const Chain *chain_of(int fidelity);
 const char *newton_text(int status);
 
 #endif

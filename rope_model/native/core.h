@@ -27,7 +27,7 @@ typedef struct {
 typedef struct {
     double kinetic, strain, gravity, work_ends, dissipated_material, dissipated_swivel, nonconservative,
         transformations, start;
-} Ledger;
+} EnergyBalance;
 
 typedef struct {
     int64_t steps, rejections, newton, transformations, swivel_events, pole_changes;
@@ -35,11 +35,11 @@ typedef struct {
 
 /* the pattern of TMN-ETM; counts[0] = 0 for EEM */
 typedef struct {
-    double coarse, leg_growth;
+    double coarse, grading_length;
     int32_t counts[SEGMENTS], end_levels;
 } Pattern;
 
-/* which: side of the swivel, or the new rung */
+/* which: side of the swivel, or the new fidelity */
 typedef struct {
     double t, kinetic, potential;
     int32_t what, which;
@@ -57,10 +57,10 @@ typedef struct {
     Path paths[2];
     Pattern pattern;
     Event events[LOGGED_EVENTS];
-    Ledger ledger;
+    EnergyBalance energy_balance;
     Counts counts;
-    int32_t elements, rung, switched, happened; /* numbers of switchings and events, up to the room for them */
-    char rung_reason[MESSAGE];
+    int32_t elements, fidelity, switched, event_count; /* numbers of switchings and events, up to the room for them */
+    char fidelity_reason[MESSAGE];
 } State;
 
 typedef struct {
@@ -72,34 +72,34 @@ typedef struct {
    lowest point by the ends' heights. */
 /* a step does not carry the loop further than this many l past a transformation that is due */
 #define MESH_LATEST 0.25
-Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout);
+Mesh mesh_fit(const Mesh *mesh, const Rope *rope, const Layout *layout);
 /* number of elements of the mesh on a rope of `length`; 0 and a message when it does not fit.  mesh is not AUTO_MESH */
 int mesh_elements(const Mesh *mesh, double length, char *message);
 /* `elements` as mesh_elements counts them: the count looks at every place of the loop */
 void mesh_partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths);
-void mesh_transformed(Pattern *pattern, int direction, int elements, double *lengths);
+void mesh_transform(Pattern *pattern, int direction, int elements, double *lengths);
 double mesh_centre(const Pattern *pattern);
 double mesh_distance_to_due(const Pattern *pattern, double bottom);
 int mesh_transformation_due(const Pattern *pattern, double bottom, double slack);
 /* length: of the rope */
-void mesh_misplaced(const Pattern *pattern, double length, double bottom, char *message);
+void mesh_placement_problem(const Pattern *pattern, double length, double bottom, char *message);
 /* s (elements + 1) from lengths (elements) */
 void mesh_arc_lengths(int elements, const double *lengths, double *s);
 
 /* transfer.c: rope_model.simulation.transfer */
 /* what the elements between nodes at s with the values x (nodes x DOF) have at `at`: y (places x DOF) */
-void transfer_interpolated(int nodes, const double *x, const double *s, int places, const double *at, double *y);
+void transfer_interpolate(int nodes, const double *x, const double *s, int places, const double *at, double *y);
 /* every one of the fields x (nodes x DOF; at most 8) carried from the nodes old_s to as many at new_s; work: scratch,
    TRANSFER_WORK(fields) numbers a node */
 #define TRANSFER_WORK(fields) (10 + 14 * (fields))
-void transfer_carried(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work);
+void transfer_fields(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work);
 
 /* frame.c; slopes are r' at the nodes with a stride of DOF, i.e. q + SLOPE */
 double frame_pole_margin(const double pole[3], int nodes, const double *slopes);
 void frame_best_pole(int nodes, const double *slopes, double pole[3]);
 /* angle (nodes) to add to theta when the pole changes */
 void frame_pole_change_angle(const double old[3], const double new_[3], int nodes, const double *slopes, double *angle);
-double frame_counted_on(double angle, double last);
+double frame_nearest_turn(double angle, double last);
 
 /* shape.c: rope_model.simulation.diagnostics, statics.hanging_guess */
 typedef struct {
@@ -118,7 +118,7 @@ void shape_tension(const Arrays *arrays, double rho, double gravity, int points,
 /* the last element whose middle is not right of `at`, or the first one; what has `value` in the middle of this element
    k and `next` in that of the following one, linear in between and constant beyond the outermost: numpy.interp */
 int shape_middle_before(int nodes, const double *s, double at);
-double shape_between_middles(int nodes, const double *s, int k, double at, double value, double next);
+double shape_interpolate_midpoints(int nodes, const double *s, int k, double at, double value, double next);
 /* q (nodes x DOF); message "" when all is well */
 void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
                          char *message);
@@ -130,7 +130,7 @@ Path path_coasting(const Path *path, double t);
 Path path_to(const Path *path, double stop, const EndMotion *target, double within);
 /* value, rate and acceleration of x, y, z or yaw */
 void path_rates(const Path *path, double t, int axis, double rates[3]);
-EndMotion path_end(const Path *path); /* the motion in which it ends; rungs.ends_after */
+EndMotion path_end(const Path *path); /* the motion in which it ends; fidelity.ends_after */
 void end_refusal(const EndMotion *target, const Path *path, int side, char *message);
 /* of the conveyance's yaw in theta */
 static const double YAW_SENSE[2] = {-1.0, 1.0};
@@ -140,12 +140,12 @@ double swivel_moment(const Scene *scene, const State *state, int side, const dou
 /* angle and rate of the rope's end with theta against the conveyance */
 void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
 
-/* rungs.c: rope_model.simulation.rungs and rigid; ends: present motions */
-const char *rung_name(int rung);
-int rung_chosen(const Scene *scene, const EndMotion ends[2], char *reason);
-int rung_lowest_able(const Scene *scene, const EndMotion ends[2]);
-void rung_outgrown(const Scene *scene, int rung, const EndMotion ends[2], char *what);
-int rung_carries_torque(const Scene *scene);
+/* fidelity.c: rope_model.simulation.fidelity and rigid; ends: present motions */
+const char *fidelity_name(int fidelity);
+int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason);
+int fidelity_lowest_sufficient(const Scene *scene, const EndMotion ends[2]);
+void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], char *what);
+int scene_carries_torque(const Scene *scene);
 
 /* rigid.c: rope_model.simulation.rigid; q, v, a, reaction (nodes x DOF); message "" when all is well */
 double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]);
@@ -160,7 +160,7 @@ void rigid_tension(const Arrays *arrays, double rho, double gravity, int points,
 
 /* parameters.c: rope_model.parameters, the same bounds and messages with the group's name before, as in
    "rope: Qa = ..."; "" when all is well */
-void scene_checked(const Scene *scene, char *message);
+void check_scene(const Scene *scene, char *message);
 /* the same of a mesh alone, but for its counts */
 void mesh_in_bounds(const Mesh *mesh, char *message);
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import casadi as ca
 
-from ..physics.element import RUNGS, Rung, element_functions
+from ..physics.element import ELEMENT_DOF, ElementFidelity, element_functions
 
 #: text of the operations that an element has
 _BINARY = {ca.OP_ADD: "{} + {}", ca.OP_SUB: "{} - {}", ca.OP_MUL: "{} * {}"}
@@ -24,18 +24,18 @@ _UNARY = {
 
 
 def element_code() -> str:
-    """All functions of all rungs, named as in ``torsional_tangent``; arguments are arrays of V, the result is last."""
-    return "\n".join(_function_code(name, f) for rung in RUNGS for name, f in _functions(rung))
+    """All element functions, named as in ``torsional_tangent``; arguments are arrays of V, the last is the result."""
+    return "\n".join(_function_code(name, f) for fidelity in ELEMENT_DOF for name, f in _functions(fidelity))
 
 
-def _functions(rung: Rung) -> Iterator[tuple[str, ca.Function]]:
-    e = element_functions(rung)
+def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
+    e = element_functions(fidelity)
     inputs = e.tangent.sx_in()
     J = e.tangent(*inputs)[1]
     half = ca.vertcat(*(J[i, j] for i in range(J.shape[0]) for j in range(i, J.shape[1])))
-    yield f"{rung}_tangent", ca.Function("tangent", inputs, [ca.cse(half)])
+    yield f"{fidelity}_tangent", ca.Function("tangent", inputs, [ca.cse(half)])
     for name in ("residual", "balance", "losses", "strains"):
-        yield f"{rung}_{name}", getattr(e, name)
+        yield f"{fidelity}_{name}", getattr(e, name)
 
 
 def _function_code(name: str, f: ca.Function) -> str:

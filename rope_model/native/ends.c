@@ -26,10 +26,10 @@ static double longest_missing_time(const Path *path, const EndMotion *motion) {
 
 Path path_to(const Path *path, double stop, const EndMotion *given, double within) {
     double start = path->stop, step = stop - start;
-    const EndMotion before = end_extrapolated(*given, -step);
+    const EndMotion before = end_extrapolate(*given, -step);
     double h = fmax(step, fmin(longest_missing_time(path, &before), fmax(path->aim - start, within)));
     if (h <= step * (1.0 + ALIKE)) h = step;
-    EndMotion joined = h > step ? end_extrapolated(*given, h - step) : *given;
+    EndMotion joined = h > step ? end_extrapolate(*given, h - step) : *given;
     const EndMotion *target = &joined;
     Path next = {start, stop, start + h, {{0}}};
     for (int axis = 0; axis < AXES; axis++) {

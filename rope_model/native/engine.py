@@ -13,21 +13,21 @@ from typing import Any, cast, get_args
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
-from ..parameters import RungChoice, Scene
+from ..parameters import FidelityChoice, Scene
 from ..simulation.balance_rope import BalanceRope, Status
-from ..simulation.caveats import CAVEATS
 from ..simulation.ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, Phase, SwivelState
+from ..simulation.fidelity import Fidelity
 from ..simulation.mesh import Partition
-from ..simulation.rungs import RungName
+from ..simulation.result_warnings import WARNINGS
 from ..simulation.signals import SIGNALS, checked_names
-from ..simulation.state import Counts, Event, Ledger, Powers, RopeState
+from ..simulation.state import Counts, EnergyBalance, Event, Powers, RopeState
 from .build import library
 from .structures import PathStructure, scene_structure
 
 _MESSAGE, _CHATTER_EVENTS, _LOGGED_EVENTS, _SEGMENTS = 512, 50, 128, 7
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")
-_RUNGS = get_args(RungChoice)
+_FIDELITY_NAMES = get_args(FidelityChoice)
 _ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
 
 
@@ -38,7 +38,7 @@ class _Swivel(Structure):
 class _Pattern(Structure):
     _fields_ = (
         ("coarse", c_double),
-        ("leg_growth", c_double),
+        ("grading_length", c_double),
         ("counts", c_int32 * _SEGMENTS),
         ("end_levels", c_int32),
     )
@@ -47,15 +47,20 @@ class _Pattern(Structure):
 class _Event(Structure):
     _fields_ = (("t", c_double), ("kinetic", c_double), ("potential", c_double), ("what", c_int32), ("which", c_int32))
 
-    def told(self) -> Event:
+    def to_event(self) -> Event:
         """As RopeSimulator tells it."""
-        side, rung = SIDES[self.which % 2], _RUNGS[self.which]
-        words = ("transformation", "new frame pole", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {rung}")
+        side, fidelity = SIDES[self.which % 2], _FIDELITY_NAMES[self.which]
+        words = (
+            "transformation",
+            "new frame pole",
+            *(f"{side} swivel {does}" for does in _SWITCHES),
+            f"model {fidelity}",
+        )
         return Event(self.t, words[self.what], self.kinetic, self.potential)
 
 
-class _Ledger(Structure):
-    _fields_ = tuple((name, c_double) for name in Ledger._fields)
+class _EnergyBalance(Structure):
+    _fields_ = tuple((name, c_double) for name in EnergyBalance._fields)
 
 
 class _Counts(Structure):
@@ -77,10 +82,10 @@ class _State(Structure):
         ("paths", PathStructure * 2),
         ("pattern", _Pattern),
         ("events", _Event * _LOGGED_EVENTS),
-        ("ledger", _Ledger),
+        ("energy_balance", _EnergyBalance),
         ("counts", _Counts),
-        *((name, c_int32) for name in ("elements", "rung", "switched", "happened")),
-        ("rung_reason", c_char * _MESSAGE),
+        *((name, c_int32) for name in ("elements", "fidelity", "switched", "event_count")),
+        ("fidelity_reason", c_char * _MESSAGE),
     )
 
 
@@ -89,11 +94,11 @@ class _Memory(Structure):
 
 
 @cache
-def _loaded() -> ctypes.CDLL:
-    return _declared(ctypes.CDLL(str(library())))
+def _load() -> ctypes.CDLL:
+    return _declare(ctypes.CDLL(str(library())))
 
 
-def _declared(lib: ctypes.CDLL) -> ctypes.CDLL:
+def _declare(lib: ctypes.CDLL) -> ctypes.CDLL:
     rope = c_void_p
     results = {
         "rope_create": (c_void_p, (c_void_p, c_void_p, c_char_p)),
@@ -105,9 +110,9 @@ def _declared(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_is_initialized": (c_int, (rope,)),
         "rope_time": (c_double, (rope,)),
         "rope_elements": (c_int, (rope,)),
-        "rope_rung": (c_char_p, (rope,)),
-        "rope_rung_reason": (c_char_p, (rope,)),
-        "rope_caveat": (None, (rope, c_int, c_char_p)),
+        "rope_fidelity": (c_char_p, (rope,)),
+        "rope_fidelity_reason": (c_char_p, (rope,)),
+        "rope_warning": (None, (rope, c_int, c_char_p)),
         "rope_signals": (None, (rope, c_size_t, POINTER(c_int), POINTER(c_double))),
         "rope_derivative": (c_int, (rope, c_int, POINTER(c_double))),
         "rope_state_bytes": (c_size_t, (rope,)),
@@ -128,7 +133,7 @@ class NativeRope(BalanceRope):
     """
 
     def __init__(self, scene: Scene) -> None:
-        self._lib = _loaded()
+        self._lib = _load()
         memory = _memory()
         message = ctypes.create_string_buffer(_MESSAGE)
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), message)
@@ -164,19 +169,19 @@ class NativeRope(BalanceRope):
         return float(self._lib.rope_time(self._rope))
 
     @property
-    def rung(self) -> RungName:
+    def fidelity(self) -> Fidelity:
         self._require_state()
-        return cast(RungName, self._lib.rope_rung(self._rope).decode())
+        return cast(Fidelity, self._lib.rope_fidelity(self._rope).decode())
 
     @property
-    def rung_reason(self) -> str:
+    def fidelity_reason(self) -> str:
         self._require_state()
-        return str(self._lib.rope_rung_reason(self._rope).decode())
+        return str(self._lib.rope_fidelity_reason(self._rope).decode())
 
     @property
     def state(self) -> RopeState:
         if self._state is None:
-            self._state = _unpacked(self.native_state())
+            self._state = _unpack(self.native_state())
         return self._state
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
@@ -200,15 +205,15 @@ class NativeRope(BalanceRope):
     def warnings(self) -> dict[str, str]:
         self._require_state()
         told, text = {}, ctypes.create_string_buffer(_MESSAGE)
-        for number, caveat in enumerate(CAVEATS):
-            self._lib.rope_caveat(self._rope, number, text)
+        for number, warning in enumerate(WARNINGS):
+            self._lib.rope_warning(self._rope, number, text)
             if text.value:
-                told[caveat.__name__] = text.value.decode()
+                told[warning.__name__] = text.value.decode()
         return told
 
     def restore(self, data: bytes | RopeState) -> None:
         state = RopeState.from_bytes(data) if isinstance(data, bytes) else data
-        if not (status := self.restore_native(_packed(state))).valid:
+        if not (status := self.restore_native(_pack(state))).valid:
             raise ValueError(status.message)
 
     def retune(self, scene: Scene) -> None:
@@ -275,7 +280,7 @@ def _ends(left: EndMotion, right: EndMotion) -> bytes:
     return _MOTIONS.pack(*left.__dict__.values(), *right.__dict__.values())
 
 
-def _unpacked(data: bytes) -> RopeState:
+def _unpack(data: bytes) -> RopeState:
     s = _State.from_buffer_copy(data)
     n = s.elements
     values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(_State))
@@ -289,7 +294,7 @@ def _unpacked(data: bytes) -> RopeState:
             counts,
             s.pattern.coarse,
             s.pattern.end_levels,
-            s.pattern.leg_growth,
+            s.pattern.grading_length,
         ),
         pole=np.array(s.pole),
         offsets=(s.offsets[0], s.offsets[1]),
@@ -299,16 +304,16 @@ def _unpacked(data: bytes) -> RopeState:
         last_interval=s.last_interval,
         force_mean=(s.force_mean[0], s.force_mean[1]),
         loop_yaw=s.loop_yaw,
-        rung=_RUNGS[s.rung],
-        rung_reason=s.rung_reason.decode(),
-        events=tuple(event.told() for event in s.events[: s.happened]),
-        ledger=Ledger(*(getattr(s.ledger, name) for name in Ledger._fields)),
+        fidelity=_FIDELITY_NAMES[s.fidelity],
+        fidelity_reason=s.fidelity_reason.decode(),
+        events=tuple(event.to_event() for event in s.events[: s.event_count]),
+        energy_balance=EnergyBalance(*(getattr(s.energy_balance, name) for name in EnergyBalance._fields)),
         powers=Powers(s.power_ends, s.power_swivel),
         counts=Counts(*(getattr(s.counts, name) for name in Counts._fields)),
     )
 
 
-def _packed(state: RopeState) -> bytes:
+def _pack(state: RopeState) -> bytes:
     m, p = state.motion, state.partition
     s = _State(
         t=m.t,
@@ -323,12 +328,12 @@ def _packed(state: RopeState) -> bytes:
         power_swivel=state.powers.swivel,
         swivels=tuple(_Swivel(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
         paths=tuple(PathStructure(q.start, q.stop, q.aim, q.coefficients) for q in state.paths),
-        pattern=_Pattern(p.coarse, p.leg_growth, p.counts or (0,) * _SEGMENTS, p.end_levels),
-        ledger=_Ledger(*state.ledger),
+        pattern=_Pattern(p.coarse, p.grading_length, p.counts or (0,) * _SEGMENTS, p.end_levels),
+        energy_balance=_EnergyBalance(*state.energy_balance),
         counts=_Counts(*state.counts),
         elements=p.lengths.size,
-        rung=_RUNGS.index(state.rung),
-        rung_reason=state.rung_reason.encode()[: _MESSAGE - 1],
+        fidelity=_FIDELITY_NAMES.index(state.fidelity),
+        fidelity_reason=state.fidelity_reason.encode()[: _MESSAGE - 1],
     )
     arrays = [getattr(m, name).tobytes() for name in _ARRAYS]
     return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes()])

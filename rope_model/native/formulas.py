@@ -30,7 +30,7 @@ from ..physics import (
     swivel,
 )
 from ..simulation import ends, mesh
-from ..simulation.state import Ledger
+from ..simulation.state import EnergyBalance
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
 #: const, and last, takes the numbers of a formula that returns several
@@ -51,7 +51,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double quintic_acceleration(const double c[6], double s)": quintic.acceleration,
     "double missing_time(double x, double v)": ends.missing_time,
     "void hermite(double xi, double l, double r1, double s1, double r2, double s2, double values[2])": (
-        hermite.interpolated
+        hermite.interpolate
     ),
     "void hermite_shares(double xi, double l, double shares[4])": hermite.shares,
     "void hermite_products(double l, double products[10])": hermite.share_products,
@@ -66,8 +66,8 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double bending_stress(const Rope *rope, double k)": stress.bending_stress,
     "double torsional_stress(const Rope *rope, double e, double tau)": stress.torsional_stress,
     "void energies_of(const double balance[9], double energies[3])": energy_balance.energies,
-    "double ledger_total(const Ledger *ledger)": energy_balance.total,
-    "double ledger_residual(const Ledger *ledger)": energy_balance.residual,
+    "double energy_total(const EnergyBalance *energy_balance)": energy_balance.total,
+    "double energy_residual(const EnergyBalance *energy_balance)": energy_balance.residual,
     "Flow rigid_flow(double v1, double v2)": inextensible.flow,
     "Pull rigid_pull(const Rope *rope, const Layout *layout, const double ends[2][3], const double v[2], "
     "const double a[2])": inextensible.pull,
@@ -77,7 +77,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double rigid_tension_at(double rho, double gravity, const Flow *rate, double at_end, double rise, double s)": (
         inextensible.tension
     ),
-    "Travel travel_expected(double height_difference, double speed, double acceleration)": estimates.expected,
+    "Travel travel_estimate(double height_difference, double speed, double acceleration)": estimates.travel_estimate,
     "double longitudinal_error(const Scene *scene, const Travel *travel)": estimates.longitudinal_error,
     "double lean_error(const Scene *scene, const Travel *travel)": estimates.lean_error,
     "double held_error(const Scene *scene, const Travel *travel)": estimates.held_error,
@@ -86,11 +86,11 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double coupling_torque(const Rope *rope, double gravity)": estimates.coupling_torque,
     "double twist_torque(const Rope *rope, double angle)": estimates.twist_torque,
     "double bending_length(const Scene *scene)": estimates.bending_length,
-    "Hanging hanging(double length, double middle, double width, double cell)": hanging.hanging,
-    "double hanging_turned(const Hanging *hanging, double s)": hanging.turned,
+    "Hanging hanging_shape(double length, double middle, double width, double cell)": hanging.hanging_shape,
+    "double hanging_turn_angle(const Hanging *hanging, double s)": hanging.turn_angle,
     "void hanging_place(const Hanging *hanging, double s, double phi, double place[4])": hanging.place,
-    "SuitedLengths suited_lengths(const Rope *rope, const Layout *layout, double loop_error, double decades)": (
-        mesh.suited_lengths
+    "FittedLengths fit_lengths(const Rope *rope, const Layout *layout, double loop_error, double decades)": (
+        mesh.fit_lengths
     ),
     "double covered_length(double radius, double fade, double coarse)": mesh.covered_length,
     "void newton_coefficients(const Coefficients *method, double h, double c[3])": (
@@ -114,11 +114,11 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Pull,
     estimates.Travel,
     hanging.Hanging,
-    mesh.SuitedLengths,
+    mesh.FittedLengths,
     generalized_alpha.Coefficients,
 )
 #: what a formula may take or return whole
-STRUCTURES: dict[str, type[Any]] = {kind.__name__: kind for kind in (Rope, Layout, Scene, Ledger, *DEFINED_HERE)}
+STRUCTURES: dict[str, type[Any]] = {kind.__name__: kind for kind in (Rope, Layout, Scene, EnergyBalance, *DEFINED_HERE)}
 #: numbers of the formulas that switches look at
 CONSTANTS = {"LARGEST_YAW": estimates.LARGEST_YAW, "FADE_ERROR": mesh.FADE_ERROR}
 

@@ -1,4 +1,4 @@
-/* Reference frame of the cross-section: the twin of rope_model.physics.frame, which says what is done and why. */
+/* Reference frame of the cross-section: the port of rope_model.physics.frame, which says what is done and why. */
 #include <math.h>
 
 #include "formulas.h"
@@ -56,6 +56,6 @@ void frame_pole_change_angle(const double old[3], const double new_[3], int node
     }
 }
 
-double frame_counted_on(double angle, double last) {
+double frame_nearest_turn(double angle, double last) {
     return angle + 2 * PI * rint((last - angle) / (2 * PI));
 }

@@ -1,4 +1,4 @@
-/* Partitions of the rope into elements: the twin of rope_model.simulation.mesh, which says what is done and why. */
+/* Partitions of the rope into elements: the port of rope_model.simulation.mesh, which says what is done and why. */
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -11,7 +11,7 @@ static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
 enum { GRADING = 2, RATIO = 4, LENGTHS = 11 };
 static const int LEG_LENGTHS[LENGTHS] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
-static const double LEG_GROWTH = 7.5e5, LEG_WAVES = 1000.0;
+static const double LEG_GRADING = 7.5e5, LEG_WAVES = 1000.0;
 static const double NEAREST = 0.12;
 
 /* elements of IV in units of l: half of their neighbours */
@@ -30,7 +30,7 @@ static double inner_of(const Mesh *mesh) {
 }
 
 /* elements of segment IV */
-static double suited_fine_count(const SuitedLengths *of, double coarse) {
+static double fit_fine_count(const FittedLengths *of, double coarse) {
     return RATIO * ceil(covered_length(of->radius, of->fade, coarse) / coarse);
 }
 
@@ -38,30 +38,30 @@ static int as_int(double x) {
     return x < INT_MAX ? (int)x : INT_MAX;
 }
 
-Mesh mesh_suited(const Mesh *mesh, const Rope *rope, const Layout *layout) {
-    Mesh suited = *mesh;
-    if (mesh->kind != AUTO_MESH) return suited;
-    SuitedLengths of = suited_lengths(rope, layout, mesh->loop_error, log10(FADE_ERROR / mesh->loop_error));
+Mesh mesh_fit(const Mesh *mesh, const Rope *rope, const Layout *layout) {
+    Mesh fitted = *mesh;
+    if (mesh->kind != AUTO_MESH) return fitted;
+    FittedLengths of = fit_lengths(rope, layout, mesh->loop_error, log10(FADE_ERROR / mesh->loop_error));
     double coarse = RATIO * of.fine;
 
     /* the loop comes near an end: segment IV must be able to follow */
-    double inner = inner_length(2, 0, suited_fine_count(&of, coarse), 0, 2);
+    double inner = inner_length(2, 0, fit_fine_count(&of, coarse), 0, 2);
     coarse = fmin(coarse, 2 * NEAREST * rope->length / inner);
-    double count = suited_fine_count(&of, coarse);
+    double count = fit_fine_count(&of, coarse);
     if (coarse * (0.5 * inner_length(2, 0, count, 0, 2) - DUE) > NEAREST * rope->length) {
-        suited.kind = EEM;
-        suited.elements = as_int(fmax(ceil(rope->length / of.fine), 8));
-        return suited;
+        fitted.kind = EEM;
+        fitted.elements = as_int(fmax(ceil(rope->length / of.fine), 8));
+        return fitted;
     }
     double levels = fmax(ceil(log2(coarse / of.end)), 0);
-    suited.kind = TMN;
-    suited.coarse_length = coarse;
-    suited.counts[0] = suited.counts[4] = 2;
-    suited.counts[1] = suited.counts[3] = 0;
-    suited.counts[2] = as_int(count);
-    suited.end_levels = (int)fmin(levels, 8);
-    suited.leg_growth = fmin(LEG_GROWTH * mesh->loop_error, LEG_WAVES) / rope->length;
-    return suited;
+    fitted.kind = TMN;
+    fitted.coarse_length = coarse;
+    fitted.counts[0] = fitted.counts[4] = 2;
+    fitted.counts[1] = fitted.counts[3] = 0;
+    fitted.counts[2] = as_int(count);
+    fitted.end_levels = (int)fmin(levels, 8);
+    fitted.grading_length = fmin(LEG_GRADING * mesh->loop_error, LEG_WAVES) / rope->length;
+    return fitted;
 }
 
 /* elements of a leg of `units` l from the clamped end on, each as long as its distances from end and loop allow, in
@@ -140,7 +140,7 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
                  ROUNDED(inner_of(mesh) * mesh->coarse_length, 6), ROUNDED(length, 6));
         return 0;
     }
-    double growth = mesh->leg_growth / (length / (outer + inner_of(mesh)));
+    double growth = mesh->grading_length / (length / (outer + inner_of(mesh)));
     double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++) elements += mesh->counts[k];
     if (elements > (double)MOST_ELEMENTS) {
@@ -159,7 +159,7 @@ static void fill_lengths(const Pattern *pattern, int elements, double *lengths) 
     for (int k = 1; k < SEGMENTS - 1; k++) legs -= counts[k];
 
     double *left = lengths + n, *right = lengths + elements - 1 - n;
-    n += fill_legs(first, last, pattern->leg_growth / coarse, legs, left, right);
+    n += fill_legs(first, last, pattern->grading_length / coarse, legs, left, right);
     const double ladder[SEGMENTS] = {1, HALF, QUARTER, fine_share(counts[1] > 0, counts[2] > 0), QUARTER, HALF, 1};
     for (int segment = 1; segment < SEGMENTS - 1; segment++)
         for (int k = 0; k < counts[segment]; k++) lengths[n++] = ladder[segment];
@@ -181,14 +181,14 @@ void mesh_partition(const Mesh *mesh, double length, double bottom, int elements
     first = first > 1 ? fmin(first, outer - 1) : 1;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;
-    pattern->leg_growth = mesh->leg_growth;
+    pattern->grading_length = mesh->grading_length;
     pattern->counts[0] = (int)first;
     for (int k = 0; k < SEGMENTS - 2; k++) pattern->counts[k + 1] = mesh->counts[k];
     pattern->counts[SEGMENTS - 1] = (int)(outer - first);
     fill_lengths(pattern, elements, lengths);
 }
 
-void mesh_transformed(Pattern *pattern, int direction, int elements, double *lengths) {
+void mesh_transform(Pattern *pattern, int direction, int elements, double *lengths) {
     pattern->counts[0] += direction;
     pattern->counts[SEGMENTS - 1] -= direction;
     fill_lengths(pattern, elements, lengths);
@@ -212,7 +212,7 @@ int mesh_transformation_due(const Pattern *pattern, double bottom, double slack)
     return (offset > 0) - (offset < 0);
 }
 
-void mesh_misplaced(const Pattern *pattern, double length, double bottom, char *message) {
+void mesh_placement_problem(const Pattern *pattern, double length, double bottom, char *message) {
     message[0] = '\0';
     if (pattern->counts[0] == 0 || fabs(bottom - mesh_centre(pattern)) <= (DUE + 1.0) * pattern->coarse) return;
     snprintf(message, MESSAGE,

@@ -54,7 +54,7 @@ static int whole_at(const void *group, int at) {
     return *(const int *)((const char *)group + at);
 }
 
-static void bounded(const Check *check, const Parameter *p, const void *group) {
+static void check_bounds(const Check *check, const Parameter *p, const void *group) {
     const double lower = p->lower_at == NONE ? p->lower : real_at(group, p->lower_at);
     const double upper = p->upper_at == NONE ? p->upper : real_at(group, p->upper_at);
     const int other = p->lower_at == NONE ? p->upper_at : p->lower_at;
@@ -79,7 +79,7 @@ static void in_bounds(const Check *check, const Parameter *table, size_t number,
             const double x = real_at(group, p->at);
             real(check, isfinite(x), p->name, x, "finite", "give a number");
         }
-    for (const Parameter *p = table; p < end; p++) bounded(check, p, group);
+    for (const Parameter *p = table; p < end; p++) check_bounds(check, p, group);
 }
 
 #define IN_BOUNDS(check, TABLE, group) in_bounds(check, TABLE, sizeof TABLE / sizeof *TABLE, group)
@@ -90,7 +90,7 @@ void mesh_in_bounds(const Mesh *mesh, char *message) {
     IN_BOUNDS(&check, MESH_PARAMETERS, mesh);
 }
 
-static void coupling_checked(const Rope *rope, const Check *check) {
+static void check_coupling(const Rope *rope, const Check *check) {
     double Qs = 0.5 * (rope->Qb + rope->Qc), bound = sqrt(rope->Qa * rope->Qd);
     char below[96];
     snprintf(below, sizeof below, "below sqrt(Qa Qd) = %s N m in size", ROUNDED(bound, 4));
@@ -98,7 +98,7 @@ static void coupling_checked(const Rope *rope, const Check *check) {
          "or the strain energy is not positive: check Qb, Qc, Qa and Qd");
 }
 
-static void counts_checked(const Mesh *mesh, const Check *check) {
+static void check_counts(const Mesh *mesh, const Check *check) {
     static const char *const segments[] = {"II", "III", "IV", "V", "VI"};
     const int *n = mesh->counts;
     int multiples[] = {2, 4, 2 << ((n[0] > 0) + (n[1] > 0)), 4, 2};
@@ -117,18 +117,18 @@ static void counts_checked(const Mesh *mesh, const Check *check) {
             "the ladder is the same on both sides and leaves out no step");
 }
 
-void scene_checked(const Scene *scene, char *message) {
+void check_scene(const Scene *scene, char *message) {
     static const char *const groups[] = {"rope", "layout", "left.swivel", "right.swivel", "mesh", "solver", "model"};
     Check check[7];
     for (int i = 0; i < 7; i++) check[i].group = groups[i], check[i].message = message;
     message[0] = '\0';
     IN_BOUNDS(&check[0], ROPE_PARAMETERS, &scene->rope);
-    coupling_checked(&scene->rope, &check[0]);
+    check_coupling(&scene->rope, &check[0]);
     IN_BOUNDS(&check[1], LAYOUT_PARAMETERS, &scene->layout);
     IN_BOUNDS(&check[2], SWIVEL_PARAMETERS, &scene->swivels[LEFT]);
     IN_BOUNDS(&check[3], SWIVEL_PARAMETERS, &scene->swivels[RIGHT]);
     IN_BOUNDS(&check[4], MESH_PARAMETERS, &scene->mesh);
-    counts_checked(&scene->mesh, &check[4]);
+    check_counts(&scene->mesh, &check[4]);
     IN_BOUNDS(&check[5], SOLVER_PARAMETERS, &scene->solver);
     IN_BOUNDS(&check[6], MODEL_PARAMETERS, &scene->model);
 }

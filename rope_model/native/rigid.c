@@ -6,7 +6,7 @@
 #include "text.h"
 
 /* x: from the nominal point */
-static void suspended(const Scene *scene, int side, const double x[3], double point[3]) {
+static void suspension_point(const Scene *scene, int side, const double x[3], double point[3]) {
     point[0] = (side == LEFT ? -0.5 : 0.5) * scene->layout.spacing + x[0];
     point[1] = x[1];
     point[2] = x[2];
@@ -15,7 +15,7 @@ static void suspended(const Scene *scene, int side, const double x[3], double po
 double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]) {
     double points[2][3], v[2], a[2];
     for (int side = LEFT; side <= RIGHT; side++) {
-        suspended(scene, side, ends[side].x, points[side]);
+        suspension_point(scene, side, ends[side].x, points[side]);
         v[side] = ends[side].v[1], a[side] = ends[side].a[1];
     }
     Pull pull = rigid_pull(&scene->rope, &scene->layout, points, v, a);
@@ -33,14 +33,14 @@ void rigid_tensions(const Scene *scene, const Path paths[2], double t, const dou
             x[k] = rates[0] + dx[side][k];
             if (k == 1) v[side] = rates[1] + dv[side], a[side] = rates[2] + da[side];
         }
-        suspended(scene, side, x, points[side]);
+        suspension_point(scene, side, x, points[side]);
     }
     Pull pull = rigid_pull(&scene->rope, &scene->layout, points, v, a);
     tensions[LEFT] = pull.tensions[LEFT], tensions[RIGHT] = pull.tensions[RIGHT];
 }
 
 /* velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF) */
-static void flowing(int nodes, const double *q, Flow flow, double *v) {
+static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
     for (int i = 0; i < nodes * DOF; i += DOF) {
         for (int k = 0; k < 3; k++) v[i + k] = -flow.u * q[i + SLOPE + k];
         v[i + 1] += flow.w;
@@ -58,14 +58,14 @@ void rigid_rope(const Scene *scene, const Path paths[2], double t, int nodes, co
             path_rates(&paths[side], t, k, rates);
             x[side][k] = rates[0], x_t[side][k] = rates[1], x_tt[side][k] = rates[2];
         }
-        suspended(scene, side, x[side], points[side]);
+        suspension_point(scene, side, x[side], points[side]);
         up[side] = x[side][1], up_t[side] = x_t[side][1], up_tt[side] = x_tt[side][1];
     }
     Pull pull = rigid_pull(&scene->rope, &scene->layout, points, up_t, up_tt);
     if (rigid_lowest(&pull) < 0) {
         snprintf(message, MESSAGE,
-                 "the rope goes slack: tension %s N at t = %s s, which the rigid rung cannot follow; use a flexible "
-                 "one (model.rung = auto, planar or torsional) or a gentler motion",
+                 "the rope goes slack: tension %s N at t = %s s, which the rigid model cannot follow; use a flexible "
+                 "one (model.fidelity = auto, planar or torsional) or a gentler motion",
                  ROUNDED(rigid_lowest(&pull), 4), ROUNDED(t, 6));
         return;
     }
@@ -74,7 +74,7 @@ void rigid_rope(const Scene *scene, const Path paths[2], double t, int nodes, co
 
     shape_hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message);
     if (message[0]) return;
-    flowing(nodes, q, rigid_flow(up_t[LEFT], up_t[RIGHT]), v);
+    flow_velocities(nodes, q, rigid_flow(up_t[LEFT], up_t[RIGHT]), v);
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
     for (int side = LEFT; side <= RIGHT; side++) {
         int end = side == LEFT ? 0 : (nodes - 1) * DOF;

@@ -31,7 +31,7 @@ typedef struct {
 } EndMotion;
 
 /* the motion h later if the accelerations stay as they are */
-static inline EndMotion end_extrapolated(EndMotion end, double h) {
+static inline EndMotion end_extrapolate(EndMotion end, double h) {
     for (int axis = 0; axis < 3; axis++) {
         end.x[axis] = end.x[axis] + end.v[axis] * h + 0.5 * end.a[axis] * h * h;
         end.v[axis] = end.v[axis] + end.a[axis] * h;
@@ -48,8 +48,8 @@ typedef struct {
 
 typedef struct Simulator Simulator;
 
-/* A rope for the scene, not yet hung up.  NULL, and message (MESSAGE bytes) says why, for a parameter out of range, a
-   mesh that does not fit the rope, or no memory. */
+/* A rope for the scene, not yet initialised.  NULL, and message (MESSAGE bytes) says why, for a parameter out of range,
+   a mesh that does not fit the rope, or no memory. */
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message);
 void rope_destroy(Simulator *rope);
 
@@ -67,16 +67,16 @@ int rope_retune(Simulator *rope, const Scene *scene);
 const char *rope_message(const Simulator *rope);
 
 int rope_is_initialized(const Simulator *rope);
-int rope_has_moved(const Simulator *rope); /* whether a step was made since it was hung up */
+int rope_has_moved(const Simulator *rope); /* whether a step was made since it was initialised */
 double rope_time(const Simulator *rope);
 int rope_elements(const Simulator *rope);
-const char *rope_rung(const Simulator *rope); /* "torsional" ... */
-const char *rope_rung_reason(const Simulator *rope);
+const char *rope_fidelity(const Simulator *rope); /* "torsional" ... */
+const char *rope_fidelity_reason(const Simulator *rope);
 
-/* What to mind in results that are valid, by its number below ROPE_CAVEATS: a sentence in message (MESSAGE bytes), or
+/* A warning about valid results, by its number below ROPE_WARNINGS: a sentence in message (MESSAGE bytes), or
  * "". */
-enum { ROPE_CAVEATS = 3 };
-void rope_caveat(Simulator *rope, int number, char *message);
+enum { ROPE_WARNINGS = 3 };
+void rope_warning(Simulator *rope, int number, char *message);
 
 /* The value of an output, by its number in rope_model.simulation.signals.SIGNALS; booleans and integers are exact.
    Computed when first asked for after a change of state. */

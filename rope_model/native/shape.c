@@ -1,4 +1,4 @@
-/* What is read off the rope's shape, and the shape it is given to start from: the twin of
+/* What is read off the rope's shape, and the shape it is given to start from: the port of
    rope_model.simulation.diagnostics and rope_model.simulation.statics.hanging_guess. */
 #include <math.h>
 #include <stdio.h>
@@ -10,13 +10,13 @@
 /* points between two elements' ends, of the shape for the clearance, and of one leg of that */
 enum { FINE = 41, OUTLINE = 161, LEG = OUTLINE / 2 + 1 };
 
-static double clipped(double x, double low, double high) {
+static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
 }
 
 /* the centre line at arc length `at`: r, r', theta */
 static void point_at(int nodes, const double *q, const double *s, double at, double row[DOF]) {
-    transfer_interpolated(nodes, q, s, 1, &at, row);
+    transfer_interpolate(nodes, q, s, 1, &at, row);
 }
 
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
@@ -38,7 +38,7 @@ LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
     double bend = y[j - 1] - 2 * y[j] + y[j + 1];
     double shift = bend > 0 ? 0.5 * (y[j - 1] - y[j + 1]) / bend : 0.0;
     LoopBottom bottom;
-    bottom.s = fine[j] + clipped(shift, -1.0, 1.0) * (fine[1] - fine[0]);
+    bottom.s = fine[j] + clip(shift, -1.0, 1.0) * (fine[1] - fine[0]);
     point_at(nodes, q, s, bottom.s, row);
     memcpy(bottom.position, row, sizeof bottom.position);
     bottom.yaw = atan2(-row[SLOPE + 2], row[SLOPE]);
@@ -49,7 +49,7 @@ void shape_places(double total, double bottom_s, int points, double *at) {
     double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
         double u = k < points - 1 ? k * step - 1.0 : 1.0;
-        at[k] = clipped(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u)), 0.0, total);
+        at[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u)), 0.0, total);
     }
 }
 
@@ -92,7 +92,7 @@ int shape_middle_before(int nodes, const double *s, double at) {
     return k;
 }
 
-double shape_between_middles(int nodes, const double *s, int k, double at, double value, double next) {
+double shape_interpolate_midpoints(int nodes, const double *s, int k, double at, double value, double next) {
     double middle = 0.5 * (s[k] + s[k + 1]);
     if (k == nodes - 2 || at <= middle) return value;
     return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (at - middle) + value;
@@ -137,7 +137,7 @@ double shape_leg_clearance(int nodes, const double *q, const double *s, const Lo
 /* length of the elements at arc length `at`, interpolated between their middles */
 static double cell_at(int nodes, const double *s, double at) {
     int k = shape_middle_before(nodes, s, at);
-    return shape_between_middles(nodes, s, k, at, s[k + 1] - s[k], k < nodes - 2 ? s[k + 2] - s[k + 1] : 0.0);
+    return shape_interpolate_midpoints(nodes, s, k, at, s[k + 1] - s[k], k < nodes - 2 ? s[k + 2] - s[k + 1] : 0.0);
 }
 
 void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
@@ -155,7 +155,7 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
     }
     for (int axis = 0; axis < 3; axis++) across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
-    Hanging legs = hanging(length, middle, width, cell_at(nodes, s, middle));
+    Hanging legs = hanging_shape(length, middle, width, cell_at(nodes, s, middle));
     if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
         snprintf(message, MESSAGE,
                  "the rope of %s m cannot hang between ends %s m apart with a height difference of %s m; give a longer "
@@ -164,7 +164,7 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
         return;
     }
     for (int k = 0; k < nodes; k++, q += DOF) {
-        double phi = hanging_turned(&legs, s[k]), place[4];
+        double phi = hanging_turn_angle(&legs, s[k]), place[4];
         hanging_place(&legs, s[k], phi, place);
         double leg = phi <= 0 ? legs.left_leg : legs.right_leg;
         double slope = phi <= 0 || phi >= PI ? place[2] - legs.lean / leg : place[2];

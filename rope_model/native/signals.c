@@ -1,4 +1,4 @@
-/* Values of the output signals: the twin of rope_model.simulation.signals. */
+/* Values of the output signals: the port of rope_model.simulation.signals. */
 #include "signals.h"
 
 #include <math.h>
@@ -34,22 +34,22 @@ static void end_signals(int side, const Scene *scene, const State *state, const 
 static void loop_signals(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom,
                          double *values) {
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
-    values[SIGNAL_LOOP_YAW] = frame_counted_on(bottom->yaw, state->loop_yaw);
+    values[SIGNAL_LOOP_YAW] = frame_nearest_turn(bottom->yaw, state->loop_yaw);
     values[SIGNAL_LOOP_CLEARANCE] =
         shape_leg_clearance(arrays->nodes, arrays->q, arrays->s, bottom, scene->rope.diameter, scene->layout.spacing);
 }
 
-/* of an element; a rung without torsion has no torque */
-static double shear_stress(const Rope *rope, int rung, const double strains[4]) {
-    return rung == TORSIONAL ? torsional_stress(rope, strains[0], strains[1]) : 0.0;
+/* of an element; a fidelity without torsion has no torque */
+static double shear_stress(const Rope *rope, int fidelity, const double strains[4]) {
+    return fidelity == TORSIONAL ? torsional_stress(rope, strains[0], strains[1]) : 0.0;
 }
 
-static void stress_signals(const Rope *rope, int rung, const Arrays *arrays, const double (*strains)[4],
+static void stress_signals(const Rope *rope, int fidelity, const Arrays *arrays, const double (*strains)[4],
                            const LoopBottom *bottom, double *values) {
     double bending = -HUGE_VAL, torsion = -HUGE_VAL;
     for (int k = 0; k < arrays->elements; k++) {
         bending = fmax(bending, bending_stress(rope, strains[k][2]));
-        torsion = fmax(torsion, shear_stress(rope, rung, strains[k]));
+        torsion = fmax(torsion, shear_stress(rope, fidelity, strains[k]));
     }
     int last = arrays->elements - 1, lowest = 0;
     while (lowest < last && arrays->s[lowest + 1] < bottom->s) lowest++;
@@ -60,17 +60,17 @@ static void stress_signals(const Rope *rope, int rung, const Arrays *arrays, con
     values[SIGNAL_STRESS_TORSION_MAX] = torsion;
 }
 
-static void book_signals(const Ledger *energy, const Counts *count, double *values) {
+static void energy_signals(const EnergyBalance *energy, const Counts *count, double *values) {
     values[SIGNAL_ENERGY_KINETIC] = energy->kinetic;
     values[SIGNAL_ENERGY_STRAIN] = energy->strain;
     values[SIGNAL_ENERGY_GRAVITY] = energy->gravity;
-    values[SIGNAL_ENERGY_TOTAL] = ledger_total(energy);
+    values[SIGNAL_ENERGY_TOTAL] = energy_total(energy);
     values[SIGNAL_ENERGY_WORK_ENDS] = energy->work_ends;
     values[SIGNAL_ENERGY_DISSIPATED_MATERIAL] = energy->dissipated_material;
     values[SIGNAL_ENERGY_DISSIPATED_SWIVEL] = energy->dissipated_swivel;
     values[SIGNAL_ENERGY_NONCONSERVATIVE] = energy->nonconservative;
     values[SIGNAL_ENERGY_TRANSFORMATIONS] = energy->transformations;
-    values[SIGNAL_ENERGY_RESIDUAL] = ledger_residual(energy);
+    values[SIGNAL_ENERGY_RESIDUAL] = energy_residual(energy);
     values[SIGNAL_COUNT_STEPS] = (double)count->steps;
     values[SIGNAL_COUNT_REJECTIONS] = (double)count->rejections;
     values[SIGNAL_COUNT_NEWTON] = (double)count->newton;
@@ -89,14 +89,14 @@ static void shape_signals(const Arrays *arrays, const LoopBottom *bottom, double
     }
 }
 
-static void along_signals(const Scene *scene, int rung, const Arrays *arrays, const double (*strains)[4],
+static void along_signals(const Scene *scene, int fidelity, const Arrays *arrays, const double (*strains)[4],
                           const LoopBottom *bottom, double *values) {
     const Rope *rope = &scene->rope;
     const double *s = arrays->s;
     int nodes = arrays->nodes;
     double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3], y[SHAPE_POINTS], *tension = values + SIGNAL_SHAPE_TENSION_1;
     shape_places(s[nodes - 1], bottom->s, SHAPE_POINTS, at);
-    if (rung == RIGID) {
+    if (fidelity == RIGID) {
         shape_points(nodes, arrays->q, s, SHAPE_POINTS, at, xyz[0]);
         for (int i = 0; i < SHAPE_POINTS; i++) y[i] = xyz[i][1];
         rigid_tension(arrays, rope->mass_per_length, scene->layout.gravity, SHAPE_POINTS, at, y, tension);
@@ -104,10 +104,10 @@ static void along_signals(const Scene *scene, int rung, const Arrays *arrays, co
         shape_tension(arrays, rope->mass_per_length, scene->layout.gravity, SHAPE_POINTS, at, tension);
     for (int i = 0; i < SHAPE_POINTS; i++) {
         int k = shape_middle_before(nodes, s, at[i]), next = k < nodes - 2 ? k + 1 : k;
-        values[SIGNAL_SHAPE_BENDING_1 + i] = shape_between_middles(
+        values[SIGNAL_SHAPE_BENDING_1 + i] = shape_interpolate_midpoints(
             nodes, s, k, at[i], bending_stress(rope, strains[k][2]), bending_stress(rope, strains[next][2]));
-        values[SIGNAL_SHAPE_TORSION_1 + i] = shape_between_middles(
-            nodes, s, k, at[i], shear_stress(rope, rung, strains[k]), shear_stress(rope, rung, strains[next]));
+        values[SIGNAL_SHAPE_TORSION_1 + i] = shape_interpolate_midpoints(
+            nodes, s, k, at[i], shear_stress(rope, fidelity, strains[k]), shear_stress(rope, fidelity, strains[next]));
     }
 }
 
@@ -122,16 +122,16 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         loop_signals(scene, state, arrays, bottom, values);
         break;
     case STRESS_SIGNALS:
-        stress_signals(&scene->rope, state->rung, arrays, strains, bottom, values);
+        stress_signals(&scene->rope, state->fidelity, arrays, strains, bottom, values);
         break;
-    case BOOK_SIGNALS:
-        book_signals(&state->ledger, &state->counts, values);
+    case ENERGY_SIGNALS:
+        energy_signals(&state->energy_balance, &state->counts, values);
         break;
     case SHAPE_SIGNALS:
         shape_signals(arrays, bottom, values);
         break;
     case ALONG_SIGNALS:
-        along_signals(scene, state->rung, arrays, strains, bottom, values);
+        along_signals(scene, state->fidelity, arrays, strains, bottom, values);
         break;
     default: /* the simulator computes added masses itself */
         break;

@@ -17,7 +17,7 @@ static int fails(Simulator *rope, const char *message) {
     return 0;
 }
 
-static size_t aligned(size_t bytes) {
+static size_t align(size_t bytes) {
     return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
 
@@ -28,9 +28,9 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     char *at;
     int elements, k;
     message[0] = '\0';
-    scene_checked(scene, message);
+    check_scene(scene, message);
     if (message[0]) return NULL;
-    mesh = mesh_suited(&scene->mesh, &scene->rope, &scene->layout);
+    mesh = mesh_fit(&scene->mesh, &scene->rope, &scene->layout);
     elements = mesh_elements(&mesh, scene->rope.length, message);
     if (elements == 0) {
         const size_t used = strlen(message);
@@ -42,8 +42,8 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     nodes = (size_t)elements + 1;
     size = nodes * DOF;
     state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);
-    bytes = 3 * aligned(state_bytes) + aligned(sizeof(double) * 7 * size) +
-            aligned(sizeof(double) * 4 * (size_t)elements) + aligned(chain_work_bytes(elements));
+    bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) + align(sizeof(double) * 4 * (size_t)elements) +
+            align(chain_work_bytes(elements));
     rope = memory->take(1, sizeof *rope);
     if (rope != NULL) {
         memset(rope, 0, sizeof *rope);
@@ -63,9 +63,9 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     memset(rope->block, 0, bytes + ALIGNMENT);
     at = (char *)rope->block + (ALIGNMENT - (uintptr_t)rope->block % ALIGNMENT);
     rope->state = (State *)at;
-    rope->next = (State *)(at += aligned(state_bytes));
-    rope->spare = (State *)(at += aligned(state_bytes));
-    at += aligned(state_bytes);
+    rope->next = (State *)(at += align(state_bytes));
+    rope->spare = (State *)(at += align(state_bytes));
+    at += align(state_bytes);
     {
         double **const arrays[7] = {&rope->trial.q,      &rope->trial.v,        &rope->trial.a, &rope->trial.b,
                                     &rope->trial.a_rate, &rope->trial.reaction, &rope->x};
@@ -73,9 +73,9 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     }
     rope->trial.elements = elements;
     rope->trial.nodes = (int)nodes;
-    at += aligned(sizeof(double) * 7 * size);
+    at += align(sizeof(double) * 7 * size);
     rope->strains = (double (*)[4])(void *)at;
-    rope->work = at + aligned(sizeof(double) * 4 * (size_t)elements);
+    rope->work = at + align(sizeof(double) * 4 * (size_t)elements);
     return rope;
 }
 
@@ -107,16 +107,16 @@ int rope_elements(const Simulator *rope) {
     return rope->elements;
 }
 
-const char *rope_rung(const Simulator *rope) {
-    return rope->initialized ? rung_name(rope->state->rung) : "";
+const char *rope_fidelity(const Simulator *rope) {
+    return rope->initialized ? fidelity_name(rope->state->fidelity) : "";
 }
 
-const char *rope_rung_reason(const Simulator *rope) {
-    return rope->initialized ? rope->state->rung_reason : "";
+const char *rope_fidelity_reason(const Simulator *rope) {
+    return rope->initialized ? rope->state->fidelity_reason : "";
 }
 
 /* what was worked on becomes the state */
-static int accepted(Simulator *rope) {
+static int accept_next(Simulator *rope) {
     State *before = rope->state;
     rope->state = rope->next;
     rope->next = before;
@@ -129,7 +129,7 @@ static int accepted(Simulator *rope) {
 
 int rope_retune(Simulator *rope, const Scene *scene) {
     char message[MESSAGE] = "";
-    scene_checked(scene, message);
+    check_scene(scene, message);
     if (message[0]) return fails(rope, message);
     rope->scene.solver = scene->solver;
     memcpy(rope->scene.swivels, scene->swivels, sizeof scene->swivels);
@@ -138,7 +138,7 @@ int rope_retune(Simulator *rope, const Scene *scene) {
 }
 
 /* the state at rest in equilibrium, sought again after each change of the frame's pole */
-static int rested(Simulator *rope, State *state, char *message) {
+static int equilibrium_in_frame(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     int k;
@@ -153,8 +153,8 @@ static int rested(Simulator *rope, State *state, char *message) {
         memset(m.a_rate, 0, bytes);
         state->h = 0;
         s = system_of(rope, state);
-        chain_of_state(state)->assess(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
-        set_energies(&state->ledger, balance, &s, m.v);
+        chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+        set_energies(&state->energy_balance, balance, &s, m.v);
         changed = better_pole(state, pole);
         if (changed) express_in(state, pole, rope->x);
         with_loop_yaw(state);
@@ -163,10 +163,10 @@ static int rested(Simulator *rope, State *state, char *message) {
     return 1;
 }
 
-/* as mesh_misplaced; where the mesh was fitted to the rope, with what it was fitted to */
-static void misplaced(const Simulator *rope, const Pattern *pattern, double bottom, char *message) {
+/* as mesh_placement_problem; where the mesh was fitted to the rope, with what it was fitted to */
+static void placement_problem(const Simulator *rope, const Pattern *pattern, double bottom, char *message) {
     const Rope *data = &rope->scene.rope;
-    mesh_misplaced(pattern, data->length, bottom, message);
+    mesh_placement_problem(pattern, data->length, bottom, message);
     if (message[0] && rope->scene.mesh.kind == AUTO_MESH)
         snprintf(message, MESSAGE,
                  "the loop at %s m of the rope's %s m is too close to an end: mesh.kind = auto covers what EI = %s "
@@ -208,31 +208,31 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
         for (k = 0; k < 3; ++k) points[side][k] = end->x[k];
         points[side][0] += (side ? 0.5 : -0.5) * scene->layout.spacing;
     }
-    state->rung = rung_chosen(scene, ends, state->rung_reason);
+    state->fidelity = fidelity_choose(scene, ends, state->fidelity_reason);
     bottom = bottom_of(rope, state, t);
     m = state_arrays(state);
     mesh_partition(&rope->mesh, scene->rope.length, bottom, m.elements, &state->pattern, m.lengths);
     mesh_arc_lengths(m.elements, m.lengths, m.s);
     shape_hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
-    if (!message[0]) rung_outgrown(scene, state->rung, ends, message);
-    if (!message[0]) misplaced(rope, &state->pattern, bottom, message);
+    if (!message[0]) fidelity_unsupported_motion(scene, state->fidelity, ends, message);
+    if (!message[0]) placement_problem(rope, &state->pattern, bottom, message);
     if (message[0]) return fails(rope, message);
     state->pole[0] = 1;
     state->step_next = state->last_interval = scene->solver.step_max;
-    if (state->rung == RIGID) {
+    if (state->fidelity == RIGID) {
         if (!rigid_state(rope, state, t, message)) return fails(rope, message);
     } else {
         const double twist = scene->rope.installed_twist;
         const int parts = (int)fmax(ceil(fabs(twist) / TWIST_STEP), 1);
         for (k = 1; k <= parts; ++k) { /* bit by bit: that decides how the loop yaws */
             state->swivels[RIGHT].angle = twist * k / parts;
-            if (!rested(rope, state, message)) return fails(rope, message);
+            if (!equilibrium_in_frame(rope, state, message)) return fails(rope, message);
         }
     }
     for (side = 0; side < 2; ++side) state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
-    state->ledger.start = ledger_total(&state->ledger);
-    state->happened = 0;
-    return accepted(rope);
+    state->energy_balance.start = energy_total(&state->energy_balance);
+    state->event_count = 0;
+    return accept_next(rope);
 }
 
 typedef struct {
@@ -308,7 +308,7 @@ static int rigid_step(Simulator *rope, State *state, double t_end, char *message
     const double h = t_end - state->t, before = state->power_ends;
     if (!rigid_state(rope, state, t_end, message)) return 0;
     set_powers(rope, state);
-    state->ledger.work_ends += 0.5 * h * (before + state->power_ends);
+    state->energy_balance.work_ends += 0.5 * h * (before + state->power_ends);
     state->counts.steps += 1;
     return 1;
 }
@@ -319,10 +319,10 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
     double stop, step_next, whole;
     int reaches, switching;
     Trial trial;
-    if (state->rung == RIGID) return rigid_step(rope, state, t_end, message);
-    transformed_if_due(rope, state);
-    released(rope, state);
-    misplaced(rope, &state->pattern, bottom_of(rope, state, state->t), message);
+    if (state->fidelity == RIGID) return rigid_step(rope, state, t_end, message);
+    transform_if_due(rope, state);
+    release_swivels(rope, state);
+    placement_problem(rope, &state->pattern, bottom_of(rope, state, state->t), message);
     if (message[0]) return 0;
     stop = next_stop(rope, state, t_end);
     for (;;) {
@@ -338,11 +338,11 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
         }
         state->counts.rejections += 1;
     }
-    committed(rope, state, &trial);
+    commit(rope, state, &trial);
     state->step_next = step_next;
     state->counts.steps += 1;
     if (switching) {
-        switched(rope, state);
+        switch_swivels(rope, state);
         if (chatters(state)) {
             snprintf(message, MESSAGE,
                      "a swivel chatters between stick and slip; check its friction, and whether the end is slack");
@@ -383,18 +383,19 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double with
         end_refusal(&ends[side], &state->paths[side], side, message);
         if (message[0]) return fails(rope, message);
     }
-    state->switched = state->happened = 0;
-    rung_outgrown(&rope->scene, state->rung, ends, message);
+    state->switched = state->event_count = 0;
+    fidelity_unsupported_motion(&rope->scene, state->fidelity, ends, message);
     if (message[0]) {
         char why[MESSAGE];
         memcpy(why, message, sizeof why);
         message[0] = '\0';
-        if (rope->scene.model.rung != AUTO_RUNG) {
-            snprintf(rope->message, MESSAGE, "the %s rung cannot follow %.300s; set model.rung = auto (or torsional)",
-                     rung_name(state->rung), why);
+        if (rope->scene.model.fidelity != AUTO_FIDELITY) {
+            snprintf(rope->message, MESSAGE,
+                     "the %s model cannot follow %.300s; set model.fidelity = auto (or torsional)",
+                     fidelity_name(state->fidelity), why);
             return 0;
         }
-        if (!raised(rope, state, why, message)) return fails(rope, message);
+        if (!raise_fidelity(rope, state, why, message)) return fails(rope, message);
     }
     while (state->t < t) {
         const Arrays m = state_arrays(state);
@@ -417,7 +418,7 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double with
     }
     state->last_interval = t - start;
     for (side = 0; side < 2; ++side) state->force_mean[side] = impulse[side] / (t - start);
-    return accepted(rope);
+    return accept_next(rope);
 }
 
 size_t rope_state_bytes(const Simulator *rope) {
@@ -439,22 +440,22 @@ int rope_restore(Simulator *rope, const void *from, size_t bytes) {
     memcpy(state, from, bytes);
     if (!state_plausible(rope, state))
         return fails(rope, "these bytes are not a state of this rope; save one anew, or restore it into its own rope");
-    return accepted(rope);
+    return accept_next(rope);
 }
 
 /* The unperturbed step as long as the last: its correction to trial.q; c are its coefficients. */
-static void unperturbed(Simulator *rope, double c[3]) {
+static void unperturbed_step(Simulator *rope, double c[3]) {
     State *state = rope->state;
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     newton_coefficients(&method, state->last_interval, c);
-    chain_of_state(state)->direction(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
+    chain_of_state(state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
 }
 
 /* The state `spare` with one degree of freedom of an end moved by d[0], d[1], d[2] in q, v, a at the end of that step,
    to which the rope answers: how its equations are linear.  Its residual goes to trial.a. */
-static void answered(Simulator *rope, int side, int dof, const double d[3], const double c[3]) {
+static void perturbed_step(Simulator *rope, int side, int dof, const double d[3], const double c[3]) {
     State *moved = rope->spare;
     Arrays m;
     System s;
@@ -468,14 +469,14 @@ static void answered(Simulator *rope, int side, int dof, const double d[3], cons
     m.q[at] += d[0];
     m.v[at] += d[1];
     m.a[at] += d[2];
-    chain_of_state(moved)->direction(&s, rope->work, m.q, m.v, m.a, m.reaction, c, x, R);
+    chain_of_state(moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, x, R);
     for (i = 0; i < size; ++i) {
         const double y = x[i] - rope->trial.q[i];
         m.q[i] += y;
         m.v[i] += c[1] * y;
         m.a[i] += c[2] * y;
     }
-    chain_of_state(moved)->assess(&s, m.q, m.v, m.a, m.reaction, R, balance);
+    chain_of_state(moved)->evaluate(&s, m.q, m.v, m.a, m.reaction, R, balance);
 }
 
 /* kg: how much each end's downward force grows with an upward acceleration held over the last interval */
@@ -484,7 +485,7 @@ static void added_masses(Simulator *rope, double masses[2]) {
     const double d[3] = {0.5 * h * h * size, h * size, size};
     double c[3];
     int side;
-    if (rope->state->rung == RIGID) {
+    if (rope->state->fidelity == RIGID) {
         for (side = 0; side < 2; ++side) {
             double dx[2][3] = {{0}}, dv[2] = {0}, da[2] = {0}, before[2], after[2];
             rigid_tensions(&rope->scene, rope->state->paths, rope->state->t, dx, dv, da, before);
@@ -496,9 +497,9 @@ static void added_masses(Simulator *rope, double masses[2]) {
         }
         return;
     }
-    unperturbed(rope, c);
+    unperturbed_step(rope, c);
     for (side = 0; side < 2; ++side) {
-        answered(rope, side, 1, d, c);
+        perturbed_step(rope, side, 1, d, c);
         masses[side] =
             (end_row(rope->trial.a, rope->trial.nodes, side)[1] - end_row(rope->trial.v, rope->trial.nodes, side)[1]) /
             size;
@@ -534,7 +535,7 @@ int rope_derivative(Simulator *rope, int input, double derivative[12]) {
     if (!rope->initialized) return fails(rope, "the rope has no state yet; call initialize first");
     memset(derivative, 0, sizeof(double) * 12);
     if (dof == ANGLE && state->swivels[side].phase == SLIP) return 1; /* the friction does not know the yaw */
-    if (state->rung == RIGID) { /* no side forces, no moments, and only heights have speeds */
+    if (state->fidelity == RIGID) { /* no side forces, no moments, and only heights have speeds */
         double dx[2][3] = {{0}}, dv[2] = {0}, da[2] = {0}, rest[2], moved[2];
         rigid_tensions(&rope->scene, state->paths, state->t, dx, dv, da, rest);
         if (kind == 0 && dof < SLOPE)
@@ -552,9 +553,9 @@ int rope_derivative(Simulator *rope, int input, double derivative[12]) {
     d[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
     if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
         d[2] = d[1] / state->last_interval;
-    unperturbed(rope, c);
+    unperturbed_step(rope, c);
     loads(rope, state, m.q, rope->trial.v, before);
-    answered(rope, side, dof, d, c);
+    perturbed_step(rope, side, dof, d, c);
     loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, derivative);
     for (k = 0; k < 12; ++k) derivative[k] = (derivative[k] - before[k]) / sizes[kind];
     for (k = 0; k < 12; ++k)
@@ -588,7 +589,7 @@ double rope_signal(Simulator *rope, int signal) {
                 chain_of_state(rope->state)->strains(&s, m.q, rope->strains);
             }
             signals_of(group, &rope->scene, rope->state, &m, (const double (*)[4])rope->strains,
-                       group == END_SIGNALS || group == BOOK_SIGNALS ? NULL : bottom_now(rope), rope->values);
+                       group == END_SIGNALS || group == ENERGY_SIGNALS ? NULL : bottom_now(rope), rope->values);
         }
         rope->known |= 1u << group;
     }

@@ -39,17 +39,17 @@ Arrays state_arrays(State *state);
 /* whether what was read from elsewhere can be a state of this rope; trial is scratch */
 int state_plausible(const Simulator *rope, State *state);
 void state_copy(const Simulator *rope, State *to, const State *from);
-void happened(State *state, int what, int which, double kinetic, double potential);
+void record_event(State *state, int what, int which, double kinetic, double potential);
 
 /* step.c: rope_model.simulation.model and numerics.generalized_alpha */
 System system_of(const Simulator *rope, State *state);
 const Chain *chain_of_state(const State *state);
-void prescribed(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]);
+void prescribed_motion(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]);
 Trial trial_step(Simulator *rope, State *state, double h);
-void restarted(Simulator *rope, State *state);
-void committed(Simulator *rope, State *state, const Trial *trial);
+void restart(Simulator *rope, State *state);
+void commit(Simulator *rope, State *state, const Trial *trial);
 void set_powers(const Simulator *rope, State *state);
-void set_energies(Ledger *ledger, const double balance[BALANCE], const System *system, const double *v);
+void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *system, const double *v);
 double bottom_of(const Simulator *rope, const State *state, double t);
 const double *end_row(const double *x, int nodes, int side);
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
@@ -60,22 +60,22 @@ double locate(double (*f)(void *, double), void *with, double low, double high, 
 int find_equilibrium(Simulator *rope, State *state, char *message);
 
 /* switching.c */
-void released(Simulator *rope, State *state);
+void release_swivels(Simulator *rope, State *state);
 double next_release(const Simulator *rope, const State *state);
 /* the trial shortened to end where a swivel must switch: 1; as it was: 0; -1 when that step fails */
 int switching_step(Simulator *rope, State *state, Trial *trial);
-void switched(Simulator *rope, State *state);
+void switch_swivels(Simulator *rope, State *state);
 int chatters(const State *state);
 
 /* adaptation.c */
-void transformed_if_due(Simulator *rope, State *state);
+void transform_if_due(Simulator *rope, State *state);
 /* 1 and a pole when that of the state should change */
 int better_pole(State *state, double pole[3]);
 /* theta and its rate from another pole; angle: scratch (nodes) */
 void express_in(State *state, const double pole[3], double *angle);
 void with_good_pole(Simulator *rope, State *state);
 void with_loop_yaw(State *state);
-int raised(Simulator *rope, State *state, const char *why, char *message);
+int raise_fidelity(Simulator *rope, State *state, const char *why, char *message);
 int rigid_state(Simulator *rope, State *state, double t, char *message);
 int lowest_node(const Arrays *arrays);
 

@@ -27,9 +27,9 @@ void state_copy(const Simulator *rope, State *to, const State *from) {
     memcpy(to, from, rope->state_bytes);
 }
 
-void happened(State *state, int what, int which, double kinetic, double potential) {
-    if (state->happened < LOGGED_EVENTS) {
-        Event *event = &state->events[state->happened++];
+void record_event(State *state, int what, int which, double kinetic, double potential) {
+    if (state->event_count < LOGGED_EVENTS) {
+        Event *event = &state->events[state->event_count++];
         event->t = state->t;
         event->kinetic = kinetic;
         event->potential = potential;
@@ -57,7 +57,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     Pattern expected;
     int k;
     mesh_partition(&rope->mesh, length, 0.5 * length, m->elements, &expected, lengths);
-    if (pattern->end_levels != expected.end_levels || pattern->leg_growth != expected.leg_growth ||
+    if (pattern->end_levels != expected.end_levels || pattern->grading_length != expected.grading_length ||
         pattern->coarse != expected.coarse)
         return 0;
     for (k = 1; k < SEGMENTS - 1; ++k)
@@ -68,7 +68,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
         if (!within(pattern->counts[0], 1, outer - 1) || pattern->counts[SEGMENTS - 1] != outer - pattern->counts[0])
             return 0;
-        mesh_transformed(&expected, pattern->counts[0] - expected.counts[0], m->elements, lengths);
+        mesh_transform(&expected, pattern->counts[0] - expected.counts[0], m->elements, lengths);
     }
     mesh_arc_lengths(m->elements, lengths, s);
     for (k = 0; k < m->elements; ++k)
@@ -94,8 +94,8 @@ static int path_plausible(const Path *path, double t) {
 static int happenings_plausible(const State *state) {
     const int64_t *counts = &state->counts.steps;
     int k;
-    if (!within(state->switched, 0, CHATTER_EVENTS) || !within(state->happened, 0, LOGGED_EVENTS)) return 0;
-    for (k = 0; k < state->happened; ++k)
+    if (!within(state->switched, 0, CHATTER_EVENTS) || !within(state->event_count, 0, LOGGED_EVENTS)) return 0;
+    for (k = 0; k < state->event_count; ++k)
         if (!within(state->events[k].what, TRANSFORMED, RAISED) || !within(state->events[k].which, 0, RIGID) ||
             !all_finite(&state->events[k].t, 3))
             return 0;
@@ -108,15 +108,15 @@ int state_plausible(const Simulator *rope, State *state) {
     const double *pole = state->pole;
     Arrays m;
     int side;
-    if (state->elements != rope->elements || !within(state->rung, TORSIONAL, RIGID) ||
-        memchr(state->rung_reason, '\0', MESSAGE) == NULL)
+    if (state->elements != rope->elements || !within(state->fidelity, TORSIONAL, RIGID) ||
+        memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
         return 0;
-    if (rope->scene.model.rung != AUTO_RUNG && state->rung != rope->scene.model.rung) return 0;
+    if (rope->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != rope->scene.model.fidelity) return 0;
     m = state_arrays(state);
     /* the real numbers before the swivels lie in a row, and so do all arrays */
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
         !all_finite(m.q, (size_t)(m.s + m.nodes - m.q)) ||
-        !all_finite(&state->ledger.kinetic, sizeof(Ledger) / sizeof(double)))
+        !all_finite(&state->energy_balance.kinetic, sizeof(EnergyBalance) / sizeof(double)))
         return 0;
     if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0) ||
         !(fabs(pole[0] * pole[0] + pole[1] * pole[1] + pole[2] * pole[2] - 1) < 1e-6))

@@ -20,14 +20,14 @@ static double at_rest(const Chain *chain, const System *s, const double *q, cons
                       double *R) {
     double balance[BALANCE], stored;
     int side;
-    chain->assess(s, q, rest, rest, known, R, balance);
+    chain->evaluate(s, q, rest, rest, known, R, balance);
     stored = balance[AXIAL] + balance[COUPLING] + balance[TORSION] + balance[BENDING] + balance[GRAVITY];
     for (side = 0; side < 2; ++side) stored -= s->load[side] * end_row(q, s->elements + 1, side)[ANGLE];
     return stored;
 }
 
 /* largest unbalanced force (N); infinite when one is not a number */
-static double unbalanced(const System *s, const double *R) {
+static double imbalance(const System *s, const double *R) {
     const size_t size = (size_t)(s->elements + 1) * DOF;
     double largest = 0;
     size_t i;
@@ -54,18 +54,18 @@ int find_equilibrium(Simulator *rope, State *state, char *message) {
     for (side = 0; side < 2; ++side) {
         double rows[3][DOF];
         double *q = m.q + (side ? size - DOF : 0);
-        prescribed(rope, state, side, state->t, rows);
+        prescribed_motion(rope, state, side, state->t, rows);
         for (dof = 0; dof < DOF; ++dof)
             if (!s.free[side][dof]) q[dof] = rows[0][dof];
     }
     memset(R, 0, bytes);
     energy = at_rest(chain, &s, m.q, rest, R, m.reaction);
-    previous = unbalanced(&s, m.reaction);
+    previous = imbalance(&s, m.reaction);
     for (k = 1; k <= MAX_ITERATIONS; ++k) {
         const double c[3] = {1, 0, pow(tau, -2)};
         double place = 0, turn = 0, norm = 0, step, force, trial_energy;
         int finite = 1;
-        chain->direction(&s, rope->work, m.q, rest, rest, m.reaction, c, x, unused);
+        chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, unused);
         for (i = 0; i < size; ++i) {
             finite = finite && isfinite(x[i]);
             dof = (int)(i % DOF);
@@ -83,7 +83,7 @@ int find_equilibrium(Simulator *rope, State *state, char *message) {
         step = fmin(1, largest_move / fmax(fmax(place, turn), 1e-300));
         for (i = 0; i < size; ++i) trial[i] = m.q[i] + step * x[i];
         trial_energy = at_rest(chain, &s, trial, rest, m.reaction, R);
-        force = unbalanced(&s, R);
+        force = imbalance(&s, R);
         /* on its way down the rope may well pass larger forces; what it may not do is to gain energy with them */
         if (!isfinite(force) || !(trial_energy < energy + 1e-12 * fabs(energy) || force <= previous + 1e-6)) {
             tau *= 0.3;

@@ -16,7 +16,7 @@ static double *row(double *x, int nodes, int side) {
 }
 
 const Chain *chain_of_state(const State *state) {
-    return chain_of(state->rung == RIGID ? PLANAR : state->rung);
+    return chain_of(state->fidelity == RIGID ? PLANAR : state->fidelity);
 }
 
 System system_of(const Simulator *rope, State *state) {
@@ -47,13 +47,13 @@ System system_of(const Simulator *rope, State *state) {
         s.inertia[side] = swivel->inertia;
         if (now->phase == SLIP && swivel->mode != FREE_MODE) {
             s.load[side] = -now->sign * swivel->seal_moment;
-            s.grip[side] = -now->sign * friction_moment(swivel->mu_kinetic, swivel->mean_diameter, 0, 1);
+            s.friction_load[side] = -now->sign * friction_moment(swivel->mu_kinetic, swivel->mean_diameter, 0, 1);
         }
     }
     return s;
 }
 
-void prescribed(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]) {
+void prescribed_motion(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]) {
     const int place[4] = {0, 1, 2, ANGLE};
     int axis, k;
     memset(rows, 0, sizeof(double) * 3 * DOF);
@@ -88,7 +88,7 @@ Trial trial_step(Simulator *rope, State *state, double h) {
     }
     for (side = 0; side < 2; ++side) {
         double rows[3][DOF], *to[3] = {now->q, now->v, now->a};
-        prescribed(rope, state, side, trial.t, rows);
+        prescribed_motion(rope, state, side, trial.t, rows);
         for (k = 0; k < 3; ++k)
             for (dof = 0; dof < DOF; ++dof)
                 if (!s.free[side][dof]) row(to[k], old.nodes, side)[dof] = rows[k][dof];
@@ -118,7 +118,7 @@ Trial trial_step(Simulator *rope, State *state, double h) {
     return trial;
 }
 
-void restarted(Simulator *rope, State *state) {
+void restart(Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF;
@@ -129,7 +129,7 @@ void restarted(Simulator *rope, State *state) {
     memset(m.a, 0, sizeof(double) * size);
     for (side = 0; side < 2; ++side) {
         double rows[3][DOF];
-        prescribed(rope, state, side, state->t, rows);
+        prescribed_motion(rope, state, side, state->t, rows);
         for (dof = 0; dof < DOF; ++dof)
             if (!s.free[side][dof]) {
                 row(m.q, m.nodes, side)[dof] = rows[0][dof];
@@ -139,11 +139,11 @@ void restarted(Simulator *rope, State *state) {
     }
     for (again = 0; again < 2; ++again) { /* the second time with friction from the right reactions */
         memcpy(known, m.reaction, sizeof(double) * size);
-        chain_of_state(state)->direction(&s, rope->work, m.q, m.v, m.a, known, c, rope->x, m.reaction);
+        chain_of_state(state)->newton_step(&s, rope->work, m.q, m.v, m.a, known, c, rope->x, m.reaction);
         for (i = 0; i < size; ++i) m.a[i] += rope->x[i];
     }
     memcpy(known, m.reaction, sizeof(double) * size);
-    chain_of_state(state)->assess(&s, m.q, m.v, m.a, known, m.reaction, unused);
+    chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, known, m.reaction, unused);
     memcpy(m.b, m.a, sizeof(double) * size);
     memset(m.a_rate, 0, sizeof(double) * size);
     state->h = 0;
@@ -178,7 +178,7 @@ void set_powers(const Simulator *rope, State *state) {
 }
 
 /* the inertia of the swivels counts as kinetic energy of the rope */
-void set_energies(Ledger *ledger, const double balance[BALANCE], const System *s, const double *v) {
+void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *s, const double *v) {
     double sums[BALANCE], energies[3];
     int side;
     memcpy(sums, balance, sizeof sums);
@@ -187,12 +187,12 @@ void set_energies(Ledger *ledger, const double balance[BALANCE], const System *s
         sums[KINETIC] += 0.5 * s->inertia[side] * rate * rate;
     }
     energies_of(sums, energies);
-    ledger->kinetic = energies[0];
-    ledger->strain = energies[1];
-    ledger->gravity = energies[2];
+    energy_balance->kinetic = energies[0];
+    energy_balance->strain = energies[1];
+    energy_balance->gravity = energies[2];
 }
 
-void committed(Simulator *rope, State *state, const Trial *trial) {
+void commit(Simulator *rope, State *state, const Trial *trial) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
@@ -216,11 +216,11 @@ void committed(Simulator *rope, State *state, const Trial *trial) {
     state->t = trial->t;
     state->h = trial->h;
     set_powers(rope, state);
-    set_energies(&state->ledger, trial->balance, &s, m.v);
-    state->ledger.work_ends += 0.5 * h * (before[0] + state->power_ends);
-    state->ledger.dissipated_swivel += 0.5 * h * (before[1] + state->power_swivel);
-    state->ledger.dissipated_material += h * losses[0];
-    state->ledger.nonconservative += h * losses[1];
+    set_energies(&state->energy_balance, trial->balance, &s, m.v);
+    state->energy_balance.work_ends += 0.5 * h * (before[0] + state->power_ends);
+    state->energy_balance.dissipated_swivel += 0.5 * h * (before[1] + state->power_swivel);
+    state->energy_balance.dissipated_material += h * losses[0];
+    state->energy_balance.nonconservative += h * losses[1];
 }
 
 /* numerics.events.locate */

@@ -81,9 +81,9 @@ class PathStructure(ctypes.Structure):
 
 def scene_structure(scene: Scene) -> SceneStructure:
     """The scene as C sees it."""
-    swivels = (GROUPS[Swivel] * 2)(_filled(scene.left), _filled(scene.right))
-    groups = (_filled(group) for group in (scene.mesh, scene.solver, scene.model))
-    return SceneStructure(_filled(scene.rope), _filled(scene.layout), swivels, *groups)
+    swivels = (GROUPS[Swivel] * 2)(_fill(scene.left), _fill(scene.right))
+    groups = (_fill(group) for group in (scene.mesh, scene.solver, scene.model))
+    return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups)
 
 
 def end_structure(motion: EndMotion) -> EndStructure:
@@ -100,7 +100,7 @@ def path_structure(path: EndPath) -> PathStructure:
     )
 
 
-def _filled(group: Any) -> ctypes.Structure:
+def _fill(group: Any) -> ctypes.Structure:
     hints = get_type_hints(type(group))
     values = {f.name: _value(getattr(group, f.name), hints[f.name]) for f in fields(group) if f.name not in NOT_IN_C}
     return GROUPS[type(group)](**values)

@@ -35,7 +35,7 @@ static double excess(const Simulator *rope, const State *state, double t, const 
     return left >= right ? left : right;
 }
 
-void released(Simulator *rope, State *state) {
+void release_swivels(Simulator *rope, State *state) {
     int side, changed = 0;
     Arrays m;
     for (side = 0; side < 2; ++side) {
@@ -48,9 +48,9 @@ void released(Simulator *rope, State *state) {
         }
     }
     if (!changed) return;
-    restarted(rope, state);
+    restart(rope, state);
     m = state_arrays(state);
-    if (excess(rope, state, state->t, &m) >= 0) switched(rope, state);
+    if (excess(rope, state, state->t, &m) >= 0) switch_swivels(rope, state);
 }
 
 double next_release(const Simulator *rope, const State *state) {
@@ -109,7 +109,7 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
         now.angle = relative[0];
         now.sign = 0;
         trial->swivels[side] = now;
-        restarted(rope, trial);
+        restart(rope, trial);
         if (excess_of(rope, trial, side, trial->t, &m) < 0) return now;
     }
     now.phase = SLIP;
@@ -117,7 +117,7 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
     return now;
 }
 
-void switched(Simulator *rope, State *state) {
+void switch_swivels(Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     SwivelState swivels[2];
     int side;
@@ -129,14 +129,14 @@ void switched(Simulator *rope, State *state) {
         state->switchings[0] = state->t;
         if (state->switched < CHATTER_EVENTS) state->switched += 1;
         state->counts.swivel_events += 1;
-        happened(state,
-                 swivels[side].phase == STICK ? STICKS
-                 : swivels[side].sign > 0     ? SLIPS_FORWARD
-                                              : SLIPS_BACK,
-                 side, 0, 0);
+        record_event(state,
+                     swivels[side].phase == STICK ? STICKS
+                     : swivels[side].sign > 0     ? SLIPS_FORWARD
+                                                  : SLIPS_BACK,
+                     side, 0, 0);
     }
     memcpy(state->swivels, swivels, sizeof swivels);
-    restarted(rope, state);
+    restart(rope, state);
 }
 
 int chatters(const State *state) {

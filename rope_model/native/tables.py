@@ -8,34 +8,35 @@ from collections.abc import Iterator
 from typing import Any, get_args
 
 from ..parameter_table import Parameter, check_order, parameters_of
-from ..parameters import MOST_ELEMENTS, RungChoice
+from ..parameters import MOST_ELEMENTS, FidelityChoice
 from ..simulation.ends import HARDEST, REACH
-from ..simulation.left_out import left_out_text
-from ..simulation.rungs import LADDER
+from ..simulation.fidelity import FIDELITIES
+from ..simulation.neglected_effects import neglected_text
 from ..simulation.signals import SHAPE_POINTS, SIGNALS, group_of
 from .structures import GROUPS, NOT_IN_C, members
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.native.tables. */\n"
 #: what a code's name has behind the word where that alone would not do
-_SUFFIXES = {"mode": "_MODE", "kind": "_MESH", "rung": "_RUNG"}
+_SUFFIXES = {"mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
 
 
 def signal_numbers() -> str:
-    """The text of signal_numbers.h: the signals' numbers and groups, and the warnings of rungs that leave some out.
+    """The text of signal_numbers.h: the signals' numbers and groups, and the warning of each simplified model.
 
     A number is the place in SIGNALS, a group the function of simulation.signals that computes the signal.
     """
     numbers = "".join(f"    {constant(name)},\n" for name in SIGNALS)
     groups = ", \\\n".join(f"    {group_of(name).__name__.upper()}" for name in SIGNALS)
     texts = ", \\\n".join(
-        f"    {json.dumps(left_out_text(rung) if rung in LADDER else '')}" for rung in get_args(RungChoice)
+        f"    {json.dumps(neglected_text(fidelity) if fidelity in FIDELITIES else '')}"
+        for fidelity in get_args(FidelityChoice)
     )
     return (
         "/* Generated from rope_model.simulation.signals and left_out by rope_model.native.tables. */\n"
         "#ifndef SIGNAL_NUMBERS_H\n#define SIGNAL_NUMBERS_H\n\n"
         f"enum {{\n{numbers}    SIGNALS,\n    SHAPE_POINTS = {SHAPE_POINTS}\n}};\n\n"
         f"/* of each signal, an enum of signals.h */\n#define SIGNAL_GROUPS \\\n{groups}\n\n"
-        f"/* the warning of each rung, by its code */\n#define LEFT_OUT_TEXTS {{ \\\n{texts}}}\n\n#endif\n"
+        f"/* the warning of each fidelity, by its code */\n#define LEFT_OUT_TEXTS {{ \\\n{texts}}}\n\n#endif\n"
     )
 
 

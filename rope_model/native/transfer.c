@@ -1,4 +1,4 @@
-/* Nodal values between the nodes, and carried from one partition of the rope to another: the twin of
+/* Nodal values between the nodes, and carried from one partition of the rope to another: the port of
    rope_model.simulation.transfer, which says what is done and why. */
 #include <math.h>
 #include <string.h>
@@ -29,7 +29,7 @@ static int element_at(int nodes, const double *s, double x) {
     return i < 0 ? 0 : i > nodes - 2 ? nodes - 2 : i;
 }
 
-void transfer_interpolated(int nodes, const double *x, const double *s, int places, const double *at, double *y) {
+void transfer_interpolate(int nodes, const double *x, const double *s, int places, const double *at, double *y) {
     double tolerance = tolerance_of(nodes, s);
     int i = 0;
     for (int k = 0; k < places; k++, y += DOF) {
@@ -104,8 +104,8 @@ static void add_products(int nodes, const double *s, double *cubics, double *lin
 }
 
 /* what the fields have in the element to the right of a node: r (3) and theta of each */
-static void taken(const double *const *fields, int number, int node, double xi, const double shares[CUBIC],
-                  double (*values)[4]) {
+static void field_values(const double *const *fields, int number, int node, double xi, const double shares[CUBIC],
+                         double (*values)[4]) {
     for (int f = 0; f < number; f++) {
         const double *left = fields[f] + (ptrdiff_t)DOF * node, *right = left + DOF;
         for (int axis = 0; axis < 3; axis++)
@@ -135,8 +135,8 @@ static void add_missing(int nodes, int fields, const double *const *x, const dou
                 double shares[CUBIC], old_shares[CUBIC], before[MOST_FIELDS][4], after[MOST_FIELDS][4];
                 hermite_shares(xi, l, shares);
                 hermite_shares(old_xi, old_l, old_shares);
-                taken(x, fields, k, old_xi, old_shares, before);
-                taken(y, fields, e, xi, shares, after);
+                field_values(x, fields, k, old_xi, old_shares, before);
+                field_values(y, fields, e, xi, shares, after);
                 for (int f = 0; f < fields; f++) {
                     double missing = weight * (before[f][3] - after[f][3]);
                     theta[(ptrdiff_t)fields * e + f] += (1 - xi) * missing;
@@ -152,7 +152,7 @@ static void add_missing(int nodes, int fields, const double *const *x, const dou
     }
 }
 
-void transfer_carried(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work) {
+void transfer_fields(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work) {
     const ptrdiff_t n = nodes;
     const int inner = nodes - 2; /* the ends keep their values */
     double *cubics = work, *lines = cubics + 2 * CUBIC * n, *r = lines + LINEAR * n, *theta = r + 6 * n * fields;
@@ -162,7 +162,7 @@ void transfer_carried(int nodes, const double *old_s, const double *new_s, int f
     for (int f = 0; f < fields; f++) {
         before[f] = x[f];
         after[f] = y[f] = theta + n * fields + DOF * n * f;
-        transfer_interpolated(nodes, x[f], old_s, nodes, new_s, y[f]);
+        transfer_interpolate(nodes, x[f], old_s, nodes, new_s, y[f]);
     }
     add_missing(nodes, fields, before, old_s, after, new_s, r, theta);
     add_products(nodes, new_s, cubics, lines);

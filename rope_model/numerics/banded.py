@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def solved(band: Array, b: Array) -> Array:
+def solve_banded(band: Array, b: Array) -> Array:
     """x of A x = b for a positive definite A: (rows, columns), as ``b``.
 
     ``band`` (rows, width + 1) holds the diagonal of A and the entries right of it, nearest first; what lies outside of

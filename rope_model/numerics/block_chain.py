@@ -55,9 +55,9 @@ class ChainFunctions:
     solve:     (q, v, a, R, l, load, grip, node_mass, free, P, c, scale, tolerance) -> q, v, a, R, balance, progress
         Newton's method for q; v and a follow by c[1] and c[2] times the corrections, whose size is the largest
         entry times ``scale`` (dof,).  ``progress`` is that of numerics.newton.
-    direction: (q, v, a, R, l, load, grip, node_mass, free, P, c) -> correction, R
+    newton_step: (q, v, a, R, l, load, grip, node_mass, free, P, c) -> correction, R
         solves J x = -R on the free degrees of freedom, J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da
-    assess:    (q, v, a, R, l, load, grip, node_mass, P) -> R, balance summed over the elements
+    evaluate:    (q, v, a, R, l, load, grip, node_mass, P) -> R, balance summed over the elements
     losses:    (q, v, l, P) -> the balance's powers, summed
     strains:   (q, l, P) -> one column per element
 
@@ -66,20 +66,20 @@ class ChainFunctions:
     """
 
     solve: ca.Function
-    direction: ca.Function
-    assess: ca.Function
+    newton_step: ca.Function
+    evaluate: ca.Function
     losses: ca.Function
     strains: ca.Function
 
     def all(self) -> tuple[ca.Function, ...]:
         """The functions in the order in which a compiled library and a portable file hold them."""
-        return self.solve, self.direction, self.assess, self.losses, self.strains
+        return self.solve, self.newton_step, self.evaluate, self.losses, self.strains
 
 
 def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, ...]) -> ChainFunctions:
     """Functions for ``n`` elements that know the degrees of freedom ``kept`` of a node's ``dof``."""
     m, parameters = len(kept), element.residual.size1_in(4)
-    names = ("q", "v", "a", "R", "load", "grip", "node_mass", "free")
+    names = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free")
     q, v, a, R, load, grip, node_mass, free = (ca.MX.sym(name, m, n + 1) for name in names)
     l, P, c, scale = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3), ca.MX.sym("scale", m)
     Ps = ca.repmat(P, 1, n)
@@ -92,7 +92,7 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
     residual_map, balance_map = element.residual.map(n), element.balance.map(n)
 
     def residual(q: ca.MX, v: ca.MX, a: ca.MX, R: ca.MX) -> ca.MX:
-        return _assembled(residual_map(*(_both_ends(x) for x in (q, v, a)), l, Ps), m) + nodal(a, R)
+        return _assemble(residual_map(*(_both_ends(x) for x in (q, v, a)), l, Ps), m) + nodal(a, R)
 
     # Newton's method: x holds q, v, a and R side by side
     x = ca.MX.sym("x", m, 4 * (n + 1))
@@ -120,7 +120,7 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
     correction = substitute(*factorize(q, v, a, l, node_mass, free, P, c), free * R_a)
     losses = ca.sum2(element.losses.map(n)(_both_ends(q), _both_ends(v), l, Ps))
     strains = element.strains.map(n)(_both_ends(q), l, Ps)
-    system = {"l": l, "load": load, "grip": grip, "node_mass": node_mass}
+    system = {"l": l, "load": load, "friction_load": grip, "node_mass": node_mass}
     motion = {"q": q, "v": v, "a": a, "R": R}
     method = {"free": free, "P": P, "c": c}
     limits = {"scale": scale, "tolerance": tolerance}
@@ -129,7 +129,7 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
     def function(
         name: str, inputs: dict[str, ca.MX], outputs: dict[str, ca.MX], carried: tuple[str, ...] = ()
     ) -> ca.Function:
-        return _widened(name, inputs, outputs, dof, kept, carried)
+        return _widen(name, inputs, outputs, dof, kept, carried)
 
     return ChainFunctions(
         solve=function(
@@ -138,18 +138,18 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
             after | {"balance": sums(solved[0], solved[1]), "progress": progress},
             carried=("q", "v", "a"),
         ),
-        direction=function("direction", motion | system | method, {"q": correction, "R": R_a}),
-        assess=function("assess", motion | system | {"P": P}, {"R": R_a, "balance": sums(q, v)}),
+        newton_step=function("newton_step", motion | system | method, {"q": correction, "R": R_a}),
+        evaluate=function("evaluate", motion | system | {"P": P}, {"R": R_a, "balance": sums(q, v)}),
         losses=function("losses", {"q": q, "v": v, "l": l, "P": P}, {"powers": losses}),
         strains=function("strains", {"q": q, "l": l, "P": P}, {"strains": strains}),
     )
 
 
 #: arguments and results with a row for each degree of freedom of a node
-_NODAL = ("q", "v", "a", "R", "load", "grip", "node_mass", "free", "scale")
+_NODAL = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free", "scale")
 
 
-def _widened(
+def _widen(
     name: str,
     inputs: dict[str, ca.MX],
     outputs: dict[str, ca.MX],
@@ -179,7 +179,7 @@ def _both_ends(x: ca.MX) -> ca.MX:
     return ca.vertcat(x[:, :-1], x[:, 1:])
 
 
-def _assembled(R: ca.MX, m: int) -> ca.MX:
+def _assemble(R: ca.MX, m: int) -> ca.MX:
     zero = ca.MX.zeros(m, 1)
     return ca.horzcat(R[:m, :], zero) + ca.horzcat(zero, R[m:, :])
 
@@ -190,8 +190,8 @@ def _factorize(n: int, tangent: ca.Function, m: int) -> ca.Function:
     D, J = ca.SX.sym("D", m, m), ca.SX.sym("J", 2 * m, 2 * m)
     both, mass = ca.SX.sym("free", 2 * m), ca.SX.sym("mass", m)
     J_f = J * (both @ both.T)
-    factor = _factored(D + J_f[:m, :m])
-    W = _solved(factor, J_f[:m, m:])
+    factor = _factor(D + J_f[:m, :m])
+    W = _solve(factor, J_f[:m, m:])
     next_D = J_f[m:, m:] + ca.diag(both[m:] * mass + 1 - both[m:]) - J_f[m:, :m] @ W
     eliminate = ca.Function("eliminate", [D, J, both, mass], ca.cse([next_D, factor, W, J_f[m:, :m]]))
     D_m, _, both_m, mass_m = eliminate.mx_in()
@@ -212,7 +212,7 @@ def _factorize(n: int, tangent: ca.Function, m: int) -> ca.Function:
         *(ca.repmat(c[i], 1, n) for i in range(3)),
     )
     A = ca.SX.sym("A", m, m)
-    last = ca.Function("last_factor", [A], [_factored(A)])(Ds[:, -m:])
+    last = ca.Function("last_factor", [A], [_factor(A)])(Ds[:, -m:])
     return ca.Function("factorized", [q, v, a, l, node_mass, free, P, c], [factors, Ws, Ls, last])
 
 
@@ -220,7 +220,7 @@ def _substitute(n: int, m: int) -> ca.Function:
     """(factors, R (m, n + 1)) -> x (m, n + 1) with J x = -R."""
     F, W, L = (ca.SX.sym(s, m, m) for s in "FWL")
     y, r, z, x = (ca.SX.sym(s, m) for s in "yrzx")
-    z_y = _solved(F, y)
+    z_y = _solve(F, y)
     down = ca.Function("substitute_down", [y, F, L, r], ca.cse([r - L @ z_y, z_y])).mapaccum("down_sweep", n)
     up = ca.Function("substitute_up", [x, W, z], [-z - W @ x]).mapaccum("up_sweep", n)
     bottom = ca.Function("substitute_last", [F, y], [-z_y])
@@ -235,7 +235,7 @@ def _substitute(n: int, m: int) -> ca.Function:
     return ca.Function("substitute", [Fs, Ws, Ls, last, R], [ca.horzcat(xs[:, order], x_n)])
 
 
-def _factored(A: ca.SX) -> ca.SX:
+def _factor(A: ca.SX) -> ca.SX:
     """LU without pivoting, unrolled; the inverse pivots on the diagonal."""
     A = ca.SX(A)
     for i in range(A.shape[0]):
@@ -246,7 +246,7 @@ def _factored(A: ca.SX) -> ca.SX:
     return A
 
 
-def _solved(F: ca.SX, b: ca.SX) -> ca.SX:
+def _solve(F: ca.SX, b: ca.SX) -> ca.SX:
     """A^-1 b from the factors of A."""
     b, m = ca.SX(b), F.shape[0]
     for i in range(m):

@@ -64,12 +64,12 @@ B = TypeVar("B", bound=Assessed)
 
 @dataclass(frozen=True)
 class Solution(Generic[B]):
-    """What Newton's method found: q, v, a, their assessment, and how it ended."""
+    """What Newton's method found: q, v, a, their evaluation, and how it ended."""
 
     q: Array
     v: Array
     a: Array
-    assessment: B
+    evaluation: B
     newton: NewtonReport
 
 
@@ -80,16 +80,16 @@ class System(Protocol[B]):
     def free(self) -> NDArray[np.bool_]:
         """True where a degree of freedom is free, False where it is prescribed."""
 
-    def prescribed(self, t: float) -> Array:
+    def prescribed_motion(self, t: float) -> Array:
         """(3, ...): full arrays of q, v and a, of which the prescribed entries count."""
 
     def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[B]:
         """Equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x."""
 
-    def direction(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+    def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         """(x, R): J x = -R on the free degrees of freedom with J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da."""
 
-    def assess(self, q: Array, v: Array, a: Array, reaction: Array) -> B:
+    def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> B:
         """R, and whatever else the system wants to tell of this instant."""
 
     def norm(self, x: Array) -> float:
@@ -169,13 +169,13 @@ def local_error(method: Coefficients, h: Any, change: Any) -> Any:
 
 @dataclass(frozen=True)
 class StepResult(Generic[B]):
-    """A trial step: the motion reached and its assessment (None when Newton failed), the report, the local error.
+    """A trial step: the motion reached and its evaluation (None when Newton failed), the report, the local error.
 
     The error is in ``System.norm``.
     """
 
     motion: Motion | None
-    assessment: B | None
+    evaluation: B | None
     newton: NewtonReport
     error: float
 
@@ -187,11 +187,11 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     recentring = recentring_time(method, h, old.h) if 0 < h <= LARGEST_GROWTH * old.h else 0.0
     flat = past.reshape(len(past), -1)
     q, v, a = guess = (method.prediction(h, recentring) @ flat).reshape(3, *old.q.shape)
-    np.copyto(guess, system.prescribed(t), where=~free)
+    np.copyto(guess, system.prescribed_motion(t), where=~free)
     with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
         solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance)
-    newton, assessment = solution.newton, solution.assessment
-    if newton.converged and not math.isfinite(assessment.reaction.sum()):
+    newton, evaluation = solution.newton, solution.evaluation
+    if newton.converged and not math.isfinite(evaluation.reaction.sum()):
         newton = NewtonReport(NewtonStatus.NOT_FINITE, newton.iterations, np.inf)
     if not newton.converged:
         return StepResult(None, None, newton, np.inf)
@@ -200,8 +200,8 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     b = (np.array(before) @ flat[2:]).reshape(a.shape) + now * a
     change = a - old.a
     error = local_error(method, h, system.norm(free * change))
-    motion = Motion(t, solution.q, solution.v, a, b, change / h, h, assessment.reaction)
-    return StepResult(motion, assessment, newton, error)
+    motion = Motion(t, solution.q, solution.v, a, b, change / h, h, evaluation.reaction)
+    return StepResult(motion, evaluation, newton, error)
 
 
 def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) -> tuple[Motion, B]:
@@ -210,11 +210,11 @@ def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) ->
     The residual is linear in the acceleration, so one correction solves it.
     """
     free = system.free
-    q_p, v_p, a_p = system.prescribed(t)
+    q_p, v_p, a_p = system.prescribed_motion(t)
     q, v = np.where(free, q, q_p), np.where(free, v, v_p)
     a = np.where(free, 0.0, a_p)
     for _ in range(2):  # the second time with friction from the right reactions
-        x, reaction = system.direction(q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
+        x, reaction = system.newton_step(q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
         a = a + x
-    assessment = system.assess(q, v, a, reaction)
-    return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, assessment.reaction), assessment
+    evaluation = system.evaluate(q, v, a, reaction)
+    return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, evaluation.reaction), evaluation

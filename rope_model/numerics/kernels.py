@@ -90,11 +90,19 @@ def prepare(
             log.info("kernels: compiled, %s", library)
             return compiled, "compiled"
         except (OSError, subprocess.CalledProcessError, RuntimeError) as error:
-            cause = f"{' '.join(compiler)} failed: {error}"
+            cause = f"{' '.join(compiler)} failed: {last_words(error)}"
     if form == "compiled":
         raise RuntimeError(f"compiled kernels asked for, but {cause}; install a C compiler or use kernels='portable'")
-    log.info("kernels: portable (CasADi virtual machine), because %s", cause)
+    # without a compiler that is as expected; with one that fails it is not
+    level = logging.INFO if compiler is None else logging.WARNING
+    log.log(level, "kernels: portable (CasADi virtual machine, several times slower), because %s", cause)
     return list(functions), "portable"
+
+
+def last_words(error: Exception) -> str:
+    """What happened, with the last line that a compiler wrote."""
+    said = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
+    return f"{error} {said[-1]}" if said else str(error)
 
 
 def find_compiler() -> tuple[str, ...] | None:

@@ -55,7 +55,7 @@ class NewtonReport:
 PROGRESS = ("status", "iterations", "norm", "error", "contraction")
 
 
-def started() -> ca.DM:
+def initial_progress() -> ca.DM:
     """The progress before the first correction."""
     return ca.DM([0.0, 0.0, ca.inf, ca.inf, 0.0])
 
@@ -114,7 +114,7 @@ def newton(factorize: ca.Function, correct: ca.Function) -> ca.Function:
     made = factorize.call([x, *fixed])
     one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *made, *fixed, tolerance]))
     another = _where(one_round, 2)
-    result = one_round(x, started(), *fixed, tolerance)
+    result = one_round(x, initial_progress(), *fixed, tolerance)
     for _ in range(ROUNDS - 1):
         result = another(result[1][0] == 0, *result, *fixed, tolerance)
     return ca.Function("newton", [x, *fixed, tolerance], list(result))

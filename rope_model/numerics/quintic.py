@@ -31,6 +31,6 @@ def acceleration(c: Any, s: Any) -> Any:
     return 2 * c[2] + s * (6 * c[3] + s * (12 * c[4] + s * 20 * c[5]))
 
 
-def extrapolated(x: Any, v: Any, a: Any, h: Any) -> tuple[Any, Any]:
+def extrapolate(x: Any, v: Any, a: Any, h: Any) -> tuple[Any, Any]:
     """Position and speed ``h`` later if the acceleration stays."""
     return x + v * h + 0.5 * a * h * h, v + a * h

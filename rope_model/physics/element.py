@@ -17,7 +17,7 @@ The rate of k is the one seen by an observer who turns with the cross-section, s
 nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
 leave an hourglass mode in the axial strain.
 
-The rungs of the model are this one text with degrees of freedom left out:
+The fidelities of the model are this one text with degrees of freedom left out:
 
     torsional   r, r', theta     complete
     spatial     r, r'            no torsion: tau = 0, w = 0, no torque
@@ -38,9 +38,9 @@ from .frame import FrameRate, smallest_rotation_rate
 from .hermite import PRODUCTS
 
 NODE_DOF = 7
-Rung = Literal["torsional", "spatial", "planar"]
-#: the degrees of freedom of a node that a rung keeps
-RUNGS: dict[Rung, tuple[int, ...]] = {
+ElementFidelity = Literal["torsional", "spatial", "planar"]
+#: the degrees of freedom of a node that a fidelity keeps
+ELEMENT_DOF: dict[ElementFidelity, tuple[int, ...]] = {
     "torsional": (0, 1, 2, 3, 4, 5, 6),
     "spatial": (0, 1, 2, 3, 4, 5),
     "planar": (0, 1, 3, 4),
@@ -87,9 +87,11 @@ class ElementFunctions:
 
 
 @cache
-def element_functions(rung: Rung = "torsional", frame_rate: FrameRate = smallest_rotation_rate) -> ElementFunctions:
+def element_functions(
+    fidelity: ElementFidelity = "torsional", frame_rate: FrameRate = smallest_rotation_rate
+) -> ElementFunctions:
     """Build the functions; a second call with the same arguments returns the same objects."""
-    kept = [*RUNGS[rung], *(NODE_DOF + i for i in RUNGS[rung])]
+    kept = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
     symbols = [ca.SX.sym(name, len(kept)) for name in ("q", "v", "a")]
     q, v, a = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v, a), symbols, strict=True):
@@ -97,7 +99,7 @@ def element_functions(rung: Rung = "torsional", frame_rate: FrameRate = smallest
     l, P = ca.SX.sym("l"), ca.SX.sym("P", len(PARAMETERS))
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
 
-    point = _point_functions(frame_rate, rung == "torsional")
+    point = _point_functions(frame_rate, fidelity == "torsional")
     mass, weight = _translational_mass(l, P), _weight(l, P)
     balance, strains = ca.SX.zeros(len(BALANCE)), ca.SX.zeros(len(STRAINS))
     balance[4], balance[6] = 0.5 * ca.dot(v, mass @ v), -ca.dot(weight, q)

@@ -1,6 +1,6 @@
 """Energies of the rope, and how they account for the work done on it, J.
 
-``ledger`` has the energies now, and by name what went in and out since the start.
+``energy_balance`` has the energies now, and by name what went in and out since the start.
 """
 
 from __future__ import annotations
@@ -14,12 +14,17 @@ def energies(balance: Any) -> tuple[Any, Any, Any]:
     return kinetic + spin, axial + coupling + torsion + bending, gravity
 
 
-def total(ledger: Any) -> Any:
+def total(energy_balance: Any) -> Any:
     """Kinetic, strain and potential energy."""
-    return ledger.kinetic + ledger.strain + ledger.gravity
+    return energy_balance.kinetic + energy_balance.strain + energy_balance.gravity
 
 
-def residual(ledger: Any) -> Any:
+def residual(energy_balance: Any) -> Any:
     """What the rest does not account for: what the integrator dissipated (negative) or put in."""
-    explained = ledger.work_ends + ledger.transformations - ledger.dissipated_material - ledger.dissipated_swivel
-    return total(ledger) - ledger.start - explained + ledger.nonconservative
+    explained = (
+        energy_balance.work_ends
+        + energy_balance.transformations
+        - energy_balance.dissipated_material
+        - energy_balance.dissipated_swivel
+    )
+    return total(energy_balance) - energy_balance.start - explained + energy_balance.nonconservative

@@ -49,7 +49,7 @@ class Travel(NamedTuple):
 ASSUMED = Travel(0.0, 10.0, 1.0, 1.0)
 
 
-def expected(height_difference: Any, speed: Any, acceleration: Any) -> Travel:
+def travel_estimate(height_difference: Any, speed: Any, acceleration: Any) -> Travel:
     """What to expect of ends that move like this now: at least what is ASSUMED."""
     growth = larger(acceleration / ASSUMED.acceleration, 1.0)
     speed = larger(speed, ASSUMED.speed)

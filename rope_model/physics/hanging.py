@@ -21,14 +21,14 @@ class Hanging(NamedTuple):
     lean: float
 
 
-def hanging(length: Any, middle: Any, width: Any, cell: Any) -> Hanging:
+def hanging_shape(length: Any, middle: Any, width: Any, cell: Any) -> Hanging:
     """Of a rope of ``length`` (m) with its lowest point at arc length ``middle``, where elements are ``cell`` long."""
     radius = larger(0.5 * width, smaller(4 * cell / math.pi, 0.25 * smaller(middle, length - middle)))
     left_leg, right_leg = middle - 0.5 * math.pi * radius, length - middle - 0.5 * math.pi * radius
     return Hanging(radius, left_leg, right_leg, radius - 0.5 * width)
 
 
-def turned(hanging: Any, s: Any) -> Any:
+def turn_angle(hanging: Any, s: Any) -> Any:
     """Angle (rad) from 0 to pi by which the rope has turned at arc length ``s``."""
     return smaller(larger((s - hanging.left_leg) / hanging.radius, 0.0), math.pi)
 

@@ -13,7 +13,7 @@ from typing import Any
 PRODUCTS = ((156, 22, 54, -13), (22, 4, 13, -3), (54, 13, 156, -22), (-13, -3, -22, 4))
 
 
-def interpolated(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[Any, Any]:
+def interpolate(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[Any, Any]:
     """Value, and derivative with respect to arc length."""
     d1, d2, rest = l * s1, l * s2, 1 - xi
     return (

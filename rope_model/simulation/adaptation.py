@@ -1,4 +1,4 @@
-"""Changes of the rope's description that leave the rope as it is: mesh, the frame's pole, the rung of the model."""
+"""Changes of the rope's description that leave the rope as it is: mesh, the frame's pole, the fidelity of the model."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 
 from ..numerics.generalized_alpha import Solution
 from ..physics.frame import best_pole, pole_change_angle, pole_margin, smallest_rotation_rate
-from .mesh import Partition, transformation_due, transformed
+from .fidelity import carries_torque, ends_after, lowest_sufficient
+from .mesh import Partition, transform, transformation_due
 from .model import RopeModel, ends_of, energies
-from .rigid import flexible_start, settled
-from .rope_system import ANGLE, SLOPE, Assessment
-from .rungs import carries_torque, ends_after, lowest_able
+from .rigid import flexible_start, with_elastic_strain
+from .rope_system import ANGLE, SLOPE, Evaluation
 from .state import Event, RopeState
-from .transfer import transferred
+from .transfer import transfer_fields
 
 log = logging.getLogger(__name__)
 
@@ -29,31 +29,31 @@ POLE_FOLLOWS = 0.5
 RELAXATION_TIME = 0.1
 
 
-def transformed_if_due(model: RopeModel, state: RopeState) -> RopeState:
+def transform_if_due(model: RopeModel, state: RopeState) -> RopeState:
     """The state on the transformed mesh when the loop has travelled far enough (by a hair less, for rounding)."""
     while direction := transformation_due(state.partition, model.bottom(state.paths, state.motion.t), 1e-7):
-        state = _on_partition(model, state, transformed(state.partition, direction))
+        state = _on_partition(model, state, transform(state.partition, direction))
     return state
 
 
 def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeState:
-    if state.rung == "rigid":  # its shape and energies do not come from the mesh
+    if state.fidelity == "rigid":  # its shape and energies do not come from the mesh
         return state._replace(partition=new)
     old_s, new_s = state.partition.nodes_s, new.nodes_s
     m = state.motion
     names = ("q", "v", "a", "b", "a_rate")
-    fields = transferred(np.array([getattr(m, name) for name in names]), old_s, new_s)
+    fields = transfer_fields(np.array([getattr(m, name) for name in names]), old_s, new_s)
     carried: dict[str, Any] = dict(zip(names, fields, strict=True))
     reaction = np.zeros_like(m.reaction)
     reaction[[0, -1]] = m.reaction[[0, -1]]
     moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction))
-    solution = _relaxed(model, moved)
+    solution = _dynamic_equilibrium(model, moved)
     if solution.newton.converged:
         moved = moved._replace(motion=replace(moved.motion, q=solution.q))
-    return _booked(model, moved, "transformation")
+    return _with_energy_change(model, moved, "transformation")
 
 
-def _relaxed(model: RopeModel, state: RopeState) -> Solution[Assessment]:
+def _dynamic_equilibrium(model: RopeModel, state: RopeState) -> Solution[Evaluation]:
     """The state in equilibrium with its accelerations.
 
     Where elements became fewer, the new cubic is a little too short or too long; in another frame theta, linear within
@@ -70,16 +70,16 @@ def with_good_pole(model: RopeModel, state: RopeState) -> RopeState:
     moved = in_good_frame(state)
     if moved is state:
         return state
-    solution = _relaxed(model, moved)
+    solution = _dynamic_equilibrium(model, moved)
     if not solution.newton.converged:  # the old frame serves for another step
         return state
-    motion = replace(moved.motion, q=solution.q, reaction=solution.assessment.reaction)
-    return _booked(model, moved._replace(motion=motion), "new frame pole")
+    motion = replace(moved.motion, q=solution.q, reaction=solution.evaluation.reaction)
+    return _with_energy_change(model, moved._replace(motion=motion), "new frame pole")
 
 
 def in_good_frame(state: RopeState) -> RopeState:
     """Theta and its rate expressed in a frame whose singularity is far from every tangent of the rope."""
-    if state.rung != "torsional":  # nothing is counted from the frame
+    if state.fidelity != "torsional":  # nothing is counted from the frame
         return state
     d = state.motion.q[:, SLOPE]
     t = d / np.sqrt(np.einsum("ij,ij->i", d, d))[:, None]
@@ -105,53 +105,55 @@ def in_good_frame(state: RopeState) -> RopeState:
     )
 
 
-def raised(model: RopeModel, state: RopeState, why: str) -> RopeState:
-    """The state on the lowest rung that can follow what this one cannot.
+def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
+    """The state at the lowest fidelity that can follow what this one cannot.
 
-    Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the rung above
-    at once; the rigid one, which has no shape of its own, also takes the shape and the motion of the equilibrium.
+    Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the next higher
+    fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.
     """
-    rung = lowest_able(model.scene, ends_after(state.paths))
-    reason = f"the {state.rung} rung cannot follow {why}"
-    log.info("t = %.6f s: model: %s, because %s", state.motion.t, rung, reason)
-    event = Event(state.motion.t, f"model {rung}")
-    above = state._replace(rung=rung, rung_reason=reason, events=(*state.events, event))
-    if state.rung != "rigid" and not carries_torque(model.scene):
-        return model.restarted(above)
+    fidelity = lowest_sufficient(model.scene, ends_after(state.paths))
+    reason = f"the {state.fidelity} model cannot follow {why}"
+    log.info("t = %.6f s: model: %s, because %s", state.motion.t, fidelity, reason)
+    event = Event(state.motion.t, f"model {fidelity}")
+    above = state._replace(fidelity=fidelity, fidelity_reason=reason, events=(*state.events, event))
+    if state.fidelity != "rigid" and not carries_torque(model.scene):
+        return model.restart(above)
     system = model.system(above)
-    if state.rung == "rigid":
+    if state.fidelity == "rigid":
         motion = flexible_start(system, ends_of(system), state.motion)
     else:
-        motion = settled(system, state.motion)
-    above = model.restarted(above._replace(motion=motion))
-    m, before = above.motion, state.ledger
-    after = before._replace(**energies(model.system(above).assess(m.q, m.v, m.a, m.reaction).balance))
-    return above._replace(ledger=after._replace(transformations=before.transformations + after.total - before.total))
+        motion = with_elastic_strain(system, state.motion)
+    above = model.restart(above._replace(motion=motion))
+    m, before = above.motion, state.energy_balance
+    after = before._replace(**energies(model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance))
+    return above._replace(
+        energy_balance=after._replace(transformations=before.transformations + after.total - before.total)
+    )
 
 
 def with_loop_yaw(state: RopeState) -> RopeState:
     """The loop's yaw at its lowest node, counted on from its last value."""
     q = state.motion.q
     d = q[np.argmin(q[:, 1]), SLOPE]
-    return state._replace(loop_yaw=counted_on(math.atan2(-d[2], d[0]), state.loop_yaw))
+    return state._replace(loop_yaw=nearest_turn(math.atan2(-d[2], d[0]), state.loop_yaw))
 
 
-def counted_on(angle: float, last: float) -> float:
+def nearest_turn(angle: float, last: float) -> float:
     """``angle`` (rad) with the full turns that bring it closest to ``last``."""
     return angle + 2 * math.pi * round((last - angle) / (2 * math.pi))
 
 
-def _booked(model: RopeModel, state: RopeState, what: str) -> RopeState:
-    """A changed description with its energy change in the ledger."""
-    m, before = state.motion, state.ledger
-    assessment = model.system(state).assess(m.q, m.v, m.a, m.reaction)
-    after = before._replace(**energies(assessment.balance))
+def _with_energy_change(model: RopeModel, state: RopeState, what: str) -> RopeState:
+    """A changed description with its energy change in the energy_balance."""
+    m, before = state.motion, state.energy_balance
+    evaluation = model.system(state).evaluate(m.q, m.v, m.a, m.reaction)
+    after = before._replace(**energies(evaluation.balance))
     kinetic, total = after.kinetic - before.kinetic, after.total - before.total
     event = Event(m.t, what, kinetic, total - kinetic)
     log.debug("t = %.6f s: %s, kinetic energy %+.3g J, potential %+.3g J", *event)
     counts = state.counts
     return state._replace(
-        ledger=after._replace(transformations=before.transformations + total),
+        energy_balance=after._replace(transformations=before.transformations + total),
         counts=counts.plus(transformations=1) if what == "transformation" else counts.plus(pole_changes=1),
         events=(*state.events, event),
     )

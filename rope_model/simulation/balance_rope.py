@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ..parameters import Scene
 from .ends import SHORTEST_AIM, EndMotion
-from .rungs import RungName
+from .fidelity import Fidelity
 from .state import RopeState
 
 
@@ -50,13 +50,13 @@ class BalanceRope(ABC):
 
     @property
     @abstractmethod
-    def rung(self) -> RungName:
+    def fidelity(self) -> Fidelity:
         """How much of the rope is computed now: torsional is all, then spatial, planar and rigid."""
 
     @property
     @abstractmethod
-    def rung_reason(self) -> str:
-        """Why it is this rung."""
+    def fidelity_reason(self) -> str:
+        """Why it is this fidelity."""
 
     @property
     @abstractmethod
@@ -94,7 +94,7 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def warnings(self) -> dict[str, str]:
-        """What to mind in a valid state, sentences by subject; empty when there is nothing."""
+        """Warnings about a valid state, sentences by subject."""
 
     def save(self) -> bytes:
         """The complete state, for ``restore`` of any form of the same scene, also in another process."""

@@ -11,7 +11,7 @@ from ..numerics.generalized_alpha import Motion
 from ..physics.hermite import integral, integral_to
 from ..physics.outline import place, squared_distance
 from .rope_system import POSITION, SLOPE, Array, arc_lengths
-from .transfer import interpolated
+from .transfer import interpolate
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     s = arc_lengths(lengths)
     i = int(np.clip(np.argmin(q[:, 1]), 1, s.size - 2))
     fine = np.linspace(s[i - 1], s[i + 1], 41)
-    y = interpolated(q, s, fine)[:, 1]
+    y = interpolate(q, s, fine)[:, 1]
     j = int(np.clip(np.argmin(y), 1, 39))
     bend = y[j - 1] - 2 * y[j] + y[j + 1]
     shift = 0.5 * (y[j - 1] - y[j + 1]) / bend if bend > 0 else 0.0
     at = fine[j] + min(max(shift, -1.0), 1.0) * (fine[1] - fine[0])
-    point = interpolated(q, s, np.array([at]))[0]
+    point = interpolate(q, s, np.array([at]))[0]
     d = point[SLOPE]
     return LoopBottom(float(at), point[POSITION], math.atan2(-d[2], d[0]))
 
@@ -82,10 +82,10 @@ def shape_places(lengths: Array, bottom_s: float, points: int) -> Array:
 
 def shape(q: Array, lengths: Array, bottom_s: float, points: int) -> Array:
     """(points, 3): the centre line, sampled more closely around the loop's lowest point."""
-    return interpolated(q, arc_lengths(lengths), shape_places(lengths, bottom_s, points))[:, POSITION]
+    return interpolate(q, arc_lengths(lengths), shape_places(lengths, bottom_s, points))[:, POSITION]
 
 
-def between_middles(values: Array, lengths: Array, s: Array) -> Array:
+def interpolate_midpoints(values: Array, lengths: Array, s: Array) -> Array:
     """``values`` (elements,) at arc lengths ``s``, linear between the middles of the elements."""
     return np.interp(s, arc_lengths(lengths)[:-1] + 0.5 * lengths, values)
 
@@ -108,7 +108,7 @@ def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float
     within = integral_to(xi, l, left[:, POSITION], left[:, SLOPE], right[:, POSITION], right[:, SLOPE])
     force = rho * (before + within) - motion.reaction[0, POSITION]
     force[:, 1] += rho * gravity * s
-    d = interpolated(motion.q, nodes, s)[:, SLOPE]
+    d = interpolate(motion.q, nodes, s)[:, SLOPE]
     along: Array = np.sum(force * d, axis=1) / np.linalg.norm(d, axis=1)
     return along
 

@@ -73,10 +73,10 @@ class EndMotion:
     yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", FARTHEST)
     yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
 
-    def extrapolated(self, h: float) -> EndMotion:
+    def extrapolate(self, h: float) -> EndMotion:
         """The motion ``h`` seconds later if the accelerations stay as they are."""
         states = zip(self.position, self.velocity, self.acceleration, strict=True)
-        (x, vx), (y, vy), (z, vz) = (quintic.extrapolated(*state, h) for state in states)
+        (x, vx), (y, vy), (z, vz) = (quintic.extrapolate(*state, h) for state in states)
         return replace(self, x=x, y=y, z=z, vx=vx, vy=vy, vz=vz, yaw=self.yaw + self.yaw_rate * h)
 
     @property
@@ -117,7 +117,7 @@ class EndPath(NamedTuple):
     coefficients: tuple[Quintic, ...]
 
     @staticmethod
-    def resting(t: float, at: EndMotion) -> EndPath:
+    def at_rest(t: float, at: EndMotion) -> EndPath:
         """No motion at all."""
         return EndPath(t, t, t, tuple((x, 0.0, 0.0, 0.0, 0.0, 0.0) for x in (*at.position, at.yaw)))
 
@@ -128,11 +128,11 @@ class EndPath(NamedTuple):
         where this path was aimed.  Until then the motion goes on with the target's accelerations.
         """
         start, step = self.stop, stop - self.stop
-        h = max(step, min(self._missing_time(target.extrapolated(-step)), max(self.aim - start, within)))
+        h = max(step, min(self._missing_time(target.extrapolate(-step)), max(self.aim - start, within)))
         if h <= step * (1.0 + ALIKE):
             h = step
         else:
-            target = target.extrapolated(h - step)
+            target = target.extrapolate(h - step)
         places, speeds = (*target.position, target.yaw), (*target.velocity, target.yaw_rate)
         # FMI gives no yaw acceleration: take the mean over the step
         yaw_rate = self.rates(start, 3)[1]
@@ -148,7 +148,7 @@ class EndPath(NamedTuple):
         ends = (self.rates(self.stop, axis) for axis in range(4))
         return float(max(missing_time(x - x0, v - v0) for x, v, (x0, v0, _) in zip(places, speeds, ends, strict=True)))
 
-    def coasting(self, t: float) -> EndPath:
+    def at_constant_acceleration(self, t: float) -> EndPath:
         """The motion at ``t`` with its accelerations kept, before and after."""
         motion = (self.rates(t, axis) for axis in range(4))
         return EndPath(t, math.inf, math.inf, tuple((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in motion))
@@ -208,7 +208,7 @@ class HangingEnds:
             free[node, ANGLE] = state.phase is Phase.SLIP
         return free
 
-    def prescribed(self, t: float, nodes: int) -> Array:
+    def prescribed_motion(self, t: float, nodes: int) -> Array:
         motion = np.zeros((3, nodes, 7))
         for side, node in enumerate((0, -1)):
             x, y, z, yaw = (self.paths[side].rates(t, axis) for axis in range(4))
@@ -221,12 +221,14 @@ class HangingEnds:
         return motion
 
     def load(self, nodes: int) -> Array:
-        return self._slipping(nodes, [x.seal_moment for x in self.swivels])
+        return self._slip_moments(nodes, [x.seal_moment for x in self.swivels])
 
-    def grip(self, nodes: int) -> Array:
-        return self._slipping(nodes, [friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, 1.0) for x in self.swivels])
+    def friction_load(self, nodes: int) -> Array:
+        return self._slip_moments(
+            nodes, [friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, 1.0) for x in self.swivels]
+        )
 
-    def _slipping(self, nodes: int, moments: Sequence[float]) -> Array:
+    def _slip_moments(self, nodes: int, moments: Sequence[float]) -> Array:
         """(nodes, 7): ``moments`` against the slip of the ends that slip."""
         load = np.zeros((nodes, 7))
         for node, state, swivel, moment in zip((0, -1), self.states, self.swivels, moments, strict=True):

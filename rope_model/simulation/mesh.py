@@ -15,8 +15,8 @@ Ours are two additions.  The outermost element at each end is halved towards the
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
 long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 3 l,
 4 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
-waves of a swaying leg travel at sqrt(g x), and an element may be as long as sqrt(``leg_growth`` x).  Their
-number, the same for every place of the loop, grows with the root of the rope's length for a given ``leg_growth``.
+waves of a swaying leg travel at sqrt(g x), and an element may be as long as sqrt(``grading_length`` x).  Their
+number, the same for every place of the loop, grows with the root of the rope's length for a given ``grading_length``.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ LATEST = 0.25
 #: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
 #: nearer to segments II to VI than GRADING (m - 1) l
 LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
-#: 'auto': leg_growth = LEG_GROWTH loop_error / length, what short waves may lag behind on a long trip, but no more than
-#: LEG_WAVES / length: an emergency stop errs about as much by the mesh as by steps of 10 ms (`python -m
+#: 'auto': grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more
+#: than LEG_WAVES / length: an emergency stop errs about as much by the mesh as by steps of 10 ms (`python -m
 #: benchmarks.legs`)
-LEG_GROWTH, LEG_WAVES = 7.5e5, 1000.0  # m, m^2
+LEG_GRADING, LEG_WAVES = 7.5e5, 1000.0  # m, m^2
 #: 'auto': the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3)
 NATURAL_RADIUS = 0.912
 #: 'auto': fine elements of LOOP_LENGTH R put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R are not used
@@ -63,14 +63,14 @@ class Partition:
     """Element lengths from left to right; for TMN-ETM also the pattern they come from.
 
     ``counts`` are the elements of the seven segments (empty for EEM) before the end elements are halved
-    ``end_levels`` times and those of I and VII joined as ``leg_growth`` (m) allows; ``coarse`` is l.
+    ``end_levels`` times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.
     """
 
     lengths: Array
     counts: tuple[int, ...] = ()
     coarse: float = 0.0
     end_levels: int = 0
-    leg_growth: float = 0.0
+    grading_length: float = 0.0
 
     @property
     def nodes_s(self) -> Array:
@@ -94,7 +94,7 @@ def inner_length(counts: tuple[int, ...]) -> float:
     return float(np.dot(counts, ladder(counts)))
 
 
-class SuitedLengths(NamedTuple):
+class FittedLengths(NamedTuple):
     """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements."""
 
     radius: float
@@ -103,8 +103,8 @@ class SuitedLengths(NamedTuple):
     end: float
 
 
-def suited_lengths(rope: Any, layout: Any, loop_error: Any, decades: Any) -> SuitedLengths:
-    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR, see suited."""
+def fit_lengths(rope: Any, layout: Any, loop_error: Any, decades: Any) -> FittedLengths:
+    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR, see fit_mesh."""
     weight = rope.mass_per_length * layout.gravity
     w = (rope.EI / weight) ** (1 / 3)
     radius = smaller(0.5 * layout.spacing, NATURAL_RADIUS * w)
@@ -112,7 +112,7 @@ def suited_lengths(rope: Any, layout: Any, loop_error: Any, decades: Any) -> Sui
     fine = smaller(LOOP_LENGTH * shorter, LONGEST) * radius
     fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
     layer = sqrt(rope.EI / (0.5 * weight * rope.length))
-    return SuitedLengths(radius, fine, fade, END_LENGTH * layer * shorter)
+    return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter)
 
 
 def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
@@ -120,7 +120,7 @@ def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
     return math.pi * radius + 2 * fade + 2 * DUE * coarse
 
 
-def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
+def fit_mesh(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     """``mesh`` as it is, or in place of 'auto' one from the rope's own lengths.
 
     The loop bends with a radius R, half the spacing or what its stiffness w = (EI / rho g)^(1/3) gives it; the error
@@ -131,7 +131,7 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
     """
     if mesh.kind != "auto":
         return mesh
-    R, fine, fade, end = suited_lengths(rope, layout, mesh.loop_error, math.log10(FADE_ERROR / mesh.loop_error))
+    R, fine, fade, end = fit_lengths(rope, layout, mesh.loop_error, math.log10(FADE_ERROR / mesh.loop_error))
     ratio = 4  # of l to the elements of IV: five segments
     coarse = ratio * fine
 
@@ -150,14 +150,14 @@ def suited(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
         coarse_length=coarse,
         counts=counts,
         end_levels=min(levels, 8),
-        leg_growth=min(LEG_GROWTH * mesh.loop_error, LEG_WAVES) / rope.length,
+        grading_length=min(LEG_GRADING * mesh.loop_error, LEG_WAVES) / rope.length,
     )
 
 
 def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
     """The partition of a rope of ``length`` whose loop hangs at arc length ``bottom``."""
     if mesh.kind == "auto":
-        raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.suited")
+        raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.fit_mesh")
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = inner_length(mesh.counts)
@@ -173,14 +173,14 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
             "nothing for I and VII; lower coarse_length or the counts"
         )
     coarse = length / (outer + inner)
-    elements = _leg_elements(int(outer), mesh.leg_growth / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
+    elements = _leg_elements(int(outer), mesh.grading_length / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
     if elements > MOST_ELEMENTS:
         raise ValueError(f"coarse_length and counts make {elements:.0f} elements, more than {MOST_ELEMENTS}; use fewer")
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), 1, outer - 1))
-    return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.leg_growth)
+    return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.grading_length)
 
 
-def misplaced(mesh: Partition, bottom: float) -> str:
+def placement_problem(mesh: Partition, bottom: float) -> str:
     """'' while the loop at arc length ``bottom`` hangs in the mesh's fine middle; otherwise what is wrong."""
     if not mesh.counts or abs(bottom - mesh.centre) <= (DUE + 1.0) * mesh.coarse:
         return ""
@@ -191,10 +191,10 @@ def misplaced(mesh: Partition, bottom: float) -> str:
     )
 
 
-def transformed(old: Partition, direction: int) -> Partition:
+def transform(old: Partition, direction: int) -> Partition:
     """The partition after one transformation, ``direction`` +1 when the loop travels to the right, else -1."""
     first, last = old.counts[0] + direction, old.counts[6] - direction
-    return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels, old.leg_growth)
+    return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels, old.grading_length)
 
 
 def transformation_due(mesh: Partition, bottom: float, slack: float = 0.0) -> int:
@@ -215,13 +215,13 @@ def distance_to_due(mesh: Partition, bottom: float) -> float:
     return float(abs(offset) - DUE * mesh.coarse)
 
 
-def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, leg_growth: float) -> Partition:
+def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, grading_length: float) -> Partition:
     inner = np.repeat(ladder(counts[1:6]), counts[1:6])
     # l/2, l/4 ... and the last length once more
     end = np.array([*(0.5**k for k in range(1, end_levels + 1)), 0.5**end_levels])
-    left, right = _legs(counts[0], counts[6], leg_growth / coarse)
+    left, right = _legs(counts[0], counts[6], grading_length / coarse)
     lengths = np.concatenate((end[::-1], left[1:], inner, right[:0:-1], end))
-    return Partition(coarse * lengths, counts, coarse, end_levels, leg_growth)
+    return Partition(coarse * lengths, counts, coarse, end_levels, grading_length)
 
 
 def _leg(units: int, growth: float) -> list[float]:

@@ -42,7 +42,7 @@ def natural_modes(system: RopeSystem, q: Array, count: int = 8) -> Modes:
             f"the equilibrium is unstable: its softest stiffness, {soft:.3g} N/m, is negative; use less twist"
         )
     free = np.flatnonzero(system.free.ravel())
-    stiffness, mass = (assembled_matrix(system, q, c)[free][:, free] for c in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    stiffness, mass = (assemble_matrix(system, q, c)[free][:, free] for c in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
     start = np.ones(free.size)  # ARPACK's own start is random
     squares, vectors = eigsh(0.5 * (stiffness + stiffness.T), count, mass, sigma=0.0, v0=start)
     order = np.argsort(squares)
@@ -60,7 +60,7 @@ def natural_modes(system: RopeSystem, q: Array, count: int = 8) -> Modes:
 def softest(system: RopeSystem, q: Array) -> float:
     """Smallest eigenvalue of the tangent stiffness (N/m; N m for theta): negative where ``q`` is unstable."""
     free = np.flatnonzero(system.free.ravel())
-    stiffness = assembled_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
+    stiffness = assemble_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
     # the chain couples neighbouring nodes only
     band = np.zeros((2 * NODE_DOF, free.size))
     for k in range(2 * NODE_DOF):
@@ -68,7 +68,7 @@ def softest(system: RopeSystem, q: Array) -> float:
     return float(eigvals_banded(band, lower=True, select="i", select_range=(0, 0))[0])
 
 
-def assembled_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:
+def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:
     """Sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da at rest in ``q``, all degrees of freedom."""
     n = system.lengths.size
     tangent = element_functions().tangent.map(n)

@@ -11,8 +11,8 @@ from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, resta
 from ..parameters import Scene
 from ..physics.energy_balance import energies as energies_of
 from .ends import EndPath, HangingEnds, Phase, nominal_points
-from .rope_system import ANGLE, POSITION, Assessment, KernelShelf, RopeSystem, parameter_vector
-from .rungs import flexible
+from .fidelity import flexible
+from .rope_system import ANGLE, POSITION, Evaluation, KernelCache, RopeSystem, parameter_vector
 from .state import Powers, RopeState
 
 
@@ -21,7 +21,7 @@ class RopeModel:
     """Immutable but for the kernels' scratch memory, and the latest system, kept because the next is mostly alike."""
 
     scene: Scene
-    kernels: KernelShelf
+    kernels: KernelCache
     _latest: list[tuple[tuple[Any, ...], RopeSystem]] = field(default_factory=list, init=False, compare=False)
 
     def system(self, state: RopeState) -> RopeSystem:
@@ -29,14 +29,14 @@ class RopeModel:
         scene = self.scene
         points = nominal_points(scene.layout.spacing)
         ends = HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
-        key = (state.partition, state.pole, state.swivels, state.offsets, state.rung)
+        key = (state.partition, state.pole, state.swivels, state.offsets, state.fidelity)
         for known, system in self._latest:
             if all(one is other for one, other in zip(known, key, strict=True)):
-                return system.held_by(ends)
+                return system.with_boundary(ends)
         node_mass = np.zeros((state.partition.lengths.size + 1, 7))
         node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
         P = parameter_vector(scene.rope, scene.layout.gravity, state.pole)
-        system = RopeSystem(self.kernels.of(flexible(state.rung)), state.partition.lengths, P, ends, node_mass)
+        system = RopeSystem(self.kernels.of(flexible(state.fidelity)), state.partition.lengths, P, ends, node_mass)
         self._latest[:] = [(key, system)]
         return system
 
@@ -45,7 +45,7 @@ class RopeModel:
         """The integration method."""
         return Coefficients(self.scene.solver.rho_inf)
 
-    def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Assessment]:
+    def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
         return step(system, old, h, self.method, self.scene.solver.newton_tolerance)
 
@@ -53,31 +53,31 @@ class RopeModel:
         """Arc length (m) of the loop's lowest point by the ends' heights alone."""
         return 0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t))
 
-    def restarted(self, state: RopeState) -> RopeState:
+    def restart(self, state: RopeState) -> RopeState:
         """The state with consistent accelerations and no history."""
         m = state.motion
         system = self.system(state)
         motion, _ = restart(system, m.t, m.q, m.v, m.reaction)
         return state._replace(motion=motion, powers=powers(system, motion))
 
-    def committed(self, old: RopeState, system: RopeSystem, result: StepResult[Assessment]) -> RopeState:
-        """An accepted step, with energies and work booked."""
-        motion, assessment = result.motion, result.assessment
+    def commit(self, old: RopeState, system: RopeSystem, result: StepResult[Evaluation]) -> RopeState:
+        """An accepted step, with energies and work added up."""
+        motion, evaluation = result.motion, result.evaluation
         assert motion is not None
-        assert assessment is not None
+        assert evaluation is not None
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         damping, nonconservative = system.losses(middle, rate)
-        ledger = old.ledger._replace(
-            **energies(assessment.balance),
-            work_ends=old.ledger.work_ends + 0.5 * h * (before.ends + now.ends),
-            dissipated_swivel=old.ledger.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
-            dissipated_material=old.ledger.dissipated_material + h * damping,
-            nonconservative=old.ledger.nonconservative + h * nonconservative,
+        energy_balance = old.energy_balance._replace(
+            **energies(evaluation.balance),
+            work_ends=old.energy_balance.work_ends + 0.5 * h * (before.ends + now.ends),
+            dissipated_swivel=old.energy_balance.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
+            dissipated_material=old.energy_balance.dissipated_material + h * damping,
+            nonconservative=old.energy_balance.nonconservative + h * nonconservative,
         )
-        return old._replace(motion=motion, ledger=ledger, powers=now)
+        return old._replace(motion=motion, energy_balance=energy_balance, powers=now)
 
 
 def ends_of(system: RopeSystem) -> HangingEnds:
@@ -87,7 +87,7 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 
 
 def energies(balance: dict[str, float]) -> dict[str, float]:
-    """The energies of a Ledger (J) from a balance."""
+    """The energies of a EnergyBalance (J) from a balance."""
     return dict(zip(("kinetic", "strain", "gravity"), energies_of(tuple(balance.values())), strict=True))
 
 

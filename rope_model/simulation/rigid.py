@@ -1,4 +1,4 @@
-"""The lowest rung of the model: physics.inextensible between the ends, and the way up from it.
+"""The lowest fidelity of the model: physics.inextensible between the ends, and the way up from it.
 
 No side forces, no torque, no waves: for the design of controllers.  The rope must stay taut.
 
@@ -55,13 +55,13 @@ def rigid_rope(scene: Scene, paths: tuple[EndPath, EndPath], t: float, nodes_s: 
     now = _pull(scene, ends, speeds, (float(a1[1]), float(a2[1])))
     if (least := lowest(now)) < 0:
         raise ValueError(
-            f"the rope goes slack: tension {least:.4g} N at t = {t:g} s, which the rigid rung cannot "
-            "follow; use a flexible one (model.rung = auto, planar or torsional) or a gentler motion"
+            f"the rope goes slack: tension {least:.4g} N at t = {t:g} s, which the rigid model cannot "
+            "follow; use a flexible one (model.fidelity = auto, planar or torsional) or a gentler motion"
         )
     kinetic, gravity = energies(scene.rope, scene.layout, now, (float(x1[1]), float(x2[1])), speeds)
 
     q = hanging_guess(nodes_s, ends[0], ends[1])
-    v, a, reaction = _flowing(q, flow(*speeds)), np.zeros_like(q), np.zeros_like(q)
+    v, a, reaction = _flow_velocities(q, flow(*speeds)), np.zeros_like(q), np.zeros_like(q)
     for node, x_t, x_tt, end_tension in ((0, v1, a1, now.tensions[0]), (-1, v2, a2, now.tensions[1])):
         v[node, POSITION], a[node, POSITION] = x_t[:3], x_tt[:3]
         reaction[node, 1] = end_tension
@@ -78,15 +78,15 @@ def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float
 def rigid_added_mass(scene: Scene, paths: tuple[EndPath, EndPath], t: float, h: float) -> tuple[float, float]:
     """kg: how much each end's pull grows with an upward acceleration held over ``h``, by differences."""
     size, masses = 1e-3, []
-    before = moved_tensions(scene, paths, t, np.zeros((2, 3, 3)))
+    before = perturbed_tensions(scene, paths, t, np.zeros((2, 3, 3)))
     for side in (0, 1):
         change = np.zeros((2, 3, 3))
         change[side, :, 1] = 0.5 * h * h * size, h * size, size
-        masses.append(float(moved_tensions(scene, paths, t, change)[side] - before[side]) / size)
+        masses.append(float(perturbed_tensions(scene, paths, t, change)[side] - before[side]) / size)
     return masses[0], masses[1]
 
 
-def moved_tensions(scene: Scene, paths: tuple[EndPath, EndPath], t: float, change: Array) -> Array:
+def perturbed_tensions(scene: Scene, paths: tuple[EndPath, EndPath], t: float, change: Array) -> Array:
     """(2,) N, of ends with ``change`` (ends; position, speed, acceleration; axes) added to their motions."""
     x, v, a = (np.array([path(t)[k][:3] for path in paths]) + change[:, k] for k in range(3))
     ends = nominal_points(scene.layout.spacing) + x
@@ -101,14 +101,16 @@ def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Moti
     nodes, would stretch the elements around the loop, and throw the forces.
     """
     t, d = rigid.t, DIFFERENCE
-    coasting = system.held_by(replace(ends, paths=(ends.paths[0].coasting(t), ends.paths[1].coasting(t))))
+    coasting = system.with_boundary(
+        replace(ends, paths=(ends.paths[0].at_constant_acceleration(t), ends.paths[1].at_constant_acceleration(t)))
+    )
     rest = find_equilibrium(coasting, rigid.q, t)
     before, after = (find_equilibrium(coasting, rest.q, at).q for at in (t - d, t + d))
     v, a = (after - before) / (2 * d), (after - 2 * rest.q + before) / d**2
-    return settled(system, replace(rigid, q=rest.q, v=v, a=a, reaction=rest.reaction))
+    return with_elastic_strain(system, replace(rigid, q=rest.q, v=v, a=a, reaction=rest.reaction))
 
 
-def settled(system: RopeSystem, motion: Motion) -> Motion:
+def with_elastic_strain(system: RopeSystem, motion: Motion) -> Motion:
     """``motion`` with the stretch and twist that its accelerations ask for.
 
     An inertia that stands for SETTLING_TIME lets them adjust and holds the rope's place.
@@ -117,10 +119,10 @@ def settled(system: RopeSystem, motion: Motion) -> Motion:
     solution = system.solve(m.q, m.v, m.a, m.reaction, c, NEWTON_TOLERANCE)
     if not solution.newton.converged:
         return motion
-    return replace(motion, q=solution.q, reaction=solution.assessment.reaction)
+    return replace(motion, q=solution.q, reaction=solution.evaluation.reaction)
 
 
-def _flowing(q: Array, flow: Flow) -> Array:
+def _flow_velocities(q: Array, flow: Flow) -> Array:
     """Velocities (nodes, 7) of the ``flow`` along the rope ``q`` (nodes, 7)."""
     v = np.zeros_like(q)
     v[:, POSITION] = -flow.u * q[:, SLOPE]

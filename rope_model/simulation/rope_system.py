@@ -7,6 +7,7 @@ changes makes a new one (cheap: the kernels are shared).
 from __future__ import annotations
 
 import copy
+import logging
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,84 +32,95 @@ from ..numerics.kernels import (
 )
 from ..numerics.newton import PROGRESS, report
 from ..parameters import Rope
-from ..physics.element import BALANCE, NODE_DOF, RUNGS, STRAINS, Rung, element_functions
+from ..physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, STRAINS, ElementFidelity, element_functions
 
 Array = NDArray[np.float64]
+log = logging.getLogger(__name__)
 
 #: places of r, r' and theta in a node's row
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 
 
 class RopeKernels:
-    """The chain's functions for ``elements`` elements on one rung, to be called on arrays of shape (nodes, 7).
+    """The chain's functions for ``elements`` elements on one fidelity, to be called on arrays of shape (nodes, 7).
 
-    What a rung leaves out stays zero.  ``bundle`` is a folder written by ``write_bundle``; without it, or without
-    files for this size, rung and platform in it, the functions are built from the element and compiled when that is
+    What a fidelity leaves out stays zero.  ``bundle`` is a folder written by ``write_bundle``; without it, or without
+    files for this size, fidelity and platform in it, the functions are built from the element and compiled when that is
     possible.
     """
 
     def __init__(
-        self, elements: int, form: KernelForm = "auto", bundle: Path | None = None, rung: Rung = "torsional"
+        self,
+        elements: int,
+        form: KernelForm = "auto",
+        bundle: Path | None = None,
+        fidelity: ElementFidelity = "torsional",
     ) -> None:
-        library, portable = _bundle_files(bundle, elements, rung) if bundle else (None, None)
+        library, portable = _bundle_files(bundle, elements, fidelity) if bundle else (None, None)
         if portable is not None and portable.exists():
             functions = load_portable(portable)
         else:
-            functions = list(rope_functions(elements, rung).all())
-        (solve, direction, assess, losses, strains), self.form = prepare(
-            functions, form, library, _name(rung, elements)
+            functions = list(rope_functions(elements, fidelity).all())
+        (solve, newton_step, evaluate, losses, strains), self.form = prepare(
+            functions, form, library, _name(fidelity, elements)
         )
         nodes, balance = (elements + 1, NODE_DOF), (len(BALANCE),)
-        self.elements, self.rung = elements, rung
+        self.elements, self.fidelity = elements, fidelity
         self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
-        self.direction = Kernel(direction, (nodes, nodes))
-        self.assess = Kernel(assess, (nodes, balance))
+        self.newton_step = Kernel(newton_step, (nodes, nodes))
+        self.evaluate = Kernel(evaluate, (nodes, balance))
         self.losses = Kernel(losses, ((2,),))
         self.strains = Kernel(strains, ((elements, len(STRAINS)),))
 
 
-class KernelShelf:
-    """The kernels of every rung for one number of elements, made when first needed."""
+class KernelCache:
+    """The kernels of every fidelity for one number of elements, made when first needed."""
 
     def __init__(self, elements: int, form: KernelForm = "auto", bundle: Path | None = None) -> None:
         self.elements, self._form, self._bundle = elements, form, bundle
-        self._made: dict[Rung, RopeKernels] = {}
+        self._made: dict[ElementFidelity, RopeKernels] = {}
 
-    def of(self, rung: Rung) -> RopeKernels:
-        """Those of ``rung``."""
-        if rung not in self._made:
-            self._made[rung] = RopeKernels(self.elements, self._form, self._bundle, rung)
-        return self._made[rung]
+    def of(self, fidelity: ElementFidelity) -> RopeKernels:
+        """Those of ``fidelity``."""
+        if fidelity not in self._made:
+            self._made[fidelity] = RopeKernels(self.elements, self._form, self._bundle, fidelity)
+        return self._made[fidelity]
 
 
 def write_bundle(elements: int, folder: Path) -> list[Path]:
-    """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every rung."""
+    """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every fidelity."""
     folder.mkdir(parents=True, exist_ok=True)
     written, compiler = [], find_compiler()
-    for rung in RUNGS:
-        functions = rope_functions(elements, rung).all()
-        library, portable = _bundle_files(folder, elements, rung)
+    if compiler is None:
+        log.warning(
+            "no compiled kernels go into %s, for want of a C compiler: CasADi's virtual machine takes several times as "
+            "long; install a compiler, or pip install 'balance-rope[compiler]'",
+            folder.name,
+        )
+    for fidelity in ELEMENT_DOF:
+        functions = rope_functions(elements, fidelity).all()
+        library, portable = _bundle_files(folder, elements, fidelity)
         save_portable(functions, portable)
         written.append(portable)
         if compiler is not None:
-            shutil.copyfile(build_library(functions, compiler, cache_folder(), _name(rung, elements)), library)
+            shutil.copyfile(build_library(functions, compiler, cache_folder(), _name(fidelity, elements)), library)
             written.append(library)
     return written
 
 
-def _name(rung: Rung, elements: int) -> str:
+def _name(fidelity: ElementFidelity, elements: int) -> str:
     """Of a compiled library, in messages too."""
-    return f"kernels-{rung}-{elements}"
+    return f"kernels-{fidelity}-{elements}"
 
 
-def _bundle_files(folder: Path, elements: int, rung: Rung) -> tuple[Path, Path]:
-    name = f"{rung}-{elements}"
+def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity) -> tuple[Path, Path]:
+    name = f"{fidelity}-{elements}"
     return folder / f"{name}-{platform_tag()}{LIBRARY_SUFFIX}", folder / f"{name}.casadi"
 
 
-def rope_functions(elements: int, rung: Rung = "torsional") -> ChainFunctions:
+def rope_functions(elements: int, fidelity: ElementFidelity = "torsional") -> ChainFunctions:
     """CasADi functions of a rope of ``elements`` elements."""
-    return chain_functions(elements, element_functions(rung), NODE_DOF, RUNGS[rung])
+    return chain_functions(elements, element_functions(fidelity), NODE_DOF, ELEMENT_DOF[fidelity])
 
 
 def parameter_vector(rope: Rope, gravity: float, pole: Array) -> Array:
@@ -128,18 +140,18 @@ class Boundary(Protocol):
     def free(self, nodes: int) -> NDArray[np.bool_]:
         """True where a degree of freedom is free."""
 
-    def prescribed(self, t: float, nodes: int) -> Array:
+    def prescribed_motion(self, t: float, nodes: int) -> Array:
         """(3, nodes, 7): q, v, a with the prescribed entries filled in."""
 
     def load(self, nodes: int) -> Array:
         """Dead loads at the nodes."""
 
-    def grip(self, nodes: int) -> Array:
+    def friction_load(self, nodes: int) -> Array:
         """Loads per newton of the node's own vertical reaction, where that pulls upwards: friction."""
 
 
 @dataclass(frozen=True)
-class Assessment:
+class Evaluation:
     """Residual (reactions where held) and the balance of physics.element by name, J and W."""
 
     reaction: Array
@@ -160,36 +172,36 @@ class RopeSystem:
         self._free = self.free.astype(float)
         self._scale = np.ones(NODE_DOF)
         self._scale[SLOPE] = lengths.min()
-        self._constants = self.lengths, self.load, boundary.grip(nodes), self.node_mass
+        self._constants = self.lengths, self.load, boundary.friction_load(nodes), self.node_mass
 
-    def held_by(self, boundary: Boundary) -> RopeSystem:
+    def with_boundary(self, boundary: Boundary) -> RopeSystem:
         """The same system with the ends held in the same way but moved otherwise."""
         other = copy.copy(self)
         other.boundary = boundary
         return other
 
-    def prescribed(self, t: float) -> Array:
-        return self.boundary.prescribed(t, self.lengths.size + 1)
+    def prescribed_motion(self, t: float) -> Array:
+        return self.boundary.prescribed_motion(t, self.lengths.size + 1)
 
-    def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Assessment]:
+    def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Evaluation]:
         q, v, a, R, sums, progress = self.kernels.solve(
             q, v, a, reaction, *self._constants, self._free, self.P, c, self._scale, tolerance
         )
-        return Solution(q, v, a, self._assessment(v, R, sums), report(progress.tolist()))
+        return Solution(q, v, a, self._evaluation(v, R, sums), report(progress.tolist()))
 
-    def direction(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
-        x, R = self.kernels.direction(q, v, a, reaction, *self._constants, self._free, self.P, c)
+    def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+        x, R = self.kernels.newton_step(q, v, a, reaction, *self._constants, self._free, self.P, c)
         return x, R
 
-    def assess(self, q: Array, v: Array, a: Array, reaction: Array) -> Assessment:
+    def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
         """Residual and balance; the inertia of concentrated masses is added to the kinetic energy."""
-        R, sums = self.kernels.assess(q, v, a, reaction, *self._constants, self.P)
-        return self._assessment(v, R, sums)
+        R, sums = self.kernels.evaluate(q, v, a, reaction, *self._constants, self.P)
+        return self._evaluation(v, R, sums)
 
-    def _assessment(self, v: Array, R: Array, sums: Array) -> Assessment:
+    def _evaluation(self, v: Array, R: Array, sums: Array) -> Evaluation:
         balance = dict(zip(BALANCE, sums.tolist(), strict=True))
         balance["kinetic"] += 0.5 * float(np.vdot(self.node_mass, v * v))
-        return Assessment(R, balance)
+        return Evaluation(R, balance)
 
     def losses(self, q: Array, v: Array) -> tuple[float, float]:
         """Damping power and the power of the non-conservative coupling, W."""

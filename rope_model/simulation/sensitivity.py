@@ -1,7 +1,7 @@
 """Derivatives of the end loads at the end of a step to one number of an end's motion there.
 
 The rope is linearised about the present state, and one generalized-alpha step as long as the last carries the change;
-see rope_derivative in rope_model.native, its twin.
+rope_derivative in rope_model.native is its C port.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from ..physics.frame import end_moment
 from .ends import SIDES, YAW_SENSE, EndMotion, Phase
-from .rigid import moved_tensions
+from .rigid import perturbed_tensions
 from .rope_system import ANGLE, POSITION, SLOPE, Array
 from .simulator import RopeSimulator
 
@@ -28,7 +28,7 @@ def load_derivative(rope: RopeSimulator, side: int, name: str) -> Array:
     state, place = rope.state, _NAMES.index(name)
     kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE)
     size = _SIZES[kind]
-    if state.rung == "rigid":
+    if state.fidelity == "rigid":
         return _rigid_derivative(rope, side, kind, dof)
     if dof == ANGLE and state.swivels[side].phase is Phase.SLIP:
         return np.zeros(12)  # the friction does not know the yaw
@@ -62,6 +62,8 @@ def _rigid_derivative(rope: RopeSimulator, side: int, kind: int, dof: int) -> Ar
     state, change, out = rope.state, np.zeros((2, 3, 3)), np.zeros((2, 6))
     if dof < 3 and (kind == 0 or dof == 1):
         change[side, kind, dof] = _SIZES[kind]
-        before, after = (moved_tensions(rope.scene, state.paths, state.motion.t, part * change) for part in (0.0, 1.0))
+        before, after = (
+            perturbed_tensions(rope.scene, state.paths, state.motion.t, part * change) for part in (0.0, 1.0)
+        )
         out[:, 1] = -(after - before) / _SIZES[kind]
     return out.ravel()

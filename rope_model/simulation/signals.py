@@ -13,12 +13,12 @@ import numpy as np
 from ..parameters import Rope, Scene
 from ..physics.frame import end_moment
 from ..physics.stress import bending_stress, torsional_stress
-from .adaptation import counted_on
-from .diagnostics import LoopBottom, between_middles, leg_clearance, shape, shape_places, tension
+from .adaptation import nearest_turn
+from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, shape, shape_places, tension
 from .ends import SIDES, HangingEnds, Phase
+from .fidelity import Fidelity
 from .rigid import rigid_tension
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
-from .rungs import RungName
 from .state import RopeState
 
 SHAPE_POINTS = 81
@@ -70,7 +70,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("dissipated_swivel", "energy dissipated by swivel friction since the start"),
         ("nonconservative", "energy taken up by the difference of Qb and Qc since the start"),
         ("transformations", "energy change of all mesh transformations since the start"),
-        ("residual", "energy that the books do not explain: numerical dissipation is negative"),
+        ("residual", "residual of the energy balance: numerical dissipation is negative"),
     ):
         yield f"energy.{name}", Signal("J", what)
     for name, what in (
@@ -136,7 +136,7 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
     if name.startswith(("shape.tension", "shape.bending", "shape.torsion")):
         return along_signals
     groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
-    groups |= {"energy": book_signals, "count": book_signals}
+    groups |= {"energy": energy_signals, "count": energy_signals}
     return groups.get(name.partition(".")[0], end_signals)
 
 
@@ -170,13 +170,13 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
     q, lengths = state.motion.q, state.partition.lengths
     clearance = leg_clearance(q, lengths, bottom, scene.rope.diameter, scene.layout.spacing)
-    return out | {"loop.yaw": counted_on(bottom.yaw, state.loop_yaw), "loop.clearance": clearance}
+    return out | {"loop.yaw": nearest_turn(bottom.yaw, state.loop_yaw), "loop.clearance": clearance}
 
 
 def stress_signals(rope: Evaluated) -> dict[str, float]:
     """Largest stress norms, and twist."""
     strains = rope.system.strains(rope.state.motion.q)
-    bending, torsion = nominal_stresses(rope.scene.rope, strains, rope.state.rung)
+    bending, torsion = nominal_stresses(rope.scene.rope, strains, rope.state.fidelity)
     tau = strains[:, 1]
     at_bottom = int(np.searchsorted(np.cumsum(rope.state.partition.lengths), rope.loop.s))
     return {
@@ -188,11 +188,11 @@ def stress_signals(rope: Evaluated) -> dict[str, float]:
     }
 
 
-def book_signals(rope: Evaluated) -> dict[str, float]:
+def energy_signals(rope: Evaluated) -> dict[str, float]:
     """Energies and counts."""
-    ledger, counts = rope.state.ledger, rope.state.counts
+    energy_balance, counts = rope.state.energy_balance, rope.state.counts
     return {
-        name: float(getattr(ledger if name.startswith("energy.") else counts, name.partition(".")[2]))
+        name: float(getattr(energy_balance if name.startswith("energy.") else counts, name.partition(".")[2]))
         for name in SIGNALS
         if name.startswith(("energy.", "count."))
     }
@@ -210,24 +210,24 @@ def along_signals(rope: Evaluated) -> dict[str, float]:
     state, data, gravity = rope.state, rope.scene.rope, rope.scene.layout.gravity
     m, lengths = state.motion, state.partition.lengths
     s = shape_places(lengths, rope.loop.s, SHAPE_POINTS)
-    if state.rung == "rigid":
+    if state.fidelity == "rigid":
         y = shape(m.q, lengths, rope.loop.s, SHAPE_POINTS)[:, 1]
         pull = rigid_tension(m, s, y, data.mass_per_length, gravity)
     else:
         pull = tension(m, lengths, s, data.mass_per_length, gravity)
-    stresses = nominal_stresses(data, rope.system.strains(m.q), state.rung)
+    stresses = nominal_stresses(data, rope.system.strains(m.q), state.fidelity)
     rows = {"tension": pull}
     for name, stress in zip(("bending", "torsion"), stresses, strict=True):
-        rows[name] = between_middles(stress, lengths, s)
+        rows[name] = interpolate_midpoints(stress, lengths, s)
     return {f"shape.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
 
 
-def nominal_stresses(data: Rope, strains: Array, rung: RungName) -> tuple[Array, Array]:
+def nominal_stresses(data: Rope, strains: Array, fidelity: Fidelity) -> tuple[Array, Array]:
     """Bending and torsional stress norm (Pa) of each element as in a solid round bar.
 
-    Bending is root mean square along the element; ``strains`` (elements, 4) are those of RopeSystem.strains.  A rung
-    without torsion has no torque.
+    Bending is root mean square along the element; ``strains`` (elements, 4) are those of RopeSystem.strains.
+    Without torsion there is no torque.
     """
     e, tau, k_rms, _ = strains.T
-    torsional = torsional_stress(data, e, tau) if rung == "torsional" else np.zeros_like(e)
+    torsional = torsional_stress(data, e, tau) if fidelity == "torsional" else np.zeros_like(e)
     return bending_stress(data, k_rms), torsional

@@ -21,20 +21,20 @@ from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
 from ..physics.estimates import bending_length
-from .adaptation import in_good_frame, raised, transformed_if_due, with_good_pole, with_loop_yaw
+from .adaptation import in_good_frame, raise_fidelity, transform_if_due, with_good_pole, with_loop_yaw
 from .balance_rope import BalanceRope, Status
-from .caveats import CAVEATS
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, nominal_points, refusal
-from .mesh import LATEST, Partition, distance_to_due, misplaced, partition, suited
+from .fidelity import Fidelity, choose_fidelity, unsupported_motion
+from .mesh import LATEST, Partition, distance_to_due, fit_mesh, partition, placement_problem
 from .model import RopeModel, ends_of, energies, powers
+from .result_warnings import WARNINGS
 from .rigid import rigid_added_mass, rigid_rope
-from .rope_system import Array, Assessment, KernelShelf, RopeSystem
-from .rungs import RungName, chosen, outgrown
+from .rope_system import Array, Evaluation, KernelCache, RopeSystem
 from .signals import checked_names, group_of
 from .state import Counts, RopeState
 from .statics import StaticsError, find_equilibrium, hanging_guess
-from .switching import chatters, next_release, released, switched, switching_step
+from .switching import chatters, next_release, release_swivels, switch_swivels, switching_step
 
 log = logging.getLogger(__name__)
 
@@ -54,7 +54,7 @@ TWIST_STEP, MOST_POLES = 1.0, 20
 class _Accepted:
     """An accepted trial step, the step to try next, and whether it ends at the instant it was to reach."""
 
-    result: StepResult[Assessment]
+    result: StepResult[Evaluation]
     step_next: float
     counts: Counts
     reaches_stop: bool
@@ -69,14 +69,14 @@ class RopeSimulator(BalanceRope):
 
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
         try:
-            self._mesh = suited(scene.mesh, scene.rope, scene.layout)
+            self._mesh = fit_mesh(scene.mesh, scene.rope, scene.layout)
             elements = partition(self._mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
         except ValueError as error:
             if scene.mesh.kind != "auto":
                 raise
             source = "mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error"
             raise ValueError(f"{error} ({source})") from error
-        self.model = RopeModel(scene, KernelShelf(elements, scene.solver.kernels, bundle))
+        self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
@@ -113,12 +113,12 @@ class RopeSimulator(BalanceRope):
         return self.state.motion.t
 
     @property
-    def rung(self) -> RungName:
-        return self.state.rung
+    def fidelity(self) -> Fidelity:
+        return self.state.fidelity
 
     @property
-    def rung_reason(self) -> str:
-        return self.state.rung_reason
+    def fidelity_reason(self) -> str:
+        return self.state.fidelity_reason
 
     @property
     def loop(self) -> LoopBottom:
@@ -140,7 +140,7 @@ class RopeSimulator(BalanceRope):
         return {name: self._signals[name] for name in wanted}
 
     def warnings(self) -> dict[str, str]:
-        told = {caveat.__name__: caveat(self.scene, self.state) for caveat in CAVEATS}
+        told = {warning.__name__: warning(self.scene, self.state) for warning in WARNINGS}
         return {subject: text for subject, text in told.items() if text}
 
     def restore(self, data: bytes | RopeState) -> None:
@@ -156,7 +156,7 @@ class RopeSimulator(BalanceRope):
             )
         if (saved := _pattern(state.partition)) != self._own_pattern:
             raise ValueError(
-                f"not a state of this rope: counts of II to VI, of I and VII, end_levels, leg_growth and l are "
+                f"not a state of this rope: counts of II to VI, of I and VII, end_levels, grading_length and l are "
                 f"{saved}, here {self._own_pattern}; restore it into a rope with the same parameters"
             )
 
@@ -175,19 +175,19 @@ class RopeSimulator(BalanceRope):
                 f"the start time t = {t} s is out of range: it must be within {FARTHEST_START:g} s of 0, or steps are "
                 "lost in rounding; count from another instant",
             )
-        paths = (EndPath.resting(t, left), EndPath.resting(t, right))
+        paths = (EndPath.at_rest(t, left), EndPath.at_rest(t, right))
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := refusal(target, path, side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
                 return Status(False, f"the {side} end moves at the start; a run starts from rest: give zero speeds")
         ends = nominal_points(scene.layout.spacing) + np.array([left.position, right.position])
-        rung, reason = chosen(scene, (left, right))
+        fidelity, reason = choose_fidelity(scene, (left, right))
         try:
             bottom = self.model.bottom(paths, t)
             cells = partition(self._mesh, rope.length, bottom)
             guess = hanging_guess(cells.nodes_s, *ends)
-            if message := outgrown(scene, rung, (left, right)) or self._misplaced(cells, bottom):
+            if message := unsupported_motion(scene, fidelity, (left, right)) or self._placement_problem(cells, bottom):
                 return Status(False, message)
             rest = np.zeros_like(guess)
             state = RopeState(
@@ -201,20 +201,20 @@ class RopeSimulator(BalanceRope):
                 last_interval=scene.solver.step_max,
                 force_mean=(0.0, 0.0),
                 loop_yaw=0.0,
-                rung=rung,
-                rung_reason=reason,
+                fidelity=fidelity,
+                fidelity_reason=reason,
             )
-            state = self._rigid(state, t) if rung == "rigid" else self._hung(state)
+            state = self._rigid(state, t) if fidelity == "rigid" else self._initial_equilibrium(state)
         except (StaticsError, ValueError) as error:
             return Status(False, str(error))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
-        ledger = state.ledger._replace(start=state.ledger.total)
-        self._accept(state._replace(force_mean=force_mean, ledger=ledger, events=()))
+        energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
+        self._accept(state._replace(force_mean=force_mean, energy_balance=energy_balance, events=()))
         return Status(True)
 
-    def _misplaced(self, cells: Partition, bottom: float) -> str:
+    def _placement_problem(self, cells: Partition, bottom: float) -> str:
         """As mesh.misplaced; where the mesh was fitted to the rope, with what it was fitted to."""
-        message, rope, stiff = misplaced(cells, bottom), self.scene.rope, bending_length(self.scene)
+        message, rope, stiff = placement_problem(cells, bottom), self.scene.rope, bending_length(self.scene)
         if not message or self.scene.mesh.kind != "auto":
             return message
         return (
@@ -224,35 +224,35 @@ class RopeSimulator(BalanceRope):
             "code 1), or keep the ends closer in height"
         )
 
-    def _hung(self, state: RopeState) -> RopeState:
+    def _initial_equilibrium(self, state: RopeState) -> RopeState:
         """``state`` at rest in equilibrium, the installed twist put in bit by bit: that decides how the loop yaws."""
         twist = self.scene.rope.installed_twist
         parts = max(math.ceil(abs(twist) / TWIST_STEP), 1)
         for part in range(1, parts + 1):
             held = SwivelState(Phase.LOCKED, twist * part / parts, 0.0)
-            state = self._rested(state._replace(swivels=(state.swivels[0], held)))
+            state = self._equilibrium_in_frame(state._replace(swivels=(state.swivels[0], held)))
         return state
 
-    def _rested(self, state: RopeState) -> RopeState:
+    def _equilibrium_in_frame(self, state: RopeState) -> RopeState:
         """``state`` in equilibrium, sought again after each change of the frame's pole."""
         for _ in range(MOST_POLES):
             system, m, pole = self.model.system(state), state.motion, state.pole
             equilibrium = find_equilibrium(system, m.q, m.t)
             rest = np.zeros_like(m.q)
-            balance = system.assess(equilibrium.q, rest, rest, equilibrium.reaction).balance
+            balance = system.evaluate(equilibrium.q, rest, rest, equilibrium.reaction).balance
             motion = Motion(m.t, equilibrium.q, rest, rest, rest, rest, 0.0, equilibrium.reaction)
-            state = state._replace(motion=motion, ledger=state.ledger._replace(**energies(balance)))
+            state = state._replace(motion=motion, energy_balance=state.energy_balance._replace(**energies(balance)))
             state = with_loop_yaw(in_good_frame(state))
             if state.pole is pole:
                 break
         return state
 
     def _rigid(self, state: RopeState, t: float) -> RopeState:
-        """``state`` as the rigid rung has it at ``t``."""
-        state = transformed_if_due(self.model, state._replace(motion=replace(state.motion, t=t)))
+        """``state`` as the rigid model has it at ``t``."""
+        state = transform_if_due(self.model, state._replace(motion=replace(state.motion, t=t)))
         rope = rigid_rope(self.scene, state.paths, t, state.partition.nodes_s)
         return state._replace(
-            motion=rope.motion, ledger=state.ledger._replace(kinetic=rope.kinetic, gravity=rope.gravity)
+            motion=rope.motion, energy_balance=state.energy_balance._replace(kinetic=rope.kinetic, gravity=rope.gravity)
         )
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
@@ -274,11 +274,13 @@ class RopeSimulator(BalanceRope):
             if message := refusal(target, path, side):
                 return Status(False, message)
         state = state._replace(paths=(paths[0], paths[1]), events=())
-        if why := outgrown(self.scene, state.rung, (left, right)):
-            if self.scene.model.rung != "auto":
-                return Status(False, f"the {state.rung} rung cannot follow {why}; set model.rung = auto (or torsional)")
+        if why := unsupported_motion(self.scene, state.fidelity, (left, right)):
+            if self.scene.model.fidelity != "auto":
+                return Status(
+                    False, f"the {state.fidelity} model cannot follow {why}; set model.fidelity = auto (or torsional)"
+                )
             try:
-                state = raised(self.model, state, why)
+                state = raise_fidelity(self.model, state, why)
             except StaticsError as error:
                 return Status(False, str(error))
         impulse = [0.0, 0.0]
@@ -304,7 +306,7 @@ class RopeSimulator(BalanceRope):
     def added_mass(self) -> tuple[float, float]:
         # one step of that length carries the change y = a h^2 / 2, v = a h
         m, h, size = self.state.motion, self.state.last_interval, 1e-3
-        if self.state.rung == "rigid":
+        if self.state.fidelity == "rigid":
             return rigid_added_mass(self.scene, self.state.paths, m.t, h)
         held, none, masses = np.array([0.5 * h * h, h, 1.0]), np.zeros(3), []
         for side, node in enumerate((0, -1)):
@@ -319,26 +321,26 @@ class RopeSimulator(BalanceRope):
         """
         m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
         if self._unmoved is None or self._unmoved[0] is not system:
-            self._unmoved = system, *system.direction(m.q, m.v, m.a, m.reaction, c)
+            self._unmoved = system, *system.newton_step(m.q, m.v, m.a, m.reaction, c)
         _, unperturbed, reaction = self._unmoved
         if not change.any():
             return m.q, reaction
         q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
         for x, dx in zip((q, v, a), change, strict=True):
             x[-side, dof] += dx
-        y = system.direction(q, v, a, m.reaction, c)[0] - unperturbed
+        y = system.newton_step(q, v, a, m.reaction, c)[0] - unperturbed
         q += y
-        return q, system.assess(q, v + c[1] * y, a + c[2] * y, m.reaction).reaction
+        return q, system.evaluate(q, v + c[1] * y, a + c[2] * y, m.reaction).reaction
 
     # one step, and what may end it
 
     def _step_towards(self, state: RopeState, t_end: float) -> RopeState | str:
         """The state after one accepted step, or why there is none."""
         model = self.model
-        if state.rung == "rigid":
+        if state.fidelity == "rigid":
             return self._rigid_step(state, t_end)
-        state = released(model, transformed_if_due(model, state))
-        if message := self._misplaced(state.partition, model.bottom(state.paths, state.motion.t)):
+        state = release_swivels(model, transform_if_due(model, state))
+        if message := self._placement_problem(state.partition, model.bottom(state.paths, state.motion.t)):
             return message
         system = model.system(state)
         stop = self._next_stop(state, t_end)
@@ -362,10 +364,10 @@ class RopeSimulator(BalanceRope):
                 return f"the step to a swivel event fails: {result.newton.status.text}"
             log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
             state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
-        after = model.committed(state, system, result)
+        after = model.commit(state, system, result)
         after = after._replace(step_next=step.step_next, counts=counts.plus(steps=1))
         if switching is not None:
-            after = switched(model, after)
+            after = switch_swivels(model, after)
             if chatters(after):
                 return "a swivel chatters between stick and slip; check its friction, and whether the end is slack"
         elif reaches_stop:
@@ -379,9 +381,9 @@ class RopeSimulator(BalanceRope):
         except (StaticsError, ValueError) as error:
             return str(error)
         now, h = powers(self.model.system(after), after.motion), t_end - state.motion.t
-        work = after.ledger.work_ends + 0.5 * h * (state.powers.ends + now.ends)
+        work = after.energy_balance.work_ends + 0.5 * h * (state.powers.ends + now.ends)
         return after._replace(
-            powers=now, ledger=after.ledger._replace(work_ends=work), counts=after.counts.plus(steps=1)
+            powers=now, energy_balance=after.energy_balance._replace(work_ends=work), counts=after.counts.plus(steps=1)
         )
 
     def _accepted_step(self, system: RopeSystem, state: RopeState, stop: float) -> _Accepted | str:
@@ -439,4 +441,4 @@ class RopeSimulator(BalanceRope):
 
 def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:
     """What all places of the loop have in common."""
-    return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.leg_growth, cells.coarse
+    return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.grading_length, cells.coarse

@@ -11,12 +11,12 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..physics.energy_balance import residual, total
 from .ends import EndPath, Phase, SwivelState
+from .fidelity import Fidelity
 from .mesh import Partition
 from .rope_system import Array
-from .rungs import RungName
 
 
-class Ledger(NamedTuple):
+class EnergyBalance(NamedTuple):
     """Energies now and work done since the start, J."""
 
     kinetic: float = 0.0
@@ -36,7 +36,7 @@ class Ledger(NamedTuple):
 
     @property
     def residual(self) -> float:
-        """What the books do not explain: what the integrator dissipated (negative) or put in."""
+        """Residual of the balance: what the integrator dissipated (negative) or put in."""
         return float(residual(self))
 
 
@@ -84,10 +84,10 @@ class RopeState(NamedTuple):
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance
     loop_yaw: float  # rad, at the lowest node, counted on through full turns
-    rung: RungName  # of the model
-    rung_reason: str
+    fidelity: Fidelity  # of the model
+    fidelity_reason: str
     events: tuple[Event, ...] = ()  # of the last advance
-    ledger: Ledger = Ledger()
+    energy_balance: EnergyBalance = EnergyBalance()
     powers: Powers = Powers()
     counts: Counts = Counts()
 
@@ -103,7 +103,7 @@ class RopeState(NamedTuple):
             "counts_of_segments": self.partition.counts,
             "coarse": self.partition.coarse,
             "end_levels": self.partition.end_levels,
-            "leg_growth": self.partition.leg_growth,
+            "grading_length": self.partition.grading_length,
             "offsets": self.offsets,
             "swivels": [(s.phase.value, s.angle, s.sign) for s in self.swivels],
             "paths": [(p.start, p.stop, p.aim) for p in self.paths],
@@ -111,10 +111,10 @@ class RopeState(NamedTuple):
             "last_interval": self.last_interval,
             "force_mean": self.force_mean,
             "loop_yaw": self.loop_yaw,
-            "rung": self.rung,
-            "rung_reason": self.rung_reason,
+            "fidelity": self.fidelity,
+            "fidelity_reason": self.fidelity_reason,
             "events": self.events,
-            "ledger": self.ledger._asdict(),
+            "energy_balance": self.energy_balance._asdict(),
             "powers": self.powers._asdict(),
             "counts": self.counts._asdict(),
         }
@@ -137,7 +137,7 @@ class RopeState(NamedTuple):
             return RopeState(
                 motion=Motion(s["t"], x["q"], x["v"], x["a"], x["b"], x["a_rate"], s["h"], x["reaction"]),
                 partition=Partition(
-                    x["lengths"], tuple(s["counts_of_segments"]), s["coarse"], s["end_levels"], s["leg_growth"]
+                    x["lengths"], tuple(s["counts_of_segments"]), s["coarse"], s["end_levels"], s["grading_length"]
                 ),
                 pole=x["pole"],
                 offsets=(s["offsets"][0], s["offsets"][1]),
@@ -150,10 +150,10 @@ class RopeState(NamedTuple):
                 last_interval=s["last_interval"],
                 force_mean=(s["force_mean"][0], s["force_mean"][1]),
                 loop_yaw=s["loop_yaw"],
-                rung=s["rung"],
-                rung_reason=s["rung_reason"],
+                fidelity=s["fidelity"],
+                fidelity_reason=s["fidelity_reason"],
                 events=tuple(Event(*event) for event in s["events"]),
-                ledger=Ledger(**s["ledger"]),
+                energy_balance=EnergyBalance(**s["energy_balance"]),
                 powers=Powers(**s["powers"]),
                 counts=Counts(**s["counts"]),
             )

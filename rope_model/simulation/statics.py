@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..physics.hanging import hanging, place, turned
+from ..physics.hanging import hanging_shape, place, turn_angle
 from .rope_system import POSITION, SLOPE, Array, RopeSystem
 
 
@@ -37,13 +37,13 @@ def find_equilibrium(
 
     ``tolerance`` is for the last full Newton correction in ``system.norm`` relative to the rope's length.
     """
-    q = np.where(system.free, guess, system.prescribed(t)[0])
+    q = np.where(system.free, guess, system.prescribed_motion(t)[0])
     rest = np.zeros_like(q)
     scale = float(np.sum(system.lengths))
     reaction, energy = _at_rest(system, q, rest)
     tau, largest_move, previous = 0.1, 0.3, _force(system, reaction)
     for k in range(1, max_iterations + 1):
-        x, _ = system.direction(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
+        x, _ = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
         if not np.all(np.isfinite(x)):
             tau *= 0.1
@@ -77,9 +77,9 @@ def find_equilibrium(
 def _at_rest(system: RopeSystem, q: Array, reaction: Array) -> tuple[Array, float]:
     """Residual, and potential energy (J) of rope and dead loads."""
     rest = np.zeros_like(q)
-    assessment = system.assess(q, rest, rest, reaction)
-    stored = sum(assessment.balance[name] for name in ("axial", "coupling", "torsion", "bending", "gravity"))
-    return assessment.reaction, stored - float(np.sum(system.load * q))
+    evaluation = system.evaluate(q, rest, rest, reaction)
+    stored = sum(evaluation.balance[name] for name in ("axial", "coupling", "torsion", "bending", "gravity"))
+    return evaluation.reaction, stored - float(np.sum(system.load * q))
 
 
 def _force(system: RopeSystem, reaction: Array) -> float:
@@ -106,13 +106,13 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     across = across / width
     middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
-    legs = hanging(length, middle, width, cell)
+    legs = hanging_shape(length, middle, width, cell)
     if min(legs.left_leg, legs.right_leg) <= legs.lean:
         raise StaticsError(
             f"the rope of {length:g} m cannot hang between ends {width:g} m apart with a height difference of "
             f"{left[1] - right[1]:g} m; give a longer rope or bring the ends together"
         )
-    phi = turned(legs, s)
+    phi = turn_angle(legs, s)
     along, down, slope, rise = place(legs, s, phi)
     slope -= np.where(phi <= 0, legs.lean / legs.left_leg, np.where(phi >= np.pi, legs.lean / legs.right_leg, 0.0))
     q = np.zeros((s.size, 7))

@@ -17,7 +17,7 @@ from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Swivel
 from .ends import SIDES, Phase, SwivelState
 from .model import RopeModel, ends_of
-from .rope_system import ANGLE, Assessment, RopeSystem
+from .rope_system import ANGLE, Evaluation, RopeSystem
 from .state import Event, RopeState
 
 log = logging.getLogger(__name__)
@@ -30,7 +30,7 @@ MOMENT_RESOLUTION = 1e-9
 CHATTER = 50, 1e-3
 
 
-def released(model: RopeModel, state: RopeState) -> RopeState:
+def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
     """Swivels whose release time has come begin to stick or slip."""
     swivels = list(state.swivels)
     for side, swivel in enumerate((model.scene.left, model.scene.right)):
@@ -40,8 +40,8 @@ def released(model: RopeModel, state: RopeState) -> RopeState:
             swivels[side] = SwivelState(phase, state.swivels[side].angle, 1.0)
     if swivels == list(state.swivels):
         return state
-    state = model.restarted(state._replace(swivels=(swivels[0], swivels[1])))
-    return switched(model, state) if excess(model.system(state), state.motion) >= 0 else state
+    state = model.restart(state._replace(swivels=(swivels[0], swivels[1])))
+    return switch_swivels(model, state) if excess(model.system(state), state.motion) >= 0 else state
 
 
 def next_release(model: RopeModel, state: RopeState) -> float:
@@ -76,7 +76,7 @@ def _frictionless(swivel: Swivel) -> bool:
 
 
 def switching_step(
-    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Assessment]
+    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation]
 ) -> tuple[float, int] | None:
     """Length of the step that ends where a swivel must switch, and the Newton iterations it took to find it.
 
@@ -102,7 +102,7 @@ def switching_step(
     return float(h), iterations
 
 
-def switched(model: RopeModel, state: RopeState) -> RopeState:
+def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:
     """Swivels that cannot stay in their phase change it, and the motion restarts consistently."""
     system, motion, swivels, events = model.system(state), state.motion, list(state.swivels), []
     for side in (0, 1):
@@ -117,7 +117,7 @@ def switched(model: RopeModel, state: RopeState) -> RopeState:
         counts=state.counts.plus(swivel_events=len(events)),
         events=(*state.events, *events),
     )
-    return model.restarted(state)
+    return model.restart(state)
 
 
 def chatters(state: RopeState) -> bool:
@@ -134,7 +134,7 @@ def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
         angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[-side, ANGLE], 0.0)[0]
         now = SwivelState(Phase.STICK, float(angle), 0.0)
         swivels = (now, state.swivels[1]) if side == 0 else (state.swivels[0], now)
-        state = model.restarted(state._replace(swivels=swivels))
+        state = model.restart(state._replace(swivels=swivels))
         if _excess_of(side, model.system(state), state.motion) < 0:
             return now
     return SwivelState(Phase.SLIP, now.angle, math.copysign(1.0, -state.motion.reaction[-side, ANGLE]))

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.banded import solved
+from ..numerics.banded import solve_banded
 from ..physics import hermite
 from .rope_system import ANGLE, POSITION, SLOPE, Array
 
@@ -21,7 +21,7 @@ Indices = NDArray[np.intp]
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
-def interpolated(x: Array, s: Array, at: Array) -> Array:
+def interpolate(x: Array, s: Array, at: Array) -> Array:
     """What the elements between nodes at ``s`` (m) with the values ``x`` (nodes, 7) have at ``at`` (m): (places, 7).
 
     Cubic Hermite for r and, its derivative, r'; linear for theta.  A node's own place has its values to the bit.
@@ -30,7 +30,7 @@ def interpolated(x: Array, s: Array, at: Array) -> Array:
     xi, l = xi[:, None], l[:, None]
     y = np.empty((at.size, x.shape[1]))
     nodes = x[i, POSITION], x[i, SLOPE], x[i + 1, POSITION], x[i + 1, SLOPE]
-    y[:, POSITION], y[:, SLOPE] = hermite.interpolated(xi, l, *nodes)
+    y[:, POSITION], y[:, SLOPE] = hermite.interpolate(xi, l, *nodes)
     y[:, ANGLE] = (1 - xi[:, 0]) * x[i, ANGLE] + xi[:, 0] * x[i + 1, ANGLE]
     nearest = np.where(at - s[i] < s[i + 1] - at, i, i + 1)
     same = np.abs(s[nearest] - at) <= _tolerance(s)
@@ -38,12 +38,12 @@ def interpolated(x: Array, s: Array, at: Array) -> Array:
     return y
 
 
-def transferred(fields: Array, old_s: Array, new_s: Array) -> Array:
+def transfer_fields(fields: Array, old_s: Array, new_s: Array) -> Array:
     """``fields`` (number, old nodes, 7) at arc lengths ``old_s`` (m), carried to ``new_s``: (number, new nodes, 7).
 
     The ends of the rope keep their values; where no elements merge, every node that stays does.
     """
-    y = np.array([interpolated(x, old_s, new_s) for x in fields])
+    y = np.array([interpolate(x, old_s, new_s) for x in fields])
     # between neighbours among all nodes, old and new, both are polynomials
     knots = np.union1d(old_s, new_s)
     knots = knots[np.append(True, np.diff(knots) > _tolerance(old_s))]
@@ -56,7 +56,7 @@ def transferred(fields: Array, old_s: Array, new_s: Array) -> Array:
         return y
     half = 0.5 * np.diff(knots)[merges, None]
     at, weights = (middle[merges, None] + half * _GAUSS_POINTS).ravel(), (half * _GAUSS_WEIGHTS).ravel()
-    lost = np.array([interpolated(x, old_s, at) - interpolated(z, new_s, at) for x, z in zip(fields, y, strict=True)])
+    lost = np.array([interpolate(x, old_s, at) - interpolate(z, new_s, at) for x, z in zip(fields, y, strict=True)])
     e, xi, l = _within(new_s, at)
     nodes, lengths = new_s.size, np.diff(new_s)
     for band, shares, part, changed in (
@@ -68,7 +68,7 @@ def transferred(fields: Array, old_s: Array, new_s: Array) -> Array:
         for k, share in enumerate(shares):
             np.add.at(load, rows * e + k, ((weights * share)[:, None] * lost[:, :, part]).swapaxes(0, 1))
         inner = slice(rows, -rows)
-        change = solved(band[inner], load[inner].reshape(rows * (nodes - 2), -1))
+        change = solve_banded(band[inner], load[inner].reshape(rows * (nodes - 2), -1))
         of_fields = change.reshape(nodes - 2, rows, len(fields), -1).transpose(2, 0, 1, 3)
         y[:, 1:-1, changed] += of_fields.reshape(len(fields), nodes - 2, -1)
     return y

@@ -115,7 +115,7 @@ enum { MOVED = 8 };
 static const char *const MOVED_NAMES[MOVED] = {"left.y",   "left.vy",  "left.ay",  "right.y",
                                                "right.vy", "right.ay", "left.yaw", "left.yaw_rate"};
 
-static void moved(const Motion *m, double t, double values[MOVED]) {
+static void motion_values(const Motion *m, double t, double values[MOVED]) {
     double w = m->frequency, y = m->amplitude * (1 - cos(w * t)), v = m->amplitude * w * sin(w * t);
     double a = m->amplitude * w * w * cos(w * t);
     values[0] = y, values[1] = v, values[2] = a;
@@ -130,7 +130,7 @@ static const char *const REAL_NAMES[REALS] = {
     "solver.step_max", "rope.installed_twist"};
 static const char *const INTEGER_NAMES[INTEGERS] = {
     "mesh.elements",  "mesh.counts[1]",  "mesh.counts[2]", "mesh.counts[3]",   "mesh.counts[4]",
-    "mesh.counts[5]", "mesh.end_levels", "mesh.kind",      "left.swivel.mode", "model.rung"};
+    "mesh.counts[5]", "mesh.end_levels", "mesh.kind",      "left.swivel.mode", "model.fidelity"};
 
 static void small(unsigned which, double reals[REALS], int integers[INTEGERS]) {
     reals[0] = 30.0, reals[1] = 1.5, reals[2] = 0.0;
@@ -145,7 +145,7 @@ static void small(unsigned which, double reals[REALS], int integers[INTEGERS]) {
 
 /* Damage to a serialized state: the fuzzer's bytes, numbers and small integers anywhere, or one of its halves cut
    off; the checksum of component.c fits again, unless the fuzzer likes another.  Returns the bytes left. */
-static size_t damaged(Bytes *b, unsigned char *state, size_t bytes) {
+static size_t damage(Bytes *b, unsigned char *state, size_t bytes) {
     enum { CHECKED_FROM = 24 };
     unsigned changes = byte(b) % 8, cut = byte(b);
     uint64_t sum = 14695981039346656037u;
@@ -264,7 +264,7 @@ static void follow(Host *h, double size) {
     double values[MOVED];
     int64_t none = 0;
     int k;
-    moved(&h->motion, h->t + size, values);
+    motion_values(&h->motion, h->t + size, values);
     for (k = 0; k < MOVED; k++) CALL(api_set(h->c, KIND_REAL, reference(MOVED_NAMES[k]), values + k, &none, 1));
     step(h, size);
 }
@@ -318,7 +318,7 @@ static void states(Bytes *b, Instance c, Saved *state) {
         CALL(api_write(c, *state, bytes, size - 1));
         CALL(api_write(c, *state, bytes, size));
         CALL(api_forget(c, state));
-        kept = damaged(b, bytes, size);
+        kept = damage(b, bytes, size);
         CALL(api_read(c, bytes, kept, state));
         free(bytes);
         if (*state) CALL(api_restore(c, *state));

@@ -114,11 +114,11 @@ double rope_time(const Simulator *rope) {
 int rope_elements(const Simulator *rope) {
     return rope->state.elements;
 }
-const char *rope_rung(const Simulator *rope) {
+const char *rope_fidelity(const Simulator *rope) {
     return rope->state.initialized ? "torsional" : "";
 }
-const char *rope_rung_reason(const Simulator *rope) {
-    return rope->state.initialized ? "a stand-in has one rung" : "";
+const char *rope_fidelity_reason(const Simulator *rope) {
+    return rope->state.initialized ? "a stand-in has one fidelity" : "";
 }
 
 static double leg_mass(const Simulator *rope, int side) {
@@ -127,7 +127,7 @@ static double leg_mass(const Simulator *rope, int side) {
     return leg * rope->scene.rope.mass_per_length;
 }
 
-void rope_caveat(Simulator *rope, int number, char *message) {
+void rope_warning(Simulator *rope, int number, char *message) {
     (void)rope, (void)number;
     message[0] = '\0';
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,9 @@ from zipfile import BadZipFile, ZipFile
 import fmpy
 from fmpy.model_description import ValidationError
 
-from hoist_demo.recording.rungs import RUNG
+from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, Variable, variables_of
+from hoist_demo.cosimulation.participants.rope_data import Value
+from hoist_demo.recording.fidelity import FIDELITY
 
 
 @dataclass(frozen=True)
@@ -20,40 +23,39 @@ class FmuParameter:
     name: str
     unit: str  # FMI unit, "1" where there is none
     kind: str  # Real, Integer, Boolean, String or Enumeration
-    start: float | int | bool | str
+    start: Value
     minimum: float | None
     maximum: float | None
 
 
 def read_parameters(path: Path) -> dict[str, FmuParameter]:
     """All parameters of the FMU by name."""
-    return parameters_of(read_description(path))
+    return parameters_of(variables_of(read_description(path)))
 
 
-def parameters_of(description: Any) -> dict[str, FmuParameter]:
-    """All parameters of a model description by name."""
+def parameters_of(variables: Iterable[Variable]) -> dict[str, FmuParameter]:
+    """All parameters among the variables by name, each element of an array on its own."""
     return {
-        variable.name: FmuParameter(
-            name=variable.name,
-            unit=str(variable.unit or "1"),
-            kind=variable.type,
-            start=_start(variable.type, variable.start),
-            minimum=None if variable.min is None else float(variable.min),
-            maximum=None if variable.max is None else float(variable.max),
-        )
-        for variable in description.modelVariables
-        if variable.causality == "parameter"
+        name: FmuParameter(name, v.unit or "1", v.kind, start, v.minimum, v.maximum)
+        for v in variables
+        if v.causality == "parameter"
+        for name, start in zip(v.elements, v.starts, strict=True)
     }
 
 
 def read_outputs(path: Path) -> tuple[str, ...]:
-    """Names of all outputs of the FMU that are numbers, and of the rung, which is recorded by its code."""
-    outputs = [v for v in read_description(path).modelVariables if v.causality == "output"]
-    return tuple(v.name for v in outputs if v.type != "String" or v.name == RUNG)
+    """Names of all outputs of the FMU that are numbers, and of the fidelity, which is recorded by its code."""
+    outputs = [v for v in variables_of(read_description(path)) if v.causality == "output"]
+    return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
+
+
+def fmi_version(path: Path) -> str:
+    """The version of FMI that the FMU is of."""
+    return str(read_description(path).fmiVersion)
 
 
 def read_description(path: Path) -> Any:
-    """FMPy's model description of an FMU that this host can drive: FMI 2.0, co-simulation."""
+    """FMPy's model description of an FMU that this host can drive."""
     if not path.is_file():
         raise ValueError(f"FMU '{path}' is missing: export it with `balance-rope export --out {path}`")
     try:
@@ -65,18 +67,10 @@ def read_description(path: Path) -> Any:
         description = fmpy.read_model_description(str(path))
     except (ValidationError, BadZipFile) as error:
         raise ValueError(f"FMU '{path}' must be a valid FMU, but: {error}: export it anew") from error
-    if description.coSimulation is None or description.fmiVersion != "2.0":
+    if description.coSimulation is None or description.fmiVersion not in VERSIONS:
         kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
         raise ValueError(
-            f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; this host drives FMI 2.0 co-simulation: "
-            "give the FMU of `balance-rope export` or `balance-rope export --native`, or run with --in-process"
+            f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; this host drives co-simulation of FMI "
+            f"{' and '.join(VERSIONS)}: give the FMU of `balance-rope export`, or run with --in-process"
         )
     return description
-
-
-def _start(kind: str, text: str) -> float | int | bool | str:
-    if kind == "Real":
-        return float(text)
-    if kind in ("Integer", "Enumeration"):
-        return int(text)
-    return text in ("true", "1") if kind == "Boolean" else text

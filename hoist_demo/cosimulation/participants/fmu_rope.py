@@ -1,6 +1,7 @@
-"""The balance rope as an FMU for co-simulation (FMI 2.0), driven through FMPy.
+"""The balance rope as an FMU for co-simulation.
 
-Nothing is known of the FMU's inside: variables are found by name in its model description. The host computes
+Nothing is known of the FMU's inside: variables are found by name in its model description. fmi_versions has the calls
+of FMI 2.0 and 3.0. The host computes
 t = start + k H; doStep(t, H) is given the end motions of t + H (parameter `inputs_at_step_end` = true).
 """
 
@@ -8,30 +9,24 @@ from __future__ import annotations
 
 import hashlib
 import logging
-import shutil
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from ctypes import byref
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-import fmpy
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import (
-    FMU2Slave,
-    calloc,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-    free,
+from hoist_demo.cosimulation.participants.fmi_versions import (
+    VERSIONS,
+    WARNING,
+    CallError,
+    Instance,
+    Variable,
+    variables_of,
 )
-
 from hoist_demo.cosimulation.participants.fmu_parameters import parameters_of, read_description
-from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamped, unstamped
+from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
 from hoist_demo.cosimulation.participants.rope_plant import REQUIRED_SIGNALS, EndMotion, RopeStatus
-from hoist_demo.recording.rungs import RUNG, code_of
+from hoist_demo.recording.fidelity import FIDELITY, code_of
 
 _log = logging.getLogger(__name__)
 
@@ -42,9 +37,6 @@ INPUTS = tuple(field.name for field in fields(EndMotion))
 
 NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
 """Outputs left alone by default: the host does not use them, and a rope may compute them only when they are read."""
-
-_WARNING = 1
-"""Status of a message that fails no call."""
 
 
 class FmuRope:
@@ -60,25 +52,29 @@ class FmuRope:
 
         Outputs named in `not_read` are not among the signals.
         """
-        self._slave: Any = None
         self._started = False
         self._warned: set[str] = set()  # what has been in the log
         self._errors: list[str] = []  # what the FMU has said of the call that fails
         self._path = Path(path)
         self._description: Any = read_description(self._path)
-        self._variables: dict[str, Any] = {v.name: v for v in self._description.modelVariables}
-        self._inputs = [self._reference(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
-        self._outputs = _numeric_outputs(self._description, not_read)
-        self._tells_rung = RUNG in self._variables and RUNG not in not_read
+        variables = variables_of(self._description)
+        self._described = parameters_of(variables)
+        self._variables = {name: v for v in variables for name in v.elements}
+        self._inputs = [self._variable(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
+        self._not_read = frozenset(not_read)
+        self._outputs = _numeric_outputs(variables, self._not_read)
+        self._tells_fidelity = FIDELITY in self._variables and FIDELITY not in not_read
         self._chosen: dict[str, ParameterValue] = {"inputs_at_step_end": True, **(parameters or {})}
         missing = [name for name in REQUIRED_SIGNALS if name not in self._units_of_outputs()]
         if missing:
             raise ValueError(f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew")
-        self._directory = Path(fmpy.extract(str(path)))
         try:
-            self._slave = self._instantiate()
-            for name, value in self._chosen.items():
-                self._set(name, value)
+            self._fmu: Instance = VERSIONS[self._description.fmiVersion](self._path, self._description, self._hear)
+        except RuntimeError as error:
+            raise ValueError(f"the FMU must instantiate, but: {self._explanation(error)}: export it anew") from error
+        try:
+            for variable in dict.fromkeys(self._variable(name) for name in self._chosen):
+                self._set(variable)
         except BaseException:
             self.close()
             raise
@@ -86,38 +82,36 @@ class FmuRope:
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Set-up, initialization mode with the ends' start motion, and the first status."""
         try:
-            self._slave.setupExperiment(startTime=t0)
-            self._slave.enterInitializationMode()
+            self._fmu.enter_initialization(t0)
             self._set_motions(left, right)
-            self._slave.exitInitializationMode()
+            self._fmu.exit_initialization()
             self._started = True
-        except FMICallException as error:
-            return self._failed(error)
+        except CallError as error:
+            return self._failure_status(error)
         return self._status()
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """One doStep(t, h) with the motions of its end."""
         try:
             self._set_motions(left, right)
-            self._slave.doStep(t, h)
-        except FMICallException as error:
-            return self._failed(error)
+            self._fmu.step(t, h)
+        except CallError as error:
+            return self._failure_status(error)
         return self._status()
 
     def signals(self) -> dict[str, float]:
-        """Real, Integer and Boolean outputs by name, but those that are not read, and the rung by its code."""
+        """Real, Integer and Boolean outputs by name, but those that are not read, and the fidelity by its code."""
         values: dict[str, float] = {}
-        for kind, variables in self._outputs.items():
-            if variables:
-                read = getattr(self._slave, f"get{kind}")([v.valueReference for v in variables])
-                values.update((v.name, float(value)) for v, value in zip(variables, read, strict=True))
-        if self._tells_rung:
-            values[RUNG] = code_of(self._text(RUNG))
+        for variables in self._outputs:
+            read = zip(_elements(variables), self._fmu.get(variables), strict=True)
+            values.update((name, float(value)) for name, value in read if name not in self._not_read)
+        if self._tells_fidelity:
+            values[FIDELITY] = code_of(self._text(FIDELITY))
         return values
 
     def data(self) -> RopeData:
         """What this rope is: its file, and all parameters with the values they were given."""
-        description, parameters = self._description, parameters_of(self._description)
+        description, parameters = self._description, self._described
         with self._path.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
         model = {
@@ -132,31 +126,35 @@ class FmuRope:
     def read(self, names: Iterable[str]) -> dict[str, float]:
         """Some Real outputs by name, in the order asked for."""
         wanted = [name for name in names if name in self._variables]
-        with self._told():
-            return dict(zip(wanted, self._slave.getReal([self._reference(name) for name in wanted]), strict=True))
+        if not wanted:
+            return {}
+        variables = list(dict.fromkeys(self._variables[name] for name in wanted))
+        with self._translate_failures():
+            values = dict(zip(_elements(variables), map(float, self._fmu.get(variables)), strict=True))
+        return {name: values[name] for name in wanted}
 
     def save(self) -> Any:
         """A handle of the FMU's state; None when it cannot save."""
         if not self._description.coSimulation.canGetAndSetFMUstate:
             return None
-        with self._told():
-            return self._slave.getFMUState()
+        with self._translate_failures():
+            return self._fmu.save()
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a handle of this instance."""
-        with self._told():
-            self._slave.setFMUState(snapshot)
+        with self._translate_failures():
+            self._fmu.restore(snapshot)
 
     def free(self, snapshot: Any) -> None:
         """Give a handle back to the FMU."""
         if snapshot is not None:
-            with suppress(FMICallException):
-                self._slave.freeFMUState(snapshot)
+            with suppress(CallError):
+                self._fmu.free(snapshot)
 
     def to_bytes(self, snapshot: Any) -> bytes:
         """The FMU's serialized state."""
-        with self._told():
-            return self._tag + stamped(bytes(self._slave.serializeFMUState(snapshot)), self._parameters())
+        with self._translate_failures():
+            return self._tag + stamp(self._fmu.to_bytes(snapshot), self._parameters())
 
     def from_bytes(self, data: bytes) -> Any:
         """A handle from a serialized state."""
@@ -165,85 +163,52 @@ class FmuRope:
                 f"the state must be one of '{self._path.name}', {self._tag.decode().strip()}; it is of another rope: "
                 "go on with the one that wrote it (--fmu FILE or --in-process)"
             )
-        data = unstamped(data.removeprefix(self._tag), self._parameters())
+        data = unstamp(data.removeprefix(self._tag), self._parameters())
         try:
-            return self._slave.deSerializeFMUstate(data)
-        except FMICallException as error:
+            return self._fmu.from_bytes(data)
+        except CallError as error:
             raise ValueError(
-                f"the FMU must know these {len(data)} bytes as a state of its own, but: {self._explained(error)}"
+                f"the FMU must know these {len(data)} bytes as a state of its own, but: {self._explanation(error)}"
             ) from error
 
     def units(self) -> dict[str, str]:
         """Unit of each signal as the model description states it."""
-        return self._units_of_outputs() | ({RUNG: "1"} if self._tells_rung else {})
+        return self._units_of_outputs() | ({FIDELITY: "1"} if self._tells_fidelity else {})
 
     def close(self) -> None:
         """Terminate, free the instance and remove the extracted files."""
-        slave, self._slave = self._slave, None
-        if slave is not None:
-            if self._started:
-                with suppress(FMICallException):
-                    slave.terminate()
-            slave.freeInstance()
-        shutil.rmtree(self._directory, ignore_errors=True)
+        if self._started:
+            with suppress(CallError):
+                self._fmu.terminate()
+        self._started = False
+        self._fmu.close()
 
     def _parameters(self) -> dict[str, Value]:
         """All parameters with the values they were given."""
-        return {name: self._chosen.get(name, p.start) for name, p in parameters_of(self._description).items()}
+        return {name: self._chosen.get(name, p.start) for name, p in self._described.items()}
 
-    def _instantiate(self) -> Any:
-        slave = FMU2Slave(
-            guid=self._description.guid,
-            modelIdentifier=self._description.coSimulation.modelIdentifier,
-            unzipDirectory=str(self._directory),
-            instanceName="balance_rope",
-        )
-        # FMPy prints by default; the callbacks must live as long as the instance
-        self._callbacks: Any = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._hear)
-        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        # formats C varargs where FMPy ships its proxy for this platform; without it the raw text is logged
-        with suppress(ImportError, OSError, RuntimeError):
-            from fmpy.logging import addLoggerProxy
-
-            addLoggerProxy(byref(self._callbacks))
-        try:
-            # a Python FMU passes on no warning without logging
-            slave.instantiate(callbacks=self._callbacks, loggingOn=True)
-        except Exception as error:  # FMPy raises the bare class here
-            slave.freeLibrary()
-            raise ValueError(f"the FMU must instantiate, but: {self._explained(error)}: export it anew") from error
-        return slave
-
-    def _reference(self, name: str) -> int:
+    def _variable(self, name: str) -> Variable:
         if name not in self._variables:
             raise ValueError(f"the FMU must have a variable '{name}': export it anew")
-        return int(self._variables[name].valueReference)
+        return self._variables[name]
 
-    def _set(self, name: str, value: ParameterValue) -> None:
-        """Set one parameter by its FMI type."""
-        reference = [self._reference(name)]
-        variable = self._variables[name]
-        if variable.type == "Real":
-            self._slave.setReal(reference, [float(value)])
-        elif variable.type == "Boolean":
-            self._slave.setBoolean(reference, [bool(value)])
-        elif variable.type == "String":
-            self._slave.setString(reference, [str(value)])
-        elif variable.type == "Enumeration" and isinstance(value, str):
-            self._slave.setInteger(reference, [_item(variable, value)])
-        else:
-            self._slave.setInteger(reference, [int(value)])
+    def _set(self, variable: Variable) -> None:
+        """Set a parameter, of an array all elements, to what is chosen, by its FMI type."""
+        chosen = [self._chosen[n] if n in self._chosen else self._described[n].start for n in variable.elements]
+        values = [_typed(variable, value) for value in chosen]
+        try:
+            self._fmu.set([variable], values)
+        except CallError as error:
+            raise ValueError(f"the FMU must take {variable.name}, but: {self._explanation(error)}") from error
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
-        self._slave.setReal(self._inputs, [getattr(end, name) for end in (left, right) for name in INPUTS])
+        self._fmu.set(self._inputs, [getattr(end, name) for end in (left, right) for name in INPUTS])
 
     def _status(self) -> RopeStatus:
         """What `status.valid` and `status.message` say; an FMU without them is valid."""
         valid = True
         if "status.valid" in self._variables:
-            valid = bool(self._slave.getBoolean([self._reference("status.valid")])[0])
+            valid = bool(self._fmu.get([self._variables["status.valid"]])[0])
         return RopeStatus(valid, "" if valid else self._message())
 
     def _message(self) -> str:
@@ -251,15 +216,12 @@ class FmuRope:
 
     def _text(self, name: str) -> str:
         """A String output; "" where there is none."""
-        if name not in self._variables:
-            return ""
-        text = self._slave.getString([self._reference(name)])[0]
-        return str(text.decode("utf-8", errors="replace")) if text else ""
+        return str(self._fmu.get([self._variables[name]])[0]) if name in self._variables else ""
 
     def _reason(self) -> str:
-        """Why the rung runs that runs, where the FMU still speaks."""
-        with suppress(FMICallException):
-            return self._text("status.rung_reason")
+        """Why the fidelity runs that runs, where the FMU still speaks."""
+        with suppress(CallError):
+            return self._text("status.fidelity_reason")
         return ""
 
     @property
@@ -267,59 +229,60 @@ class FmuRope:
         """What stands before a serialized state: states of two flavours do not fit one another."""
         return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
-    def _failed(self, error: FMICallException) -> RopeStatus:
+    def _failure_status(self, error: CallError) -> RopeStatus:
         """A failed call as a status, with the FMU's own words where it still speaks; it need not be terminated."""
         self._started, message = False, ""
-        with suppress(FMICallException):
+        with suppress(CallError):
             message = self._message()
-        return RopeStatus(False, message or self._explained(error))
+        return RopeStatus(False, message or self._explanation(error))
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _translate_failures(self) -> Iterator[None]:
         """A failed call as RuntimeError, so that nobody else needs FMPy."""
         try:
             yield
-        except FMICallException as error:
-            raise RuntimeError(f"the FMU fails: {self._explained(error)}") from error
+        except CallError as error:
+            raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
 
-    def _explained(self, error: Exception) -> str:
+    def _explanation(self, error: Exception) -> str:
         """What a call failed of, with what the FMU has said meanwhile."""
         said, self._errors = "; ".join(dict.fromkeys(self._errors)), []
         return f"{error} {said}" if said else str(error)
 
-    def _hear(self, component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    def _hear(self, status: int, text: str) -> None:
         """The FMU's logger: warnings are told, each once; an error comes back with the call that fails of it."""
-        text = message.decode("utf-8", errors="replace")
-        if status > _WARNING:
+        if status > WARNING:
             self._errors.append(text)
-        if status != _WARNING:
+        if status != WARNING:
             _log.debug("%s", text)
         elif text not in self._warned:
             self._warned.add(text)
             _log.warning("%s", text)
 
     def _units_of_outputs(self) -> dict[str, str]:
-        return {v.name: _unit(v) for variables in self._outputs.values() for v in variables}
+        named = {name: v.unit for variables in self._outputs for v in variables for name in v.elements}
+        return {name: unit for name, unit in named.items() if name not in self._not_read}
 
 
-def _numeric_outputs(description: Any, not_read: Collection[str]) -> dict[str, list[Any]]:
-    """Output variables by the type whose getter reads them."""
-    getters = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
-    outputs: dict[str, list[Any]] = {"Real": [], "Integer": [], "Boolean": []}
-    for variable in description.modelVariables:
-        if variable.causality == "output" and variable.type in getters and variable.name not in not_read:
-            outputs[getters[variable.type]].append(variable)
-    return outputs
+def _numeric_outputs(variables: Iterable[Variable], not_read: Collection[str]) -> list[list[Variable]]:
+    """Outputs that are numbers, those that are read together by one call in one list."""
+    read = [v for v in variables if v.causality == "output" and not set(v.elements).issubset(not_read)]
+    kinds = ("Real", "Integer", "Enumeration", "Boolean")
+    types = dict.fromkeys(v.type for kind in kinds for v in read if v.kind == kind)
+    return [[v for v in read if v.type == type_] for type_ in types]
 
 
-def _unit(variable: Any) -> str:
-    declared = variable.declaredType
-    return str(variable.unit or (declared.unit if declared is not None else None) or "")
+def _elements(variables: Iterable[Variable]) -> list[str]:
+    return [name for v in variables for name in v.elements]
 
 
-def _item(variable: Any, value: str) -> int:
-    """Number of an enumeration's item."""
-    items = {item.name: int(item.value) for item in variable.declaredType.items}
-    if value not in items:
-        raise ValueError(f"parameter {variable.name} = '{value}' must be one of {', '.join(items)}: choose one")
-    return items[value]
+def _typed(variable: Variable, value: ParameterValue) -> ParameterValue:
+    """The value as its FMI type has it, an enumeration's item by its number."""
+    if variable.kind == "Enumeration" and isinstance(value, str):
+        if value not in variable.items:
+            raise ValueError(
+                f"parameter {variable.name} = '{value}' must be one of {', '.join(variable.items)}: choose one"
+            )
+        return variable.items[value]
+    types: Mapping[str, type[ParameterValue]] = {"Real": float, "Boolean": bool, "String": str}
+    return types.get(variable.kind, int)(value)

@@ -1,6 +1,6 @@
 """The balance rope in this process: the same RopePlant as the FMU, without the FMU.
 
-The only module of the host that knows rope_model; it serves as the FMU's twin and for debugging.
+The only module of the host that knows rope_model; it stands in for the FMU in comparisons and for debugging.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from dataclasses import asdict, fields, replace
 from importlib.metadata import version
 from typing import Any, Literal, get_args, get_type_hints
 
-from hoist_demo.cases.table import case_named
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
-from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamped, unstamped
+from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopeStatus
-from hoist_demo.parameters.quantity import stated_units
-from hoist_demo.recording.rungs import RUNG, code_of
+from hoist_demo.parameters.quantity import units_of
+from hoist_demo.recording.fidelity import FIDELITY, code_of
 from rope_model import SIGNALS, Level, RopeState, Scene, Status, at_level, balance_rope
 from rope_model import EndMotion as RopeEndMotion
 
@@ -42,14 +42,14 @@ class InProcessRope:
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Find the hanging shape at t0 [s]."""
         self._warned.clear()
-        return self._told(self._rope.initialize(t0, _motion(left), _motion(right)))
+        return self._log_warnings(self._rope.initialize(t0, _motion(left), _motion(right)))
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Advance to t + h [s]; the motions hold there."""
-        return self._told(self._rope.advance_to(t + h, _motion(left), _motion(right)))
+        return self._log_warnings(self._rope.advance_to(t + h, _motion(left), _motion(right)))
 
-    def _told(self, status: Status) -> RopeStatus:
-        """The status; what is to be minded in a valid state is logged, each thing once, as the FMU does it."""
+    def _log_warnings(self, status: Status) -> RopeStatus:
+        """The status; warnings about a valid state are logged, each of them once, as the FMU does it."""
         for subject, text in self._rope.warnings().items() if status.valid else ():
             if subject not in self._warned:
                 self._warned.add(subject)
@@ -57,8 +57,8 @@ class InProcessRope:
         return RopeStatus(bool(status.valid), str(status.message))
 
     def signals(self) -> dict[str, float]:
-        """All outputs by FMI name, and the rung by its code."""
-        return self._rope.signals() | {RUNG: code_of(self._rope.rung)}
+        """All outputs by FMI name, and the fidelity by its code."""
+        return self._rope.signals() | {FIDELITY: code_of(self._rope.fidelity)}
 
     def data(self) -> RopeData:
         """What this rope is: its engine, and all parameters by FMI name."""
@@ -71,8 +71,8 @@ class InProcessRope:
                 values[f"{group}.{item}"] = str(value) if isinstance(value, tuple) else value
                 units[f"{group}.{item}"] = unit
         reason = ""
-        with suppress(RuntimeError):  # a rope that could not be hung up has no state
-            reason = self._rope.rung_reason
+        with suppress(RuntimeError):  # a rope that could not be initialised has no state
+            reason = self._rope.fidelity_reason
         return RopeData(model, values, units, reason)
 
     def read(self, names: Iterable[str]) -> dict[str, float]:
@@ -92,30 +92,30 @@ class InProcessRope:
 
     def to_bytes(self, snapshot: RopeState) -> bytes:
         """The state as bytes."""
-        return _TAG + stamped(snapshot.to_bytes(), self.data().parameters)
+        return _TAG + stamp(snapshot.to_bytes(), self.data().parameters)
 
     def from_bytes(self, data: bytes) -> RopeState:
         """The state that these bytes hold."""
         if not data.startswith(_TAG):
             raise ValueError("the state must be that of a rope in process, it is of an FMU: give that with --fmu FILE")
-        return RopeState.from_bytes(unstamped(data.removeprefix(_TAG), self.data().parameters))
+        return RopeState.from_bytes(unstamp(data.removeprefix(_TAG), self.data().parameters))
 
     def units(self) -> dict[str, str]:
         """Unit of each output."""
-        return {name: str(signal.unit) for name, signal in SIGNALS.items()} | {RUNG: "1"}
+        return {name: str(signal.unit) for name, signal in SIGNALS.items()} | {FIDELITY: "1"}
 
     def close(self) -> None:
         """Nothing is held."""
 
 
 def rope_in_process(
-    scene: str,
+    case: str,
     kernels: Literal["auto", "compiled", "portable"] = "auto",
     level: Level = "standard",
     parameters: Mapping[str, Value] | None = None,
 ) -> InProcessRope:
-    """The rope of a named scene at a level of accuracy, with other parameters by FMI name."""
-    data = rope_data({**case_named(scene).rope, **(parameters or {})}, level)
+    """The rope of a named case at a level of accuracy, with other parameters by FMI name."""
+    data = rope_data({**find_case(case).rope, **(parameters or {})}, level)
     return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
 
 
@@ -138,7 +138,7 @@ def rope_parameters() -> dict[str, FmuParameter]:
 
 def _units(data: Any) -> dict[str, str]:
     """FMI unit of each value of a part of the scene."""
-    stated = stated_units(type(data))
+    stated = units_of(type(data))
     return {field.name: stated.get(field.name, "1") for field in fields(data)}
 
 
@@ -151,7 +151,7 @@ def rope_data(parameters: Mapping[str, Value], level: Level = "standard") -> Sce
         part = getattr(data, _PARTS.get(group, ""), None)
         if part is None or item not in {f.name for f in fields(part)}:
             raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/interface.md")
-        chosen.setdefault(group, {})[item] = _decoded(part, name, value)
+        chosen.setdefault(group, {})[item] = _decode(part, name, value)
     for group, values in chosen.items():
         try:
             data = data.with_(**{_PARTS[group]: replace(getattr(data, _PARTS[group]), **values)})
@@ -165,7 +165,7 @@ def _motion(end: EndMotion) -> RopeEndMotion:
     return RopeEndMotion(**asdict(end))
 
 
-def _decoded(part: Any, name: str, value: Value) -> Any:
+def _decode(part: Any, name: str, value: Value) -> Any:
     """A value as the field of this FMI name takes it: the word for the code of one that chooses."""
     words = get_args(get_type_hints(type(part))[name.rpartition(".")[2]])
     if not words:

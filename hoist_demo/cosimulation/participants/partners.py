@@ -56,7 +56,7 @@ class Stopwatch:
     cpu: float = 0.0  # s
 
     @contextmanager
-    def running(self) -> Iterator[None]:
+    def count_time(self) -> Iterator[None]:
         """Counts the time within."""
         wall, cpu = perf_counter(), process_time()
         try:
@@ -75,7 +75,7 @@ def end_motions(motion: Motion, beside: tuple[EndMotion, EndMotion]) -> tuple[En
     return ends["left"], ends["right"]
 
 
-def centred() -> tuple[EndMotion, EndMotion]:
+def mid_guide_motions() -> tuple[EndMotion, EndMotion]:
     """Ends that hang in the middle of their guides."""
     return EndMotion(), EndMotion()
 
@@ -94,7 +94,7 @@ _INPUTS = tuple(c.input for c in COORDINATES)
 _NOTHING = PlantInput(0.0, 0.0, 0.0)
 
 
-class HoistPartner:
+class HoistParticipant:
     """The hoist as a coupling's drive; `held` is what the controller commands, to be set between steps."""
 
     def __init__(self, plant: HoistPlant, state: PlantState, held: PlantInput, clock: Stopwatch) -> None:
@@ -107,7 +107,7 @@ class HoistPartner:
 
     def step(self, t: float, h: float, load: Load) -> str:
         """One step under the load; a constant one is held to the bit."""
-        with self._clock.running():
+        with self._clock.count_time():
             given: PlantInput | PlantInputPath
             given = path = self._path(load)
             if not (load.rise.any() or load.bend.any() or load.added_mass.any()):
@@ -116,7 +116,7 @@ class HoistPartner:
             if not moved.valid:
                 return f"t = {t:.6g} s: {moved.message}"
             self.state = moved.state
-            self.input = self.plant.acting(self.state, path, 1.0)
+            self.input = self.plant.loads_at(self.state, path, 1.0)
         return ""
 
     def output(self) -> PlantOutput:
@@ -125,8 +125,8 @@ class HoistPartner:
 
     def motion(self, load: Load, s: float) -> Motion:
         """Motion of the ends now."""
-        with self._clock.running():
-            acting = self.plant.acting(self.state, self._path(load), s)
+        with self._clock.count_time():
+            acting = self.plant.loads_at(self.state, self._path(load), s)
             return motion_of(self._output(acting))
 
     def mobility(self) -> Vector:
@@ -156,35 +156,35 @@ class HoistPartner:
     def _path(self, load: Load) -> PlantInputPath:
         known = self._known_path
         if known is None or known[0] is not load or known[1] is not self.held:
-            self._known_path = known = load, self.held, self._made_path(load)
+            self._known_path = known = load, self.held, self._make_path(load)
         return known[2]
 
-    def _made_path(self, load: Load) -> PlantInputPath:
+    def _make_path(self, load: Load) -> PlantInputPath:
         added = (float(load.added_mass[0]), float(load.added_mass[1]))
         rise, bend = input_of(_NOTHING, load.rise), input_of(_NOTHING, load.bend)
         return PlantInputPath(input_of(self.held, load.start), rise, bend, added)
 
 
-class HangingPartner:
+class RopeParticipant:
     """A balance rope as a coupling's rope."""
 
     def __init__(self, rope: RopePlant, clock: Stopwatch) -> None:
         self.rope = rope
-        self.beside: Callable[[], tuple[EndMotion, EndMotion]] = centred  # lateral motion of the conveyances
+        self.beside: Callable[[], tuple[EndMotion, EndMotion]] = mid_guide_motions  # lateral motion of the conveyances
         self._clock = clock
         self._read: dict[str, float] | None = None
 
     def start(self, t: float, left: EndMotion, right: EndMotion, clock: Stopwatch) -> str:
         """Hang the rope; "" or the cause why it does not."""
-        with clock.running():
+        with clock.count_time():
             status = self.rope.initialize(t, left, right)
-            return self._heard(status, "rope, at the start")
+            return self._problem(status, "rope, at the start")
 
     def step(self, t: float, h: float, motion: Motion) -> str:
         """One step of the rope, and its forces."""
-        with self._clock.running():
+        with self._clock.count_time():
             status = self.rope.step(t, h, *end_motions(motion, self.beside()))
-            return self._heard(status, f"rope, step from t = {t:.6g} s")
+            return self._problem(status, f"rope, step from t = {t:.6g} s")
 
     def forces(self) -> tuple[Vector, Vector]:
         """Forces now and their means."""
@@ -196,17 +196,17 @@ class HangingPartner:
 
     def added_mass(self) -> Vector | None:
         """Of the last step; None where the rope cannot tell."""
-        with self._clock.running():
+        with self._clock.count_time():
             read = self.rope.read(ADDED_MASSES)
         values = [read.get(name, math.nan) for name in ADDED_MASSES]
         return np.array(values) if all(map(math.isfinite, values)) else None
 
     def save(self) -> object:
-        with self._clock.running():
+        with self._clock.count_time():
             return self.rope.save()
 
     def restore(self, snapshot: object) -> None:
-        with self._clock.running():
+        with self._clock.count_time():
             self.rope.restore(snapshot)
             self._read = None
 
@@ -223,7 +223,7 @@ class HangingPartner:
         self.restore(snapshot)
         self.free(snapshot)
 
-    def _heard(self, status: RopeStatus, where: str) -> str:
+    def _problem(self, status: RopeStatus, where: str) -> str:
         """Why the rope's answer cannot be used; "" when it can."""
         self._read = None
         if not status.valid:

@@ -29,12 +29,12 @@ def _words(name: str) -> tuple[str, ...]:
     return tuple(CHOICES.get(".".join(name.split(".")[-2:]), ()))
 
 
-def stamped(state: bytes, parameters: Mapping[str, Value]) -> bytes:
+def stamp(state: bytes, parameters: Mapping[str, Value]) -> bytes:
     """A rope's state behind a line with the parameters that it belongs to."""
     return json.dumps(dict(parameters), sort_keys=True).encode() + b"\n" + state
 
 
-def unstamped(data: bytes, parameters: Mapping[str, Value]) -> bytes:
+def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
     """The state that `stamped` was given; ValueError where it belongs to other parameters."""
     stamp, _, state = data.partition(b"\n")
     try:
@@ -59,14 +59,14 @@ class RopeData:
     model: Mapping[str, str]  # what it is and where it comes from
     parameters: Mapping[str, Value]
     units: Mapping[str, str]  # as FMI spells them, "1" for a pure number
-    rung_reason: str = ""  # why the rung runs that runs
+    fidelity_reason: str = ""  # why the fidelity runs that runs
 
     @property
     def torque_free(self) -> bool:
         """Whether the rope carries no torque as long as its ends do not turn; unknown parameters count as torque."""
         return all(self.parameters.get(name) == 0.0 for name in _TORQUE)
 
-    def shown(self, name: str) -> Value:
+    def display(self, name: str) -> Value:
         """A parameter's value, a code with its word."""
         value, words = self.parameters[name], _words(name)
         return f"{value} ({words[value]})" if isinstance(value, int) and 0 <= value < len(words) else value
@@ -74,11 +74,11 @@ class RopeData:
     def level(self, levels: Levels) -> str:
         """Name of the level whose parameters these are, "" for none."""
         for name, wanted in levels.items():
-            if all(self._coded(key) == value for key, value in wanted.items()):
+            if all(self._code(key) == value for key, value in wanted.items()):
                 return name
         return ""
 
-    def _coded(self, name: str) -> Value | None:
+    def _code(self, name: str) -> Value | None:
         """A parameter's value, a word as its code: a rope in process has words where an FMU has codes."""
         value = self.parameters.get(name)
         return value if not isinstance(value, str) or (number := code(name, value)) is None else number

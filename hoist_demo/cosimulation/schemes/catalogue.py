@@ -21,7 +21,7 @@ SCHEMES: dict[str, Scheme] = {
 """Numbers are orders of extrapolation; docs/coupling.md compares them."""
 
 
-def scheme_named(name: str) -> Scheme:
+def find_scheme(name: str) -> Scheme:
     """The scheme of this name; ValueError with all names when there is none."""
     if name not in SCHEMES:
         raise ValueError(f"scheme = '{name}' must be one of {', '.join(SCHEMES)}: choose one")

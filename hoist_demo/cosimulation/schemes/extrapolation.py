@@ -17,7 +17,9 @@ MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
 """Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth)."""
 
 
-def extrapolated(samples: Sequence[Sample], name: str, order: int, h: float) -> tuple[Vector, Vector, Vector]:
+def extrapolation_coefficients(
+    samples: Sequence[Sample], name: str, order: int, h: float
+) -> tuple[Vector, Vector, Vector]:
     """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
     used = samples[-(order + 1) :]
     values = [np.asarray(getattr(sample, name)) for sample in used]

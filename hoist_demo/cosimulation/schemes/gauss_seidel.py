@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .extrapolation import MEAN_WEIGHTS, extrapolated
-from .interface import Advance, Books, Load, Memory, Pair
+from .extrapolation import MEAN_WEIGHTS, extrapolation_coefficients
+from .interface import Advance, ExchangeBalance, Load, Memory, Pair
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class GaussSeidel:
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""
-        start, rise, bend = extrapolated(memory.samples, "force", self.order, h)
-        return exchanged(pair, memory, t, h, Load(start, rise, bend, np.zeros_like(start)))
+        start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
+        return exchange(pair, memory, t, h, Load(start, rise, bend, np.zeros_like(start)))
 
 
 @dataclass(frozen=True)
@@ -43,13 +43,13 @@ class ImpulsePreserving:
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""
-        return exchanged(pair, memory, t, h, Load.constant(memory.last.mean))
+        return exchange(pair, memory, t, h, Load.constant(memory.last.mean))
 
 
-def exchanged(pair: Pair, memory: Memory, t: float, h: float, load: Load) -> Advance:
+def exchange(pair: Pair, memory: Memory, t: float, h: float, load: Load) -> Advance:
     """The step done under a load, drive first."""
-    books = Books(pair, load)
+    balance = ExchangeBalance(pair, load)
     if cause := pair.drive_then_rope(t, h, load):
         return Advance(memory, cause)
-    sample = pair.sampled(t + h, load)
-    return Advance(memory.with_sample(sample, books.closed(sample.mean)))
+    sample = pair.sample_at(t + h, load)
+    return Advance(memory.with_sample(sample, balance.residual(sample.mean)))

@@ -153,7 +153,7 @@ class Pair:
     drive: DrivePartner
     rope: RopePartner
 
-    def sampled(self, t: float, load: Load) -> Sample:
+    def sample_at(self, t: float, load: Load) -> Sample:
         """What both have at the end of a step under the load."""
         return Sample(t, *self.rope.forces(), self.drive.motion(load, 1.0).acceleration)
 
@@ -166,7 +166,7 @@ class Pair:
 
     def start(self, t: float) -> Memory:
         """Memory of a scheme that begins now; before t everything is taken to have been at rest."""
-        return Memory((self.sampled(t, Load.constant(self.rope.forces()[0])),))
+        return Memory((self.sample_at(t, Load.constant(self.rope.forces()[0])),))
 
     def drive_then_rope(self, t: float, h: float, load: Load) -> str:
         """Both over one step: the rope follows the motion that the drive makes under the load."""
@@ -174,7 +174,7 @@ class Pair:
 
 
 @dataclass
-class Books:
+class ExchangeBalance:
     """Energy that the exchange makes up in one step: what the drive got, less what the rope gave."""
 
     pair: Pair
@@ -185,7 +185,7 @@ class Books:
     def __post_init__(self) -> None:
         self.work, self.place = self.pair.drive.work(), self.pair.drive.motion(self.load, 0.0).place
 
-    def closed(self, mean: Vector) -> float:
+    def residual(self, mean: Vector) -> float:
         """The step's residual [J]; the rope gave its mean force times the way, to the third order in h."""
         way = self.pair.drive.motion(self.load, 1.0).place - self.place
         return self.pair.drive.work() - self.work - float(mean @ way)

@@ -20,8 +20,8 @@ from typing import Literal
 import numpy as np
 
 from .accelerators import Accelerator, Aitken, InterfaceJacobian, Secant
-from .extrapolation import extrapolated
-from .interface import Advance, Books, Load, Memory, Pair, Vector
+from .extrapolation import extrapolation_coefficients
+from .interface import Advance, ExchangeBalance, Load, Memory, Pair, Vector
 
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
@@ -53,13 +53,13 @@ class Iterative:
         """As many exchanges as it takes."""
         drive, rope = pair.drive.save(), pair.rope.save()
         try:
-            return self._iterated(pair, memory, t, h, (drive, rope))
+            return self._iterate(pair, memory, t, h, (drive, rope))
         finally:
             pair.rope.free(rope)
 
-    def _iterated(self, pair: Pair, memory: Memory, t: float, h: float, start: tuple[object, object]) -> Advance:
+    def _iterate(self, pair: Pair, memory: Memory, t: float, h: float, start: tuple[object, object]) -> Advance:
         force = memory.last.force
-        _, rise, bend = extrapolated(memory.samples, "force", 1 if self.held else 2, h)
+        _, rise, bend = extrapolation_coefficients(memory.samples, "force", 1 if self.held else 2, h)
         x = self._unknown(force + rise / 2.0 + bend / 3.0, force + rise + bend)
         accelerator = self._accelerator(pair)
         for tried in range(MOST_EXCHANGES):
@@ -67,15 +67,15 @@ class Iterative:
                 pair.drive.restore(start[0])
                 pair.rope.restore(start[1])
             load = Load.constant(x) if self.held else Load.through(force, *np.split(x, 2))
-            books = Books(pair, load)
+            balance = ExchangeBalance(pair, load)
             if cause := pair.drive_then_rope(t, h, load):
                 return Advance(memory, cause)
             end, mean = pair.rope.forces()
             answer = self._unknown(mean, end)
             change = float(np.max(np.abs(answer - x)))
             if change <= self.tolerance:
-                sample = pair.sampled(t + h, load)
-                return Advance(memory.with_taken_back(tried).with_sample(sample, books.closed(mean)))
+                sample = pair.sample_at(t + h, load)
+                return Advance(memory.with_taken_back(tried).with_sample(sample, balance.residual(mean)))
             x = accelerator.next(x, answer)
         return Advance(
             memory,

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .extrapolation import MEAN_WEIGHTS, extrapolated
-from .interface import Advance, Books, Load, Memory, Motion, Pair
+from .extrapolation import MEAN_WEIGHTS, extrapolation_coefficients
+from .interface import Advance, ExchangeBalance, Load, Memory, Motion, Pair
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class Jacobi:
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""
-        start, rise, bend = extrapolated(memory.samples, "force", self.order, h)
-        c0, c1, c2 = extrapolated(memory.samples, "acceleration", self.order, h)
+        start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
+        c0, c1, c2 = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
         load = Load(start, rise, bend, np.zeros_like(start))
-        now, books = pair.drive.motion(load, 0.0), Books(pair, load)
+        now, balance = pair.drive.motion(load, 0.0), ExchangeBalance(pair, load)
         expected = Motion(
             now.place + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
             now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
@@ -45,5 +45,5 @@ class Jacobi:
         cause = pair.drive.step(t, h, load) or pair.rope.step(t, h, expected)
         if cause:
             return Advance(memory, cause)
-        sample = pair.sampled(t + h, Load.constant(pair.rope.forces()[0]))
-        return Advance(memory.with_sample(sample, books.closed(sample.mean)))
+        sample = pair.sample_at(t + h, Load.constant(pair.rope.forces()[0]))
+        return Advance(memory.with_sample(sample, balance.residual(sample.mean)))

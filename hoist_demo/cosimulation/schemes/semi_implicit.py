@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .extrapolation import MEAN_WEIGHTS, extrapolated
-from .gauss_seidel import exchanged
+from .extrapolation import MEAN_WEIGHTS, extrapolation_coefficients
+from .gauss_seidel import exchange
 from .interface import Advance, Load, Memory, Pair
 
 
@@ -33,7 +33,7 @@ class SemiImplicit:
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""
         added = pair.added_mass()
-        force = extrapolated(memory.samples, "force", self.order, h)
-        acceleration = extrapolated(memory.samples, "acceleration", self.order, h)
+        force = extrapolation_coefficients(memory.samples, "force", self.order, h)
+        acceleration = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
         start, rise, bend = (f + added * a for f, a in zip(force, acceleration, strict=True))
-        return exchanged(pair, memory, t, h, Load(start, rise, bend, added))
+        return exchange(pair, memory, t, h, Load(start, rise, bend, added))

@@ -30,7 +30,7 @@ MARGIN = 1.01
 
 
 @dataclass(frozen=True)
-class Outlook:
+class StabilityEstimate:
     """What to expect of a scheme."""
 
     growth: float  # of a disturbance, per communication step
@@ -53,7 +53,7 @@ class Outlook:
         )
 
 
-def measured_answer(pair: Pair, t: float, H: float, at_rest: Motion) -> tuple[Vector, str]:
+def measure_response(pair: Pair, t: float, H: float, at_rest: Motion) -> tuple[Vector, str]:
     """Masses m_j, (MEMORY, n) [kg], of ends that hang at rest, and the cause where that fails; the rope is taken back.
 
     All ends get their pulse at once, alternately up and down, so that the loop stays where it is.
@@ -88,11 +88,11 @@ def growth(scheme: Scheme, answer: Vector, mass: float) -> float:
     return float(np.max(np.abs(roots), initial=0.0))
 
 
-def outlook(scheme: Scheme, answer: Vector, mobility: Vector) -> Outlook:
+def estimate_stability(scheme: Scheme, answer: Vector, mobility: Vector) -> StabilityEstimate:
     """For the measured answer (MEMORY, n) and the drive's mobility (n, n): the worst end on the smallest mass.
 
     Either end of the rope may become the long leg in the course of a trip.
     """
     mass = 1.0 / float(np.max(np.diag(mobility)))
     worst = max((growth(scheme, end, mass) for end in answer.T), default=math.nan)
-    return Outlook(worst, float(np.max(answer[0])), mass)
+    return StabilityEstimate(worst, float(np.max(answer[0])), mass)

@@ -31,7 +31,7 @@ def along(recording: Recording) -> dict[str, object]:
         if values is None:
             missing.append(f"shape.{name}")
             continue
-        if bool(np.isnan(values).all()):  # the rung of the rope's model leaves it out
+        if bool(np.isnan(values).all()):  # the fidelity of the rope's model leaves it out
             continue
         picture = factor * over_length(values[rows], places, length)
         kept = {"id": name, "title": title, "unit": unit, "quiet": bool(np.ptp(picture) == 0.0)}

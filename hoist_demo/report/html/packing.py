@@ -42,7 +42,7 @@ def pack_to(values: Array, resolution: float) -> Packed:
     return {"kind": "f32", "lo": 0.0, "hi": 0.0, "data": base64.b64encode(raw).decode("ascii")}
 
 
-def thinned(values: Array, most: int) -> Array:
+def thin(values: Array, most: int) -> Array:
     """At most `most` of the values (1-D), peaks kept: each interval leaves its lowest and highest in their order.
 
     Fewer values than `most` stay as they are.
@@ -60,8 +60,8 @@ def thinned(values: Array, most: int) -> Array:
     return np.array(kept)
 
 
-def thinned_times(times: Array, most: int) -> Array:
-    """Instants that belong to thinned(): the first quarter and the third quarter of each interval."""
+def thin_times(times: Array, most: int) -> Array:
+    """Instants that belong to thin(): the first quarter and the third quarter of each interval."""
     if len(times) <= most:
         return times
     width = interval(len(times), most)

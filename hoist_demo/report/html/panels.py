@@ -9,7 +9,7 @@ import numpy as np
 
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.summary import made_up
+from hoist_demo.report.summary import exchange_energy
 
 LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"
 """Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css."""
@@ -56,7 +56,7 @@ class Panel:
     steps: bool = False
 
 
-def derived(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
+def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
     """Signals that follow from recorded ones, with their units, by names that begin with `derived.`."""
     found: dict[str, tuple[Array, str]] = {}
     if recording.has("reference.position", "conveyance.left.y"):
@@ -64,15 +64,15 @@ def derived(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
         found["derived.tracking_error"] = recording["reference.position"] - travel, "m"
         found["derived.reference_height"] = recording["conveyance.left.y"][0] + recording["reference.position"], "m"
     if recording.has("drive.work_from_balance_rope", "energy.work_ends"):
-        found["derived.coupling_defect"] = made_up(recording, hoist), "J"
+        found["derived.coupling_defect"] = exchange_energy(recording, hoist), "J"
     return found
 
 
 def panels(recording: Recording, hoist: Hoist) -> list[Panel]:
     """All panels of which at least one line can be drawn, with those lines only."""
-    # what a rung leaves out is NaN throughout
+    # what a fidelity leaves out is NaN throughout
     shown_at_all = {name for name, values in recording.signals.items() if bool(np.isfinite(values).any())}
-    known = shown_at_all | set(derived(recording, hoist))
+    known = shown_at_all | set(derived_signals(recording, hoist))
     shown: list[Panel] = []
     for panel in _all(hoist):
         lines = tuple(line for line in panel.lines if line.signal in known)
@@ -225,7 +225,7 @@ def _energy() -> tuple[Panel, ...]:
         ),
         Panel(
             "Energy",
-            "What the energy books leave over",
+            "Residual of the energy balance",
             "J",
             (
                 Line("drive.energy_residual", "drive", "a"),

@@ -11,7 +11,7 @@ from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
 from hoist_demo.recording.time_series import TIME, Array, Recording
 from hoist_demo.report import events
-from hoist_demo.report.html import given, packing, page, panels
+from hoist_demo.report.html import packing, page, panels, parameter_tables
 from hoist_demo.report.html.along import along
 from hoist_demo.report.summary import WARNING, SummaryRow
 
@@ -33,9 +33,9 @@ def run_report(
     rows: Sequence[SummaryRow],
     title: str,
     path: Path,
-    more: Sequence[given.Table] = (),
+    more: Sequence[parameter_tables.Table] = (),
 ) -> Path:
-    """Write the report of a run to `path`; `rows` are its summary, `more` what else was given.
+    """Write the report of a run to `path`; `rows` are its summary, `more` what else was parameter_tables.
 
     Same run, same bytes but the clock's.
     """
@@ -46,7 +46,7 @@ def run_report(
         page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows if row.group == group])
         for group in dict.fromkeys(row.group for row in rows)
     )
-    tables = [*given.tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more]
+    tables = [*parameter_tables.tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more]
     text = page.render(
         "run.html",
         ("player.js", "plots.js", "rope.js", "run.js"),
@@ -65,14 +65,14 @@ def _data(result: Result, hoist: Hoist, winding: Winding) -> dict[str, object]:
     recording = result.recording
     if not recording.signals:
         return {"time": None}
-    start, extra = float(recording.time[0]), panels.derived(recording, hoist)
+    start, extra = float(recording.time[0]), panels.derived_signals(recording, hoist)
     known = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
     names = [name for name in known if name != TIME and not name.startswith("shape.")]
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
     signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}
     shown = panels.panels(recording, hoist)
     return {
-        "time": packing.pack_to(packing.thinned_times(recording.time, MOST_TIMES), 1e-4),
+        "time": packing.pack_to(packing.thin_times(recording.time, MOST_TIMES), 1e-4),
         # a run that stopped at once has one row, and an axis needs a length
         "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
@@ -87,7 +87,7 @@ def _data(result: Result, hoist: Hoist, winding: Winding) -> dict[str, object]:
 
 
 def _signal(values: Array, unit: str) -> dict[str, object]:
-    return {"unit": page.unit_text(unit), "values": packing.pack(packing.thinned(values, MOST_TIMES))}
+    return {"unit": page.unit_text(unit), "values": packing.pack(packing.thin(values, MOST_TIMES))}
 
 
 def _panel(panel: panels.Panel, recording: Recording) -> dict[str, object]:

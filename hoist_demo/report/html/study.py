@@ -25,7 +25,7 @@ _OWN = ("title", "parameters", "best")
 def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[str, Any], path: str | Path) -> Path:
     """Write the report to `path`: one row of `table` per run, `units` by column name ("" or "1" for none)."""
     path = Path(path)
-    parameters, best = _checked(table, meta)
+    parameters, best = _check_columns(table, meta)
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
     values = {str(name): [_plain(value) for value in table[name]] for name in table.columns}
     names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY)]
@@ -64,13 +64,15 @@ def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[st
         assumed=page.escape(ASSUMED_DATA),
         outcome=page.escape(_outcome(causes, chosen, best, table)),
         given=page.table("Study", rest)
-        + page.table("The same in all runs", [(n, _said(values[n]), page.unit_text(units.get(n, ""))) for n in fixed])
+        + page.table(
+            "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
+        )
         + page.table("Not shown by any run", [(name, "", "") for name in nowhere]),
     )
     return page.write(path, text)
 
 
-def _checked(table: pd.DataFrame, meta: Mapping[str, Any]) -> tuple[list[str], tuple[str, str] | None]:
+def _check_columns(table: pd.DataFrame, meta: Mapping[str, Any]) -> tuple[list[str], tuple[str, str] | None]:
     """Parameters, and metric and sense of the best run, once they are known to fit the table."""
     have = ", ".join(str(name) for name in table.columns)
     for name in (STATUS, CAUSE):
@@ -124,7 +126,7 @@ def _plain(value: Any) -> float | str | None:
     return float(value)
 
 
-def _said(values: Sequence[float | str | None]) -> str:
+def _describe(values: Sequence[float | str | None]) -> str:
     return "none" if values[0] in (None, "") else _text(values[0])
 
 

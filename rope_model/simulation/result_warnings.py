@@ -1,8 +1,8 @@
-"""What to mind in results that are valid: they are those of the model, and a real rope would do something else.
+"""Warnings about results that are valid: they are those of the model, and a real rope would do something else.
 
-    left out   the rung computes no torsion, and the rope carries torque; or it is the rigid one
-    tangled    the legs touch, or have passed through each other: contact is not in the model
-    yawed      the loop hangs far out of its ends' plane at rest, by a torque that no rope of a shaft should carry
+    neglected_effects   the model computes no torsion, and the rope carries torque; or it is the rigid one
+    leg_contact         the legs touch, or have passed through each other: contact is not in the model
+    yaw_at_rest         the loop hangs far out of its ends' plane at rest, by a torque that is too large for a shaft
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn, and beyond it they have passed through each other.  Once through,
@@ -17,9 +17,9 @@ from collections.abc import Callable
 from ..parameters import Scene
 from ..physics.estimates import coupling_torque, twist_torque
 from .diagnostics import leg_clearance, loop_bottom
-from .left_out import left_out_text
+from .fidelity import carries_torque
+from .neglected_effects import neglected_text
 from .rope_system import ANGLE
-from .rungs import carries_torque
 from .state import RopeState
 
 #: rad: below, a turned loop brings no legs together
@@ -30,12 +30,12 @@ YAWED_FAR = math.pi / 6
 REST_SPEED = 1e-3
 
 
-def left_out(scene: Scene, state: RopeState) -> str:
-    """'' where the rung computes all that the rope does; otherwise which outputs are 0 and no results."""
-    return left_out_text(state.rung) if state.rung == "rigid" or carries_torque(scene) else ""
+def neglected_effects(scene: Scene, state: RopeState) -> str:
+    """'' where the fidelity computes all that the rope does; otherwise which outputs are 0 and no results."""
+    return neglected_text(state.fidelity) if state.fidelity == "rigid" or carries_torque(scene) else ""
 
 
-def tangled(scene: Scene, state: RopeState) -> str:
+def leg_contact(scene: Scene, state: RopeState) -> str:
     """'' while the legs hang free of each other; otherwise how they do not."""
     q, lengths, yaw = state.motion.q, state.partition.lengths, _yaw(state)
     cure = "contact is not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free"
@@ -55,19 +55,19 @@ def tangled(scene: Scene, state: RopeState) -> str:
     return ""
 
 
-def yawed(scene: Scene, state: RopeState) -> str:
+def yaw_at_rest(scene: Scene, state: RopeState) -> str:
     """'' unless the loop hangs yawed at rest; then by how much, and which datum turns it."""
     data = scene.rope
-    rests = state.ledger.kinetic < 0.5 * data.mass_per_length * data.length * REST_SPEED**2
-    if not rests or state.rung != "torsional" or abs(_yaw(state)) <= YAWED_FAR or tangled(scene, state):
+    rests = state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * REST_SPEED**2
+    if not rests or state.fidelity != "torsional" or abs(_yaw(state)) <= YAWED_FAR or leg_contact(scene, state):
         return ""
     return (
         f"the loop hangs yawed by {_yaw(state):.3g} rad against its ends at rest (bound {YAWED_FAR:.3g} rad), turned "
-        f"mostly by {_turning(scene, state)}, or widen the spacing"
+        f"mostly by {_torque_source(scene, state)}, or widen the spacing"
     )
 
 
-def _turning(scene: Scene, state: RopeState) -> str:
+def _torque_source(scene: Scene, state: RopeState) -> str:
     """What makes the largest torque, and its cure."""
     rope, turned = scene.rope, _end_twist(state)
     causes = {
@@ -99,5 +99,5 @@ def _end_twist(state: RopeState) -> float:
     return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * _direction(state)
 
 
-#: each tells of one thing, in the order of rope_caveat in rope.h
-CAVEATS: tuple[Callable[[Scene, RopeState], str], ...] = (left_out, tangled, yawed)
+#: each tells of one thing, in the order of rope_warning in rope.h
+WARNINGS: tuple[Callable[[Scene, RopeState], str], ...] = (neglected_effects, leg_contact, yaw_at_rest)

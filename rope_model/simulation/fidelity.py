@@ -1,4 +1,4 @@
-"""No more model than the scene needs: which rung of the model serves, and why.
+"""No more model than the scene needs: which fidelity of the model serves, and why.
 
     torsional   the complete rope
     spatial     no torsion: the same for a rope without torque, but for spin inertia and theta's interpolation
@@ -6,10 +6,10 @@
     rigid       no waves, no bending: closed-form end forces of an inextensible rope, see simulation.rigid
 
 A torque-free rope has no coupling and no installed twist.  Out of plane its swivels must turn freely as well, or its
-writhe twists it; they hold while the rope is hung up, so the run must start in the plane.  What a rung leaves out is
-then zero in the complete model too.  Beyond that 'auto' takes a rung only when the error of the
-vertical end forces (root mean square over a winding, relative to the largest) is estimated within the scene's force
-tolerance.  physics.estimates has the estimates.
+writhe twists it; they hold while the rope is initialised, so the run must start in the plane.  What a simplified model
+leaves out is then zero in the complete model too.  Beyond that 'auto' takes one only when the error of the vertical
+end forces (root mean square over a winding, relative to the largest) is estimated within the scene's force tolerance.
+  physics.estimates has the estimates.
 """
 
 from __future__ import annotations
@@ -19,54 +19,54 @@ import math
 from typing import Literal, NamedTuple
 
 from ..parameters import Scene
-from ..physics.element import Rung
+from ..physics.element import ElementFidelity
 from ..physics.estimates import (
     LARGEST_YAW,
     Travel,
-    expected,
     held_error,
     lean_error,
     longitudinal_error,
     loop_yaw,
     release_error,
+    travel_estimate,
 )
 from .ends import SIDES, EndMotion, EndPath
 from .rigid import lowest_tension
 
 log = logging.getLogger(__name__)
 
-RungName = Literal["torsional", "spatial", "planar", "rigid"]
+Fidelity = Literal["torsional", "spatial", "planar", "rigid"]
 
 #: from the least model to the complete one
-LADDER: tuple[RungName, ...] = ("rigid", "planar", "spatial", "torsional")
+FIDELITIES: tuple[Fidelity, ...] = ("rigid", "planar", "spatial", "torsional")
 #: inputs that act out of the plane, and that turn a rope whose swivels hold
 OUT_OF_PLANE, TURNED = ("z", "vz", "az"), ("yaw", "yaw_rate")
 
 
 class Choice(NamedTuple):
-    """A rung and why it was taken."""
+    """A fidelity and why it was taken."""
 
-    rung: RungName
+    fidelity: Fidelity
     reason: str
 
 
-def flexible(rung: RungName) -> Rung:
-    """The element's rung that shows a rope of ``rung``."""
-    return "planar" if rung == "rigid" else rung
+def flexible(fidelity: Fidelity) -> ElementFidelity:
+    """The element's fidelity that shows a rope of ``fidelity``."""
+    return "planar" if fidelity == "rigid" else fidelity
 
 
-def chosen(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
-    """The rung that the scene asks for, or the lowest that serves."""
-    if scene.model.rung != "auto":
-        return Choice(scene.model.rung, "as asked for")
+def choose_fidelity(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
+    """The fidelity that the scene asks for, or the lowest that serves."""
+    if scene.model.fidelity != "auto":
+        return Choice(scene.model.fidelity, "as asked for")
     choice = _lowest(scene, ends)
     log.info("model: %s, because %s", *choice)
     return choice
 
 
-def lowest_able(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> RungName:
-    """The lowest rung that can follow the ends."""
-    return next(rung for rung in LADDER if not outgrown(scene, rung, ends))
+def lowest_sufficient(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Fidelity:
+    """The lowest fidelity that can follow the ends."""
+    return next(fidelity for fidelity in FIDELITIES if not unsupported_motion(scene, fidelity, ends))
 
 
 def ends_after(paths: tuple[EndPath, EndPath]) -> tuple[EndMotion, EndMotion]:
@@ -81,23 +81,23 @@ def ends_after(paths: tuple[EndPath, EndPath]) -> tuple[EndMotion, EndMotion]:
     return after(paths[0]), after(paths[1])
 
 
-def outgrown(scene: Scene, rung: RungName, ends: tuple[EndMotion, EndMotion]) -> str:
-    """'' while ``rung`` can follow the ends, for 'auto' within the tolerance; otherwise what it cannot."""
-    if rung == "torsional":
+def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: tuple[EndMotion, EndMotion]) -> str:
+    """'' while ``fidelity`` can follow the ends, for 'auto' within the tolerance; otherwise what it cannot."""
+    if fidelity == "torsional":
         return ""
-    why = "" if _turns_freely(scene) else _moved(ends, TURNED)
-    if rung != "spatial":
-        why = why or _moved(ends, OUT_OF_PLANE)
-    if rung == "rigid":
-        why = why or _moved(ends, ("vx", "ax"))
-    if why or scene.model.rung != "auto":
+    why = "" if _turns_freely(scene) else _nonzero_input(ends, TURNED)
+    if fidelity != "spatial":
+        why = why or _nonzero_input(ends, OUT_OF_PLANE)
+    if fidelity == "rigid":
+        why = why or _nonzero_input(ends, ("vx", "ax"))
+    if why or scene.model.fidelity != "auto":
         return why
-    if rung == "spatial" and not _turns_freely(scene) and (why := _moved(ends, OUT_OF_PLANE)):
+    if fidelity == "spatial" and not _turns_freely(scene) and (why := _nonzero_input(ends, OUT_OF_PLANE)):
         return f"{why} while its swivels hold"
-    error, tolerance = force_error(scene, rung, expected_travel(ends)), scene.model.force_tolerance
+    error, tolerance = force_error(scene, fidelity, expected_travel(ends)), scene.model.force_tolerance
     if error > tolerance:
         return f"the ends within the tolerance of {100 * tolerance:.3g} %: it errs by an estimated {100 * error:.2g} %"
-    if rung == "rigid" and (tension := lowest_tension(scene, ends)) < 0:
+    if fidelity == "rigid" and (tension := lowest_tension(scene, ends)) < 0:
         return f"a rope that goes slack (tension {tension:.4g} N)"
     return ""
 
@@ -105,38 +105,38 @@ def outgrown(scene: Scene, rung: RungName, ends: tuple[EndMotion, EndMotion]) ->
 def expected_travel(ends: tuple[EndMotion, EndMotion]) -> Travel:
     """What to expect of ends that move like this now."""
     speed, acceleration = (max(abs(x) for x in pair) for pair in zip(*((end.vy, end.ay) for end in ends), strict=True))
-    return expected(abs(ends[0].y - ends[1].y), speed, acceleration)
+    return travel_estimate(abs(ends[0].y - ends[1].y), speed, acceleration)
 
 
-def force_error(scene: Scene, rung: RungName, travel: Travel) -> float:
+def force_error(scene: Scene, fidelity: Fidelity, travel: Travel) -> float:
     """Estimated error of the vertical end forces against the complete model; inf where the loop may turn far."""
     error = 0.0
-    if rung != "torsional" and _torque(scene):
+    if fidelity != "torsional" and _torque(scene):
         if loop_yaw(scene) > LARGEST_YAW:
             return math.inf
         error += held_error(scene, travel)
         if not scene.left.mode == scene.right.mode == "locked":
             error += release_error(scene, travel)
-    if rung == "rigid":
+    if fidelity == "rigid":
         error += longitudinal_error(scene, travel) + lean_error(scene, travel)
     return error
 
 
 def _lowest(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
-    if why := _moved(ends, OUT_OF_PLANE + TURNED):
-        return Choice("torsional", f"{why} where the rope is hung up with its swivels held")
-    rung = lowest_able(scene, ends) if scene.model.force_tolerance > 0 else "torsional"
-    if not (torque := _torque(scene)) and rung != "rigid":
+    if why := _nonzero_input(ends, OUT_OF_PLANE + TURNED):
+        return Choice("torsional", f"{why} where the rope is initialised with its swivels held")
+    fidelity = lowest_sufficient(scene, ends) if scene.model.force_tolerance > 0 else "torsional"
+    if not (torque := _torque(scene)) and fidelity != "rigid":
         return Choice("planar", "no torque acts and nothing acts out of plane")
-    if rung == "torsional":
-        below = outgrown(scene, "spatial", ends) if scene.model.force_tolerance > 0 else ""
-        return Choice(rung, torque + (f"; the spatial rung cannot follow {below}" if below else ""))
+    if fidelity == "torsional":
+        below = unsupported_motion(scene, "spatial", ends) if scene.model.force_tolerance > 0 else ""
+        return Choice(fidelity, torque + (f"; the spatial model cannot follow {below}" if below else ""))
     travel, tolerance = expected_travel(ends), scene.model.force_tolerance
     return Choice(
-        rung,
-        f"the {rung} rung errs by an estimated {100 * force_error(scene, rung, travel):.2g} %, within the tolerance of "
-        f"{100 * tolerance:.3g} %, for ends at up to {travel.speed:g} m/s, {travel.acceleration:g} m/s^2 and "
-        f"{travel.jerk:g} m/s^3",
+        fidelity,
+        f"the {fidelity} model errs by an estimated {100 * force_error(scene, fidelity, travel):.2g} %, within the "
+        f"tolerance of {100 * tolerance:.3g} %, for ends at up to {travel.speed:g} m/s, {travel.acceleration:g} m/s^2 "
+        f"and {travel.jerk:g} m/s^3",
     )
 
 
@@ -159,7 +159,7 @@ def _turns_freely(scene: Scene) -> bool:
     return all(swivel.mode == "free" and swivel.release_time <= 0 for swivel in (scene.left, scene.right))
 
 
-def _moved(ends: tuple[EndMotion, EndMotion], names: tuple[str, ...]) -> str:
+def _nonzero_input(ends: tuple[EndMotion, EndMotion], names: tuple[str, ...]) -> str:
     for side, end in zip(SIDES, ends, strict=True):
         for name in names:
             if value := getattr(end, name):

@@ -37,7 +37,7 @@ class Braking:
 
 
 @dataclass(frozen=True)
-class ReferencePoint:
+class TrajectoryPoint:
     """Motion of the left conveyance asked for at one instant, counted from its start position."""
 
     position: float  # m
@@ -46,10 +46,10 @@ class ReferencePoint:
     jerk: float  # m/s^3
     braking: Braking | None = None  # None: the drive follows the reference
 
-    def after(self, dt: float) -> ReferencePoint:
+    def after(self, dt: float) -> TrajectoryPoint:
         """The point dt [s] later under the same jerk."""
         j, a, v, s = self.jerk, self.acceleration, self.speed, self.position
-        return ReferencePoint(
+        return TrajectoryPoint(
             position=s + dt * (v + dt * (a / 2.0 + dt * j / 6.0)),
             speed=v + dt * (a + dt * j / 2.0),
             acceleration=a + dt * j,
@@ -58,11 +58,11 @@ class ReferencePoint:
 
 
 @dataclass(frozen=True)
-class Reference:
+class Trajectory:
     """Chain of constant-jerk segments; before the first and after the last the reference rests."""
 
     starts: tuple[float, ...]  # s, ascending, one per segment, the last is where rest begins
-    points: tuple[ReferencePoint, ...]  # motion at each start
+    points: tuple[TrajectoryPoint, ...]  # motion at each start
     trip: Braking | None = None  # emergency stop with the brake, its `elapsed` counted at time 0: minus the trip's time
 
     @property
@@ -88,7 +88,7 @@ class Reference:
         # rounding of the segments before
         return tuple(t for t, p in pairs if p.jerk == 0.0 and abs(abs(p.speed) - speed) + abs(p.acceleration) < 1e-9)
 
-    def at(self, t: float) -> ReferencePoint:
+    def at(self, t: float) -> TrajectoryPoint:
         """Reference at time t [s]."""
         k = bisect_right(self.starts, t) - 1
         if k < 0:
@@ -104,12 +104,12 @@ class Reference:
         return np.array([[p.position, p.speed, p.acceleration, p.jerk] for p in rows], dtype=np.float64).reshape(-1, 4)
 
 
-def s_curve(winding: Winding) -> Reference:
+def s_curve(winding: Winding) -> Trajectory:
     """The trip of `winding` from rest to rest, its emergency stop included when one is asked for."""
     sign = math.copysign(1.0, winding.travel)
     j = sign * winding.jerk
     if winding.creeps:
-        signs, times = _creeping(winding)
+        signs, times = _creep_profile(winding)
         jerks = tuple(s * j for s in signs)
     else:
         t_jerk, t_constant, t_cruise = _phases(abs(winding.travel), winding.speed, winding.acceleration, winding.jerk)
@@ -130,11 +130,11 @@ def s_curve(winding: Winding) -> Reference:
     return replace(stop, trip=braking)
 
 
-def emergency_stop(trip: Reference, at: float, deceleration: float, jerk: float) -> Reference:
+def emergency_stop(trip: Trajectory, at: float, deceleration: float, jerk: float) -> Trajectory:
     """`trip` up to time `at` [s], then braked to standstill with the given limits [m/s^2], [m/s^3]."""
     point = trip.at(at)
     if point.speed == 0.0:
-        return _cut(trip, at, Reference((at,), (_rest(point.position),)))
+        return _cut(trip, at, Trajectory((at,), (_rest(point.position),)))
     sign = math.copysign(1.0, point.speed)
     v, a = abs(point.speed), sign * point.acceleration
     # area under the two ramps alone, from a down to -peak and back to zero, fixes the peak of a short stop
@@ -146,7 +146,7 @@ def emergency_stop(trip: Reference, at: float, deceleration: float, jerk: float)
         )
     t_on, t_off = (a + peak) / jerk, peak / jerk
     t_hold = max(0.0, (v + (a * a - 2.0 * peak * peak) / (2.0 * jerk)) / peak)
-    start = ReferencePoint(point.position, point.speed, point.acceleration, 0.0)
+    start = TrajectoryPoint(point.position, point.speed, point.acceleration, 0.0)
     brake = _chain(at, start, (-sign * jerk, 0.0, sign * jerk), (t_on, t_hold, t_off), end=None)
     return _cut(trip, at, brake)
 
@@ -174,7 +174,7 @@ def _ramp(change: float, acceleration: float, jerk: float) -> tuple[float, float
     return math.sqrt(change / jerk), 0.0
 
 
-def _creeping(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _creep_profile(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Signs of the jerk and durations [s] of a trip with creep: of the ramps, and of the speeds held between them."""
     travel, c, a, j = abs(winding.travel), winding.creep_speed, winding.acceleration, winding.jerk
     first, last = winding.departure_creep_distance, winding.creep_distance
@@ -223,29 +223,29 @@ def _creeping(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return tuple(signs), tuple(times)
 
 
-def _rest(position: float) -> ReferencePoint:
-    return ReferencePoint(position, 0.0, 0.0, 0.0)
+def _rest(position: float) -> TrajectoryPoint:
+    return TrajectoryPoint(position, 0.0, 0.0, 0.0)
 
 
 def _chain(
-    t: float, point: ReferencePoint, jerks: tuple[float, ...], times: tuple[float, ...], end: float | None
-) -> Reference:
+    t: float, point: TrajectoryPoint, jerks: tuple[float, ...], times: tuple[float, ...], end: float | None
+) -> Trajectory:
     """Segments of given jerk and duration from `point` at t, then rest at `end` (None: where they lead)."""
     starts: list[float] = []
-    points: list[ReferencePoint] = []
+    points: list[TrajectoryPoint] = []
     for j, dt in zip(jerks, times, strict=True):
         if dt > 0.0:
-            begin = ReferencePoint(point.position, point.speed, point.acceleration, j)
+            begin = TrajectoryPoint(point.position, point.speed, point.acceleration, j)
             starts.append(t)
             points.append(begin)
             point = begin.after(dt)
             t += dt
     starts.append(t)
     points.append(_rest(point.position if end is None else end))
-    return Reference(tuple(starts), tuple(points))
+    return Trajectory(tuple(starts), tuple(points))
 
 
-def _cut(trip: Reference, at: float, then: Reference) -> Reference:
+def _cut(trip: Trajectory, at: float, then: Trajectory) -> Trajectory:
     """`trip` before time `at`, `then` from it on."""
     kept = [(t, p) for t, p in zip(trip.starts, trip.points, strict=True) if t < at]
-    return Reference(tuple(t for t, _ in kept) + then.starts, tuple(p for _, p in kept) + then.points)
+    return Trajectory(tuple(t for t, _ in kept) + then.starts, tuple(p for _, p in kept) + then.points)

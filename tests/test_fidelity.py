@@ -1,4 +1,4 @@
-"""The rungs of the model: what equals what, what cannot follow, and what 'auto' makes of it."""
+"""The fidelities of the model: what equals what, what cannot follow, and what 'auto' makes of it."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from benchmarks.choice.scenes import CASES, Case, smooth_step
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.physics.estimates import natural_width
 from rope_model.simulation.ends import EndMotion, EndPath
+from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, expected_travel, force_error, lowest_sufficient
 from rope_model.simulation.rigid import RigidRope, rigid_rope
-from rope_model.simulation.rungs import LADDER, chosen, expected_travel, force_error, lowest_able
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 
@@ -37,14 +37,14 @@ def ends_at(t: float, z: float = 0.0, yaw: float = 0.0, duration: float = DURATI
     return left, EndMotion(y=HIGH - x, vy=-v, ay=-a)
 
 
-def started(scene: Scene, **model: object) -> RopeSimulator:
+def start(scene: Scene, **model: object) -> RopeSimulator:
     rope = RopeSimulator(scene.with_(model=Model(**model)))  # type: ignore[arg-type]
     status = rope.initialize(0.0, *ends_at(0.0))
     assert status.valid, status.message
     return rope
 
 
-def advanced(rope: RopeSimulator, k: int, h: float = H, **motion: float) -> None:
+def advance(rope: RopeSimulator, k: int, h: float = H, **motion: float) -> None:
     status = rope.advance_to(k * h, *ends_at(k * h, **motion))
     assert status.valid, status.message
 
@@ -55,10 +55,10 @@ def end_force(rope: RopeSimulator) -> np.ndarray:
 
 
 def test_planar_equals_torsional_without_torque_through_transformations() -> None:
-    full, planar = started(SHORT, rung="torsional"), started(SHORT, rung="planar")
+    full, planar = start(SHORT, fidelity="torsional"), start(SHORT, fidelity="planar")
     for k in range(1, 400):
-        advanced(full, k)
-        advanced(planar, k)
+        advance(full, k)
+        advance(planar, k)
         # the same equations, apart from rounding, which Newton's method and the stiff axial direction amplify
         assert_allclose(end_force(planar), end_force(full), rtol=1e-9)
         assert_allclose(planar.state.motion.q, full.state.motion.q, rtol=0, atol=1e-9 * SHORT.rope.length)
@@ -70,11 +70,11 @@ def out_of_plane_difference(elements: int, inertia: float) -> float:
     swivel = replace(FREE, inertia=0.05 * inertia)
     rope = replace(UNCOUPLED, rhoJ=UNCOUPLED.rhoJ * inertia)
     scene = SHORT.with_(rope=rope, left=swivel, right=swivel, mesh=Mesh(kind="eem", elements=elements))
-    ropes = [started(scene, rung=rung) for rung in ("torsional", "spatial")]
+    ropes = [start(scene, fidelity=fidelity) for fidelity in ("torsional", "spatial")]
     differences = []
     for k in range(1, 401):
         for each in ropes:
-            advanced(each, k, z=0.2)
+            advance(each, k, z=0.2)
         differences.append(np.linalg.norm(ropes[0].loop.position - ropes[1].loop.position))
         # measured below 1e-5 with the rope's own inertia; the loop's place is the sharper measure
         assert_allclose(end_force(ropes[1]), end_force(ropes[0]), rtol=1e-4)
@@ -104,8 +104,8 @@ def test_spatial_and_torsional_without_inertia_differ_by_the_interpolation_of_th
 
 def rigid_at(t: float) -> RigidRope:
     """The rigid rope on many nodes, in the middle of a host step; both ends accelerate, and differently."""
-    left = EndPath.resting(0.0, EndMotion()).to(4.0, EndMotion(y=3.0, vy=1.5, ay=0.7))
-    right = EndPath.resting(0.0, EndMotion(y=HIGH)).to(4.0, EndMotion(y=HIGH + 1.0, vy=-0.5, ay=0.2))
+    left = EndPath.at_rest(0.0, EndMotion()).to(4.0, EndMotion(y=3.0, vy=1.5, ay=0.7))
+    right = EndPath.at_rest(0.0, EndMotion(y=HIGH)).to(4.0, EndMotion(y=HIGH + 1.0, vy=-0.5, ay=0.2))
     return rigid_rope(SHORT, (left, right), t, np.linspace(0.0, SHORT.rope.length, 20001))
 
 
@@ -140,47 +140,47 @@ def test_energies_of_the_rigid_rope_are_those_of_its_shape_and_flow_and_change_b
         assert_allclose(power, work, rtol=1e-5)
 
 
-def test_books_of_the_rigid_rope_close_at_second_order_in_the_step() -> None:
+def test_energy_balance_of_the_rigid_rope_closes_at_second_order_in_the_step() -> None:
     residuals = []
     for h in (0.04, 0.02, 0.01):
-        rope = started(EVEN, rung="rigid")
+        rope = start(EVEN, fidelity="rigid")
         for k in range(1, round(2.0 / h) + 1):
-            advanced(rope, k, h)
-        residuals.append(abs(rope.state.ledger.residual))
+            advance(rope, k, h)
+        residuals.append(abs(rope.state.energy_balance.residual))
     assert_allclose(np.divide(residuals[:-1], residuals[1:]), 4.0, rtol=0.05)
-    assert residuals[-1] < 1e-4 * abs(rope.state.ledger.work_ends)
+    assert residuals[-1] < 1e-4 * abs(rope.state.energy_balance.work_ends)
 
 
 def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> None:
     coupled = EVEN.with_(rope=Rope(length=30.0))
     duration = 10.0
-    for scene, rungs in ((coupled, ("torsional", "planar")), (EVEN, ("planar", "rigid"))):
-        ropes, forces = [started(scene, rung=rung) for rung in rungs], []
+    for scene, fidelities in ((coupled, ("torsional", "planar")), (EVEN, ("planar", "rigid"))):
+        ropes, forces = [start(scene, fidelity=fidelity) for fidelity in fidelities], []
         for k in range(1, 1001):
             for rope in ropes:
-                advanced(rope, k, duration=duration)
+                advance(rope, k, duration=duration)
             forces.append([end_force(rope) for rope in ropes])
         full, lower = np.moveaxis(np.array(forces), 1, 0)
         error = math.sqrt(np.mean((lower - full) ** 2)) / np.abs(full).max()
-        assert error < force_error(scene, ropes[1].state.rung, expected_travel(ends_at(0.0)))
+        assert error < force_error(scene, ropes[1].state.fidelity, expected_travel(ends_at(0.0)))
 
 
-def test_slack_rope_stops_the_rigid_rung_with_a_message() -> None:
-    rope = started(EVEN, rung="rigid")
+def test_slack_rope_stops_the_rigid_fidelity_with_a_message() -> None:
+    rope = start(EVEN, fidelity="rigid")
     for k in range(1, 20):
-        advanced(rope, k)
+        advance(rope, k)
     before = rope.save()
     # both conveyances fall faster than the rope: 0.5 g more within the step
     left, right = (replace(end, ay=end.ay - 15.0) for end in ends_at(0.2))
     status = rope.advance_to(0.2, left, right)
     assert not status.valid
     assert "goes slack" in status.message
-    assert "model.rung" in status.message
+    assert "model.fidelity" in status.message
     assert rope.save() == before
 
 
 @pytest.mark.parametrize(
-    ("rung", "motion", "name"),
+    ("fidelity", "motion", "name"),
     [
         ("planar", {"z": 0.2}, "left.z"),
         ("planar", {"yaw": 0.1}, "left.yaw"),
@@ -188,89 +188,89 @@ def test_slack_rope_stops_the_rigid_rung_with_a_message() -> None:
         ("rigid", {"z": 0.2}, "left.z"),
     ],
 )
-def test_rung_by_name_says_what_it_cannot_follow_and_changes_nothing(
-    rung: str, motion: dict[str, float], name: str
+def test_fidelity_by_name_says_what_it_cannot_follow_and_changes_nothing(
+    fidelity: str, motion: dict[str, float], name: str
 ) -> None:
-    rope = started(EVEN, rung=rung)
-    advanced(rope, 1)
+    rope = start(EVEN, fidelity=fidelity)
+    advance(rope, 1)
     before = rope.save()
     status = rope.advance_to(2.0, *ends_at(2.0, **motion))
     assert not status.valid
-    assert f"{rung} rung cannot follow {name}" in status.message
-    assert "model.rung = auto" in status.message
+    assert f"{fidelity} model cannot follow {name}" in status.message
+    assert "model.fidelity = auto" in status.message
     assert rope.save() == before
 
 
 @pytest.mark.parametrize(
-    ("swivel", "motion", "rung"),
+    ("swivel", "motion", "fidelity"),
     [
         pytest.param(FREE, {"z": 0.2}, "spatial", id="out of plane, swivels free"),
         pytest.param(Swivel(), {"z": 0.2}, "torsional", id="out of plane"),
         pytest.param(Swivel(), {"yaw": 0.1}, "torsional", id="turned"),
     ],
 )
-def test_auto_switches_up_without_a_jump(swivel: Swivel, motion: dict[str, float], rung: str) -> None:
+def test_auto_switches_up_without_a_jump(swivel: Swivel, motion: dict[str, float], fidelity: str) -> None:
     scene = EVEN.with_(left=swivel, right=swivel)
-    rope, whole = started(scene), started(scene, rung=rung)
-    assert rope.state.rung == "planar"
+    rope, whole = start(scene), start(scene, fidelity=fidelity)
+    assert rope.state.fidelity == "planar"
     # a restart does not know how the acceleration changed over the last step, jerk times step (the jerk is 0.15 m/s^3
     # at 1 s): as much force on half the rope, and jerk times step^2 in the speeds
     blow, drift = 120.0 * 0.16 * H, 0.16 * H**2
     for k in range(1, 201):
-        advanced(rope, k, **motion)
-        advanced(whole, k, **motion)
+        advance(rope, k, **motion)
+        advance(whole, k, **motion)
         allowed = 0.0 if k <= 100 else 1.0
         assert_allclose(end_force(rope), end_force(whole), rtol=1e-9, atol=allowed * blow)
         q = whole.state.motion.q[:, :3]
         assert_allclose(rope.state.motion.q[:, :3], q, rtol=0, atol=1e-9 + allowed * drift * (k - 100) * H)
         switched = [event.what for event in rope.state.events if "model" in event.what]
-        assert switched == ([f"model {rung}"] if k == 101 else [])
-    assert rope.state.rung == rung
-    assert "planar rung cannot follow left." in rope.state.rung_reason
+        assert switched == ([f"model {fidelity}"] if k == 101 else [])
+    assert rope.state.fidelity == fidelity
+    assert "planar model cannot follow left." in rope.state.fidelity_reason
 
 
 @pytest.mark.parametrize(("tolerance", "why"), [(0.1, "it errs by an estimated"), (0.9, "goes slack")])
 def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(tolerance: float, why: str) -> None:
-    rope, planar = started(EVEN, force_tolerance=tolerance), started(EVEN, rung="planar")
-    assert rope.state.rung == "rigid"
+    rope, planar = start(EVEN, force_tolerance=tolerance), start(EVEN, fidelity="planar")
+    assert rope.state.fidelity == "rigid"
     forces = []
     for k in range(1, 101):
         for each in (rope, planar):
-            advanced(each, k, duration=2.0)  # up to 11 m/s^2
+            advance(each, k, duration=2.0)  # up to 11 m/s^2
         forces.append((end_force(rope), end_force(planar)))
-    assert rope.state.rung == "planar"
-    assert "rigid rung cannot follow" in rope.state.rung_reason
-    assert why in rope.state.rung_reason
+    assert rope.state.fidelity == "planar"
+    assert "rigid model cannot follow" in rope.state.fidelity_reason
+    assert why in rope.state.fidelity_reason
     ours, reference = np.moveaxis(np.array(forces), 1, 0)
     # the tolerance is of the root mean square; 10 % for either, because nothing allows more after the switch
     assert math.sqrt(np.mean((ours - reference) ** 2)) < 0.1 * np.abs(reference).max()
-    # the energy of the shape that it takes on is booked
-    assert abs(rope.state.ledger.residual) < 0.01 * rope.state.ledger.kinetic
+    # the energy of the shape that it takes on is in the balance
+    assert abs(rope.state.energy_balance.residual) < 0.01 * rope.state.energy_balance.kinetic
 
 
-def test_rung_and_reason_survive_saving() -> None:
-    rope = started(EVEN)
+def test_fidelity_and_reason_survive_saving() -> None:
+    rope = start(EVEN)
     for k in range(1, 121):
-        advanced(rope, k, z=0.2)
+        advance(rope, k, z=0.2)
     state = RopeState.from_bytes(rope.save())
-    assert (state.rung, state.rung_reason) == (rope.state.rung, rope.state.rung_reason)
-    assert state.rung == "torsional"
+    assert (state.fidelity, state.fidelity_reason) == (rope.state.fidelity, rope.state.fidelity_reason)
+    assert state.fidelity == "torsional"
     again = RopeSimulator(rope.scene)
     again.restore(rope.save())
-    advanced(again, 121, z=0.2)
-    advanced(rope, 121, z=0.2)
+    advance(again, 121, z=0.2)
+    advance(rope, 121, z=0.2)
     assert again.save() == rope.save()
 
 
 @pytest.mark.parametrize("case", [pytest.param(case, id=case.title) for case in CASES])
-def test_auto_takes_the_rung_that_the_scene_needs(case: Case) -> None:
-    choice = chosen(case.scene, case.ends(case.trip, case.travel, 0.0))
-    assert choice.rung == case.rung
+def test_auto_takes_the_fidelity_that_the_scene_needs(case: Case) -> None:
+    choice = choose_fidelity(case.scene, case.ends(case.trip, case.travel, 0.0))
+    assert choice.fidelity == case.fidelity
     assert choice.reason
     times = np.arange(0.0, case.until, 0.05)
-    needed = [LADDER.index(lowest_able(case.scene, case.ends(case.trip, case.travel, t))) for t in times]
-    if choice.rung != "torsional":
-        assert LADDER[max(max(needed), LADDER.index(choice.rung))] == (case.last or case.rung)
+    needed = [FIDELITIES.index(lowest_sufficient(case.scene, case.ends(case.trip, case.travel, t))) for t in times]
+    if choice.fidelity != "torsional":
+        assert FIDELITIES[max(max(needed), FIDELITIES.index(choice.fidelity))] == (case.last or case.fidelity)
 
 
 @pytest.mark.parametrize(
@@ -282,14 +282,16 @@ def test_auto_takes_the_rung_that_the_scene_needs(case: Case) -> None:
             (EndMotion(), EndMotion()),
             id="twisted until its swivels let go",
         ),
-        pytest.param(SHORT.with_(left=FREE, right=FREE), (EndMotion(z=0.1), EndMotion()), id="hung up out of plane"),
+        pytest.param(
+            SHORT.with_(left=FREE, right=FREE), (EndMotion(z=0.1), EndMotion()), id="initialised out of plane"
+        ),
     ],
 )
 def test_torque_takes_the_complete_rope(scene: Scene, ends: Ends) -> None:
-    assert chosen(scene, ends).rung == "torsional"
+    assert choose_fidelity(scene, ends).fidelity == "torsional"
 
 
 def test_tolerance_that_is_not_reached_is_named() -> None:
-    choice = chosen(SHORT.with_(rope=Rope(length=30.0), model=Model(force_tolerance=1e-5)), ends_at(0.0))
-    assert choice.rung == "torsional"
+    choice = choose_fidelity(SHORT.with_(rope=Rope(length=30.0), model=Model(force_tolerance=1e-5)), ends_at(0.0))
+    assert choice.fidelity == "torsional"
     assert "within the tolerance of 0.001 %" in choice.reason

@@ -1,4 +1,4 @@
-"""The hoist with its controller on the lowest rung that serves the drive: a balance rope without elasticity.
+"""The hoist with its controller on the lowest fidelity that serves the drive: a balance rope without elasticity.
 
 The drive's own equations, without shaft, brake, guides, play and modes of the head ropes, under balance ropes that are
 only mass: their legs, of length (L + y_L - y_R) / 2 and (L - y_L + y_R) / 2, move and weigh with the conveyances,
@@ -35,7 +35,7 @@ STATES = 11
 
 
 @dataclass(frozen=True)
-class LowRung:
+class LowFidelityModel:
     """x' = f(x, jerk), the force that is fed forward, and the start at rest."""
 
     rates: Any  # ca.Function (x, jerk) -> x'
@@ -43,12 +43,12 @@ class LowRung:
     start: Vector  # shape (STATES,)
 
 
-def low_rung(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowRung:
+def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
     """The closed loop for a trip that begins at rest with the conveyances at the given heights [m]."""
     hoist = replace(hoist, head_rope_modes=0, shaft=None, brake=None, guides=None, play=None, power_limit=None)
     plant, R = HoistPlant(hoist), hoist.sheave_radius
     weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]
-    rest = plant.hanging(y_left, y_right, *weights)
+    rest = plant.hanging_state(y_left, y_right, *weights)
     held = float(rest.x[0]) / R
 
     # the controller; forces at the rim
@@ -77,7 +77,7 @@ def low_rung(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowRu
     x = ca.vertcat(reference, q, v, motor, integral)
     fed = ca.Function("ahead", ca.vertsplit(reference), [held + ahead], ["r0", "r1", "r2"], ["force"])
     rates = ca.cse(rates)  # the mass matrix is in the accelerations and in B
-    return LowRung(ca.Function("low_rung", [x, jerk], [rates]), fed, start)
+    return LowFidelityModel(ca.Function("low_fidelity", [x, jerk], [rates]), fed, start)
 
 
 def _accelerations(plant: HoistPlant, rest: PlantState) -> Any:

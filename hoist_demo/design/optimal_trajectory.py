@@ -1,4 +1,4 @@
-"""The fastest trip that leaves the ropes at rest: an optimal control problem on the low rung, solved by IPOPT.
+"""The fastest trip that leaves the ropes at rest: optimal control of the low-fidelity model by IPOPT.
 
     minimise   T + T_s int_hold (v_L^2 + v_R^2) / (2 v_s^2 t_hold) dt + smoothness of the jerk
     subject to |v| <= v_max, |a| <= a_max, |j| <= j_max of the reference, |force| <= limit,
@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.control.reference import Reference, ReferencePoint, s_curve
-from hoist_demo.design.low_rung import STATES, LowRung, low_rung
+from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint, s_curve
+from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, low_fidelity
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
 
@@ -40,7 +40,7 @@ _SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's
 
 
 @dataclass(frozen=True)
-class Trajectory:
+class TrajectoryOptions:
     """What the optimisation may do; the defaults are ours [assumed]."""
 
     swing_speed: float = quantity(0.01, "m/s", "of the conveyances after arrival, that is worth swing_price")
@@ -61,17 +61,17 @@ class Trajectory:
 class Optimum:
     """The optimised trip."""
 
-    reference: Reference
+    trajectory: Trajectory
     duration: float  # s, of the motion
     iterations: int
 
 
-def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: Trajectory) -> Optimum:
+def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions) -> Optimum:
     """Solve the problem; a solver that does not converge is an error with its status."""
     require_no_creep(winding)
     low, high = 0.0, hoist.shaft_travel
     y_left, y_right = (low, high) if winding.travel > 0.0 else (high, low)
-    model = low_rung(hoist, gains, y_left, y_right)
+    model = low_fidelity(hoist, gains, y_left, y_right)
     N = limits.intervals
     # start from an S-curve that keeps off the limits, as an interior-point method likes it
     gentle = {name: _INSIDE * getattr(winding, name) for name in ("speed", "acceleration", "jerk")}
@@ -132,13 +132,13 @@ def require_no_creep(winding: Winding) -> None:
             )
 
 
-def _mean_jerks(trip: Reference, N: int) -> Vector:
+def _mean_jerks(trip: Trajectory, N: int) -> Vector:
     """Mean jerk of each of N equal intervals [m/s^3]."""
     times = np.linspace(0.0, trip.duration, N + 1)
     return np.asarray(np.diff(trip.sample(times)[:, 2]) / np.diff(times))
 
 
-def _swing(model: LowRung, N: int, N_hold: int, substeps: int) -> Any:
+def _swing(model: LowFidelityModel, N: int, N_hold: int, substeps: int) -> Any:
     """(T, jerks) -> mean over the hold of the squared conveyance speeds [m^2/s^2], from one simulation."""
     x, j, h = ca.SX.sym("x", STATES), ca.SX.sym("j"), ca.SX.sym("h")
     z, squares, dt = x, ca.SX(0), h / substeps
@@ -156,12 +156,12 @@ def _swing(model: LowRung, N: int, N_hold: int, substeps: int) -> Any:
     return ca.Function("swing", [T, jerks], [ca.sum2(found[N:]) / N_hold])
 
 
-def _chain(winding: Winding, duration: float, jerks: Vector) -> Reference:
+def _chain(winding: Winding, duration: float, jerks: Vector) -> Trajectory:
     """The jerks as a reference that begins after the start delay and rests at the travel."""
     h = duration / jerks.size
-    point, points = ReferencePoint(0.0, 0.0, 0.0, 0.0), []
+    point, points = TrajectoryPoint(0.0, 0.0, 0.0, 0.0), []
     for j in jerks:
-        points.append(ReferencePoint(point.position, point.speed, point.acceleration, float(j)))
+        points.append(TrajectoryPoint(point.position, point.speed, point.acceleration, float(j)))
         point = points[-1].after(h)
     starts = tuple(winding.start_delay + k * h for k in range(jerks.size + 1))
-    return Reference(starts, (*points, ReferencePoint(winding.travel, 0.0, 0.0, 0.0)))
+    return Trajectory(starts, (*points, TrajectoryPoint(winding.travel, 0.0, 0.0, 0.0)))

@@ -1,4 +1,4 @@
-"""The table of scenes: every one starts and winds, its rope is the one that it names, and users are told the names."""
+"""The table of cases: every one starts and winds, its rope is the one that it names, and users are told the names."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 import balance_rope
-from fmu_src.interface import preset_with, scene_of, variables
+from fmu_src.interface import case_with, scene_of, variables
 from hoist_demo.cases.installed import INSTALLED
-from hoist_demo.cases.table import CASES, case_named
+from hoist_demo.cases.table import CASES, find_case
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import GRAVITY, Coupling
-from hoist_demo.report.summary import made_up
+from hoist_demo.report.summary import exchange_energy
 from hoist_demo.study.run import build
 from rope_model import parameters
 from rope_model.parameters import rope_120
@@ -28,39 +28,39 @@ every_scene = pytest.mark.parametrize("name", CASES)
 
 def test_the_table_holds_the_published_case_and_all_installed_sizes() -> None:
     assert set(CASES) == {"rope-120", "rope-240"} | set(INSTALLED)
-    assert set(parameters.PRESETS) <= set(CASES)
+    assert set(parameters.ROPE_CASES) <= set(CASES)
 
 
 @every_scene
-def test_the_fmu_reads_the_scene_s_parameters_as_the_rope_in_process_does(name: str) -> None:
+def test_the_fmu_reads_the_case_s_parameters_as_the_rope_in_process_does(name: str) -> None:
     values = {v.name: v.start for v in variables(rope_120()) if v.causality == "parameter" and v.start is not None}
     assert CASES[name].rope.keys() <= values.keys()
     assert scene_of({**values, **CASES[name].rope}) == rope_data(CASES[name].rope)
 
 
-@pytest.mark.parametrize("name", parameters.PRESETS)
+@pytest.mark.parametrize("name", parameters.ROPE_CASES)
 @pytest.mark.parametrize("level", ["draft", "standard"])
 def test_ropes_of_the_published_case_are_those_of_the_export(name: str, level: parameters.Level) -> None:
-    assert rope_data(CASES[name].rope, level) == parameters.PRESETS[name](level).scene
+    assert rope_data(CASES[name].rope, level) == parameters.ROPE_CASES[name](level).scene
 
 
 @every_scene
 @pytest.mark.parametrize("level", ["draft", "standard"])
-def test_an_export_of_a_scene_starts_with_its_rope_and_its_travel(name: str, level: parameters.Level) -> None:
-    scene = CASES[name]
-    preset = preset_with("rope-120", level, {**scene.rope, "right.y": abs(scene.winding.travel)})
-    assert preset.scene == rope_data(scene.rope, level)
-    starts = {v.name: v.start for v in variables(preset)}
-    assert starts["right.y"] == abs(scene.winding.travel)
-    assert {key: starts[key] for key in scene.rope} == pytest.approx(dict(scene.rope))
+def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, level: parameters.Level) -> None:
+    case = CASES[name]
+    exported = case_with("rope-120", level, {**case.rope, "right.y": abs(case.winding.travel)})
+    assert exported.scene == rope_data(case.rope, level)
+    starts = {v.name: v.start for v in variables(case)}
+    assert starts["right.y"] == abs(case.winding.travel)
+    assert {key: starts[key] for key in case.rope} == pytest.approx(dict(case.rope))
 
 
 def test_a_start_value_that_no_parameter_has_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match=r"rope\.colour must be parameters of the rope"):
-        preset_with("rope-120", "standard", {"rope.colour": 1.0})
+        case_with("rope-120", "standard", {"rope.colour": 1.0})
 
 
-def test_ropes_of_the_hoist_page_are_those_of_the_scenes() -> None:
+def test_ropes_of_the_hoist_page_are_those_of_the_cases() -> None:
     page = (Path(__file__).parent.parent / "docs" / "hoist.md").read_text(encoding="utf-8")
     assert rope_table() in page, "docs/hoist.md: put in " + rope_table()
 
@@ -72,16 +72,16 @@ def test_a_parameter_that_the_rope_has_not_is_refused_by_name(name: str) -> None
 
 
 @cache
-def started(name: str) -> tuple[Host, Result]:
-    """A host and its run over 50 steps of the scene's trip, which begins at once."""
-    scene, rope = CASES[name], rope_in_process(name, level="draft")
-    host = Host(rope, scene.hoist, replace(scene.winding, start_delay=0.0), Coupling(), scene.gains)
+def start(name: str) -> tuple[Host, Result]:
+    """A host and its run over 50 steps of the case's trip, which begins at once."""
+    case, rope = CASES[name], rope_in_process(name, level="draft")
+    host = Host(rope, case.hoist, replace(case.winding, start_delay=0.0), Coupling(), case.gains)
     return host, host.run(lambda fraction, t: t < 0.495)
 
 
 @every_scene
-def test_the_ends_carry_the_weight_of_the_scene_s_rope(name: str) -> None:
-    host, result = started(name)
+def test_the_ends_carry_the_weight_of_the_case_s_rope(name: str) -> None:
+    host, result = start(name)
     left, right = (result.recording[f"{end}.fy"][0] for end in ("left", "right"))
     weight = GRAVITY * host.hoist.tail_rope_mass
     assert_allclose(left + right, -weight * host.hoist.tail_rope_length, rtol=1e-6)
@@ -90,8 +90,8 @@ def test_the_ends_carry_the_weight_of_the_scene_s_rope(name: str) -> None:
 
 
 @every_scene
-def test_every_scene_starts_and_makes_fifty_steps(name: str) -> None:
-    host, result = started(name)
+def test_every_case_starts_and_makes_fifty_steps(name: str) -> None:
+    host, result = start(name)
     assert result.steps == 50
     assert result.cause.endswith("stopped by the user")
     assert result.warning == ""
@@ -102,7 +102,7 @@ def test_every_scene_starts_and_makes_fifty_steps(name: str) -> None:
 
 
 def test_slip_safety_and_motor_power_are_recorded() -> None:
-    host, result = started("rope-120")
+    host, result = start("rope-120")
     r, limit = result.recording, host.hoist.tension_ratio_limit
     assert_allclose(r["drive.slip_safety"], (limit - 1.0) / (r["drive.tension_ratio"] - 1.0), rtol=1e-12)
     # of a rigid shaft
@@ -111,36 +111,36 @@ def test_slip_safety_and_motor_power_are_recorded() -> None:
 
 
 def test_what_the_hoist_gives_is_what_all_its_balance_ropes_get() -> None:
-    host, result = started("kiruna-355")
+    host, result = start("kiruna-355")
     assert host.hoist.tail_rope_number == 3
     work = result.recording["drive.work_from_balance_rope"]
     assert np.max(np.abs(work)) > 1e3
     # the exchange makes up 4e-5 of it; with the work on one rope only, two thirds would be missing
-    assert_allclose(made_up(result.recording, host.hoist), 0.0, atol=1e-3 * np.max(np.abs(work)))
+    assert_allclose(exchange_energy(result.recording, host.hoist), 0.0, atol=1e-3 * np.max(np.abs(work)))
 
 
 # what the user is told
 
 
 @every_scene
-def test_the_demo_lists_every_scene(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_demo_lists_every_case(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         balance_rope.main(["demo", "--help"])
     assert name in capsys.readouterr().out
 
 
-def test_a_scene_that_is_not_there_is_answered_with_all_that_are(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_case_that_is_not_there_is_answered_with_all_that_are(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as left:
-        balance_rope.main(["demo", "--scene", "monopol"])
+        balance_rope.main(["demo", "--case", "monopol"])
     assert left.value.code == 2
     told = capsys.readouterr().err
     assert all(name in told for name in CASES)
-    with pytest.raises(ValueError, match=r"scene = 'monopol' must be one of rope-120, .*palabora-1282"):
-        case_named("monopol")
+    with pytest.raises(ValueError, match=r"case = 'monopol' must be one of rope-120, .*palabora-1282"):
+        find_case("monopol")
 
 
 def test_a_stop_s_law_without_its_time_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    command = ["demo", "--in-process", "--scene", "monopol-1000", "--estop-law", "torque", "--out", str(tmp_path)]
+    command = ["demo", "--in-process", "--case", "monopol-1000", "--estop-law", "torque", "--out", str(tmp_path)]
     assert balance_rope.main(command) == 2
     assert "--estop-at" in capsys.readouterr().err
 
@@ -150,23 +150,23 @@ def test_a_creep_s_speed_without_its_length_is_refused(capsys: pytest.CaptureFix
     assert "--creep-distance" in capsys.readouterr().err
 
 
-def test_a_brake_that_the_scene_has_not_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_brake_that_the_case_has_not_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     command = ["demo", "--in-process", "--estop-law", "torque", "--estop-at", "5", "--out", str(tmp_path)]
     assert balance_rope.main(command) == 2
     assert "without a brake" in capsys.readouterr().err
 
 
-def test_a_study_winds_the_scene_with_its_gains_and_its_rope_unless_told_otherwise() -> None:
-    scene = CASES["monopol-1000"]
+def test_a_study_winds_the_case_with_its_gains_and_its_rope_unless_told_otherwise() -> None:
+    case = CASES["monopol-1000"]
     plain, other = build("monopol-1000", {}), build("monopol-1000", {"rope.EI": 900.0, "gains.position": 0.7})
-    assert (plain.gains, plain.fmu) == (scene.gains, scene.rope)
-    assert other.gains == replace(scene.gains, position=0.7)
-    assert other.fmu == {**scene.rope, "rope.EI": 900.0}
+    assert (plain.gains, plain.fmu) == (case.gains, case.rope)
+    assert other.gains == replace(case.gains, position=0.7)
+    assert other.fmu == {**case.rope, "rope.EI": 900.0}
 
 
 def rope_table() -> str:
     """The installed ropes as docs/hoist.md shows them."""
     names = [name for name in next(iter(INSTALLED.values())).rope if "swivel" not in name]
     lines = ["| |" + "".join(f" `{name}` |" for name in INSTALLED), "|---|" + "---|" * len(INSTALLED)]
-    lines += [f"| `{key}` |" + "".join(f" {preset.rope[key]:.4g} |" for preset in INSTALLED.values()) for key in names]
+    lines += [f"| `{key}` |" + "".join(f" {case.rope[key]:.4g} |" for case in INSTALLED.values()) for key in names]
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-/* What to mind in results that are valid: the twin of rope_model.simulation.caveats, which see. */
+/* Warnings about results that are valid: the port of rope_model.simulation.result_warnings, which see. */
 #include <math.h>
 #include <stdio.h>
 
@@ -21,13 +21,13 @@ static double yaw_of(State *state) {
     return state->loop_yaw - direction(&m);
 }
 
-static void left_out(Simulator *rope, char *message) {
+static void neglected_effects(Simulator *rope, char *message) {
     static const char *const texts[] = LEFT_OUT_TEXTS;
-    const int rung = rope->state->rung;
-    if (rung == RIGID || rung_carries_torque(&rope->scene)) snprintf(message, MESSAGE, "%s", texts[rung]);
+    const int fidelity = rope->state->fidelity;
+    if (fidelity == RIGID || scene_carries_torque(&rope->scene)) snprintf(message, MESSAGE, "%s", texts[fidelity]);
 }
 
-static void tangled(Simulator *rope, char *message) {
+static void leg_contact(Simulator *rope, char *message) {
     static const char cure[] =
         "contact is not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free the "
         "swivels, or widen the spacing";
@@ -54,7 +54,7 @@ static double end_twist(State *state) {
 }
 
 /* why (MESSAGE): what makes the largest torque, and its cure */
-static void turning(Simulator *rope, char *why) {
+static void torque_source(Simulator *rope, char *why) {
     const Rope *data = &rope->scene.rope;
     const double turned = end_twist(rope->state), coupling = coupling_torque(data, rope->scene.layout.gravity);
     const double installed = twist_torque(data, data->installed_twist), ends = twist_torque(data, turned);
@@ -69,18 +69,18 @@ static void turning(Simulator *rope, char *why) {
         snprintf(why, MESSAGE, "the ends, which twist the rope by %s rad: turn them back", ROUNDED(turned, 6));
 }
 
-static void yawed(Simulator *rope, char *message) {
+static void yaw_at_rest(Simulator *rope, char *message) {
     const Rope *data = &rope->scene.rope;
     State *state = rope->state;
     const double rest = 0.5 * data->mass_per_length * data->length * (REST_SPEED * REST_SPEED), yaw = yaw_of(state);
     char why[MESSAGE];
-    if (!(state->ledger.kinetic < rest) || state->rung != TORSIONAL || fabs(yaw) <= YAWED_FAR) return;
-    tangled(rope, message);
+    if (!(state->energy_balance.kinetic < rest) || state->fidelity != TORSIONAL || fabs(yaw) <= YAWED_FAR) return;
+    leg_contact(rope, message);
     if (message[0]) {
         message[0] = '\0';
         return;
     }
-    turning(rope, why);
+    torque_source(rope, why);
     snprintf(
         message, MESSAGE,
         "the loop hangs yawed by %s rad against its ends at rest (bound %s rad), turned mostly by %.300s, or widen "
@@ -88,13 +88,13 @@ static void yawed(Simulator *rope, char *message) {
         ROUNDED(yaw, 3), ROUNDED(YAWED_FAR, 3), why);
 }
 
-void rope_caveat(Simulator *rope, int number, char *message) {
+void rope_warning(Simulator *rope, int number, char *message) {
     message[0] = '\0';
     if (!rope->initialized) return;
     if (number == 0)
-        left_out(rope, message);
+        neglected_effects(rope, message);
     else if (number == 1)
-        tangled(rope, message);
+        leg_contact(rope, message);
     else
-        yawed(rope, message);
+        yaw_at_rest(rope, message);
 }

@@ -1,4 +1,4 @@
-/* rope_model.simulation.rungs: which rung of the model serves, and why.  The estimates are explained there. */
+/* rope_model.simulation.fidelity: which fidelity of the model serves, and why.  The estimates are explained there. */
 #include <math.h>
 #include <stdio.h>
 
@@ -7,13 +7,13 @@
 
 enum { OUT_OF_PLANE = 1, TURNED = 2, ALONG = 4 };
 
-const char *rung_name(int rung) {
-    static const char *const names[] = RUNG_WORDS;
-    return names[rung];
+const char *fidelity_name(int fidelity) {
+    static const char *const names[] = FIDELITY_WORDS;
+    return names[fidelity];
 }
 
 /* what (MESSAGE): the first input of these kinds that is not zero, or "" */
-static int moved(const EndMotion ends[2], int kinds, char *what) {
+static int nonzero_input(const EndMotion ends[2], int kinds, char *what) {
     what[0] = '\0';
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
@@ -36,18 +36,18 @@ static int moved(const EndMotion ends[2], int kinds, char *what) {
     return 0;
 }
 
-static int coupled(const Rope *rope) {
+static int has_coupling(const Rope *rope) {
     return 0.5 * (rope->Qb + rope->Qc) != 0 || 0.5 * (rope->Qb - rope->Qc) != 0;
 }
 
 /* in the plane while its ends do not turn */
-int rung_carries_torque(const Scene *scene) {
-    return coupled(&scene->rope) || scene->rope.installed_twist != 0;
+int scene_carries_torque(const Scene *scene) {
+    return has_coupling(&scene->rope) || scene->rope.installed_twist != 0;
 }
 
 /* why (MESSAGE) a rope that carries torque does */
 static void torque(const Rope *rope, char *why) {
-    if (coupled(rope))
+    if (has_coupling(rope))
         snprintf(why, MESSAGE, "tension and torsion are coupled (Qb = %s, Qc = %s N m)", ROUNDED(rope->Qb, 6),
                  ROUNDED(rope->Qc, 6));
     else
@@ -59,87 +59,88 @@ static int turns_freely(const Scene *scene) {
     return left->mode == FREE_MODE && left->release_time <= 0 && right->mode == FREE_MODE && right->release_time <= 0;
 }
 
-static Travel expected(const EndMotion ends[2]) {
+static Travel expected_travel(const EndMotion ends[2]) {
     double speed = larger(fabs(ends[LEFT].v[1]), fabs(ends[RIGHT].v[1]));
     double acceleration = larger(fabs(ends[LEFT].a[1]), fabs(ends[RIGHT].a[1]));
-    return travel_expected(fabs(ends[LEFT].x[1] - ends[RIGHT].x[1]), speed, acceleration);
+    return travel_estimate(fabs(ends[LEFT].x[1] - ends[RIGHT].x[1]), speed, acceleration);
 }
 
-static int locked(const Scene *scene) {
+static int both_locked(const Scene *scene) {
     return scene->swivels[LEFT].mode == LOCKED_MODE && scene->swivels[RIGHT].mode == LOCKED_MODE;
 }
 
 /* estimated error of the vertical end forces against the complete model; infinite where the loop may turn far */
-static double force_error(const Scene *scene, int rung, const Travel *travel) {
+static double force_error(const Scene *scene, int fidelity, const Travel *travel) {
     double error = 0.0;
-    if (rung != TORSIONAL && rung_carries_torque(scene)) {
+    if (fidelity != TORSIONAL && scene_carries_torque(scene)) {
         if (estimated_yaw(scene) > LARGEST_YAW) return INFINITY;
         error += held_error(scene, travel);
-        if (!locked(scene)) error += release_error(scene, travel);
+        if (!both_locked(scene)) error += release_error(scene, travel);
     }
-    if (rung == RIGID) error += longitudinal_error(scene, travel) + lean_error(scene, travel);
+    if (fidelity == RIGID) error += longitudinal_error(scene, travel) + lean_error(scene, travel);
     return error;
 }
 
-void rung_outgrown(const Scene *scene, int rung, const EndMotion ends[2], char *what) {
+void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], char *what) {
     double tolerance = scene->model.force_tolerance, error, tension;
     what[0] = '\0';
-    if (rung == TORSIONAL) return;
-    if (!turns_freely(scene) && moved(ends, TURNED, what)) return;
-    if (rung != SPATIAL && moved(ends, OUT_OF_PLANE, what)) return;
-    if (rung == RIGID && moved(ends, ALONG, what)) return;
-    if (scene->model.rung != AUTO_RUNG) return;
-    if (rung == SPATIAL && !turns_freely(scene) && moved(ends, OUT_OF_PLANE, what)) {
+    if (fidelity == TORSIONAL) return;
+    if (!turns_freely(scene) && nonzero_input(ends, TURNED, what)) return;
+    if (fidelity != SPATIAL && nonzero_input(ends, OUT_OF_PLANE, what)) return;
+    if (fidelity == RIGID && nonzero_input(ends, ALONG, what)) return;
+    if (scene->model.fidelity != AUTO_FIDELITY) return;
+    if (fidelity == SPATIAL && !turns_freely(scene) && nonzero_input(ends, OUT_OF_PLANE, what)) {
         char why[MESSAGE / 2];
         snprintf(why, sizeof why, "%s", what);
         snprintf(what, MESSAGE, "%s while its swivels hold", why);
         return;
     }
-    Travel travel = expected(ends);
-    error = force_error(scene, rung, &travel);
+    Travel travel = expected_travel(ends);
+    error = force_error(scene, fidelity, &travel);
     if (error > tolerance)
         snprintf(what, MESSAGE, "the ends within the tolerance of %s %%: it errs by an estimated %s %%",
                  ROUNDED(100 * tolerance, 3), ROUNDED(100 * error, 2));
-    else if (rung == RIGID && (tension = rigid_lowest_tension(scene, ends)) < 0)
+    else if (fidelity == RIGID && (tension = rigid_lowest_tension(scene, ends)) < 0)
         snprintf(what, MESSAGE, "a rope that goes slack (tension %s N)", ROUNDED(tension, 4));
 }
 
-int rung_lowest_able(const Scene *scene, const EndMotion ends[2]) {
+int fidelity_lowest_sufficient(const Scene *scene, const EndMotion ends[2]) {
     char what[MESSAGE];
-    for (int rung = RIGID; rung > TORSIONAL; rung--) {
-        rung_outgrown(scene, rung, ends, what);
-        if (!what[0]) return rung;
+    for (int fidelity = RIGID; fidelity > TORSIONAL; fidelity--) {
+        fidelity_unsupported_motion(scene, fidelity, ends, what);
+        if (!what[0]) return fidelity;
     }
     return TORSIONAL;
 }
 
-int rung_chosen(const Scene *scene, const EndMotion ends[2], char *reason) {
+int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason) {
     char why[MESSAGE], below[MESSAGE] = "";
     double tolerance = scene->model.force_tolerance;
-    if (scene->model.rung != AUTO_RUNG) {
+    if (scene->model.fidelity != AUTO_FIDELITY) {
         snprintf(reason, MESSAGE, "as asked for");
-        return scene->model.rung;
+        return scene->model.fidelity;
     }
-    if (moved(ends, OUT_OF_PLANE | TURNED, why)) {
-        snprintf(reason, MESSAGE, "%.300s where the rope is hung up with its swivels held", why);
+    if (nonzero_input(ends, OUT_OF_PLANE | TURNED, why)) {
+        snprintf(reason, MESSAGE, "%.300s where the rope is initialised with its swivels held", why);
         return TORSIONAL;
     }
-    int rung = tolerance > 0 ? rung_lowest_able(scene, ends) : TORSIONAL;
-    if (!rung_carries_torque(scene) && rung != RIGID) {
+    int fidelity = tolerance > 0 ? fidelity_lowest_sufficient(scene, ends) : TORSIONAL;
+    if (!scene_carries_torque(scene) && fidelity != RIGID) {
         snprintf(reason, MESSAGE, "no torque acts and nothing acts out of plane");
         return PLANAR;
     }
-    if (rung == TORSIONAL) {
+    if (fidelity == TORSIONAL) {
         torque(&scene->rope, why);
-        if (tolerance > 0) rung_outgrown(scene, SPATIAL, ends, below);
-        snprintf(reason, MESSAGE, "%.200s%s%.200s", why, below[0] ? "; the spatial rung cannot follow " : "", below);
-        return rung;
+        if (tolerance > 0) fidelity_unsupported_motion(scene, SPATIAL, ends, below);
+        snprintf(reason, MESSAGE, "%.200s%s%.200s", why, below[0] ? "; the spatial model cannot follow " : "", below);
+        return fidelity;
     }
-    Travel travel = expected(ends);
+    Travel travel = expected_travel(ends);
     snprintf(reason, MESSAGE,
-             "the %s rung errs by an estimated %s %%, within the tolerance of %s %%, for ends at up to %s m/s, %s "
+             "the %s model errs by an estimated %s %%, within the tolerance of %s %%, for ends at up to %s m/s, %s "
              "m/s^2 and %s m/s^3",
-             rung_name(rung), ROUNDED(100 * force_error(scene, rung, &travel), 2), ROUNDED(100 * tolerance, 3),
-             ROUNDED(travel.speed, 6), ROUNDED(travel.acceleration, 6), ROUNDED(travel.jerk, 6));
-    return rung;
+             fidelity_name(fidelity), ROUNDED(100 * force_error(scene, fidelity, &travel), 2),
+             ROUNDED(100 * tolerance, 3), ROUNDED(travel.speed, 6), ROUNDED(travel.acceleration, 6),
+             ROUNDED(travel.jerk, 6));
+    return fidelity;
 }

@@ -15,14 +15,14 @@ from rope_model.simulation import rope_system
 
 
 @contextmanager
-def element_twin(frame_rate: FrameRate = smallest_rotation_rate, gauss_points: int = 3) -> Iterator[None]:
+def modified_element(frame_rate: FrameRate = smallest_rotation_rate, gauss_points: int = 3) -> Iterator[None]:
     """Ropes made inside have the element with another frame of the section or another quadrature."""
     points, weights = np.polynomial.legendre.leggauss(gauss_points)
     uncached = element.element_functions.__wrapped__
 
-    def functions(rung: element.Rung = "torsional") -> element.ElementFunctions:
+    def functions(fidelity: element.ElementFidelity = "torsional") -> element.ElementFunctions:
         with patch.multiple(element, _GAUSS_POINTS=points, _GAUSS_WEIGHTS=weights):
-            return uncached(rung, frame_rate)
+            return uncached(fidelity, frame_rate)
 
     with patch.object(rope_system, "element_functions", functions):
         yield

@@ -11,12 +11,12 @@ import numpy as np
 
 from benchmarks.kinematic import Winding, wind
 from benchmarks.robustness import LIMITS
-from hoist_demo.control.reference import s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import Layout, Model, Scene, Swivel, balance_rope
-from rope_model.parameters import RungChoice
+from rope_model.parameters import FidelityChoice
 from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
-from rope_model.simulation.rungs import force_error
+from rope_model.simulation.fidelity import force_error
 
 from .scenes import P120, P240, Case
 
@@ -28,7 +28,7 @@ class Taken:
     """What 'auto' does with a scene, and how it differs from the torsional rung."""
 
     case: Case
-    rung: str
+    fidelity: str
     reason: str
     switches: tuple[str, ...]  # to which rung when, and why
     force: float  # root mean square of the vertical end forces' difference over the largest force
@@ -42,21 +42,21 @@ def first_choice(case: Case) -> tuple[str, str]:
     rope = balance_rope(case.scene)
     status = rope.initialize(0.0, *case.ends(case.trip, case.travel, 0.0))
     assert status.valid, status.message
-    return rope.rung, rope.rung_reason
+    return rope.fidelity, rope.fidelity_reason
 
 
-def taken(case: Case) -> Taken:
+def measure_choice(case: Case) -> Taken:
     """Measure; nothing differs where the torsional rung is taken."""
-    rung, reason = first_choice(case)
-    if rung == "torsional":
-        return Taken(case, rung, reason, (), 0.0, 0.0, 0.0, 1.0)
-    runs = [(valid(case.wound(case.on("torsional"))), valid(case.wound(case.scene))) for _ in range(ROUNDS)]
+    fidelity, reason = first_choice(case)
+    if fidelity == "torsional":
+        return Taken(case, fidelity, reason, (), 0.0, 0.0, 0.0, 1.0)
+    runs = [(valid(case.wind(case.on("torsional"))), valid(case.wind(case.scene))) for _ in range(ROUNDS)]
     full, auto = runs[0]
-    last = auto.rope.state.rung_reason
+    last = auto.rope.state.fidelity_reason
     switches = tuple(f"{e.what.split()[1]} at {e.t:.2f} s, because {last}" for e in auto.events if "model" in e.what)
     time = median(lower.cpu for _, lower in runs) / median(whole.cpu for whole, _ in runs)
     bottom = float(np.linalg.norm(np.array(auto.bottom) - full.bottom, axis=1).max())
-    return Taken(case, rung, reason, switches, *force_difference(auto, full), bottom, time)
+    return Taken(case, fidelity, reason, switches, *force_difference(auto, full), bottom, time)
 
 
 def valid(run: Winding) -> Winding:
@@ -111,9 +111,10 @@ def calibration(scene: Scene, trip: Trip, until: float | None = None) -> Calibra
     """One winding on three rungs."""
     reference = s_curve(trip)
     settle = 3.0 if until is None else until - reference.duration
-    rungs: tuple[RungChoice, ...] = ("torsional", "planar", "rigid")
+    fidelities: tuple[FidelityChoice, ...] = ("torsional", "planar", "rigid")
     full, planar, rigid = (
-        valid(wind(scene.with_(model=Model(rung)), reference, trip.travel, settle, sample=2)) for rung in rungs
+        valid(wind(scene.with_(model=Model(fidelity)), reference, trip.travel, settle, sample=2))
+        for fidelity in fidelities
     )
     travel = Travel(trip.travel, reference.peak_speed, trip.acceleration, trip.jerk)
     return Calibration(

@@ -1,4 +1,4 @@
-"""Warnings of an FMU of any flavour, in a process of its own: ``caveat_driver.py FMU`` prints them as JSON."""
+"""Warnings of an FMU of any flavour, in a process of its own: ``warning_driver.py FMU`` prints them as JSON."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
     "yawed by its twist": ({"rope.installed_twist": 3.0}, (0.01, 0.01)),
     "yawed by its ends": ({"left.yaw": 2.0, "right.yaw": 1.5}, (0.01, 0.01)),
     "yawed, then wound": ({"rope.installed_twist": 3.0, "right.ay": -1.0}, (0.01,)),
-    "spatial": ({"model.rung": 2}, (0.01,)),
-    "planar": ({"model.rung": 3}, (0.01,)),
-    "rigid": ({"model.rung": 4}, (0.01,)),
-    "planar without torque": ({"model.rung": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}, (0.01,)),
+    "spatial": ({"model.fidelity": 2}, (0.01,)),
+    "planar": ({"model.fidelity": 3}, (0.01,)),
+    "rigid": ({"model.fidelity": 4}, (0.01,)),
+    "planar without torque": ({"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}, (0.01,)),
     "long steps": ({}, (0.05, 0.05)),
     "a long step, then a short one": ({}, (0.05, 0.01)),
     "long steps, motion at their end": ({"inputs_at_step_end": True}, (0.05, 0.05)),
@@ -42,7 +42,7 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
 }
 
 
-def told(path: str) -> dict[str, Any]:
+def collect_warnings(path: str) -> dict[str, Any]:
     """Log warnings and the outputs at the end of each run."""
     folder, out = fmpy.extract(path), {}
     for name, (parameters, steps) in RUNS.items():
@@ -59,4 +59,4 @@ def told(path: str) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    print("RESULT " + json.dumps(told(sys.argv[1])))
+    print("RESULT " + json.dumps(collect_warnings(sys.argv[1])))

@@ -9,12 +9,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
-from rope_model.parameters import Preset
+from rope_model.parameters import RopeCase
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 from .interface import MOTION, variables
-from .steps import advance_extrapolated
+from .steps import advance_with_extrapolation
 
 H, STEPS = 0.01, 100
 #: m and s of the whole trip
@@ -24,23 +24,23 @@ _OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
 
 
 @cache
-def reference_files(preset: Preset, name: str, described: frozenset[str]) -> Mapping[str, bytes]:
+def reference_files(case: RopeCase, name: str, described: frozenset[str]) -> Mapping[str, bytes]:
     """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt of ``described`` outputs; RuntimeError when it fails."""
     outputs = [key for key in _OUTPUTS if key in described]
     # the form of the kernels that every machine has, and that needs no compiler
-    scene = preset.scene.with_(solver=replace(preset.scene.solver, kernels="portable"))
-    rope, table = RopeSimulator(scene), variables(preset)
+    scene = case.scene.with_(solver=replace(case.scene.solver, kernels="portable"))
+    rope, table = RopeSimulator(scene), variables(case)
     start = {v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)}
     inputs, results = [("time", *start)], [("time", *outputs)]
     motion, status = start, rope.initialize(0.0, *_ends(start))
     for k in range(STEPS + 1):
         if k > 0:
-            status = advance_extrapolated(rope, (k - 1) * H, H, *_ends(motion))
+            status = advance_with_extrapolation(rope, (k - 1) * H, H, *_ends(motion))
         if not status.valid:
             raise RuntimeError(f"the reference run fails: {status.message}")
         motion = start | _motion(k * H, start["right.y"])
         inputs.append((_text(k * H), *map(_text, motion.values())))
-        results.append((_text(k * H), *map(_rounded, rope.signals(outputs).values())))
+        results.append((_text(k * H), *map(_round, rope.signals(outputs).values())))
     options = f"StartTime, 0\nStopTime, {_text(H * STEPS)}\nStepSize, {_text(H)}\nRelTol, 1e-6\n"
     return {
         f"{name}_in.csv": "\n".join(_lines(inputs)).encode(),
@@ -67,7 +67,7 @@ def _text(x: float) -> str:
     return f"{x:.15g}"
 
 
-def _rounded(x: float) -> str:
+def _round(x: float) -> str:
     """Nine digits, six decimals: below is rounding, which differs between machines."""
     return f"{round(x, 6) + 0.0:.9g}"
 

@@ -1,4 +1,4 @@
-"""Presets: what is published is in the data, ropes fit their hoists, and every one winds within its limits."""
+"""Cases: what is published is in the data, ropes fit their hoists, and every one winds within its limits."""
 
 from __future__ import annotations
 
@@ -27,49 +27,49 @@ def _rope_and_layout(parameters: Mapping[str, float]) -> tuple[Rope, Layout]:
     return Rope(**parts["rope"]), Layout(**parts["layout"])
 
 
-presets = pytest.mark.parametrize("preset", INSTALLED.values(), ids=INSTALLED.keys())
+cases = pytest.mark.parametrize("case", INSTALLED.values(), ids=INSTALLED.keys())
 
 #: ropes must not slip: twice the friction at rest and a quarter more than the moving hoist asks for
 STATIC_SAFETY, SAFETY = 1.75, 1.25
 
 
-@presets
-def test_the_balance_rope_is_that_of_the_hoist(preset: Case) -> None:
-    hoist = preset.hoist
-    assert preset.rope["rope.length"] == hoist.tail_rope_length == hoist.shaft_travel + TAIL_SPARE
-    assert preset.rope["rope.mass_per_length"] == hoist.tail_rope_mass
+@cases
+def test_the_balance_rope_is_that_of_the_hoist(case: Case) -> None:
+    hoist = case.hoist
+    assert case.rope["rope.length"] == hoist.tail_rope_length == hoist.shaft_travel + TAIL_SPARE
+    assert case.rope["rope.mass_per_length"] == hoist.tail_rope_mass
     np.testing.assert_allclose(hoist.tail_balance, 1.0, rtol=1e-14)
-    require_trip_fits(hoist, preset.winding)
+    require_trip_fits(hoist, case.winding)
 
 
-@presets
-def test_the_balance_rope_s_parameters_are_those_of_a_rope(preset: Case) -> None:
-    rope, layout = _rope_and_layout(preset.rope)
-    assert (rope.length, layout.spacing) == (preset.rope["rope.length"], preset.rope["layout.spacing"])
+@cases
+def test_the_balance_rope_s_parameters_are_those_of_a_rope(case: Case) -> None:
+    rope, layout = _rope_and_layout(case.rope)
+    assert (rope.length, layout.spacing) == (case.rope["rope.length"], case.rope["layout.spacing"])
 
 
 def test_the_known_rope_is_similar_to_itself() -> None:
     assert _rope_and_layout(round_rope(120.0, 8.0, 2.0, coupling=1.0)) == (Rope(), Layout())
 
 
-@presets
-def test_source_and_published_numbers_are_told(preset: Case) -> None:
-    assert "http" in preset.source
-    assert f"{preset.winding.speed:g} m/s" in preset.published
-    assert f"{1e-3 * preset.hoist.payload_left:g} t" in preset.published
+@cases
+def test_source_and_published_numbers_are_told(case: Case) -> None:
+    assert "http" in case.source
+    assert f"{case.winding.speed:g} m/s" in case.published
+    assert f"{1e-3 * case.hoist.payload_left:g} t" in case.published
 
 
 @pytest.mark.parametrize(("name", "rpm"), [("kiruna-355", 64.7), ("kiruna-710", 100.0)])
 def test_rope_speed_and_pulley_give_the_published_motor_speed(name: str, rpm: float) -> None:
-    preset = INSTALLED[name]
-    found = preset.winding.speed / preset.hoist.sheave_radius * 30.0 / math.pi
+    case = INSTALLED[name]
+    found = case.winding.speed / case.hoist.sheave_radius * 30.0 / math.pi
     np.testing.assert_allclose(found, rpm, rtol=2e-3)  # the speed is published to two digits
 
 
-def _assert_within_its_limits(run: Run, preset: Case) -> None:
-    hoist, travel = preset.hoist, preset.winding.travel
+def _assert_within_its_limits(run: Run, case: Case) -> None:
+    hoist, travel = case.hoist, case.winding.travel
     np.testing.assert_allclose(run["position"][-1], travel, rtol=0, atol=1e-3)
-    assert np.max(np.abs(run["speed"])) < preset.winding.speed + 0.05
+    assert np.max(np.abs(run["speed"])) < case.winding.speed + 0.05
     assert np.max(np.abs(run["torque"])) < hoist.torque_limit
     assert np.max(np.abs(run["power"])) < hoist.power_limit
     assert np.min(run["static_slip_safety"]) > STATIC_SAFETY
@@ -78,18 +78,18 @@ def _assert_within_its_limits(run: Run, preset: Case) -> None:
     np.testing.assert_allclose(run["energy_residual"], 0.0, atol=1.0)
 
 
-@presets
-def test_a_short_trip_arrives_within_all_limits(preset: Case) -> None:
+@cases
+def test_a_short_trip_arrives_within_all_limits(case: Case) -> None:
     # from the upper landing: at the lower one the long ropes swing on for minutes
-    winding = replace(preset.winding, travel=-25.0, start_delay=0.0)
-    run = wind(preset.hoist, winding, preset.gains, step=0.04)
-    _assert_within_its_limits(run, replace(preset, winding=winding))
+    winding = replace(case.winding, travel=-25.0, start_delay=0.0)
+    run = wind(case.hoist, winding, case.gains, step=0.04)
+    _assert_within_its_limits(run, replace(case, winding=winding))
 
 
 @pytest.mark.slow
-@presets
-def test_the_whole_trip_arrives_within_all_limits(preset: Case) -> None:
-    _assert_within_its_limits(wind(preset.hoist, preset.winding, preset.gains), preset)
+@cases
+def test_the_whole_trip_arrives_within_all_limits(case: Case) -> None:
+    _assert_within_its_limits(wind(case.hoist, case.winding, case.gains), case)
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""What each rung of the model leaves out: the outputs that are 0 and no results, and exact only without torque.
+"""What each fidelity of the model leaves out: the outputs that are 0 and no results, and exact only without torque.
 
 One table for the warnings of both forms of the rope, the reports and the documents.
 """
@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .rungs import LADDER, RungName
+from .fidelity import FIDELITIES, Fidelity
 
 
 class Effect(NamedTuple):
-    """What the rungs from ``lowest`` on compute, and those below it leave out."""
+    """What the fidelities from ``lowest`` on compute, and those below it leave out."""
 
-    lowest: RungName
+    lowest: Fidelity
     words: str  # for reports
     outputs: tuple[str, ...]  # names of outputs, or the part of the name that they share
     by_torque: bool  # nothing without torque, so that 0 is then the result
@@ -44,20 +44,20 @@ EFFECTS = (
 )
 
 
-def left_out(rung: RungName) -> tuple[Effect, ...]:
-    """What the rung leaves out."""
-    return tuple(effect for effect in EFFECTS if LADDER.index(effect.lowest) > LADDER.index(rung))
+def neglected_effects(fidelity: Fidelity) -> tuple[Effect, ...]:
+    """What the fidelity leaves out."""
+    return tuple(effect for effect in EFFECTS if FIDELITIES.index(effect.lowest) > FIDELITIES.index(fidelity))
 
 
-def left_out_text(rung: RungName) -> str:
-    """The warning of a rung that runs where it leaves out something; '' of the complete one."""
-    if not (effects := left_out(rung)):
+def neglected_text(fidelity: Fidelity) -> str:
+    """The warning of a fidelity that runs where it leaves out something; '' of the complete one."""
+    if not (effects := neglected_effects(fidelity)):
         return ""
     names = [name for effect in effects for name in effect.outputs]
-    if rung == "spatial":
+    if fidelity == "spatial":
         names.append("the yaw by torque")
-    bending = "bending and no " if rung == "rigid" else ""
+    bending = "bending and no " if fidelity == "rigid" else ""
     return (
-        f"the {rung} rung computes no {bending}torsion: {', '.join(names[:-1])} and {names[-1]} are 0 and no results; "
-        "set model.rung = torsional (1) where they matter"
+        f"the {fidelity} model computes no {bending}torsion: {', '.join(names[:-1])} and {names[-1]} are 0 and no "
+        "results; set model.fidelity = torsional (1) where they matter"
     )

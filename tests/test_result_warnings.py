@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from caveat_driver import RUNS
 from exports import FLAVOURS
+from warning_driver import RUNS
 
 from hoist_demo.cosimulation.participants import rope_plant
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
@@ -21,11 +21,11 @@ from rope_model.parameters import Layout, Rope, rope_120
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
-DRIVER = Path(__file__).with_name("caveat_driver.py")
+DRIVER = Path(__file__).with_name("warning_driver.py")
 
 
 @pytest.fixture(scope="module", params=FLAVOURS)
-def told(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> dict[str, Any]:
+def results(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> dict[str, Any]:
     path = fmu_of(request.param)
     done = subprocess.run([sys.executable, str(DRIVER), str(path)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
@@ -35,7 +35,7 @@ def told(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> dict[
     return result
 
 
-def hung_up(run: str) -> RopeSimulator:
+def initialise(run: str) -> RopeSimulator:
     """The rope at rest with a run's parameters and start values."""
     given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
     ends = [{n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)} for side in SIDES]
@@ -45,18 +45,18 @@ def hung_up(run: str) -> RopeSimulator:
 
 
 @pytest.mark.parametrize("run", ["plain", "planar without torque", "large step_max, no step yet"])
-def test_where_nothing_is_to_be_minded_nothing_is_said(told: dict[str, Any], run: str) -> None:
-    assert (told[run]["warnings"], told[run]["status.warning"]) == ([], "")
+def test_where_no_warning_applies_none_is_given(results: dict[str, Any], run: str) -> None:
+    assert (results[run]["warnings"], results[run]["status.warning"]) == ([], "")
 
 
 YAWED = ["yawed by its coupling", "yawed by its twist", "yawed by its ends"]
 
 
 @pytest.mark.parametrize("run", ["passed", "touching", *YAWED, "spatial", "planar", "rigid", "long steps"])
-def test_what_is_to_be_minded_is_said_once_and_stays_readable(told: dict[str, Any], run: str) -> None:
-    (warning,) = told[run]["warnings"]
+def test_a_warning_is_logged_once_and_stays_readable(results: dict[str, Any], run: str) -> None:
+    (warning,) = results[run]["warnings"]
     # numbers in it may be those of another instant
-    assert told[run]["status.warning"][:40] == warning[:40]
+    assert results[run]["status.warning"][:40] == warning[:40]
 
 
 @pytest.mark.parametrize(
@@ -69,14 +69,16 @@ def test_what_is_to_be_minded_is_said_once_and_stays_readable(told: dict[str, An
         ("yawed by its ends", "twist the rope by 3.5 rad"),
     ],
 )
-def test_an_fmu_says_of_a_turned_loop_what_the_rope_in_process_says(told: dict[str, Any], run: str, words: str) -> None:
-    expected = [*hung_up(run).warnings().values()]
-    assert told[run]["warnings"] == expected
+def test_an_fmu_says_of_a_turned_loop_what_the_rope_in_process_says(
+    results: dict[str, Any], run: str, words: str
+) -> None:
+    expected = [*initialise(run).warnings().values()]
+    assert results[run]["warnings"] == expected
     assert words in expected[0]
 
 
-def test_the_yaw_at_rest_is_told_of_ropes_at_rest(told: dict[str, Any]) -> None:
-    run = told["yawed, then wound"]
+def test_the_yaw_at_rest_is_told_of_ropes_at_rest(results: dict[str, Any]) -> None:
+    run = results["yawed, then wound"]
     assert (len(run["warnings"]), run["status.warning"]) == (1, "")
 
 
@@ -88,22 +90,22 @@ def test_thirty_degrees_at_rest_are_the_bound(twist: float, said: bool) -> None:
     assert (rope.state.loop_yaw > math.radians(30.0)) == said == bool(rope.warnings())
 
 
-def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(told: dict[str, Any]) -> None:
+def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(results: dict[str, Any]) -> None:
     keys = "left.swivel.torque", "stress.torsion_max"
-    for rung in ("spatial", "planar", "rigid"):
-        assert f"the {rung} rung computes no" in told[rung]["status.warning"]
-        assert [told[rung][key] for key in keys] == [0.0, 0.0]
+    for fidelity in ("spatial", "planar", "rigid"):
+        assert f"the {fidelity} model computes no" in results[fidelity]["status.warning"]
+        assert [results[fidelity][key] for key in keys] == [0.0, 0.0]
     rope, half_circle = Rope(), 0.5 * Layout().spacing
-    assert told["rigid"]["stress.bending_max"] == pytest.approx(
+    assert results["rigid"]["stress.bending_max"] == pytest.approx(
         32 * rope.EI / (math.pi * rope.diameter**3 * half_circle), rel=1e-4
     )
-    assert min(abs(told["plain"][key]) for key in keys) > 1.0
+    assert min(abs(results["plain"][key]) for key in keys) > 1.0
 
 
-def test_a_long_step_is_told_only_of_extrapolated_inputs_and_while_it_lasts(told: dict[str, Any]) -> None:
-    assert "inputs_at_step_end" in told["long steps"]["status.warning"]
-    assert told["long steps, motion at their end"]["warnings"] == []
-    after = told["a long step, then a short one"]
+def test_a_long_step_is_told_only_of_extrapolated_inputs_and_while_it_lasts(results: dict[str, Any]) -> None:
+    assert "inputs_at_step_end" in results["long steps"]["status.warning"]
+    assert results["long steps, motion at their end"]["warnings"] == []
+    after = results["a long step, then a short one"]
     assert (len(after["warnings"]), after["status.warning"]) == (1, "")
 
 
@@ -119,7 +121,7 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
 
 
 def test_rope_in_process_logs_each_thing_once(caplog: pytest.LogCaptureFixture) -> None:
-    rope = InProcessRope(hung_up("passed").scene)
+    rope = InProcessRope(initialise("passed").scene)
     left, right = rope_plant.EndMotion(), rope_plant.EndMotion(y=90.0)
     assert rope.initialize(0.0, left, right).valid
     assert all(rope.step(k * 0.01, 0.01, left, right).valid for k in range(3))

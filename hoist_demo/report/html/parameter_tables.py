@@ -20,17 +20,17 @@ def tables(data: Mapping[str, object]) -> list[Table]:
     return [(title, rows(part)) for title, part in data.items()]
 
 
-def rope_tables(rope: RopeData, level: str, rungs: Sequence[str]) -> list[Table]:
+def rope_tables(rope: RopeData, level: str, fidelities: Sequence[str]) -> list[Table]:
     """Where the balance rope comes from, how much of it was computed, and all its parameters."""
-    ran = ", then ".join(rungs) or "not known"
+    ran = ", then ".join(fidelities) or "not known"
     head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
     head += [
         ("level of accuracy", level or "of none by name; see solver, mesh and model", ""),
-        ("rung that ran", ran, ""),
+        ("fidelity that ran", ran, ""),
     ]
-    if rope.rung_reason:
-        head.append(("because", rope.rung_reason, ""))
-    parameters = [(name, _word(rope.shown(name)), unit_text(rope.units.get(name, ""))) for name in rope.parameters]
+    if rope.fidelity_reason:
+        head.append(("because", rope.fidelity_reason, ""))
+    parameters = [(name, _word(rope.display(name)), unit_text(rope.units.get(name, ""))) for name in rope.parameters]
     return [("Balance rope", head), ("Parameters of the balance rope", parameters)]
 
 

@@ -1,0 +1,254 @@
+"""FMI 2.0 and FMI 3.0 under one set of words, through FMPy: all that this package knows of how they differ.
+
+FMI 3.0 has arrays, a type for each width of a number, and other calls to instantiate, to set up and to step. Here a
+variable has the type that FMI 2.0 would give it, and an array's elements have their names of FMI 2.0: shape.x[1] ...
+"""
+
+from __future__ import annotations
+
+import shutil
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from ctypes import byref
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import fmpy
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import (
+    FMU2Slave,
+    calloc,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    free,
+)
+from fmpy.fmi3 import FMU3Slave
+
+from hoist_demo.cosimulation.participants.rope_data import Value
+
+CallError = FMICallException
+"""A call that the FMU answers with discard, error or fatal."""
+
+WARNING = 1
+"""Status of a message that fails no call; those of errors are larger, in both versions."""
+
+_DISCARD = 2
+
+Hear = Callable[[int, str], None]
+"""Takes the status and the text of a message of the FMU."""
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """A variable as the model description states it; an array is one variable."""
+
+    name: str
+    reference: int
+    causality: str
+    type: str  # as its version of FMI calls it
+    kind: str  # Real, Integer, Enumeration, Boolean, String, or another that no rope has
+    unit: str  # as FMI spells it, "" where there is none
+    elements: tuple[str, ...]  # names of an array's elements; else its own name
+    starts: tuple[Value, ...]  # of the elements, or none
+    minimum: float | None
+    maximum: float | None
+    items: Mapping[str, int]  # of an enumeration
+
+
+def variables_of(description: Any) -> tuple[Variable, ...]:
+    """The variables of FMPy's model description."""
+    return tuple(_variable(v) for v in description.modelVariables)
+
+
+def _variable(stated: Any) -> Variable:
+    kind, declared = _kind(stated.type), stated.declaredType
+    ranges = [range(1, length + 1) for length in stated.shape]
+    places = [f"[{','.join(map(str, place))}]" for place in product(*ranges)] if ranges else [""]
+    texts = () if stated.start is None else stated.start.split() if ranges else (stated.start,)
+    items = {item.name: int(item.value) for item in declared.items} if kind == "Enumeration" else {}
+    low, high = (min(items.values()), max(items.values())) if items else (stated.min, stated.max)
+    return Variable(
+        name=stated.name,
+        reference=int(stated.valueReference),
+        causality=stated.causality,
+        type=stated.type,
+        kind=kind,
+        unit=str(stated.unit or (declared.unit if declared is not None else None) or ""),
+        elements=tuple(stated.name + place for place in places),
+        starts=tuple(_value(kind, text) for text in texts),
+        minimum=None if low is None else float(low),
+        maximum=None if high is None else float(high),
+        items=items,
+    )
+
+
+def _kind(declared: str) -> str:
+    """FMI 2.0's word for a type of either version."""
+    if declared.startswith("Float"):
+        return "Real"
+    return "Integer" if declared.startswith(("Int", "UInt")) else declared
+
+
+def _value(kind: str, text: str) -> Value:
+    if kind == "Real":
+        return float(text)
+    if kind in ("Integer", "Enumeration"):
+        return int(text)
+    return text in ("true", "1") if kind == "Boolean" else text
+
+
+class Instance(ABC):
+    """One instance for co-simulation, whose files lie in a folder of its own until it is closed."""
+
+    def __init__(self, path: Path, description: Any, hear: Hear) -> None:
+        """Extract, load and instantiate; RuntimeError when that fails."""
+        self.directory = Path(fmpy.extract(str(path)))
+        self._hear = hear
+        self._fmu: Any = None
+        try:
+            self._fmu = self._fmpy_class(
+                guid=description.guid,
+                modelIdentifier=description.coSimulation.modelIdentifier,
+                unzipDirectory=str(self.directory),
+                instanceName="balance_rope",
+            )
+            self._instantiate()
+        except Exception as error:  # FMPy raises the bare class here
+            if self._fmu is not None:
+                self._fmu.freeLibrary()
+            self._remove()
+            raise RuntimeError(str(error)) from error
+
+    _fmpy_class: Callable[..., Any]
+    """FMPy's, of the version."""
+
+    _enumeration: str
+    """Type whose functions get and set enumerations."""
+
+    @abstractmethod
+    def _instantiate(self) -> None:
+        """With all messages going to `_hear`: a Python FMU passes on no warning without logging."""
+
+    @abstractmethod
+    def enter_initialization(self, t0: float) -> None:
+        """Set up for a run from t0 [s] and enter initialization mode."""
+
+    @abstractmethod
+    def step(self, t: float, h: float) -> None:
+        """From t to t + h [s]."""
+
+    @abstractmethod
+    def get(self, variables: Sequence[Variable]) -> list[Value]:
+        """Values of all elements of variables of one type."""
+
+    def set(self, variables: Sequence[Variable], values: Sequence[Value]) -> None:
+        """Set all elements of variables of one type."""
+        self._function("set", variables)([v.reference for v in variables], values)
+
+    def exit_initialization(self) -> None:
+        """Leave initialization mode."""
+        self._fmu.exitInitializationMode()
+
+    def terminate(self) -> None:
+        """End the run."""
+        self._fmu.terminate()
+
+    def save(self) -> Any:
+        """A handle of the state."""
+        return self._fmu.getFMUState()
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a handle."""
+        self._fmu.setFMUState(snapshot)
+
+    def free(self, snapshot: Any) -> None:
+        """Give a handle back."""
+        self._fmu.freeFMUState(snapshot)
+
+    def to_bytes(self, snapshot: Any) -> bytes:
+        """A handle's state as bytes."""
+        return bytes(self._fmu.serializeFMUState(snapshot))
+
+    def from_bytes(self, data: bytes) -> Any:
+        """The handle of a state in bytes."""
+        return self._fmu.deserializeFMUState(data)
+
+    def close(self) -> None:
+        """Free the instance and remove its files; may be called more than once."""
+        fmu, self._fmu = self._fmu, None
+        if fmu is not None:
+            fmu.freeInstance()
+        self._remove()
+
+    def _function(self, what: str, variables: Sequence[Variable]) -> Callable[..., Any]:
+        kind = variables[0].type
+        function: Callable[..., Any] = getattr(self._fmu, what + (self._enumeration if kind == "Enumeration" else kind))
+        return function
+
+    def _remove(self) -> None:
+        shutil.rmtree(self.directory, ignore_errors=True)
+
+
+class _Instance2(Instance):
+    _fmpy_class, _enumeration = FMU2Slave, "Integer"
+
+    def _instantiate(self) -> None:
+        # FMPy prints by default; the callbacks must live as long as the instance
+        self._callbacks: Any = fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._pass_on)
+        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        # formats C varargs where FMPy ships its proxy for this platform; without it the raw text is logged
+        with suppress(ImportError, OSError, RuntimeError):
+            from fmpy.logging import addLoggerProxy
+
+            addLoggerProxy(byref(self._callbacks))
+        self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+
+    def _pass_on(self, component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+        self._hear(status, message.decode("utf-8", errors="replace"))
+
+    def enter_initialization(self, t0: float) -> None:
+        self._fmu.setupExperiment(startTime=t0)
+        self._fmu.enterInitializationMode()
+
+    def step(self, t: float, h: float) -> None:
+        self._fmu.doStep(t, h)
+
+    def get(self, variables: Sequence[Variable]) -> list[Value]:
+        values: list[Any] = self._function("get", variables)([v.reference for v in variables])
+        if variables[0].kind == "String":
+            return [text.decode("utf-8", errors="replace") if text else "" for text in values]
+        return values
+
+
+class _Instance3(Instance):
+    _fmpy_class, _enumeration = FMU3Slave, "Int64"
+
+    def _instantiate(self) -> None:
+        self._fmu.instantiate(loggingOn=True, logMessage=self._pass_on)
+
+    def _pass_on(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
+        self._hear(status, message.decode("utf-8", errors="replace"))
+
+    def enter_initialization(self, t0: float) -> None:
+        self._fmu.enterInitializationMode(startTime=t0)
+
+    def step(self, t: float, h: float) -> None:
+        _, ended, _, _ = self._fmu.doStep(t, h)
+        if ended:  # succeeds here, and is a discarded step in FMI 2.0
+            raise CallError("fmi3DoStep", _DISCARD)
+
+    def get(self, variables: Sequence[Variable]) -> list[Value]:
+        number = sum(len(v.elements) for v in variables)
+        values: list[Value] = self._function("get", variables)([v.reference for v in variables], nValues=number)
+        return values
+
+
+VERSIONS: Mapping[str, type[Instance]] = {"2.0": _Instance2, "3.0": _Instance3}
+"""Versions of FMI that the host drives, as model descriptions state them."""

@@ -1,0 +1,73 @@
+"""What a fidelity of the rope's model leaves out. The rope shows it as zero, which looks like a result: here it is NaN.
+
+On a rope that carries no torque the zeros of what only torque makes are the complete model's own, so they stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.recording.time_series import Array, Recording
+from rope_model import CHOICES, FIDELITIES, Effect, neglected_effects
+
+FIDELITY = "status.fidelity"
+"""Signal with the code of the fidelity that runs."""
+
+CODES = tuple(CHOICES["model.fidelity"])
+"""Choices of the FMU's integer parameter `model.fidelity`, in the order of its codes."""
+
+
+def code_of(fidelity: str) -> float:
+    """Code of a fidelity as a signal; NaN for "", of a rope that does not run."""
+    return float(CODES.index(fidelity)) if fidelity in CODES else float("nan")
+
+
+def mask_neglected(recording: Recording, torque_free: bool) -> Recording:
+    """The recording with NaN for what its fidelity leaves out, row by row."""
+    if FIDELITY not in recording:
+        return recording
+    signals = dict(recording.signals)
+    for fidelity in FIDELITIES:
+        rows = recording[FIDELITY] == code_of(fidelity)
+        effects = [effect for effect in neglected_effects(fidelity) if not (effect.by_torque and torque_free)]
+        for name in _names(effects, recording) if bool(rows.any()) else ():
+            signals[name] = _without(signals[name], rows)
+    return replace(recording, signals=signals)
+
+
+def fidelities_of(recording: Recording) -> list[str]:
+    """The fidelities that ran, from the first row to the last."""
+    codes = recording[FIDELITY] if FIDELITY in recording else np.array([])
+    known = codes[np.isfinite(codes)].astype(int)
+    return [CODES[code] for k, code in enumerate(known) if k == 0 or code != known[k - 1]]
+
+
+def remark(recording: Recording) -> str:
+    """What a recording from `mask_neglected` does not show because of its fidelity; "" when nothing is missing."""
+    for fidelity in FIDELITIES:
+        effects = [effect for effect in neglected_effects(fidelity) if _is_missing(effect, recording)]
+        if effects and fidelity in fidelities_of(recording):
+            words = ", ".join(effect.words for effect in effects)
+            return (
+                f"the rope ran as its {fidelity} model, which does not compute {words}; none of that is "
+                "shown. Set model.fidelity = 1 (torsional), or export at the level standard"
+            )
+    return ""
+
+
+def _names(effects: Iterable[Effect], recording: Recording) -> list[str]:
+    return [name for name in recording.signals if any(effect.has(name) for effect in effects)]
+
+
+def _is_missing(effect: Effect, recording: Recording) -> bool:
+    return any(bool(np.isnan(recording[name]).any()) for name in _names([effect], recording))
+
+
+def _without(values: Array, rows: NDArray[np.bool_]) -> Array:
+    kept = values.copy()
+    kept[rows] = np.nan
+    return kept

@@ -1,0 +1,180 @@
+"""The host drives a rope of FMI 3.0, with arrays and without, as one of FMI 2.0: same names, same bits, same words."""
+
+from __future__ import annotations
+
+import logging
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from exports import FLAVOURS
+from fmpy.fmi3 import FMU3Slave
+
+from hoist_demo.cases.table import CASES
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.rope_data import Value
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.parameters import Coupling, Winding
+
+pytestmark = pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
+
+FMI_3 = ("native-3", "native-3-scalar")
+KINDS = ("native-2", *FMI_3)
+H = 0.01
+AT_REST = EndMotion(y=0.0), EndMotion(y=90.0)
+FmuOf = Callable[[str], Path]
+
+
+def wound(
+    fmu: Path,
+    scheme: str = "iterative-jacobian",
+    stop_at: float = 1.0,
+    save_to: Path | None = None,
+    resume: Checkpoint | None = None,
+) -> Result:
+    """A trip of 20 cm that reads every output, the added masses too; each exchange goes back to a saved state."""
+    scene, trip = CASES["rope-120"], Winding(travel=0.2, settle=0.0, start_delay=0.0)
+    rope = FmuRope(fmu, scene.rope, not_read=())
+    try:
+        host = Host(rope, scene.hoist, trip, Coupling(scheme=scheme), scene.gains)
+        return host.run(lambda fraction, t: t < stop_at, save_to, resume)
+    finally:
+        rope.close()
+
+
+def bits(result: Result) -> dict[str, bytes]:
+    return {name: values.tobytes() for name, values in result.recording.signals.items()}
+
+
+def rope_at_rest(fmu: Path, parameters: Mapping[str, Value] | None = None) -> FmuRope:
+    rope = FmuRope(fmu, parameters)
+    status = rope.initialize(0.0, *AT_REST)
+    assert status.valid, status
+    return rope
+
+
+@pytest.fixture(scope="module")
+def whole(fmu_of: FmuOf) -> Result:
+    """The trip with FMI 2.0."""
+    return wound(fmu_of("native-2"))
+
+
+@pytest.mark.parametrize("kind", FMI_3)
+def test_a_winding_that_takes_steps_back_has_the_bits_of_fmi_2(kind: str, fmu_of: FmuOf, whole: Result) -> None:
+    result = wound(fmu_of(kind))
+    assert result.recording.time.size > 50
+    assert list(result.recording.signals) == list(whole.recording.signals)
+    assert {"shape.x[81]", "status.fidelity", "left.added_mass"} <= set(result.recording.signals)
+    assert bits(result) == bits(whole)
+    assert result.recording.units == whole.recording.units
+
+
+@pytest.mark.parametrize("kind", FMI_3)
+def test_a_run_that_was_stopped_goes_on_with_the_same_bits(
+    kind: str, fmu_of: FmuOf, whole: Result, tmp_path: Path
+) -> None:
+    stopped = wound(fmu_of(kind), stop_at=0.2, save_to=tmp_path / "last_good.npz")
+    assert stopped.saved is not None
+    kept = Checkpoint.read(stopped.saved)
+    assert bits(wound(fmu_of(kind), resume=kept)) == bits(whole)
+    # a state is that of one build
+    with pytest.raises(ValueError, match=r"as a state of its own, but: .* it is another build's"):
+        wound(fmu_of("native-2"), resume=kept)
+
+
+@pytest.mark.parametrize("kind", FMI_3)
+def test_parameters_and_outputs_have_the_names_units_starts_and_bounds_of_fmi_2(kind: str, fmu_of: FmuOf) -> None:
+    ours, theirs = read_parameters(fmu_of(kind)), read_parameters(fmu_of("native-2"))
+    assert list(ours) == list(theirs)
+    for name, parameter in theirs.items():
+        kind_there = "Enumeration" if ours[name].kind == "Enumeration" else parameter.kind  # FMI 2.0 has codes
+        bound = ours[name].minimum if name.startswith("mesh.counts") else parameter.minimum  # an array has but one
+        assert ours[name] == replace(parameter, kind=kind_there, minimum=bound)
+    assert read_outputs(fmu_of(kind)) == read_outputs(fmu_of("native-2"))
+
+
+def test_one_element_of_an_array_is_set_and_the_others_keep_their_start_values(fmu_of: FmuOf) -> None:
+    energies = []
+    for kind in KINDS:
+        for parameters in ({}, {"mesh.counts[3]": 48}):
+            rope = rope_at_rest(fmu_of(kind), {"mesh.kind": 0, **parameters})
+            energies.append(rope.signals()["energy.strain"])
+            rope.close()
+    default, finer = energies[:2]
+    assert default != finer
+    assert energies[2:] == [default, finer] * 2
+
+
+def test_some_elements_of_an_array_are_read_alone(fmu_of: FmuOf) -> None:
+    for kind in KINDS:
+        outputs = read_outputs(fmu_of(kind))
+        wanted = {"shape.y[41]", "left.fy", "right.fy", "left.fy_mean", "right.fy_mean"}
+        rope = FmuRope(fmu_of(kind), not_read=[name for name in outputs if name not in wanted])
+        assert rope.initialize(0.0, *AT_REST).valid
+        assert set(rope.units()) == set(rope.signals()) == wanted
+        assert rope.read(["left.fy", "shape.y[41]"]) == {
+            name: rope.signals()[name] for name in ("left.fy", "shape.y[41]")
+        }
+        rope.close()
+
+
+def test_a_choice_is_made_by_code_or_by_the_word_of_fmi_3(fmu_of: FmuOf) -> None:
+    for fmu, choice in [("native-2", 3), *((kind, choice) for kind in FMI_3 for choice in (3, "planar"))]:
+        rope = rope_at_rest(fmu_of(fmu), {"model.fidelity": choice})
+        assert rope.signals()["status.fidelity"] == 3.0
+        rope.close()
+    with pytest.raises(ValueError, match=r"model\.fidelity = 'plane' must be one of auto, torsional"):
+        FmuRope(fmu_of("native-3"), {"model.fidelity": "plane"})
+    for kind in KINDS:
+        with pytest.raises(
+            ValueError, match=r"the FMU must take model\.fidelity, but: .* model\.fidelity = 9 is none of the"
+        ):
+            FmuRope(fmu_of(kind), {"model.fidelity": 9})
+
+
+def test_failures_and_warnings_are_told_in_the_same_words(fmu_of: FmuOf, caplog: pytest.LogCaptureFixture) -> None:
+    told = []
+    for kind in KINDS:
+        caplog.clear()
+        with caplog.at_level(logging.WARNING, FmuRope.__module__):
+            rope = rope_at_rest(fmu_of(kind), {"model.fidelity": 3})
+            before = rope.save()
+            failed = rope.step(0.0, H, EndMotion(y=50.0), AT_REST[1])
+            rope.restore(before)
+            again = rope.step(0.0, H, *AT_REST)
+            rope.free(before)
+            rope.close()
+        told.append((failed, again, caplog.messages))
+    failed, again, warnings = told[0]
+    assert (failed.valid, again.valid) == (False, True)
+    assert "m/s^2" in failed.message
+    assert len(warnings) == len(set(warnings)) > 0
+    assert told[1:] == told[:1] * len(FMI_3)
+
+
+def test_an_fmu_that_ends_the_run_fails_the_step_as_a_discarded_one_does(
+    fmu_of: FmuOf, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rope = rope_at_rest(fmu_of("native-3"))
+    monkeypatch.setattr(FMU3Slave, "doStep", lambda *_: (False, True, False, 0.0))
+    status = rope.step(0.0, H, *AT_REST)
+    rope.close()
+    assert not status.valid
+    assert "fmi3DoStep failed with status 2 (discard)" in status.message
+
+
+@pytest.mark.parametrize("kind", ["native-2", "native-3"])
+def test_an_fmu_without_a_library_for_this_platform_is_refused(kind: str, fmu_of: FmuOf, tmp_path: Path) -> None:
+    path = tmp_path / "elsewhere.fmu"
+    with zipfile.ZipFile(fmu_of(kind)) as there, zipfile.ZipFile(path, "w") as here:
+        for name in there.namelist():
+            if not name.startswith("binaries/"):
+                here.writestr(name, there.read(name))
+    with pytest.raises(ValueError, match="the FMU must instantiate, but: Cannot find shared library"):
+        FmuRope(path)
