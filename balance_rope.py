@@ -215,6 +215,7 @@ def _system(rope: Path, case: str, platforms: Sequence[str], fmi: int) -> Path:
             platforms,
             fmi,
             drive.duration,
+            drive.initial,
         )
         # drive and rope step at the same time: the rope extrapolates the motion
         components = [Component("drive", fmu, {}), Component("rope", rope, {"inputs_at_step_end": False})]

@@ -62,9 +62,12 @@ time is not lost: the next step begins where the rope is. (Loops with `h = min(H
 
 Inputs at the start of a step are extrapolated with constant acceleration, so at its end the rope's path misses the
 motion by j H^3/6 at a jerk j. The next path corrects that; where the next step h is shorter than the H before, over
-the time H, else h would ask for accelerations of j H^3/h^2. With no step longer than H, in any order, the path stays
+the time in which a jerk of 0.1 m/s^3 would miss as much, at most H, else h would ask for accelerations of j H^3/h^2.
+With jerks of at most j (take 0.1 m/s^3 if it is less) and no step longer than H, in any order, the path stays
 within 0.27 j H^3, 0.62 j H^2 and 3.4 j H of the motion's position, speed and acceleration; even steps of H have
-0.26, 0.51 and 2.9. The end force errs by up to twice the leg's mass times the error of the acceleration. Inputs at the
+0.26, 0.51 and 2.9. Steps at rest or at constant acceleration do not count for H: extrapolation misses nothing there,
+and a trip after a long one is that after short ones.
+The end force errs by up to twice the leg's mass times the error of the acceleration. Inputs at the
 step's end (`inputs_at_step_end` = true) are met exactly, but for steps below 1e-5 s, which aim that far ahead, because
 within them the rounding of a position would ask for large accelerations (tests/test_masters.py).
 """

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
@@ -20,6 +21,8 @@ LOG_CATEGORIES = {
     "logStatusWarning": "warnings about valid results, once each",
     "logAll": "all messages",
 }
+#: of outputs that follow all inputs and parameters while they are initialised
+ALL_FOLLOWED: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
 class Build(NamedTuple):
@@ -28,7 +31,8 @@ class Build(NamedTuple):
     ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make
     a native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the
     model's own error control, where it has one. A model other than the rope gives its ``name`` and ``description``,
-    and one without directional derivatives says so.
+    and one without directional derivatives says so; ``initial`` names what some of its outputs follow while it is
+    initialised, the others follow all.
     """
 
     token: str
@@ -41,13 +45,14 @@ class Build(NamedTuple):
     name: str = MODEL
     description: str = DESCRIPTION
     derivatives: bool = True
+    initial: Mapping[str, Sequence[str]] = ALL_FOLLOWED
 
 
 def model_description(described: Mapping[int, Variable], build: Build) -> Element:
     """The root element, of the variables by value reference.
 
     Outputs depend on no input of their instant: a step alone changes them. While the model is initialised they follow
-    all inputs and parameters, which is what no list of dependencies means.
+    what ``build.initial`` lists; no list of dependencies means all inputs and parameters.
     """
     root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": build.token, **facts(build)})
     _add_interface(root, build)
@@ -62,11 +67,20 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
         _add_variable(model_variables, reference, variable)
     structure = SubElement(root, "ModelStructure")
     outputs, at_start = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
-    for index, variable in enumerate(described.values(), start=1):
+    indices = {variable.name: index for index, variable in enumerate(described.values(), start=1)}
+    for variable in described.values():
         if variable.causality == "output":
-            SubElement(outputs, "Unknown", index=str(index), dependencies="")
-            SubElement(at_start, "Unknown", index=str(index))
+            index = str(indices[variable.name])
+            SubElement(outputs, "Unknown", index=index, dependencies="")
+            SubElement(at_start, "Unknown", initial_dependencies(build, variable.name, indices), index=index)
     return root
+
+
+def initial_dependencies(build: Build, name: str, numbers: Mapping[str, int]) -> dict[str, str]:
+    """The attribute of an output's ``InitialUnknown``; ``numbers`` are what the standard calls variables by."""
+    if (follows := build.initial.get(name)) is None:
+        return {}
+    return {"dependencies": " ".join(str(numbers[other]) for other in follows)}
 
 
 def experiment(build: Build) -> dict[str, str]:

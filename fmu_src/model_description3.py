@@ -15,6 +15,7 @@ from .model_description import (
     common_attributes,
     experiment,
     facts,
+    initial_dependencies,
     type_attributes,
 )
 from .units import QUANTITIES, add_units, quantity_attributes, units_of
@@ -68,11 +69,13 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
     SubElement(listed, "Float64", attributes | {"description": "time", "declaredType": "Time"})
     for array in gathered:
         _add_variable(listed, array)
-    outputs = [str(array.reference) for array in gathered if array.variable.causality == "output"]
-    for reference in outputs:
-        SubElement(structure, "Output", valueReference=reference, dependencies="")
-    for reference in outputs:
-        SubElement(structure, "InitialUnknown", valueReference=reference)
+    numbers = {array.name: array.reference for array in gathered}
+    outputs = [array for array in gathered if array.variable.causality == "output"]
+    for array in outputs:
+        SubElement(structure, "Output", valueReference=str(array.reference), dependencies="")
+    for array in outputs:
+        follows = initial_dependencies(build, array.name, numbers)
+        SubElement(structure, "InitialUnknown", follows, valueReference=str(array.reference))
     return root
 
 

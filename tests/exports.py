@@ -60,7 +60,15 @@ def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),
     drive = drive_model(CASES["rope-120"])
     table = [Variable(*variable) for variable in drive.variables]
     return export_model(
-        destination, drive.name, drive.description, table, drive.sources, drive.attachments, platforms, fmi
+        destination,
+        drive.name,
+        drive.description,
+        table,
+        drive.sources,
+        drive.attachments,
+        platforms,
+        fmi,
+        initial=drive.initial,
     )
 
 

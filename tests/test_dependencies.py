@@ -66,4 +66,27 @@ def test_inputs_act_on_the_outputs_while_initialising(host: Host) -> None:
         after = outputs(host)
         assert after != before, name
         before = after
-    assert all(unknown.dependencies is None for unknown in host.description.initialUnknowns)
+
+
+def test_initial_unknowns_name_what_acts_on_them(host: Host) -> None:
+    """The rope's follow all, by default; the drive's are listed, and follow that and nothing else."""
+    listed = {x.variable.name: x.dependencies for x in host.description.initialUnknowns if x.dependencies is not None}
+    if host.description.modelName == "BalanceRope":
+        assert not listed
+        return
+    host.fmu.reset()
+    host.enter()
+    acting: dict[str, set[str]] = {name: set() for name in listed}
+    for v in host.variables.values():
+        if v.type not in ("Real", "Float64") or v.causality not in ("input", "parameter"):
+            continue
+        before = host.get(*listed)
+        host.set(**{v.name: 0.99 * host.get(v.name)[0]})
+        # tens of newtons; the state at rest is known to rounding
+        for name, x, y in zip(listed, before, host.get(*listed), strict=True):
+            if abs(x - y) > 1e-6:
+                acting[name].add(v.name)
+    assert acting == {name: {v.name for v in follows} for name, follows in listed.items()}
+    assert {name for name, follows in acting.items() if not follows} >= {"left.y", "left.vy", "left.ay", "right.ay"}
+    outputs = (v for v in host.variables.values() if v.causality == "output" and v.type in ("Real", "Float64"))
+    assert set(listed) == {v.name for v in outputs}

@@ -47,7 +47,6 @@ class Drive:
         libc = ctypes.CDLL(None)
         self._allocator = Allocator(*(ctypes.cast(f, ctypes.c_void_p) for f in (libc.calloc, libc.free)))
         library.model_create.restype = ctypes.c_void_p
-        library.model_output.restype = ctypes.c_double
         self.instance: ctypes.c_void_p | None = None
 
     def start(self, **values: float) -> bool:
@@ -69,7 +68,9 @@ class Drive:
         )
 
     def get(self, name: str) -> float:
-        return float(self.library.model_output(self.instance, ctypes.c_size_t(self.places[name])))
+        value, place = ctypes.c_double(), ctypes.c_size_t(self.places[name])
+        assert self.library.model_output(self.instance, place, ctypes.byref(value), self.message)
+        return value.value
 
     def says(self) -> str:
         return self.message.value.decode()

@@ -1,24 +1,29 @@
 """Steps as masters take them: rests of rounding size, short steps after long ones, steps taken back.
 
-Inputs at the start of a step are extrapolated with constant accelerations.  Where the motion's jerk is at most j and no
-step is longer than H, what the path of an end misses of it stays within 0.27 j H^3, 0.62 j H^2 and 3.4 j H in position,
-speed and acceleration, whatever the steps; even steps of H miss 0.258, 0.509 and 2.94 (a quintic that leaves
-(1/6, 1/2, 1) j (H^3, H^2, H) behind the motion and is to join what is extrapolated anew).  The end force errs by the
-mass of the rope's leg times the acceleration's error, at most twice that, since the leg answers as an undamped bar.
+Inputs at the start of a step are extrapolated with constant accelerations.  Where the motion's jerk is at most j (take
+0.1 m/s^3 if it is less) and no step in which it has a jerk is longer than H, what the path of an end misses of it stays
+within 0.27 j H^3, 0.62 j H^2 and 3.4 j H in position, speed and acceleration, whatever the steps; even steps of H miss
+0.258, 0.509 and 2.94 (a quintic that leaves (1/6, 1/2, 1) j (H^3, H^2, H) behind the motion and is to join what is
+extrapolated anew).  Steps at rest or at constant acceleration may be of any length: extrapolation is exact there.  The
+end force errs by the mass of the rope's leg times the acceleration's error, at most twice that, since the leg answers
+as an undamped bar.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS
-from masters import LOOPS, random_steps
+from fmpy.fmi1 import FMICallException
+from masters import LOOPS, Steps, random_steps
 from native_host import Host
 from numpy.testing import assert_allclose
 
@@ -42,9 +47,12 @@ def trip(t: float) -> tuple[EndMotion, EndMotion]:
     return EndMotion(y=y, vy=v, ay=a), EndMotion(y=TRAVEL - y, vy=-v, ay=-a)
 
 
-def largest_miss(steps: list[float], jerk: float) -> np.ndarray:
-    """Largest error of the path in y, vy, ay behind a motion of constant jerk that is extrapolated from each start."""
-    path, t, last, largest = EndPath.at_rest(0.0, EndMotion()), 0.0, 0.0, np.zeros(3)
+def largest_miss(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarray:
+    """Largest error of the path in y, vy, ay behind a motion of constant jerk that is extrapolated from each start.
+
+    It begins at 0; the step before was a ``rest`` of so many seconds.
+    """
+    path, t, last, largest = EndPath.at_rest(0.0, EndMotion()), 0.0, rest, np.zeros(3)
     for h in steps:
         given = EndMotion(y=jerk * t**3 / 6, vy=jerk * t**2 / 2, ay=jerk * t)
         path, last = path.to(t + h, given.extrapolate(h), last), h
@@ -67,6 +75,11 @@ def test_path_misses_no_more_in_any_steps_than_stated_and_hardly_more_than_in_ev
     assert np.all(worst <= MISSED)
     # without an aim beyond the step's end the last of these would take the path 1e6 times as far off
     assert np.all(largest_miss([1.0] * 5 + [1e-6] * 5, 1.0) <= MISSED)
+
+
+def test_path_misses_as_much_after_a_long_step_of_rest_as_without() -> None:
+    for rest in (1.0, 60.0):
+        assert_allclose(largest_miss([0.01] * 100, JERK, rest), largest_miss([0.01] * 100, JERK), rtol=1e-12)
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +112,7 @@ def is_rope(host: Host) -> bool:
     return "rope.EI" in host.variables
 
 
-def run(host: Host, steps: Iterator[tuple[float, float]], T: float) -> None:
+def run(host: Host, steps: Steps, T: float) -> None:
     """All steps are done, and they end at T."""
     t = h = 0.0
     for t, h in steps:
@@ -110,7 +123,7 @@ def run(host: Host, steps: Iterator[tuple[float, float]], T: float) -> None:
     assert abs(t + h - T) < 1e-9
 
 
-def forces(host: Host, steps: Iterator[tuple[float, float]], at_end: bool) -> np.ndarray:
+def forces(host: Host, steps: Steps, at_end: bool) -> np.ndarray:
     """(steps, 3): time and forces after each; AssertionError with the FMU's words when one is refused."""
     rows = []
     for t, h in steps:
@@ -139,35 +152,141 @@ def test_loops_of_masters_end_where_they_should_over_all_steps(host: Host, loop:
 
 
 def test_rest_of_rounding_size_moves_nothing_and_is_not_lost(host: Host) -> None:
-    name = "left.fy" if is_rope(host) else "left.y"
-    host.start()
-    if is_rope(host):
-        give(host, 0.0)
-    assert host.step(0.0, 0.01) == ""
-    state, before = host.state(), host.get(name)
-    t = 0.01
-    for _ in range(30):  # together 1.5e-8 s, more than the slack of the time
-        assert host.step(t, 5e-10) == ""
-        t += 5e-10
-    assert host.step(t, 0.02 - t) == ""
-    after = host.get(name)
+    """In the middle of a trip, 4000 rests that are 2e-6 s together: the conveyances do 10 um in it."""
+    t0, H, rest, rests = 8.0, 0.02, 5e-10, 4000
+    host.start(**({"model.fidelity": 4} if is_rope(host) else {}))
+    run(host, LOOPS["counting"](H, t0), t0)
+    state, shown = host.state(), FORCES if is_rope(host) else ("left.y",)
+
+    def after(steps: Steps) -> list[float]:
+        host.restore(state)
+        run(host, steps, t0 + H)
+        return host.get(*shown)
+
+    rounding = itertools.chain(((t0 + k * rest, rest) for k in range(rests)), [(t0 + rests * rest, H - rests * rest)])
+    # the motion is extrapolated, and the torque sampled, so much later
+    later = JERK * rests * rest
+    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
+    allowed = later * MASS_PER_LENGTH * leg if is_rope(host) else 10 * later * H**2 / 2
+    assert_allclose(after(rounding), after(iter([(t0, H)])), rtol=0, atol=allowed)
     host.restore(state)
-    assert host.step(0.01, 0.01) == ""
-    assert_allclose(after, host.get(name), rtol=1e-7, atol=1e-12)
-    host.restore(state)
-    assert host.step(0.01, 5e-10) == ""
-    assert host.get(name) == before
+    before = host.get(*shown)
+    assert host.step(t0, rest) == ""
+    assert host.get(*shown) == before
     # the time that was handed over is saved and restored
     again = host.state()
-    assert host.step(0.01 + 5e-10, 0.01) == ""
+    run(host, iter([(t0 + rest, H)]), t0 + rest + H)
+    once = host.get(*shown)
     host.restore(again)
-    assert host.step(0.01 + 5e-10, 0.01) == ""
+    run(host, iter([(t0 + rest, H)]), t0 + rest + H)
+    assert host.get(*shown) == once
 
 
-def even_error(host: Host, exact: np.ndarray, H: float, T: float, at_end: bool) -> float:
+@rope_only
+def test_restored_outputs_are_those_before_a_tunable_was_changed(host: Host) -> None:
+    """The friction of a swivel that slips; also where the change was entered before the state was saved, and waits."""
+    host.start(inputs_at_step_end=True, **{"left.swivel.mode": 2, "right.swivel.mode": 2})
+    H, friction = 0.01, "right.swivel.mu_kinetic"
+
+    def turn(k: int) -> list[float]:
+        t = (k + 1) * H
+        host.set(**{"right.yaw": t * t, "right.yaw_rate": 2 * t})
+        assert host.step(k * H, H) == ""
+        return shown()
+
+    def shown() -> list[float]:
+        return host.get("right.my", "right.swivel.torque", "right.swivel.rate", "left.fy")
+
+    for k in range(60):
+        turn(k)
+    assert host.get("right.swivel.slipping") == [True]
+    (mu,) = host.get(friction)
+    for waits in (mu, 0.5 * mu):
+        host.set(**{friction: waits})
+        state, before = host.state(), shown()
+        after = turn(60)
+        host.set(**{friction: 0.25 * mu})
+        assert turn(61)[0] != pytest.approx(before[0], rel=0.1)
+        host.restore(state)
+        assert shown() == before
+        assert host.get(friction) == [waits]
+        assert turn(60) == after
+        host.restore(state)
+
+
+@rope_only
+def test_announced_stop_time_is_part_of_a_state(host: Host) -> None:
+    def at(stop: float | None) -> Any:
+        host.call("Reset")
+        host.enter(stop=stop)
+        host.fmu.exitInitializationMode()
+        assert host.step(0.0, 0.01) == ""
+        return host.state()
+
+    host.set(**{"model.fidelity": 4})
+    soon, late, never = at(0.02), at(5.0), at(None)
+    for state, reaches in ((soon, False), (late, True), (never, True), (soon, False)):
+        host.restore(state)
+        assert (host.step(0.01, 0.02) == "") == reaches
+    host.call("Reset")
+    host.restore(soon)
+    assert "goes beyond the stop time 0.02 s" in host.step(0.01, 0.02)
+
+
+@rope_only
+@pytest.mark.parametrize("start", [1e5, 1e9, 1e10])
+def test_step_that_was_made_already_is_refused_at_any_time(host: Host, start: float) -> None:
+    host.set(**{"model.fidelity": 4})
+    host.enter(start=start)
+    host.fmu.exitInitializationMode()
+    h = 0.01
+    assert host.step(start, h) == ""
+    assert host.step(start + h, h) == ""
+    state = host.state()
+    for t in (start, start + h):
+        assert "the host steps from t = " in host.step(t, h)
+        host.restore(state)
+    # a host that counts its steps is some roundings off
+    assert host.step(start + 2 * h, h) == ""
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("host", ["python"], indirect=True)
+def test_output_that_cannot_be_computed_is_an_error_and_does_no_harm(
+    host: Host, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    host.start()
+    assert host.step(0.0, 0.01) == ""
+    before = host.get("left.fy", "count.steps")
+    assert host.step(0.01, 0.01) == ""
+
+    def fails(*arguments: Any) -> Any:
+        raise ArithmeticError("singular")
+
+    slave = next(module for name, module in sys.modules.items() if name.startswith("balance_rope_slave"))
+    with monkeypatch.context() as patch:
+        patch.setattr(slave, "group_of", fails)
+        for name in ("left.fy", "count.steps", "left.swivel.slipping"):
+            with pytest.raises(FMICallException):
+                host.get(name)
+            assert "singular" in host.error()
+        patch.setattr(slave.BalanceRope, "warning", fails)
+        with pytest.raises(FMICallException):
+            host.get("status.warning")
+    assert host.get("left.fy", "count.steps") != before
+    assert host.get("status.warning") == [""]
+
+
+def from_time(t0: float, steps: Steps) -> Steps:
+    return ((t0 + t, h) for t, h in steps)
+
+
+def even_error(host: Host, exact: np.ndarray, t0: float, T: float, at_end: bool) -> float:
+    """N, of steps of LONGEST, from t0 on."""
     host.call("Reset")
     host.start(inputs_at_step_end=at_end)
-    return error(forces(host, LOOPS["counting"](H, T), at_end), exact)
+    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
+    return error(forces(host, from_time(t0, LOOPS["counting"](LONGEST, T)), at_end), exact)
 
 
 def error(found: np.ndarray, exact: np.ndarray) -> float:
@@ -177,66 +296,133 @@ def error(found: np.ndarray, exact: np.ndarray) -> float:
 
 @native_only
 @pytest.mark.parametrize("at_end", [False, True])
-def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(host: Host, at_end: bool) -> None:
-    T, sequences = 0.25, 500
+@pytest.mark.parametrize(("t0", "sequences"), [(0.0, 500), (8.0, 100)])
+def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(
+    host: Host, t0: float, sequences: int, at_end: bool
+) -> None:
+    """From rest, and in the middle of the trip."""
+    T = 0.24
     host.start(inputs_at_step_end=True, **{"solver.step_max": 2.5e-3, "solver.tolerance": 1e-5})
-    exact = forces(host, LOOPS["counting"](5e-4, T + LONGEST), at_end=True)
-    integration = even_error(host, exact, LONGEST, T, at_end=True)
-    even = even_error(host, exact, LONGEST, T, at_end)
+    forces(host, LOOPS["counting"](LONGEST, t0), at_end=True)
+    exact = forces(host, from_time(t0, LOOPS["counting"](5e-4, T + LONGEST)), at_end=True)
+    integration = even_error(host, exact, t0, T, at_end=True)
+    even = even_error(host, exact, t0, T, at_end)
     host.call("Reset")
     host.start(inputs_at_step_end=at_end)
+    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
     begin, worst, steps = host.state(), 0.0, 0
     for seed in range(sequences):
         host.restore(begin)
-        found = forces(host, random_steps(seed, T, 1e-8, LONGEST), at_end)
+        found = forces(host, from_time(t0, random_steps(seed, T, 1e-8, LONGEST)), at_end)
         worst, steps = max(worst, error(found, exact)), steps + len(found)
     print(f"{sequences} sequences, {steps} steps: {worst:.2f} N; even steps of {LONGEST} s: {even:.2f} N")
-    # the longer leg; the integration's own error is that of uneven steps, at most twice that of even ones
-    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
-    extrapolation = 0.0 if at_end else 2 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * leg
-    assert worst <= extrapolation + 2 * integration
+    # the integration's own error is that of uneven steps, at most twice that of even ones
+    assert worst <= (0.0 if at_end else extrapolation_error()) + 2 * integration
+
+
+@native_only
+@pytest.mark.parametrize("at_end", [False, True])
+@pytest.mark.parametrize("fidelity", [1, 4])
+def test_trip_after_a_long_step_of_rest_has_the_forces_of_even_steps(host: Host, fidelity: int, at_end: bool) -> None:
+    H, parameters = 0.01, {"model.fidelity": fidelity, "inputs_at_step_end": at_end}
+
+    def trip_after(rests: Steps) -> np.ndarray:
+        host.call("Reset")
+        host.start(**parameters)
+        rest = 0.0
+        for t, h in rests:
+            give(host, 0.0)
+            assert host.step(t, h) == ""
+            rest = t + h
+        rows = []
+        for t, h in LOOPS["counting"](H, 0.5):
+            give(host, t + h if at_end else t)
+            assert host.step(rest + t, h) == ""
+            rows.append(host.get(*FORCES))
+        return np.array(rows)
+
+    even = trip_after(LOOPS["counting"](0.1, 0.1))
+    for rest in (5.0, 20.0, 60.0):
+        found = trip_after(iter([(0.0, rest)]))
+        # what Newton's method leaves of the equilibrium dies away in the rest: 1e-7 of the end force
+        assert_allclose(found, even, rtol=0, atol=1e-3)
 
 
 @rope_only
 @pytest.mark.parametrize("at_end", [False, True])
 def test_event_found_by_bisection(host: Host, at_end: bool) -> None:
-    """A host that looks for the instant at which the left end passes 5 mm, by restoring and shorter steps."""
+    """A host that looks for the instant at which the left end's pull passes a value, by restoring and shorter steps."""
+    t0, least = 0.4, 1e-8
     host.start(inputs_at_step_end=at_end)
-    forces(host, LOOPS["counting"](LONGEST, 0.4), at_end)
-    low, high, start = 0.0, LONGEST, host.state()
-    event = next(t for t in np.arange(0.4, 0.42, 1e-4) if trip(t)[0].y > trip(0.41)[0].y)
+    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
+    start = host.state()
+
+    def pull(h: float) -> float:
+        """Of a step of h from t0 on."""
+        host.restore(start)
+        return float(forces(host, iter([(t0, h)]), at_end)[-1, 1])
+
+    low, high = least, LONGEST
+    bounds = pull(low), pull(high)
+    event = 0.3 * bounds[0] + 0.7 * bounds[1]
     for _ in range(20):
         middle = 0.5 * (low + high)
-        host.restore(start)
-        forces(host, iter([(0.4, middle)]), at_end)
-        low, high = (low, middle) if 0.4 + middle > event else (middle, high)
+        beyond = (pull(middle) - event) * (bounds[1] - bounds[0]) > 0
+        low, high = (low, middle) if beyond else (middle, high)
     assert high - low < 1e-7
+    # it is one instant, inside the step
+    assert least < low
+    assert high < LONGEST
+    assert abs(pull(low) - event) < 1e-3 * abs(bounds[1] - bounds[0])
     # from the event on: the rest of the step, and even ones
     host.restore(start)
-    found = forces(host, iter([(0.4, high), (0.4 + high, 1e-8), (0.4 + high + 1e-8, LONGEST - high - 1e-8)]), at_end)
-    host.restore(start)
-    whole = forces(host, iter([(0.4, LONGEST)]), at_end)
-    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
-    assert_allclose(found[-1, 1:], whole[-1, 1:], rtol=0, atol=4 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * leg)
+    steps = [(t0, high), (t0 + high, least), (t0 + high + least, LONGEST - high - least)]
+    found = forces(host, iter(steps), at_end)
+    assert_allclose(found[-1, 1], bounds[1], rtol=0, atol=2 * extrapolation_error())
 
 
-@rope_only
+def extrapolation_error() -> float:
+    """N, of the end force while the longest leg follows the trip extrapolated in steps up to LONGEST."""
+    return float(2 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * 0.5 * (rope_120().scene.rope.length + TRAVEL))
+
+
+@native_only
 def test_host_with_an_error_controlled_step(host: Host) -> None:
-    """It compares one step with two halves of it, and takes what came of the halves."""
+    """It compares one step with two halves of it, and takes what came of the halves; at rest its steps grow to 1 s."""
+    rest, T = 10.0, 1.0
     host.start()
-    t, h, taken, tolerance = 0.0, 1e-4, [], 5.0
-    while t < 0.5:
-        h = min(h, LONGEST, 0.5 - t)
+    even = np.vstack([[0.0, *host.get(*FORCES)], forces(host, LOOPS["counting"](LONGEST, T), at_end=False)])
+    host.call("Reset")
+    host.start()
+    t, h, rows, tolerance = -rest, 1e-4, [], 5.0
+
+    def stepped(*steps: tuple[float, float]) -> np.ndarray:
+        for t, h in steps:
+            give(host, t)
+            assert host.step(rest + t, h) == ""
+        return np.array(host.get(*FORCES))
+
+    steps = []
+    while t < T:
+        # the host knows when the trip begins
+        h = min(h, 1.0, -t) if t < 0 else min(h, LONGEST, T - t)
         start = host.state()
-        one = forces(host, iter([(t, h)]), at_end=False)[-1, 1:]
+        one = stepped((t, h))
         host.restore(start)
-        two = forces(host, iter([(t, 0.5 * h), (t + 0.5 * h, 0.5 * h)]), at_end=False)[-1, 1:]
+        two = stepped((t, 0.5 * h), (t + 0.5 * h, 0.5 * h))
         differs = float(np.abs(one - two).max())
         if differs <= tolerance or h <= 1e-6:
-            t, taken = t + h, [*taken, h]
+            t = 0.0 if t < 0 and t + h > -1e-9 else t + h
+            rows.append([t, *two])
+            steps.append(h)
         else:
             host.restore(start)
         host.free(start)
         h *= min(max(0.9 * math.sqrt(tolerance / max(differs, 1e-3)), 0.2), 2.0)
-    assert math.isclose(t, 0.5, abs_tol=1e-9)
-    assert len(taken) < 400
+    assert math.isclose(t, T, abs_tol=1e-9)
+    assert max(steps) > 0.5
+    assert len(steps) < 400
+    in_trip = np.array([row for row in rows if row[0] > 0])
+    worst = error(in_trip, even)
+    print(len(steps), worst)
+    assert worst <= extrapolation_error()

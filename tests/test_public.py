@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 import inspect
 import os
+import pickle
 import re
 import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -213,3 +216,19 @@ def test_auto_takes_the_python_form_where_the_native_one_cannot_be_had(
     assert len([r for r in caplog.records if r.levelname == "WARNING"]) == 1
     with pytest.raises(RuntimeError, match="needs a C compiler"):
         balance_rope(SMALL, "native")
+
+
+@needs_compiler
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda rope: pickle.loads(pickle.dumps(rope))])
+def test_a_copy_of_the_native_rope_goes_on_by_itself(copied: Callable[[Any], Any]) -> None:
+    low, high = EndMotion(), EndMotion(y=20.0)
+    rope = balance_rope(replace(SMALL, solver=Solver()), "native")
+    copied(rope)  # not hung up yet
+    assert rope.initialize(0.0, low, high).valid
+    other = copied(rope)
+    assert other.advance_to(0.1, EndMotion(y=0.01, vy=0.2, ay=2.0), high).valid
+    assert rope.time == 0.0
+    assert rope.advance_to(0.1, EndMotion(y=0.01, vy=0.2, ay=2.0), high).valid
+    expected = rope.signals()
+    del rope
+    assert other.signals() == expected

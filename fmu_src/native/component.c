@@ -1,48 +1,58 @@
 #include "component.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-/* host and model may differ by this much about the time, s */
-#define TIME_SLACK 1e-9
+/* host and model may differ by this much about the time t, s: by some roundings of it */
+#define TIME_SLACK(t) (1e-9 + 4 * DBL_EPSILON * fabs(t))
 /* s: in less nothing moves.  Hosts that end on a multiple of their step arrive there by such rests of it */
 #define SHORTEST_STEP 1e-9
 /* what has been entered since the model was set up */
 enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
-enum { NUMBER = 32, STATE_VERSION = 2 };
+enum { NUMBER = 32, STATE_VERSION = 3 };
 
 struct Component {
     Allocator allocator;
     ComponentLog log;
     void *context;
     ModelInstance *model;
-    double start, stop;
-    double time; /* where the host has brought it; the model is less than SHORTEST_STEP from it */
+    double start, stop; /* infinite when none was announced */
+    double time;        /* where the host has brought it; the model is less than SHORTEST_STEP from it */
     int mode, changed, retune;
-    int started; /* initialised, and not reset since */
-    int valid;   /* of the last initialisation or step */
-    int stop_defined;
+    int started;     /* initialised, and not reset since */
+    int valid;       /* of the last initialisation or step */
     unsigned warned; /* bit k: warning k has been in the log since initialisation began */
     char status[MODEL_MESSAGE], message[MODEL_MESSAGE];
-    double values[]; /* MODEL_SCALARS */
+    double values[]; /* the entries, and behind them those that the model goes by; MODEL_SCALARS each */
 };
 
-/* before the entries and the model's bytes of a state */
+/* before the values and the model's bytes of a state */
 typedef struct {
     char magic[8];
     uint64_t bytes, checksum; /* checksum: of all that follows it */
     uint32_t version;
     int32_t mode, valid, started;
-    double start, time;
+    double start, stop, time;
     char token[MODEL_TOKEN], status[MODEL_MESSAGE];
 } StateHeader;
 
 static const char MAGIC[8] = "FMUSTATE";
 
 static int refuse(Component *c, const char *format, ...);
+
+static size_t values_bytes(void) {
+    return 2 * MODEL_SCALARS * sizeof(double);
+}
+
+/* the model goes by the present entries */
+static void take_over(Component *c) {
+    memcpy(c->values + MODEL_SCALARS, c->values, MODEL_SCALARS * sizeof(double));
+    c->retune = 0;
+}
 
 /* the shortest decimal that reads back as x */
 static const char *shortest(double x, char text[NUMBER]) {
@@ -75,7 +85,7 @@ int is_log_category(const char *name) {
 }
 
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context) {
-    Component *c = allocator->take(1, sizeof *c + MODEL_SCALARS * sizeof(double));
+    Component *c = allocator->take(1, sizeof *c + values_bytes());
     if (!c) return NULL;
     memset(c, 0, sizeof *c);
     c->allocator = *allocator;
@@ -142,8 +152,7 @@ int component_setup(Component *c, double start, int stop_defined, double stop) {
         return refuse(c, "the stop time %s s is not at or after the start time %s s; give a later one",
                       shortest(stop, text), shortest(start, other));
     c->start = c->time = start;
-    c->stop_defined = stop_defined;
-    c->stop = stop;
+    c->stop = stop_defined ? stop : INFINITY;
     return 1;
 }
 
@@ -182,6 +191,7 @@ static int set_up(Component *c) {
         model_destroy(c->model);
         c->model = NULL;
     } else {
+        take_over(c);
         model_note(c->model, why);
         if (*why) c->log(c->context, LOG_NOTE, why);
         warn(c);
@@ -212,17 +222,17 @@ int component_exit_initialization(Component *c) {
 static int step(Component *c, double t, double h) {
     char text[NUMBER], other[NUMBER], why[MODEL_MESSAGE] = "";
     double now = c->time;
-    if (!(fabs(t - now) <= TIME_SLACK * fmax(1.0, fabs(now))))
-        return refuse(c, "the host steps from t = %s s, the FMU is at %s s; restore a state to go back",
-                      shortest(t, text), shortest(now, other));
     if (!(h > 0.0 && isfinite(h)))
         return refuse(c, "communication step %s s is not positive and finite", shortest(h, text));
-    if (c->stop_defined && t + h > c->stop + TIME_SLACK * fmax(1.0, fabs(c->stop)))
+    if (!(fabs(t - now) <= fmin(TIME_SLACK(now), 0.5 * h)))
+        return refuse(c, "the host steps from t = %s s, the FMU is at %s s; restore a state to go back",
+                      shortest(t, text), shortest(now, other));
+    if (t + h > c->stop + TIME_SLACK(c->stop))
         return refuse(c, "a step to t = %s s goes beyond the stop time %s s; announce a later one, or none",
                       shortest(t + h, text), shortest(c->stop, other));
-    if (fabs(t + h - model_time(c->model)) < SHORTEST_STEP) return 1; /* the next step goes on from the model's time */
+    if (t + h - model_time(c->model) < SHORTEST_STEP) return 1; /* the next step goes on from the model's time */
     if (c->retune && !model_retune(c->model, c->values, why)) return refuse(c, "%s", why);
-    c->retune = 0;
+    take_over(c);
     if (!model_step(c->model, t, h, c->values, why)) return refuse(c, "%s", why);
     return 1;
 }
@@ -252,8 +262,9 @@ void component_reset(Component *c) {
     model_destroy(c->model);
     c->model = NULL;
     c->mode = INSTANTIATED;
-    c->changed = c->retune = c->started = c->stop_defined = 0;
-    c->start = c->stop = c->time = 0.0;
+    c->changed = c->retune = c->started = 0;
+    c->start = c->time = 0.0;
+    c->stop = INFINITY;
     c->valid = 1;
     c->status[0] = c->message[0] = '\0';
     for (i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i);
@@ -282,6 +293,7 @@ int component_has_token(const char *token) {
 }
 
 int component_get(Component *c, size_t scalar, double *value) {
+    char why[MODEL_MESSAGE] = "";
     *value = 0.0;
     switch (MODEL_VARIABLES[scalar].source) {
     case FROM_ENTRY:
@@ -294,8 +306,7 @@ int component_get(Component *c, size_t scalar, double *value) {
         *value = component_time(c);
         return 1;
     default:
-        if (have_model(c)) {
-            *value = model_output(c->model, scalar);
+        if (have_model(c) && (model_output(c->model, scalar, value, why) || refuse(c, "%s", why))) {
             /* of what counts on and on */
             if (MODEL_VARIABLES[scalar].kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX);
             return 1;
@@ -307,14 +318,10 @@ int component_get(Component *c, size_t scalar, double *value) {
 }
 
 int component_get_text(Component *c, size_t scalar, const char **text) {
-    *text = "";
-    if (MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE)
-        *text = c->status;
-    else if (have_model(c))
-        *text = model_text(c->model, scalar);
-    else
-        return 0;
-    return 1;
+    char why[MODEL_MESSAGE] = "";
+    *text = MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE ? c->status : "";
+    if (MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE) return 1;
+    return have_model(c) && (model_text(c->model, scalar, text, why) || refuse(c, "%s", why));
 }
 
 /* why an entry cannot have the value; "" when it can */
@@ -389,7 +396,7 @@ static size_t model_bytes(const Component *c) {
 }
 
 size_t component_state_bytes(const Component *c) {
-    return sizeof(StateHeader) + MODEL_SCALARS * sizeof(double) + model_bytes(c);
+    return sizeof(StateHeader) + values_bytes() + model_bytes(c);
 }
 
 /* FNV-1a over bytes, a defence against damage, not against malice */
@@ -406,7 +413,7 @@ static uint64_t state_checksum(const void *state, size_t bytes) {
 
 void component_save(const Component *c, void *to) {
     StateHeader header;
-    unsigned char *entries = (unsigned char *)to + sizeof header, *rest = entries + MODEL_SCALARS * sizeof(double);
+    unsigned char *values = (unsigned char *)to + sizeof header, *rest = values + values_bytes();
     memset(&header, 0, sizeof header);
     memcpy(header.magic, MAGIC, sizeof MAGIC);
     header.bytes = component_state_bytes(c);
@@ -415,10 +422,11 @@ void component_save(const Component *c, void *to) {
     header.valid = c->valid;
     header.started = model_bytes(c) != 0;
     header.start = c->start;
+    header.stop = c->stop;
     header.time = c->time;
     model_token(header.token);
     strcpy(header.status, c->status);
-    memcpy(entries, c->values, MODEL_SCALARS * sizeof(double));
+    memcpy(values, c->values, values_bytes());
     if (model_bytes(c)) model_save(c->model, rest);
     memcpy(to, &header, sizeof header);
     header.checksum = state_checksum(to, (size_t)header.bytes);
@@ -428,7 +436,7 @@ void component_save(const Component *c, void *to) {
 int component_is_state(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
     const double *values = (const double *)(header + 1);
-    size_t least = sizeof *header + MODEL_SCALARS * sizeof(double), i;
+    size_t least = sizeof *header + values_bytes(), i;
     char why[MODEL_MESSAGE], own[MODEL_TOKEN];
     model_token(own);
     if (bytes < sizeof *header || memcmp(header->magic, MAGIC, sizeof MAGIC))
@@ -442,11 +450,13 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
          header->mode != TERMINATED && header->mode != FAILED) ||
         ((header->mode == STEPPING || header->mode == TERMINATED) && !header->started) ||
         ((header->mode == INSTANTIATED || header->mode == INITIALIZATION) && header->started) ||
-        !isfinite(header->start) || !isfinite(header->time) || header->status[MODEL_MESSAGE - 1])
+        !isfinite(header->start) || !isfinite(header->time) || !(header->stop >= header->start) ||
+        header->status[MODEL_MESSAGE - 1])
         return refuse(c, "the state contradicts itself; save it anew");
-    for (i = 0; i < MODEL_SCALARS; i++) {
-        if (MODEL_VARIABLES[i].source != FROM_ENTRY) continue;
-        check_entry(&MODEL_VARIABLES[i], values[i], why);
+    for (i = 0; i < 2 * MODEL_SCALARS; i++) {
+        const Variable *variable = &MODEL_VARIABLES[i % MODEL_SCALARS];
+        if (variable->source != FROM_ENTRY) continue;
+        check_entry(variable, values[i], why);
         if (*why) return refuse(c, "the state contradicts itself: %s", why);
     }
     return 1;
@@ -461,8 +471,8 @@ static int same_fixed(const double *a, const double *b) {
 
 int component_restore(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
-    const double *values = (const double *)(header + 1);
-    const void *rest = values + MODEL_SCALARS;
+    const double *values = (const double *)(header + 1), *goes_by = values + MODEL_SCALARS;
+    const void *rest = goes_by + MODEL_SCALARS;
     ModelInstance *model = NULL;
     char why[MODEL_MESSAGE] = "";
     if (!component_is_state(c, from, bytes)) return 0;
@@ -470,17 +480,22 @@ int component_restore(Component *c, const void *from, size_t bytes) {
         size_t number = bytes - ((const unsigned char *)rest - (const unsigned char *)from);
         /* another's parameters need another model; the present one stays until that has taken the state */
         int fits = c->started && c->model && same_fixed(values, c->values);
-        model = fits ? c->model : model_create(values, &c->allocator, why);
-        if (!model || !model_restore(model, rest, number, why)) {
-            if (!fits) model_destroy(model);
+        model = fits ? c->model : model_create(goes_by, &c->allocator, why);
+        if (!model || !model_retune(model, goes_by, why) || !model_restore(model, rest, number, why)) {
+            char other[MODEL_MESSAGE];
+            if (fits)
+                model_retune(model, c->values + MODEL_SCALARS, other);
+            else
+                model_destroy(model);
             return refuse(c, "setFMUstate: %s", why);
         }
     }
     if (model != c->model) model_destroy(c->model);
     c->model = model;
-    memcpy(c->values, values, MODEL_SCALARS * sizeof(double));
+    memcpy(c->values, values, values_bytes());
     memcpy(c->status, header->status, sizeof c->status);
     c->start = header->start;
+    c->stop = header->stop;
     c->time = header->time;
     c->mode = header->mode;
     c->valid = header->valid;

@@ -56,7 +56,8 @@ int component_set(Component *c, size_t scalar, double value);
 int component_derivative(Component *c, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
                          const double *seed, double *sensitivity);
 
-/* the complete state, entries, mode and status included; `from`, aligned as by calloc, may be another process's */
+/* the complete state, entries, mode, status, start and stop time included; `from`, aligned as by calloc, may be another
+ * process's */
 size_t component_state_bytes(const Component *c);
 void component_save(const Component *c, void *to);
 int component_restore(Component *c, const void *from, size_t bytes);

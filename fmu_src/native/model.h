@@ -60,6 +60,7 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
 void model_destroy(ModelInstance *model); /* NULL: nothing to do */
 /* Consistent at the time t with these inputs; may be called again, with other inputs, before the first step. */
 int model_initialize(ModelInstance *model, double t, const double *values, char *message);
+/* From the model's own time, up to a rounding before t, to t + h. */
 int model_step(ModelInstance *model, double t, double h, const double *values, char *message);
 /* go on with other tunable parameters */
 int model_retune(ModelInstance *model, const double *values, char *message);
@@ -67,8 +68,8 @@ int model_retune(ModelInstance *model, const double *values, char *message);
 /* the instant that the model is at */
 double model_time(const ModelInstance *model);
 /* scalars with FROM_MODEL */
-double model_output(ModelInstance *model, size_t scalar);
-const char *model_text(ModelInstance *model, size_t scalar);
+int model_output(ModelInstance *model, size_t scalar, double *value, char *message);
+int model_text(ModelInstance *model, size_t scalar, const char **text, char *message);
 /* a line for the log about what was set up; "" for none */
 void model_note(const ModelInstance *model, char *message);
 /* Warnings about valid results, by number from 0 on: 1, and in message a sentence or "" where it does not apply;

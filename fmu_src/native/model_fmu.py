@@ -12,7 +12,7 @@ from ..archive import write_archive
 from ..arrays import scalars
 from ..attachments import license_text, xml_bytes
 from ..interface import Variable
-from ..model_description import Build, model_description
+from ..model_description import ALL_FOLLOWED, Build, model_description
 from ..model_description3 import build_description, model_description3
 from ..profile import Profile
 from .build import choose_platforms
@@ -33,12 +33,13 @@ def export_model(
     platforms: Sequence[str] | None = None,
     fmi: int = 2,
     stop: float = Profile.stop,
+    initial: Mapping[str, Sequence[str]] = ALL_FOLLOWED,
 ) -> Path:
     """Write the FMU of the C files ``model`` to ``destination``; ``stop`` is the time of its default run's end, s.
 
     The model has no arrays and no directional derivatives, and its outputs at an instant depend on no input of that
-    instant (after initialisation). ``attachments`` are further files by their paths in the archive; ``platforms`` as
-    for the rope.
+    instant (after initialisation; ``initial``: see Build). ``attachments`` are further files by their paths in the
+    archive; ``platforms`` as for the rope.
     """
     sources = model_sources(table, model, fmi)
     values = start_values(table, fmi)
@@ -57,6 +58,7 @@ def export_model(
         name=name,
         description=description,
         derivatives=False,
+        initial=initial,
     )
     described = dict(enumerate(table))
     root = (

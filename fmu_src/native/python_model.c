@@ -55,7 +55,6 @@ enum { OLDEST = 11, NEWEST = 29 };    /* Python 3.x that is tried */
 struct ModelInstance {
     PyObject *object;
     void (*give_back)(void *);
-    char failure[MODEL_MESSAGE]; /* of an output, for the next step: an output cannot refuse */
     /* MODEL_SCALARS each */
     double *values, *outputs, *derivatives;
     unsigned char *known;
@@ -235,7 +234,6 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
         return NULL;
     }
     model->give_back = allocator->give_back;
-    model->failure[0] = '\0';
     model->values = (double *)(model + 1);
     model->outputs = model->values + MODEL_SCALARS;
     model->derivatives = model->outputs + MODEL_SCALARS;
@@ -288,13 +286,7 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
 }
 
 int model_step(ModelInstance *model, double t, double h, const double *values, char *message) {
-    int gil, ok;
-    if (*model->failure) {
-        copy(model->failure, message);
-        model->failure[0] = '\0';
-        return 0;
-    }
-    gil = python.PyGILState_Ensure();
+    int gil = python.PyGILState_Ensure(), ok;
     hand_over(model, values);
     ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "do_step", "dd", t, h), message);
     python.PyGILState_Release(gil);
@@ -316,25 +308,28 @@ double model_time(const ModelInstance *model) {
     return time;
 }
 
-double model_output(ModelInstance *model, size_t scalar) {
-    int gil, ok;
-    if (model->known[scalar]) return model->outputs[scalar];
-    gil = python.PyGILState_Ensure();
-    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar),
-                      model->failure);
-    python.PyGILState_Release(gil);
-    return ok ? model->outputs[scalar] : NAN;
+int model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
+    int ok = 1;
+    if (!model->known[scalar]) {
+        int gil = python.PyGILState_Ensure();
+        ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar),
+                          message);
+        python.PyGILState_Release(gil);
+    }
+    if (ok) *value = model->outputs[scalar];
+    return ok;
 }
 
 /* the object keeps the text until that scalar is asked for again */
-const char *model_text(ModelInstance *model, size_t scalar) {
+int model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
     int gil = python.PyGILState_Ensure();
     PyObject *answer = python.PyObject_CallMethod(model->object, "text", "n", (ptrdiff_t)scalar);
-    const char *text = answer ? python.PyUnicode_AsUTF8AndSize(answer, NULL) : NULL;
-    if (!text) report(model->failure);
+    const char *found = answer ? python.PyUnicode_AsUTF8AndSize(answer, NULL) : NULL;
+    if (!found) report(message);
     python.Py_DecRef(answer);
     python.PyGILState_Release(gil);
-    return text ? text : "";
+    if (found) *text = found;
+    return found != NULL;
 }
 
 void model_note(const ModelInstance *model, char *message) {
@@ -399,7 +394,6 @@ int model_restore(ModelInstance *model, const void *from, size_t bytes, char *me
                                                  python.PyMemoryView_FromMemory((char *)from, (ptrdiff_t)bytes, READ)),
                       message);
     memset(model->known, 0, MODEL_SCALARS);
-    model->failure[0] = '\0';
     python.PyGILState_Release(gil);
     return ok;
 }

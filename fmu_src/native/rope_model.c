@@ -109,8 +109,10 @@ double model_time(const ModelInstance *model) {
     return rope_time(model->rope);
 }
 
-double model_output(ModelInstance *model, size_t scalar) {
-    return rope_signal(model->rope, (int)ROPE_PLACES[scalar].offset);
+int model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
+    (void)message;
+    *value = rope_signal(model->rope, (int)ROPE_PLACES[scalar].offset);
+    return 1;
 }
 
 int model_warning(ModelInstance *model, int number, char *message) {
@@ -139,9 +141,14 @@ static const char *warning(ModelInstance *model) {
     return model->warning;
 }
 
-const char *model_text(ModelInstance *model, size_t scalar) {
-    if (ROPE_PLACES[scalar].where == WARNING) return warning(model);
-    return ROPE_PLACES[scalar].where == FIDELITY_NAME ? rope_fidelity(model->rope) : rope_fidelity_reason(model->rope);
+int model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
+    (void)message;
+    if (ROPE_PLACES[scalar].where == WARNING)
+        *text = warning(model);
+    else
+        *text =
+            ROPE_PLACES[scalar].where == FIDELITY_NAME ? rope_fidelity(model->rope) : rope_fidelity_reason(model->rope);
+    return 1;
 }
 
 void model_note(const ModelInstance *model, char *message) {

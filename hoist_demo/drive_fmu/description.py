@@ -11,7 +11,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive_fmu.documentation import attachments
-from hoist_demo.drive_fmu.interface import INPUTS, Variable, plant_outputs, side_forces, variables
+from hoist_demo.drive_fmu.interface import HOLDING, INPUTS, Variable, plant_outputs, side_forces, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.parameters import Winding, require_trip_fits
 
@@ -30,6 +30,7 @@ class DriveModel:
     sources: dict[str, str]  # file name -> text; those that end in .c are compiled
     attachments: dict[str, bytes]  # path in the FMU -> documentation and picture
     duration: float  # s, of the trip with what waits before and after it
+    initial: dict[str, tuple[str, ...]]  # output -> what it follows while the drive is initialised
 
 
 def duration(winding: Winding) -> float:
@@ -58,7 +59,17 @@ def drive_model(case: Case) -> DriveModel:
         "drive_kernels.c": generated.c,
         "drive_table.h": _table(case, table, generated),
     }
-    return DriveModel(NAME, text, table, sources, attachments(text, table), duration(case.winding))
+    return DriveModel(NAME, text, table, sources, attachments(text, table), duration(case.winding), initial(case))
+
+
+def initial(case: Case) -> dict[str, tuple[str, ...]]:
+    """What the outputs follow while the drive is initialised.
+
+    Conveyances and sheave rest at the landings whatever the forces, and the reference waits there.  What holds the
+    balance rope follows its vertical forces; those of the sides come with the first step.
+    """
+    numbers = (v.name for v in variables(case, 1.0) if v.causality == "output" and v.kind == "Real")
+    return {name: HOLDING.get(name, ()) for name in numbers}
 
 
 def without_brake(case: Case) -> Case:

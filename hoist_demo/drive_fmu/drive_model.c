@@ -185,9 +185,11 @@ static int sound(const State *s, char *message) {
 }
 
 int model_step(ModelInstance *m, double t, double h, const double *values, char *message) {
-    double steps = ceil(h / m->parameters[DRIVE_STEP_MAX] - 1e-9), part, x[DRIVE_STATES];
+    double stop = t + h, steps, part, x[DRIVE_STATES];
     long k;
     State *s = &m->next;
+    h += t - m->state.t; /* rests of rounding size included */
+    steps = ceil(h / m->parameters[DRIVE_STEP_MAX] - 1e-9);
     if (!(steps <= DRIVE_MOST_STEPS)) {
         snprintf(message, MODEL_MESSAGE,
                  "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
@@ -212,7 +214,7 @@ int model_step(ModelInstance *m, double t, double h, const double *values, char 
         memcpy(s->x, x, sizeof x);
         if (!sound(s, message)) return 0;
     }
-    s->t = t + h;
+    s->t = stop;
     plant_outputs(m, s);
     control_outputs(s, m->parameters);
     m->state = *s;
@@ -227,13 +229,16 @@ double model_time(const ModelInstance *m) {
     return m->state.t;
 }
 
-double model_output(ModelInstance *m, size_t scalar) {
-    return m->state.outputs[scalar - DRIVE_FIRST_OUTPUT];
+int model_output(ModelInstance *m, size_t scalar, double *value, char *message) {
+    (void)message;
+    *value = m->state.outputs[scalar - DRIVE_FIRST_OUTPUT];
+    return 1;
 }
 
-const char *model_text(ModelInstance *m, size_t scalar) {
-    (void)m, (void)scalar;
-    return "";
+int model_text(ModelInstance *m, size_t scalar, const char **text, char *message) {
+    (void)m, (void)scalar, (void)message;
+    *text = "";
+    return 1;
 }
 
 void model_note(const ModelInstance *m, char *message) {

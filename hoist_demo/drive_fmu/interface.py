@@ -46,7 +46,11 @@ _CONTROL = {
     "reference.acceleration": ("m/s2", "its second derivative"),
     "drive.torque_command": ("N.m", "torque that the controller asked for in the last step"),
 }
-
+#: outputs that hold the balance rope's weight, and the forces that they hold
+HOLDING = {
+    **dict.fromkeys(("drive.torque", "drive.torque_command", "drive.energy_potential"), INPUTS),
+    **{f"drive.tension_{side}": (force,) for side, force in zip(_SIDES, INPUTS, strict=True)},
+}
 
 #: units and descriptions of motions and forces, "{}" stands for the side
 _MOTION_WORDS = {

@@ -15,8 +15,19 @@ Path path_resting(double t, const EndMotion *at) {
     return path;
 }
 
+/* the longest of what the path's end misses of the motion */
+static double longest_missing_time(const Path *path, const EndMotion *motion) {
+    const EndMotion end = path_end(path);
+    double longest = missing_time(motion->yaw - end.yaw, motion->yaw_rate - end.yaw_rate);
+    for (int axis = 0; axis < YAW; axis++)
+        longest = fmax(longest, missing_time(motion->x[axis] - end.x[axis], motion->v[axis] - end.v[axis]));
+    return longest;
+}
+
 Path path_to(const Path *path, double stop, const EndMotion *given, double within) {
-    double start = path->stop, step = stop - start, h = fmax(fmax(step, path->aim - start), within);
+    double start = path->stop, step = stop - start;
+    const EndMotion before = end_extrapolate(*given, -step);
+    double h = fmax(step, fmin(longest_missing_time(path, &before), fmax(path->aim - start, within)));
     if (h <= step * (1.0 + ALIKE)) h = step;
     EndMotion joined = h > step ? end_extrapolate(*given, h - step) : *given;
     const EndMotion *target = &joined;

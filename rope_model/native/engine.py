@@ -8,7 +8,7 @@ import struct
 from collections.abc import Iterable
 from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_void_p
 from functools import cache, lru_cache
-from typing import cast, get_args
+from typing import Any, cast, get_args
 
 import numpy as np
 
@@ -142,6 +142,11 @@ class NativeRope(BalanceRope):
         self._scene = scene
         self._state: RopeState | None = None  # the present one, when it was asked for
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy, or the rope that a pickle makes, is a rope of its own in the same state."""
+        initialized = self._lib.rope_is_initialized(self._rope)
+        return _made, (type(self), self._scene, self.native_state() if initialized else b"")
+
     def __del__(self) -> None:
         if rope := self.__dict__.pop("_rope", None):
             self._lib.rope_destroy(rope)
@@ -246,6 +251,13 @@ class NativeRope(BalanceRope):
 
     def _message(self) -> str:
         return str(self._lib.rope_message(self._rope).decode())
+
+
+def _made(kind: type[NativeRope], scene: Scene, state: bytes) -> NativeRope:
+    rope = kind(scene)
+    if state and not (status := rope.restore_native(state)).valid:
+        raise ValueError(status.message)
+    return rope
 
 
 def _memory() -> _Memory:

@@ -29,7 +29,7 @@ from ..physics import (
     stress,
     swivel,
 )
-from ..simulation import mesh
+from ..simulation import ends, mesh
 from ..simulation.state import EnergyBalance
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
@@ -49,6 +49,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "void quintic_rates(const double c[6], double s, double rates[3])": quintic.rates,
     "double quintic_acceleration(const double c[6], double s)": quintic.acceleration,
+    "double missing_time(double x, double v)": ends.missing_time,
     "void hermite(double xi, double l, double r1, double s1, double r2, double s2, double values[2])": (
         hermite.interpolate
     ),

@@ -56,8 +56,8 @@ void rope_destroy(Simulator *rope);
 /* The calls below return 1 when all is well; 0 when not, then rope_message says why and the state is what it was. */
 int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
 /* less than ROPE_SHORTEST_INTERVAL ahead nothing moves, and the time is not lost: the next step begins where this one
-   did.  What the paths of the ends miss of the motion is made good in the step, or `within` so many seconds where it
-   is shorter: ROPE_SHORTEST_AIM, or the length of the step before for motions that are extrapolated */
+   did.  What the paths of the ends miss of the motion is made good in the step, or where that is short for it `within`
+   at most so many seconds: ROPE_SHORTEST_AIM, or the length of the step before for motions that are extrapolated */
 #define ROPE_SHORTEST_INTERVAL 1e-9
 #define ROPE_SHORTEST_AIM 1e-5
 int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within);

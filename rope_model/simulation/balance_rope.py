@@ -75,7 +75,7 @@ class BalanceRope(ABC):
         """Follow the conveyances to their motions at ``t`` (s).  On failure the state stays what it was.
 
         Less than 1e-9 s ahead nothing moves; the time is not lost, the next step begins where this one did.  Motions
-        that are extrapolated are joined ``within`` as many seconds as the step before took, see EndPath.to.
+        that are extrapolated are joined ``within`` at most as many seconds as the step before took, see EndPath.to.
         """
 
     @abstractmethod

@@ -10,8 +10,8 @@ with the conveyance's yaw about Y, the swivel's relative angle b, and an offset 
 Between two instants of the host each coordinate follows a quintic polynomial in time, so that position, speed and
 acceleration are continuous whatever the host's step.  Where the last path ended beside the motion that the host now
 gives (its extrapolation was wrong by j H^3 / 6 at a jerk j), a step h much shorter than the H before must not make that
-good within h: that would take j H^3 / h^2.  So a path is aimed at the motion at least ``within`` seconds ahead, and
-left where the step ends.
+good within h: that would take j H^3 / h^2.  So a path is aimed ahead by the time in which a small jerk would miss as
+much, at most ``within`` seconds, and left where the step ends.  A path that misses nothing is aimed at its step's end.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from ..numerics import quintic
 from ..parameter_table import numeric_bounds, parameter, parameters_of
 from ..parameters import Swivel
+from ..physics.elementary import larger, sqrt
 from ..physics.swivel import friction_moment
 from .rope_system import ANGLE, POSITION, Array
 
@@ -38,6 +39,8 @@ YAW_SENSE = (-1.0, 1.0)
 PATH = ("x", "y", "z", "yaw")
 #: s: positions of 1e4 m are rounded by 2e-12 m; made good in this time that takes some .1 m/s^2, in 1e-8 s 1e5 m/s^2
 SHORTEST_AIM = 1e-5
+#: m/s^3 and rad/s^3: what the motion misses is made good at such a jerk, or at the one that made it miss
+LEAST_JERK = 0.1
 #: steps that differ by less than this part of themselves are alike
 ALIKE = 1e-6
 
@@ -92,6 +95,15 @@ class EndMotion:
         return self.ax, self.ay, self.az
 
 
+def missing_time(x: Any, v: Any) -> Any:
+    """s: extrapolated for so long, a motion of LEAST_JERK is missed by ``x`` (m) or by ``v`` (m/s).
+
+    At least SHORTEST_AIM: rounding may hide what is missed.
+    """
+    time = larger((6.0 * abs(x) / LEAST_JERK) ** (1.0 / 3.0), sqrt(2.0 * abs(v) / LEAST_JERK))
+    return larger(time, SHORTEST_AIM)
+
+
 #: coefficients of 1, s, s^2 ... of one coordinate
 Quintic = tuple[float, ...]
 
@@ -112,11 +124,11 @@ class EndPath(NamedTuple):
     def to(self, stop: float, target: EndMotion, within: float = 0.0) -> EndPath:
         """The path from this one's end to the motion that has ``target`` at ``stop``.
 
-        It joins that motion at ``stop``, or later where this path was aimed later or less than ``within`` s have gone
-        by; until then the motion goes on with the target's accelerations.
+        It joins that motion at ``stop``, or later where this path's end misses it: at most ``within`` s from here or
+        where this path was aimed.  Until then the motion goes on with the target's accelerations.
         """
         start, step = self.stop, stop - self.stop
-        h = max(step, self.aim - start, within)
+        h = max(step, min(self._missing_time(target.extrapolate(-step)), max(self.aim - start, within)))
         if h <= step * (1.0 + ALIKE):
             h = step
         else:
@@ -129,6 +141,12 @@ class EndPath(NamedTuple):
         for axis, (x1, v1, a1) in enumerate(zip(places, speeds, accelerations, strict=True)):
             quintics.append(quintic.coefficients(h, *self.rates(start, axis), x1, v1, a1))
         return EndPath(start, stop, start + h, tuple(quintics))
+
+    def _missing_time(self, motion: EndMotion) -> float:
+        """The longest of what this path's end misses of ``motion``."""
+        places, speeds = (*motion.position, motion.yaw), (*motion.velocity, motion.yaw_rate)
+        ends = (self.rates(self.stop, axis) for axis in range(4))
+        return float(max(missing_time(x - x0, v - v0) for x, v, (x0, v0, _) in zip(places, speeds, ends, strict=True)))
 
     def at_constant_acceleration(self, t: float) -> EndPath:
         """The motion at ``t`` with its accelerations kept, before and after."""
