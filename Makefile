@@ -37,32 +37,32 @@ robustness: $(READY)
 	$(BIN)/python -m benchmarks.robustness
 
 stability: $(READY)
-	$(BIN)/python -m benchmarks.stability
+	$(BIN)/python -m evidence.stability
 
 reproduce: $(READY)
-	$(BIN)/python -m benchmarks.reproduce
+	$(BIN)/python -m evidence.reproduction
 
 chart: $(READY)
-	$(BIN)/python -m benchmarks.chart
+	$(BIN)/python -m evidence.chart
 
 mesh-rule: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.mesh_rule
 
 peer: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[peer]'
-	$(BIN)/python -m benchmarks.peer
+	$(BIN)/python -m evidence.peer
 
 reference: $(READY)
-	$(BIN)/python -m benchmarks.discrete_rod
+	$(BIN)/python -m evidence.discrete_rod
 
 choice: $(READY)
-	$(BIN)/python -m benchmarks.choice
+	$(BIN)/python -m evidence.choice
 
 hoist: $(READY)
-	$(BIN)/python -m benchmarks.hoist
+	$(BIN)/python -m evidence.hoist
 
 coupling: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.coupling
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.coupling
 
 fuzz: $(READY)
 	$(BIN)/python -m benchmarks.fuzz --minutes 30 --csv docs/data/fuzz.csv
@@ -77,7 +77,7 @@ studies: $(READY)
 	$(BIN)/balance-rope study docs/studies/swivel.toml
 	$(BIN)/balance-rope study docs/studies/creep.toml
 	$(BIN)/balance-rope study docs/studies/tuning.toml
-	$(BIN)/python -m benchmarks.studies
+	$(BIN)/python -m evidence.studies
 
 throughput: $(READY)
 	$(STUDY_FMUS)

@@ -1,1 +1,1 @@
-"""Measurements: each module prints a table or writes a page of docs; run them with ``make`` or ``python -m``."""
+"""Measurements of speed, throughput and robustness: each module prints a table; ``make`` or ``python -m`` runs it."""

@@ -1,18 +1,20 @@
-"""Windings with the conveyances' motion prescribed: what the benchmarks share."""
+"""Windings with the conveyances' motion prescribed: what benchmarks and evidence share."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory
-from rope_model import BalanceRope, EndMotion, Scene, Status, balance_rope
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from rope_model import BalanceRope, EndMotion, Model, Scene, Solver, Status, balance_rope
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
 from rope_model.simulation.state import Event
 
@@ -40,6 +42,16 @@ class Winding:
     @property
     def real_time_factor(self) -> float:
         return self.simulated / self.cpu
+
+
+def scene_of(rope: str, coupling: str) -> Scene:
+    """The rope of a case between locked ends; uncoupled without Qb and Qc, where the planar model leaves nothing out."""
+    scene = rope_data(find_case(rope).rope)
+    held = {"left": replace(scene.left, mode="locked"), "right": replace(scene.right, mode="locked")}
+    scene = scene.with_(solver=Solver(step_max=H), model=Model("torsional"), **held)
+    if coupling == "coupled":
+        return scene
+    return scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0), model=Model("planar"))
 
 
 def ends_at(reference: Trajectory, travel: float, t: float) -> tuple[EndMotion, EndMotion]:

@@ -19,8 +19,7 @@ from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh, Solver
 from rope_model.simulation.mesh import fit_mesh
 
-from .chart.depth import scene_of
-from .kinematic import Winding, wind
+from .kinematic import Winding, scene_of, wind
 
 FINEST = 3e-4  # m, loop_error of the reference
 STEP, EVERY, SETTLE = 0.01, 0.08, 5.0  # s

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from benchmarks.choice.scenes import smooth_step
+from evidence.choice.scenes import smooth_step
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.physics.estimates import natural_width
 from rope_model.simulation.diagnostics import interpolate_midpoints, shape_places

@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from benchmarks.chart import depth
-from benchmarks.chart.__main__ import main
-from benchmarks.chart.command import DATA, IMAGES, run
-from benchmarks.chart.figures import FIGURES
-from benchmarks.chart.front import cheapest, cost_at, pareto
-from benchmarks.chart.levels import BEGIN, END, block, with_block
-from benchmarks.chart.measure import COLUMNS, measure, merge
-from benchmarks.chart.page import page
-from benchmarks.chart.points import FAMILIES, SAMPLE, complete, quick
-from benchmarks.chart.reading import FORCE, limit, remaining, rows
-from benchmarks.reproduction.costs import SOURCE_SAVED
-from benchmarks.reproduction.tables import read, table
+from evidence.chart import depth
+from evidence.chart.__main__ import main
+from evidence.chart.command import DATA, IMAGES, run
+from evidence.chart.figures import FIGURES
+from evidence.chart.front import cheapest, cost_at, pareto
+from evidence.chart.levels import BEGIN, END, block, with_block
+from evidence.chart.measure import COLUMNS, measure, merge
+from evidence.chart.page import page
+from evidence.chart.points import FAMILIES, SAMPLE, complete, quick
+from evidence.chart.reading import FORCE, limit, remaining, rows
+from evidence.reproduction.costs import SOURCE_SAVED
+from evidence.tables import read, table
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
@@ -83,8 +83,8 @@ def test_a_family_measured_anew_replaces_its_rows_only() -> None:
 def committed(monkeypatch: pytest.MonkeyPatch) -> None:
     """What has been measured is there already."""
     points = {name: TABLES[name] for name in ("points", "machine")}
-    monkeypatch.setattr("benchmarks.chart.command.measure", lambda study, families: points)
-    monkeypatch.setattr("benchmarks.chart.depth.measure", lambda what: TABLES["depth"])
+    monkeypatch.setattr("evidence.chart.command.measure", lambda study, families: points)
+    monkeypatch.setattr("evidence.chart.depth.measure", lambda what: TABLES["depth"])
 
 
 @pytest.mark.usefixtures("committed")

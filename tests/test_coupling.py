@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from benchmarks.coupling.__main__ import DATA, IMAGES
-from benchmarks.coupling.figures import FIGURES
-from benchmarks.coupling.oscillator import Data, error, start
-from benchmarks.coupling.page import page
-from benchmarks.coupling.reading import PROMISED, foretold, order_on_hoist, rows, theory
-from benchmarks.reproduction.tables import read
+from evidence.coupling.__main__ import DATA, IMAGES
+from evidence.coupling.figures import FIGURES
+from evidence.coupling.oscillator import Data, error, start
+from evidence.coupling.page import page
+from evidence.coupling.reading import PROMISED, foretold, order_on_hoist, rows, theory
+from evidence.tables import read
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchmarks.discrete_rod import cases
-from benchmarks.discrete_rod.cases import SHORT, Case, Comparison, Winding, rod_of
-from benchmarks.discrete_rod.rod import Rod, join, split, swept_area
-from benchmarks.discrete_rod.solve import HELD, first_guess
+from evidence.discrete_rod import cases
+from evidence.discrete_rod.cases import SHORT, Case, Comparison, Winding, rod_of
+from evidence.discrete_rod.rod import Rod, join, split, swept_area
+from evidence.discrete_rod.solve import HELD, first_guess
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from benchmarks.stability.counterexamples import tait_bryan_rate
+from evidence.stability.counterexamples import tait_bryan_rate
 from rope_model.physics import costello
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, element_functions
 from rope_model.physics.frame import FrameRate, pole_change_angle, smallest_rotation_rate

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from benchmarks.choice.scenes import CASES, Case, smooth_step
+from evidence.choice.scenes import CASES, Case, smooth_step
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.physics.estimates import natural_width
 from rope_model.simulation.ends import EndMotion, EndPath

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchmarks.chart.depth import scene_of
-from benchmarks.kinematic import ends_at, wind
+from benchmarks.kinematic import ends_at, scene_of, wind
 from benchmarks.legs import Case, apart, meshes, wind_uncoupled
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding

@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from benchmarks.choice.scenes import CASES, Case
+from evidence.choice.scenes import CASES, Case
 from fmu_src.interface import scene_of, variables
 from rope_model.native.formulas import formulas_code
 from rope_model.native.structures import (

@@ -7,8 +7,8 @@ import pytest
 
 pytest.importorskip("exudyn")
 
-from benchmarks.peer.exudyn_rope import Method, PeerRope
-from benchmarks.peer.runs import REFERENCE, TRAVEL, UNCOUPLED, hanging_shape
+from evidence.peer.exudyn_rope import Method, PeerRope
+from evidence.peer.runs import REFERENCE, TRAVEL, UNCOUPLED, hanging_shape
 from rope_model.parameters import Mesh
 from rope_model.simulation.diagnostics import loop_bottom
 from rope_model.simulation.modal import natural_modes

@@ -42,6 +42,7 @@ def test_no_part_of_the_product_is_imported_from_what_is_not_installed() -> None
     for path in [ROOT / "balance_rope.py", *(p for name in PACKAGES for p in (ROOT / name).rglob("*.py"))]:
         text = path.read_text(encoding="utf-8")
         assert "from benchmarks" not in text, path
+        assert "from evidence" not in text, path
         assert "from release" not in text, path
 
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from benchmarks.kinematic import wind
-from benchmarks.reproduce import DOCS, SECTIONS
-from benchmarks.reproduction import costs, energies, frequencies, release, swing, windings
-from benchmarks.reproduction.page import DATA, IMAGES, page
-from benchmarks.reproduction.section import Claim
-from benchmarks.reproduction.tables import Tables, read, table, write
-from benchmarks.stability.entry import Measured
+from evidence.claims import Measured
+from evidence.reproduction import costs, energies, frequencies, release, swing, windings
+from evidence.reproduction.__main__ import DOCS, SECTIONS
+from evidence.reproduction.page import DATA, IMAGES, page
+from evidence.reproduction.section import Claim
+from evidence.tables import Tables, read, table, write
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import RopeSimulator

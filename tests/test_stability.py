@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.stability.entry import Entry, Measured
-from benchmarks.stability.page import CLOSING, DOCS, OPENING, SECTIONS, anchor, claim
-from benchmarks.stability.suite import chapters, entries
+from evidence.claims import Measured
+from evidence.stability.entry import Entry
+from evidence.stability.page import CLOSING, DOCS, OPENING, SECTIONS, anchor, claim
+from evidence.stability.suite import chapters, entries
 
 
 @pytest.mark.parametrize(

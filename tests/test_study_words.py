@@ -5,8 +5,8 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from benchmarks.studies import insert
-from benchmarks.study_words import creep_pays, draft_error, winner, with_differences
+from evidence.studies.__main__ import insert
+from evidence.studies.words import creep_pays, draft_error, winner, with_differences
 
 CREEP = pd.DataFrame(
     {

@@ -7,7 +7,7 @@ import math
 import pytest
 from numpy.testing import assert_allclose
 
-from benchmarks.stability.frames import TURNED, turn_through
+from evidence.stability.frames import TURNED, turn_through
 from rope_model.parameters import Mesh, Rope, Scene
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.modal import natural_modes

@@ -12,7 +12,7 @@ re-expresses theta from the old pole to the new.
 Formulas take vectors with the components first: tuples, numpy arrays (3, n) or CasADi expressions.
 
 The source measures theta from a frame built of Tait-Bryan angles Z-Y-X instead, singular at t parallel to Z: just
-when the loop has yawed 90 degrees.  benchmarks.stability keeps it, to show it failing there.
+when the loop has yawed 90 degrees.  evidence.stability keeps it, to show it failing there.
 """
 
 from __future__ import annotations

@@ -1,0 +1,196 @@
+"""Windings of the points, their errors against the reference solution, and their processor times."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from benchmarks.kinematic import wind
+from evidence.reproduction.windings import COUPLINGS, TRAVEL
+from evidence.tables import Table, Tables, table
+from hoist_demo.control.trajectory import s_curve
+from rope_model.parameters import Scene
+from rope_model.simulation.mesh import fit_mesh
+
+from .front import pareto
+from .points import FAMILIES, SAMPLE, Point, Study
+
+Array = NDArray[np.float64]
+
+#: families of which every point is repeated
+ALWAYS = ("levels", "rungs", "tolerance", "newton", "rho_inf")
+#: s of processor time; a longer run is not repeated
+SLOW = 3.0
+ERRORS = ("force error", "loop error [m]", "twist error [rad]")
+COST = "processor time [s/s]"
+COLUMNS = (
+    *(
+        "family",
+        "name",
+        "coupling",
+        "rung",
+        "kernels",
+        "mesh",
+        "elements",
+        "largest step [s]",
+        "communication step [s]",
+    ),
+    *("tolerance", "newton tolerance", "rho_inf", "rounds", COST, *ERRORS),
+    *("steps", "newton iterations", "rejections", "transformations", "failure"),
+)
+
+
+@dataclass
+class Run:
+    """What is kept of a winding: records at the samples, work, and s of processor time per simulated second."""
+
+    force: Array  # (samples, 2), N
+    bottom: Array  # (samples, 3), m
+    theta: Array  # (samples, 2), rad, at the observation points
+    fidelity: str
+    kernels: str
+    elements: int
+    work: tuple[int, int, int, int]  # steps, Newton iterations, rejections, transformations
+    simulated: float  # s
+    costs: list[float]  # one per round
+    failure: str
+
+    @property
+    def cost(self) -> float:
+        """Median over the rounds."""
+        return float(np.median(self.costs)) if not self.failure else float("nan")
+
+
+def follow(point: Point, study: Study) -> Run:
+    """One winding."""
+    sample = round(SAMPLE / point.communication)
+    trip = s_curve(study.trip)
+    end = SAMPLE * math.ceil((trip.duration + study.settle) / SAMPLE)  # the same for every communication step
+    run = wind(point.scene, trip, TRAVEL, end - trip.duration, sample, interval=point.communication)
+    if not run.t:
+        return Run(*3 * (np.zeros((0, 2)),), "", "", 0, (0, 0, 0, 0), 0.0, [], run.status.message or "no sample")
+    state = run.rope.state
+    c = state.counts
+    return Run(
+        np.array(run.force),
+        np.array(run.bottom),
+        np.array(run.observed)[:, :, 6],
+        state.fidelity,
+        run.rope.form,
+        state.partition.lengths.size,
+        (c.steps, c.newton, c.rejections, c.transformations),
+        run.simulated,
+        [run.cpu / run.simulated],
+        run.status.message,
+    )
+
+
+def errors(run: Run, exact: Run, coupling: str) -> tuple[float, float, float]:
+    """ERRORS: RMS of both end forces over the largest, greatest distance of the loop's lowest point, and of theta.
+
+    Theta is not compared where nothing twists the rope.
+    """
+    if run.failure:
+        return float("nan"), float("nan"), float("nan")
+    force = np.sqrt(np.mean((run.force - exact.force) ** 2)) / np.max(np.abs(exact.force))
+    bottom = np.max(np.linalg.norm(run.bottom - exact.bottom, axis=1))
+    twisted = coupling == "coupled" and run.fidelity == "torsional"
+    return float(force), float(bottom), float(np.max(np.abs(run.theta - exact.theta))) if twisted else float("nan")
+
+
+def measure(study: Study, families: Sequence[str]) -> Tables:
+    """Every point of the families once, those on a front and those of ALWAYS again in each further round."""
+    exact = {c: study.reference(c) for c in COUPLINGS}
+    points = [p for p in study.points if p.family in families or p in exact.values()]
+    runs: dict[tuple[Scene, float], Run] = {}
+    for p in tqdm(points, desc="round 1", unit="run", leave=False):
+        if _key(p) not in runs:
+            runs[_key(p)] = follow(p, study)
+    failed = {c: runs[_key(p)].failure for c, p in exact.items() if runs[_key(p)].failure}
+    if failed:
+        raise RuntimeError(f"the reference solution fails: {failed}")
+    found = {p: (run := runs[_key(p)], errors(run, runs[_key(exact[p.coupling])], p.coupling)) for p in points}
+    again = {_key(p): p for p in _worth_repeating(found)}
+    for k in range(2, study.rounds + 1):
+        for key, p in tqdm(again.items(), desc=f"round {k}", unit="run", leave=False):
+            runs[key].costs += follow(p, study).costs
+    rows = [_row(p, runs[_key(p)], e) for p, (_, e) in found.items() if p.family in families]
+    return {"points": table(COLUMNS, rows), "machine": machine()}
+
+
+def _key(point: Point) -> tuple[Scene, float]:
+    """The same for points that are the same run."""
+    scene = point.scene
+    return scene.with_(
+        mesh=replace(fit_mesh(scene.mesh, scene.rope, scene.layout), loop_error=0.1)
+    ), point.communication
+
+
+def _worth_repeating(found: dict[Point, tuple[Run, tuple[float, float, float]]]) -> list[Point]:
+    kept = [p for p in found if p.family in ALWAYS]
+    for coupling in COUPLINGS:
+        for family in ("eem", "tmn"):
+            group = [p for p in found if (p.coupling, p.family) == (coupling, family)]
+            cost = np.array([found[p][0].cost for p in group])
+            for k in range(len(ERRORS) - 1):  # the twist's front would be a third set of runs
+                error = np.array([found[p][1][k] for p in group])
+                kept += [group[i] for i in pareto(cost, error)]
+    quick = [p for p in kept if not found[p][0].failure and found[p][0].cost * found[p][0].simulated < SLOW]
+    return list(dict.fromkeys(quick))
+
+
+def _row(p: Point, run: Run, errors: tuple[float, float, float]) -> tuple[object, ...]:
+    s = p.solver
+    return (
+        *(p.family, p.name, p.coupling, run.fidelity, run.kernels, _describe(p), run.elements),
+        *(s.step_max, p.communication, s.tolerance, s.newton_tolerance, s.rho_inf, len(run.costs), run.cost),
+        *errors,
+        *run.work,
+        run.failure,
+    )
+
+
+def _describe(p: Point) -> str:
+    """The mesh in words."""
+    mesh = fit_mesh(p.mesh, p.scene.rope, p.scene.layout)
+    if mesh.kind == "eem":
+        return f"EEM, {mesh.elements}"
+    return f"TMN-ETM, l = {mesh.coarse_length:.3g} m, IV of {mesh.counts[2]}, ends halved {mesh.end_levels} times"
+
+
+def machine() -> Table:
+    """What the times were measured on."""
+    rows = [
+        ("processor", _processor()),
+        ("processors", str(os.cpu_count())),
+        ("Python", platform.python_version()),
+        *((name, version(name)) for name in ("numpy", "casadi")),
+    ]
+    return table(("what", "value"), rows)
+
+
+def _processor() -> str:
+    """The processor's model where the system tells, or its architecture."""
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text(encoding="utf-8").splitlines() if info.is_file() else []
+    names = (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    return next(names, platform.machine())
+
+
+def merge(old: Table, new: Table, families: Sequence[str]) -> Table:
+    """``new`` in place of the old rows of its families, ordered as a complete run orders them."""
+    keep = ~np.isin(old["family"], list(families))
+    both = {name: np.concatenate((old[name][keep], new[name])) for name in COLUMNS}
+    order = {key: k for k, key in enumerate(product(COUPLINGS, FAMILIES))}
+    rank = np.argsort([order[key] for key in zip(both["coupling"], both["family"], strict=True)], kind="stable")
+    return {name: column[rank] for name, column in both.items()}

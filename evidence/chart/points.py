@@ -1,0 +1,154 @@
+"""What is wound: points of the chart in families, each a mesh, a solver and a model for one coupling."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import Literal
+
+from evidence.reproduction.windings import COUPLINGS, scene_of
+from hoist_demo.parameters import Winding as Trip
+from rope_model.parameters import LEVELS, FidelityChoice, Mesh, Model, Scene, Solver
+
+#: s, every run is sampled at multiples of it; every communication step divides it
+SAMPLE = 0.04
+#: s, shortest communication step
+SHORTEST = 0.01
+STEPS = (5e-3, 10e-3, 20e-3, 40e-3)  # s
+EEM_ELEMENTS = (60, 100, 150, 200, 300, 600)
+EEM_LARGEST = 200  # elements; finer meshes gain nothing from the longest step, which halving makes short again
+TMN_ERRORS = (0.05, 0.01, 5e-3, 2e-3, 1e-3, 3e-4, 1e-4)  # m, loop_error
+TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
+NEWTON_TOLERANCES = (1e-7, 1e-6, 1e-5, 1e-4)
+RADII = (0.0, 0.3, 0.6, 0.9, 1.0)
+#: the last of each is the reference solution
+REFERENCE_ELEMENTS = (200, 400, 800)
+REFERENCE_STEPS = (10e-3, 5e-3, 2.5e-3)  # s
+FAMILIES = ("reference", "levels", "eem", "tmn", "rungs", "tolerance", "newton", "rho_inf", "kernels")
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run: ``name`` is its label within its family."""
+
+    family: str
+    name: str
+    coupling: str
+    mesh: Mesh = field(default_factory=lambda: Mesh("auto"))
+    solver: Solver = field(default_factory=Solver)
+    model: Model = Model()  # noqa: RUF009 - immutable
+    interval: float = 0.0  # s, communication step; 0: the largest step, or SHORTEST
+
+    @property
+    def communication(self) -> float:
+        """s, communication step."""
+        return self.interval or max(SHORTEST, self.solver.step_max)
+
+    @property
+    def scene(self) -> Scene:
+        """The 120 m scene of this point."""
+        return scene_of(self.coupling, self.mesh).with_(solver=self.solver, model=self.model)
+
+
+@dataclass(frozen=True)
+class Study:
+    """Points in the order of their measurement, on one trip of the conveyances."""
+
+    points: tuple[Point, ...]
+    trip: Trip
+    settle: float  # s
+    rounds: int
+    elements: tuple[int, ...] = REFERENCE_ELEMENTS  # of the reference's convergence study
+    steps: tuple[float, ...] = REFERENCE_STEPS  # s, likewise
+
+    def reference(self, coupling: str) -> Point:
+        """The reference solution."""
+        return next(p for p in self.of("reference", coupling) if p.name == self.finest)
+
+    @property
+    def finest(self) -> str:
+        """Name of the reference solution."""
+        return eem_name(self.elements[-1], self.steps[-1])
+
+    def of(self, family: str, coupling: str) -> list[Point]:
+        """The points of one family."""
+        return [p for p in self.points if (p.family, p.coupling) == (family, coupling)]
+
+
+def milliseconds(step: float) -> str:
+    """A step as it is written."""
+    return f"{1e3 * step:g} ms"
+
+
+def eem_name(elements: int, step: float) -> str:
+    """Name of a point of equal elements."""
+    return f"{elements}, {milliseconds(step)}"
+
+
+def complete() -> Study:
+    """Everything, on the winding of 90 m."""
+    points = [p for c in COUPLINGS for p in _all(c, REFERENCE_ELEMENTS, REFERENCE_STEPS)]
+    return Study(tuple(points), Trip(), settle=3.0, rounds=3)
+
+
+def quick() -> Study:
+    """A few points of every family on 1 m of travel: a check that all is in place, not a result."""
+    elements, steps = (60, 90), (20e-3, 10e-3)
+    kept = {"draft", "standard", "standard, 10 ms", eem_name(60, 20e-3), eem_name(100, 20e-3), "0.05 m, 20 ms"}
+    kept |= {"published, 20 ms", "1e-03", "1e-06", "rho 0.3", "portable", "torsional", "planar", "rigid"}
+    points = [p for c in COUPLINGS for p in _all(c, elements, steps) if p.family == "reference" or p.name in kept]
+    return Study(tuple(points), Trip(travel=1.0, start_delay=0.0), 0.0, 1, elements, steps)
+
+
+def _all(coupling: str, elements: tuple[int, ...], steps: tuple[float, ...]) -> Iterator[Point]:
+    for n, h in product(elements, steps):
+        yield Point("reference", eem_name(n, h), coupling, Mesh("eem", elements=n), Solver(step_max=h))
+    yield from _levels(coupling)
+    for n, h in product(EEM_ELEMENTS, STEPS):
+        if n > EEM_LARGEST and h == max(STEPS):
+            continue
+        yield Point("eem", eem_name(n, h), coupling, Mesh("eem", elements=n), Solver(step_max=h))
+    for (name, mesh), h in product(tmn_meshes().items(), STEPS):
+        yield Point("tmn", f"{name}, {milliseconds(h)}", coupling, mesh, Solver(step_max=h))
+    yield from _fidelities(coupling)
+    if coupling == "coupled":
+        yield from _solvers(coupling)
+
+
+def tmn_meshes() -> dict[str, Mesh]:
+    """Meshes of TMN-ETM by name."""
+    chosen = {f"{e:g} m": Mesh("auto", loop_error=e) for e in TMN_ERRORS}
+    return chosen | {"published": Mesh(end_levels=0), "l = 2 m": Mesh()}
+
+
+def _levels(coupling: str) -> Iterator[Point]:
+    """The levels, and the standard one in a host that communicates every 10 ms."""
+    for level, settings in LEVELS.items():
+        yield Point("levels", level, coupling, **settings)
+        if level == "standard":
+            yield Point("levels", "standard, 10 ms", coupling, **settings, interval=SHORTEST)
+
+
+def _fidelities(coupling: str) -> Iterator[Point]:
+    """Exact ones where the rope is uncoupled; in the coupled rope the lower ones leave something out."""
+    exact: tuple[FidelityChoice, ...] = ("torsional", "spatial", "planar", "rigid")
+    approximate: tuple[FidelityChoice, ...] = ("torsional", "planar", "rigid")
+    for fidelity in exact if coupling == "uncoupled" else approximate:
+        yield Point("rungs", fidelity, coupling, model=Model(fidelity))
+
+
+def _solvers(coupling: str) -> Iterator[Point]:
+    """One number of the solver at a time; the tolerance rules where the largest step does not."""
+    base = Solver()
+    for tolerance in TOLERANCES:
+        solver = replace(base, tolerance=tolerance, step_max=max(STEPS))
+        yield Point("tolerance", f"{tolerance:.0e}", coupling, solver=solver)
+    for tolerance in NEWTON_TOLERANCES:
+        yield Point("newton", f"{tolerance:.0e}", coupling, solver=replace(base, newton_tolerance=tolerance))
+    for rho in RADII:
+        yield Point("rho_inf", f"rho {rho:g}", coupling, solver=replace(base, rho_inf=rho))
+    standard = LEVELS["standard"]
+    forms: tuple[Literal["auto", "compiled", "portable"], ...] = ("auto", "compiled", "portable")
+    for form in forms:
+        yield Point("kernels", form, coupling, standard["mesh"], replace(standard["solver"], kernels=form))

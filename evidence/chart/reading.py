@@ -1,0 +1,75 @@
+"""What the table of points tells: rows of a family, and how far the reference solution is to be trusted."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evidence.tables import Table
+
+from .front import cost_at, pareto
+from .measure import COST, ERRORS
+
+FORCE, LOOP, TWIST = ERRORS
+Array = NDArray[np.float64]
+
+
+def rows(t: Table, **wanted: str | float | tuple[str, ...]) -> Table:
+    """The rows whose columns have the wanted values: rows(t, family=("eem", "tmn"), coupling="coupled")."""
+    kept = np.ones(len(t["family"]), dtype=bool)
+    for name, value in wanted.items():
+        column = t[name.replace("_", " ") if name not in t else name]
+        kept &= np.isin(column, value)
+    return {name: column[kept] for name, column in t.items()}
+
+
+def the(t: Table, name: str, column: str, **wanted: str) -> float:
+    """One number of the point of this name; NaN where there is no such point."""
+    found = rows(t, name=name, **wanted)[column]
+    return float(found[0]) if found.size else float("nan")
+
+
+def finest(t: Table, coupling: str) -> tuple[float, float]:
+    """Elements and step (s) of the reference solution."""
+    r = rows(t, family="reference", coupling=coupling)
+    return float(r["elements"].max()), float(r["largest step [s]"].min())
+
+
+def remaining(differences: Array) -> float:
+    """Error left in the finest of solutions, each twice as fine as the one before, from their differences to it.
+
+    An error that goes with h^p makes the two last differences stand as 2^p + 1 to 1 and leaves the last one over
+    2^p - 1.  p is taken as 1 at least and 2 at most, and as 1 where there are no three solutions.
+    """
+    last = float(differences[-1])
+    factor = float(differences[-2]) / last - 1.0 if differences.size > 1 and last > 0 else 2.0
+    return last / (float(np.clip(factor, 2.0, 4.0)) - 1.0)
+
+
+def limit(t: Table, coupling: str, error: str) -> float:
+    """Error of the reference solution itself: of its mesh and of its step together."""
+    r = rows(t, family="reference", coupling=coupling)
+    n, h = finest(t, coupling)
+    in_mesh, in_step = r["largest step [s]"] == h, r["elements"] == n
+    parts = []
+    for line, size in ((in_mesh, -r["elements"]), (in_step, r["largest step [s]"])):
+        order = np.argsort(-size[line])[:-1]  # the last is the reference itself
+        parts.append(remaining(r[error][line][order]) if order.size else 0.0)
+    return sum(parts)
+
+
+def needed(t: Table, family: str, coupling: str, abscissa: str, error: str, bound: float) -> str:
+    """Elements or cost that a family needs for ``bound``, interpolated on its own front, as text."""
+    r = rows(t, family=family, coupling=coupling)
+    cost = cost_at(r[abscissa], r[error], bound)
+    if not np.isfinite(cost):
+        return "not reached"
+    front = pareto(r[abscissa], r[error])
+    least = "at most " if bound >= r[error][front].max() else ""
+    return f"{least}{cost:.0f}" if abscissa == "elements" else f"{least}{1e3 * cost:.3g} ms"
+
+
+def saved(t: Table, coupling: str, error: str, bound: float) -> float:
+    """% of EEM's time that TMN-ETM saves at the same error; NaN where either does not reach it."""
+    tmn, eem = (rows(t, family=f, coupling=coupling) for f in ("tmn", "eem"))
+    return 100 * (1 - cost_at(tmn[COST], tmn[error], bound) / cost_at(eem[COST], eem[error], bound))

@@ -1,0 +1,22 @@
+"""A number and the claim about it, which stability and reproduction share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One number, what it is, and the claim about it: ``value`` is ``relation`` ``bound``."""
+
+    what: str
+    value: float
+    unit: str  # '1' without one
+    relation: Literal["<", ">"]
+    bound: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the claim is true; never for NaN."""
+        return self.value < self.bound if self.relation == "<" else self.value > self.bound

@@ -1,0 +1,55 @@
+"""How the figures look: one style, one file per picture, bytes that depend on the data alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from evidence.tables import Tables
+from hoist_demo.report.figures import ACCENTS, COLOURS, REFERENCE
+
+__all__ = ["ACCENTS", "COLOURS", "CURVES", "REFERENCE", "draw_to", "figure", "mark_instants"]
+
+#: four curves told apart by hue and lightness
+CURVES = (COLOURS["left"], COLOURS["right"], ACCENTS[0], ACCENTS[1])
+
+_STYLE: dict[Any, Any] = {
+    "font.size": 9.5,
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e3e3e3",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+    "legend.fontsize": 9.0,
+    "figure.constrained_layout.use": True,
+    "axes.formatter.useoffset": False,
+}
+
+
+def figure(rows: int, columns: int, height: float, **options: Any) -> tuple[Figure, Any]:
+    """A figure of ``height`` inches, as wide as the page, and its axes (rows, columns)."""
+    made = Figure(figsize=(9.0, height))
+    return made, made.subplots(rows, columns, squeeze=False, **options)
+
+
+def draw_to(path: Path, draw: Callable[[Tables], Figure], tables: Tables) -> None:
+    """Write one PNG file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with matplotlib.rc_context(_STYLE):
+        draw(tables).savefig(path, dpi=110, metadata={"Software": None})
+
+
+def mark_instants(ax: Axes, times: Any, label: str = "") -> None:
+    """Thin vertical lines."""
+    for k, t in enumerate(times):
+        ax.axvline(t, color="#c0392b", lw=0.6, alpha=0.7, label=label if k == 0 else None, zorder=0.5)

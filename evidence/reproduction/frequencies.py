@@ -1,0 +1,285 @@
+"""Natural frequencies over the height difference H of the ends, where their curves veer, and what they are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from evidence.claims import Measured
+from evidence.drawing import CURVES, figure
+from evidence.tables import Table, Tables, table
+from rope_model.parameters import Swivel, rope_120
+from rope_model.simulation.ends import EndMotion, EndPath, HangingEnds, Phase, SwivelState, nominal_points
+from rope_model.simulation.mesh import fit_mesh, partition
+from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.rope_system import RopeKernels, RopeSystem, arc_lengths, parameter_vector
+from rope_model.simulation.statics import find_equilibrium, hanging_guess
+from rope_model.simulation.transfer import interpolate
+
+from .section import Claim, Picture, Section
+
+Array = NDArray[np.float64]
+
+#: an independent discrete-rod model, Hz; tests.test_reference_numbers has the same
+REFERENCE_HZ = {
+    ("out", 0.0): (0.06518, 0.07751, 0.17880, 0.18815),
+    ("in", 0.0): (0.07759, 0.11735, 0.18137, 0.24060),
+    ("out", 80.0): (0.05267, 0.13533, 0.13791, 0.22317),
+    ("in", 80.0): (0.07244, 0.13822, 0.19542, 0.26189),
+}
+#: m, one half of the travel; closer where two curves nearly touch
+HEIGHTS: Array = np.unique(
+    np.round(np.concatenate((np.linspace(0.0, 90.0, 61), [80.0], np.linspace(80.6, 81.1, 11))), 9)
+)
+SHOWN = 4
+COUNT = 5  # one more, because the fourth veers with the fifth
+SWIVELS = ("free", "locked")
+PLANES = ("out", "in")
+GRID = np.linspace(0.0, 120.0, 241)  # m, arc length at which shapes are compared
+#: the MAC's columns in the table ``approaches``
+SWAPPED = ("MAC lower before, upper after", "MAC upper before, lower after")
+ALONG = "smallest MAC of the lower mode from one H to the next"
+KEPT = ("MAC lower before, lower after", "MAC upper before, upper after")
+
+
+class HangingRope:
+    """The uncoupled 120 m rope; kernels are built once."""
+
+    def __init__(self) -> None:
+        self.scene = rope_120().scene
+        self.rope = replace(self.scene.rope, Qb=0.0, Qc=0.0)
+        self.mesh = fit_mesh(self.scene.mesh, self.rope, self.scene.layout)
+        cells = partition(self.mesh, self.rope.length, 0.5 * self.rope.length)
+        self.kernels = RopeKernels(cells.lengths.size, self.scene.solver.kernels)
+
+    def modes(self, height: float) -> dict[tuple[str, str], tuple[Array, Array]]:
+        """Frequencies (5,) and shapes (5, points, components) on GRID by swivels and plane.
+
+        The left end is ``height`` (m) above the right one.
+        """
+        lengths = partition(self.mesh, self.rope.length, 0.5 * (self.rope.length + height)).lengths
+        paths = EndPath.at_rest(0.0, EndMotion(y=0.5 * height)), EndPath.at_rest(0.0, EndMotion(y=-0.5 * height))
+        points = nominal_points(self.scene.layout.spacing)
+        P = parameter_vector(self.rope, self.scene.layout.gravity, np.array([1.0, 0.0, 0.0]))
+        s = arc_lengths(lengths)
+        ends = points + np.array([[0.0, 0.5 * height, 0.0], [0.0, -0.5 * height, 0.0]])
+        q, found = hanging_guess(s, *ends), {}
+        for swivels in SWIVELS:
+            # one end that turns is enough to free the rope of torsion; two would let it spin as a whole
+            free = SwivelState(Phase.SLIP if swivels == "free" else Phase.LOCKED, 0.0, 1.0)
+            held = SwivelState(Phase.LOCKED, 0.0, 0.0)
+            boundary = HangingEnds(points, paths, (Swivel(), Swivel(mode="free")), (held, free), (0.0, 0.0))
+            system = RopeSystem(self.kernels, lengths, P, boundary)
+            q = find_equilibrium(system, q).q
+            modes = natural_modes(system, q, 14)
+            for plane in PLANES:
+                chosen = np.flatnonzero((modes.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
+                columns = [2] if plane == "out" else [0, 1]
+                shapes = [interpolate(modes.shapes[k], s, GRID)[:, columns] for k in chosen]
+                found[swivels, plane] = modes.frequencies[chosen], np.array(shapes)
+        return found
+
+
+def column(swivels: str, plane: str, k: int) -> str:
+    """Name of a column of the table ``frequencies``."""
+    return (
+        f"{plane} of plane {k + 1}, swivels {swivels} [Hz]"
+        if plane == "out"
+        else (f"in plane {k + 1}, swivels {swivels} [Hz]")
+    )
+
+
+def measure() -> Tables:
+    """Frequencies over H, and the closest approaches of neighbouring curves."""
+    rope = HangingRope()
+    modes = [rope.modes(float(h)) for h in tqdm(HEIGHTS, desc="natural frequencies", unit="H", leave=False)]
+    # seen from the other side the rope at -H is the rope at H
+    heights = np.concatenate((-HEIGHTS[:0:-1], HEIGHTS))
+    columns = {"H [m]": heights}
+    rows: list[tuple[object, ...]] = []
+    for key in [(swivels, plane) for swivels in SWIVELS for plane in PLANES]:
+        f, shapes = np.array([m[key][0] for m in modes]), np.array([m[key][1] for m in modes])
+        seen = np.concatenate((shapes[:0:-1, :, ::-1], shapes)), np.concatenate((f[:0:-1], f))
+        columns |= {column(*key, k): seen[1][:, k] for k in range(COUNT)}
+        rows += [(*key, *row) for row in approaches(heights, seen[1], seen[0])]
+    names = ("swivels", "plane", "lower mode", "H [m]", "gap [Hz]", "gap [% of the mean]", *SWAPPED, *KEPT, ALONG)
+    return {"frequencies": columns, "approaches": table(names, rows)}
+
+
+def mac(a: Array, b: Array) -> float:
+    """Modal assurance criterion of two shapes (points, components)."""
+    return float(np.sum(a * b) ** 2 / (np.sum(a * a) * np.sum(b * b)))
+
+
+def approaches(heights: Array, f: Array, shapes: Array) -> list[tuple[float, ...]]:
+    """Where the gap between neighbouring curves is smallest and doubles on both sides: how close, which shapes swap."""
+    rows = []
+    for k in range(f.shape[1] - 1):
+        gap = f[:, k + 1] - f[:, k]
+        for i in range(1, gap.size - 1):
+            if not gap[i - 1] >= gap[i] < gap[i + 1]:
+                continue
+            # at twice the smallest gap a veering is three quarters over
+            wide = np.flatnonzero(gap >= 2 * gap[i])
+            if not wide.size or not wide[0] < i < wide[-1]:
+                continue
+            first, last = wide[wide < i][-1], wide[wide > i][0]
+            low, high = shapes[first, k], shapes[first, k + 1]
+            after_low, after_high = shapes[last, k], shapes[last, k + 1]
+            pairs = ((low, after_high), (high, after_low), (low, after_low), (high, after_high))
+            relative = 200 * gap[i] / (f[i, k] + f[i, k + 1])
+            along = min(mac(shapes[j, k], shapes[j + 1, k]) for j in range(first, last))
+            rows.append((k + 1, heights[i], gap[i], relative, *(mac(*pair) for pair in pairs), along))
+    return rows
+
+
+def exchange_rows(t: Table) -> NDArray[np.bool_]:
+    """Rows of ``approaches`` at which the shapes after it are rather those of the other mode before it."""
+    swapped, kept = (np.array([t[name] for name in names]) for names in (SWAPPED, KEPT))
+    found: NDArray[np.bool_] = swapped.min(axis=0) > kept.max(axis=0)
+    return found
+
+
+def veerings(t: Table, swivels: str, plane: str) -> NDArray[np.bool_]:
+    """Rows of ``approaches`` at which two curves come close without touching and exchange their shapes."""
+    found: NDArray[np.bool_] = (t["swivels"] == swivels) & (t["plane"] == plane) & exchange_rows(t)
+    return found
+
+
+def ranges(tables: Tables, plane: str) -> Array:
+    """Largest over smallest frequency of each mode along the travel, less one, in %."""
+    f = np.array([tables["frequencies"][column("free", plane, k)] for k in range(SHOWN)])
+    spread: Array = 100 * (f.max(axis=1) / f.min(axis=1) - 1)
+    return spread
+
+
+def reference_error(tables: Tables) -> float:
+    """Largest deviation from REFERENCE_HZ, %."""
+    t = tables["frequencies"]
+    errors = [
+        abs(t[column("free", plane, k)][t["H [m]"] == height][0] / f - 1)
+        for (plane, height), values in REFERENCE_HZ.items()
+        for k, f in enumerate(values)
+    ]
+    return 100 * float(np.max(errors))
+
+
+def claims(tables: Tables) -> list[Claim]:
+    """What the source says of the frequencies."""
+    number = int(veerings(tables["approaches"], "free", "out").sum())
+    ratio = float(ranges(tables, "in").max() / ranges(tables, "out").max())
+    return [
+        Claim(
+            "frequencies agree with an independent code",
+            Measured(
+                "largest deviation of the 16 frequencies at H = 0 and 80 m", reference_error(tables), "%", "<", 0.5
+            ),
+        ),
+        Claim(
+            "out-of-plane frequencies veer with the height difference",
+            Measured("closest approaches at which two neighbouring modes exchange shapes", number, "1", ">", 0),
+        ),
+        Claim(
+            "in-plane frequencies change little",
+            Measured("largest relative range in plane over the largest out of plane", ratio, "1", "<", 1 / 3),
+        ),
+    ]
+
+
+def draw(tables: Tables) -> Figure:
+    """Both planes over H, and the narrowest gap from near."""
+    t, close = tables["frequencies"], tables["approaches"]
+    made, axes = figure(1, 3, 4.6, width_ratios=(3, 3, 2))
+    for ax, plane in zip(axes[0], PLANES, strict=False):
+        for k in range(SHOWN):
+            ax.plot(t["H [m]"], t[column("free", plane, k)], color=CURVES[k], label=f"mode {k + 1}")
+            ax.plot(t["H [m]"], t[column("locked", plane, k)], color=CURVES[k], lw=0.6, ls="--")
+            for height in (0.0, 80.0):
+                ax.plot(height, REFERENCE_HZ[plane, height][k], "o", mfc="white", mec="black", ms=5, zorder=3)
+        for i in np.flatnonzero(veerings(close, "free", plane)):
+            ax.plot(close["H [m]"][i], _middle(t, plane, close, int(i)), "s", mfc="none", mec="#c0392b", ms=11)
+        ax.set(xlabel="height difference H [m]", ylim=(0.0, 0.28), xticks=range(-80, 81, 40))
+        ax.set_title("Out of plane" if plane == "out" else "In plane")
+    front = axes[0, 0]
+    front.set_ylabel("natural frequency [Hz]")
+    front.plot([], [], "o", mfc="white", mec="black", ms=5, label="reference numbers")
+    front.plot([], [], color="black", lw=0.6, ls="--", label="swivels locked")
+    front.plot([], [], "s", mfc="none", mec="#c0392b", ms=9, label="veering")
+    _draw_gap(axes[0, 2], tables)
+    made.legend(*front.get_legend_handles_labels(), loc="outside lower center", ncols=7)
+    title = "First four natural frequencies along the travel: curves veer out of plane and keep apart in plane"
+    made.suptitle(title, x=0.01, ha="left", fontsize=11)
+    return made
+
+
+def _middle(t: Table, plane: str, close: Table, i: int) -> float:
+    """Hz, between the two curves of row ``i`` of ``approaches``."""
+    k, at = int(close["lower mode"][i]) - 1, t["H [m]"] == close["H [m]"][i]
+    return float(np.mean([t[column("free", plane, k + j)][at][0] for j in (0, 1)]))
+
+
+def _draw_gap(ax: Axes, tables: Tables) -> None:
+    """The narrowest gap out of plane."""
+    t, close = tables["frequencies"], tables["approaches"]
+    mine = np.flatnonzero((close["plane"] == "out") & (close["H [m]"] > 0))
+    i = int(mine[np.argmin(close["gap [Hz]"][mine])])
+    k, h = int(close["lower mode"][i]) - 1, close["H [m]"][i]
+    near = np.abs(t["H [m]"] - h) < 0.4
+    for j in (k, k + 1):
+        ax.plot(t["H [m]"][near], t[column("free", "out", j)][near], "o-", ms=3, color=CURVES[j])
+    ax.set(xlabel="height difference H [m]", title=f"Modes {k + 1}, {k + 2} from near")
+    ax.yaxis.set_major_formatter("{x:.4f}")
+
+
+def reading(tables: Tables) -> str:
+    """Ranges and veerings in numbers."""
+    lines = []
+    for plane, words in (("out", "out of plane"), ("in", "in plane")):
+        spread = ", ".join(f"{x:.0f}" for x in ranges(tables, plane))
+        lines.append(f"Modes 1 to 4 {words} range over {spread} % of their smallest frequency along the travel.")
+    t = tables["approaches"]
+    rows = [
+        "| swivels | plane | modes | H [m] | gap [Hz] | MAC exchanged | MAC kept | MAC step to step | exchange |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for i in np.flatnonzero(t["H [m]"] >= 0):
+        k = int(t["lower mode"][i])
+        swapped, kept = (" / ".join(f"{t[name][i]:.2f}" for name in names) for names in (SWAPPED, KEPT))
+        rows.append(
+            f"| {t['swivels'][i]} | {t['plane'][i]} | {k}, {k + 1} | {t['H [m]'][i]:.2f} | {t['gap [Hz]'][i]:.5f} | "
+            f"{swapped} | {kept} | {t[ALONG][i]:.2f} | {'yes' if exchange_rows(t)[i] else 'no'} |"
+        )
+    return "\n".join(lines) + EXPLANATION + "\n".join(rows)
+
+
+EXPLANATION = """
+
+The table lists where the gap between neighbouring curves is smallest and doubles on both sides of it. The modal
+assurance criterion (MAC, 1 for equal shapes) compares the shapes at twice the smallest gap before and after:
+"exchanged" is lower mode before with upper mode after, and upper before with lower after. Where the exchanged ones
+are all larger than the kept ones the curves veer: each mode carries on with the other's shape. "Step to step" is the
+smallest MAC of the lower mode between neighbouring H; it stays well above 1/2, so the curves turn away from each
+other and do not cross. The legs are coupled through the loop alone, and a weak coupling makes a narrow gap. With
+locked swivels the gap is wide and no exchange is left. In plane no gap doubles: the curves stay apart.
+
+"""
+
+SECTION = Section(
+    title="Natural frequencies over the travel",
+    scene=(
+        "The uncoupled 120 m rope hangs between ends 2 m apart (assumed) whose height difference H goes through the "
+        "whole travel of 90 m; by symmetry H and -H give the same frequencies. The ends are clamped vertically; the "
+        "swivels are free to turn, as in the reference numbers, or locked (thin dashed lines). Mass, stiffnesses "
+        "and spacing are assumed, "
+        "so the curves' places are ours; their behaviour is compared."
+    ),
+    pictures=[Picture("frequencies", "First four natural frequencies out of plane and in plane over H", draw)],
+    claims=claims,
+    reading=reading,
+    data=("frequencies", "approaches"),
+)

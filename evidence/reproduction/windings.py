@@ -1,0 +1,148 @@
+"""The 120 m winding with EEM and TMN-ETM, uncoupled and coupled: what is seen at the samples, and processor times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.kinematic import Winding, progress_bar, wind
+from evidence.tables import Table, Tables, table
+from hoist_demo.control.trajectory import s_curve
+from hoist_demo.parameters import Winding as Trip
+from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, rope_120
+from rope_model.simulation.mesh import fit_mesh
+from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.signals import nominal_stresses
+
+Array = NDArray[np.float64]
+
+COUPLINGS = ("uncoupled", "coupled")
+PRESET = rope_120().scene
+#: the default mesh in numbers
+DEFAULT_MESH = fit_mesh(PRESET.mesh, PRESET.rope, PRESET.layout)
+MESHES = {"TMN-ETM": DEFAULT_MESH, "EEM": Mesh(kind="eem", elements=600)}
+TRAVEL, SETTLE = 90.0, 3.0  # m, s after the conveyances have stopped
+ROUNDS = 3
+SAMPLE = 5  # communication steps of 10 ms
+EVERY = 5  # samples per row of a colour map
+STRESSES = ("bending", "torsion")
+CELLS = np.arange(0.25, 120.0, 0.5)  # m, arc lengths of a colour map
+SIDES = ("left", "right")
+
+
+def scene_of(coupling: str, mesh: Mesh) -> Scene:
+    """The 120 m scene; uncoupled without Qb and Qc, but the complete model as in the source."""
+    scene = PRESET.with_(mesh=mesh, model=Model("torsional"))
+    return scene if coupling == "coupled" else scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0))
+
+
+@dataclass
+class Stresses:
+    """Stress norms (Pa) and twist (rad/m) of the elements at every sample, and where the loop is.
+
+    ``python`` looks at the states that the rope comes to.
+    """
+
+    python: RopeSimulator
+    bottom: list[float] = field(default_factory=list)  # m, arc length
+    nodes: list[Array] = field(default_factory=list)  # m, arc lengths
+    values: list[tuple[Array, ...]] = field(default_factory=list)
+
+    def watch(self, rope: BalanceRope) -> None:
+        """Look at the rope."""
+        state, python = rope.state, self.python
+        python.restore(state)
+        self.bottom.append(python.loop.s)
+        self.nodes.append(arc_lengths(state.partition.lengths))
+        strains = python.system.strains(state.motion.q)
+        self.values.append((*nominal_stresses(rope.scene.rope, strains, state.fidelity), np.abs(strains[:, 1])))
+
+
+def follow(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding:
+    """One winding of 90 m, with a progress bar; RuntimeError when it fails."""
+    reference = s_curve(Trip())
+    with progress_bar(name, reference.duration + SETTLE) as advance:
+        watch = None if stresses is None else stresses.watch
+        run = wind(scene, reference, TRAVEL, SETTLE, SAMPLE, advance, watch)
+    if not run.status.valid:
+        raise RuntimeError(f"{name}: {run.status.message}")
+    return run
+
+
+def measure() -> Tables:
+    """All runs, ROUNDS times and interleaved for the times; the first round's records become tables."""
+    runs: dict[tuple[str, str], Winding] = {}
+    stresses = {name: Stresses(RopeSimulator(scene_of("coupled", mesh))) for name, mesh in MESHES.items()}
+    times: list[tuple[object, ...]] = []
+    for k, coupling, name in product(range(ROUNDS), COUPLINGS, MESHES):
+        watched = stresses[name] if k == 0 and coupling == "coupled" else None
+        run = follow(scene_of(coupling, MESHES[name]), f"winding, {coupling}, {name}, round {k + 1}", watched)
+        runs.setdefault((coupling, name), run)
+        counts = run.rope.state.counts
+        elements = run.rope.state.partition.lengths.size
+        times.append((coupling, name, elements, k + 1, run.cpu, counts.steps, counts.newton, counts.rejections))
+    names = ("coupling", "mesh", "elements", "round", "processor time [s]", "steps", "Newton iterations", "rejections")
+    tables = {f"winding-{c}": _observations({name: runs[c, name] for name in MESHES}) for c in COUPLINGS}
+    changes = [(c, *row) for c in COUPLINGS for row in _transformations(runs[c, "TMN-ETM"])]
+    t = np.array(runs["coupled", "EEM"].t)
+    return {
+        "times": table(names, times),
+        **tables,
+        "transformations": table(("coupling", "t [s]", "kinetic [J]", "potential [J]"), changes),
+        "stress-places": {"t [s]": t, **{k: v for name in MESHES for k, v in _places(name, stresses[name])}},
+        **{f"stress-{kind}-{name}": _map(t, stresses[name], i) for i, kind in enumerate(STRESSES) for name in MESHES},
+    }
+
+
+def _observations(runs: dict[str, Winding]) -> Table:
+    """Observation points, loop bottom, end forces and kinetic energy of both meshes at the samples."""
+    columns = {"t [s]": np.array(next(iter(runs.values())).t)}
+    for name, run in runs.items():
+        observed, bottom, force = np.array(run.observed), np.array(run.bottom), np.array(run.force)
+        half = 0.5 * run.rope.scene.layout.spacing
+        for i, side in enumerate(SIDES):
+            # counted from the plumb line below the end
+            columns[f"{name} {side} in plane [mm]"] = 1e3 * (observed[:, i, 0] + (half, -half)[i])
+            columns[f"{name} {side} out of plane [mm]"] = 1e3 * observed[:, i, 2]
+            columns[f"{name} {side} theta [mrad]"] = 1e3 * observed[:, i, 6]
+            columns[f"{name} {side} force [N]"] = force[:, i]
+        columns |= {f"{name} bottom {axis} [m]": bottom[:, k] for k, axis in enumerate("xyz")}
+        columns[f"{name} kinetic [J]"] = np.array(run.kinetic)
+    first, second = runs
+    for name in [n for n in columns if n.startswith(first) and not n.endswith(("[m]", "[N]"))]:
+        # six digits of a large number are too few for a small difference
+        columns[name.replace(first, "difference", 1)] = columns[name] - columns[name.replace(first, second, 1)]
+    return columns
+
+
+def _transformations(run: Winding) -> list[tuple[float, float, float]]:
+    return [(e.t, e.kinetic, e.potential) for e in run.events if e.what == "transformation"]
+
+
+def _places(name: str, stresses: Stresses) -> Iterator[tuple[str, Array]]:
+    """Where the loop is, the largest values, where they are, and the share of the rope above half of them."""
+    yield f"{name} loop s [m]", np.array(stresses.bottom)
+    for i, (kind, unit, factor) in enumerate(
+        (("bending", "MPa", 1e-6), ("torsion", "MPa", 1e-6), ("twist", "rad/m", 1.0))
+    ):
+        rows = []
+        for nodes, values in zip(stresses.nodes, stresses.values, strict=True):
+            norm, largest = values[i], int(np.argmax(values[i]))
+            above = np.diff(nodes)[norm > 0.5 * norm[largest]].sum()
+            rows.append((factor * norm[largest], nodes[largest : largest + 2].mean(), 100 * above / nodes[-1]))
+        columns = np.array(rows).T
+        yield f"{name} {kind} largest [{unit}]", columns[0]
+        yield f"{name} {kind} largest at s [m]", columns[1]
+        yield f"{name} {kind} above half [%]", columns[2]
+
+
+def _map(t: Array, stresses: Stresses, kind: int) -> Table:
+    """Rows over time, columns over arc length, MPa: the element that holds the cell's middle."""
+    rows = []
+    for nodes, values in zip(stresses.nodes[::EVERY], stresses.values[::EVERY], strict=True):
+        rows.append(1e-6 * values[kind][np.searchsorted(nodes, CELLS) - 1])
+    return {"t [s]": t[::EVERY], **{f"{s:g} m [MPa]": x for s, x in zip(CELLS, np.array(rows).T, strict=True)}}

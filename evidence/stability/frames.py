@@ -1,0 +1,229 @@
+"""Frames of the cross-section that break: Tait-Bryan angles, Frenet's frame, and none at all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from evidence.claims import Measured
+from rope_model.parameters import Mesh, Rope, Scene, Solver
+from rope_model.physics.frame import smallest_rotation_rate
+from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.rope_system import POSITION, SLOPE
+from rope_model.simulation.simulator import RopeSimulator
+
+from .counterexamples import modified_element, no_rate, tait_bryan_rate
+from .entry import Array, Curve, Entry, Figure, Finding
+from .trips import hang
+
+# Tait-Bryan angles
+
+TURNED = Scene(
+    rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=40), solver=Solver(step_max=0.02, kernels="portable")
+)
+
+
+def turn(angle: float, duration: float, t: float) -> tuple[EndMotion, EndMotion]:
+    """Both conveyances turning together about Y, 1 m from the axis."""
+    s = min(t / duration, 1.0)
+    a = angle * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    w = angle / duration * 30 * s**2 * (1 - s) ** 2
+    e = angle / duration**2 * (60 * s - 180 * s**2 + 120 * s**3)
+    c, d = math.cos(a), math.sin(a)
+    left, right = (
+        EndMotion(
+            x=r * c - r,
+            z=-r * d,
+            vx=-r * d * w,
+            vz=-r * c * w,
+            ax=-r * (c * w * w + d * e),
+            az=-r * (c * e - d * w * w),
+            yaw=a,
+            yaw_rate=w,
+        )
+        for r in (-1.0, 1.0)
+    )
+    return left, right
+
+
+def turn_through(
+    scene: Scene, angle: float, duration: float, watch: Callable[[RopeSimulator], None] = lambda rope: None
+) -> tuple[RopeSimulator, str]:
+    """The rope after its ends have turned, and why it stopped ('' if it did not); ``watch`` is called on the way."""
+    rope = hang(scene)
+    for k in range(round(duration / 0.02)):
+        t = (k + 1) * 0.02
+        status = rope.advance_to(t, *turn(angle, duration, t))
+        if not status.valid:
+            return rope, status.message
+        watch(rope)
+    return rope, ""
+
+
+def tait_bryan() -> Finding:
+    """Yaw of the loop while its ends turn by 180 degrees."""
+    duration = 6.0
+    yaws: tuple[list[float], list[float]] = ([], [])
+
+    def yaw(rope: RopeSimulator) -> float:
+        return math.degrees(rope.state.loop_yaw)
+
+    ours, message = turn_through(TURNED, math.pi, duration, lambda rope: yaws[0].append(yaw(rope)))
+    with modified_element(frame_rate=tait_bryan_rate):
+        counterexample, cause = turn_through(TURNED, math.pi, duration, lambda rope: yaws[1].append(yaw(rope)))
+    curves = (
+        Curve(label, 0.02 * np.arange(1.0, len(y) + 1), np.array(y), style)
+        for label, y, style in (
+            ("ours: smallest rotation", yaws[0], "-"),
+            ("Tait-Bryan angles Z-Y-X", yaws[1], "--"),
+        )
+    )
+    t = np.linspace(0.0, duration, 121)
+    ends = np.degrees([turn(math.pi, duration, x)[0].yaw for x in t])
+    return Finding(
+        # the singularity is at 90 degrees: a wall that the loop, swinging, passes by a tenth at most
+        counterexample=(
+            Measured(
+                "loop yaw when the ends have turned by 180 deg, Tait-Bryan", yaw(counterexample), "deg", "<", 99.0
+            ),
+        ),
+        ours=(
+            # the loop lags on the way and swings past the ends afterwards
+            Measured("loop yaw when the ends have turned by 180 deg", yaw(ours), "deg", ">", 170.0),
+            Measured("changes of the frame's pole on the way", ours.state.counts.pole_changes, "1", ">", 0.5),
+        ),
+        figure=Figure(
+            "Ends turned by 180 degrees: the loop follows, or hangs at 90 degrees as at a wall",
+            "t / s",
+            "yaw / deg",
+            (*curves, Curve("the ends", t, ends, ":")),
+        ),
+        message=cause or message,
+    )
+
+
+# Frenet's frame
+
+
+def frame_turns(elements: int) -> tuple[Array, Array, Array]:
+    """Middle of the elements (m), turn of Frenet's frame and of ours from each to the next (deg), coupled rope."""
+    rope = hang(Scene(rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=elements), solver=TURNED.solver))
+    q, l = rope.state.motion.q, 30.0 / elements
+    # r' and r'' of the cubics in the middle of the elements
+    d = 1.5 * np.diff(q[:, POSITION], axis=0) / l - 0.25 * (q[1:, SLOPE] + q[:-1, SLOPE])
+    c = np.diff(q[:, SLOPE], axis=0) / l
+    binormal = np.cross(d, c)
+    binormal /= np.linalg.norm(binormal, axis=1)[:, None]
+    cosine = np.clip(np.sum(binormal[1:] * binormal[:-1], axis=1), -1.0, 1.0)
+    ours = smallest_rotation_rate(rope.state.pole, d.T, c.T) * l
+    s = l * np.arange(1.0, elements)
+    return s, np.degrees(np.arccos(cosine)), np.degrees(np.abs(0.5 * (ours[1:] + ours[:-1])))
+
+
+def frenet() -> Finding:
+    """Largest turn of either frame between neighbouring elements, on two meshes."""
+    _, coarse, ours_coarse = frame_turns(60)
+    fine_s, fine, ours = frame_turns(240)
+    legs = np.abs(fine_s - 15.0) > 3.0
+    Qd = Rope().Qd
+    return Finding(
+        counterexample=(
+            # at an inflection the normal changes its side: half a turn, however short the elements
+            Measured("largest turn of Frenet's frame in an element of 0.5 m", coarse.max(), "deg", ">", 120.0),
+            Measured("the same in an element of 0.125 m", fine.max(), "deg", ">", 120.0),
+            # the torque that an angle counted from it would feign; the rope carries 1 N m
+            Measured("torque Qd tau that this turn feigns", Qd * math.radians(fine.max()) / 0.125, "N m", ">", 1e3),
+        ),
+        ours=(
+            # no more than the tangent itself turns, at most 0.8/m times 0.125 m = 6 deg in the bend
+            Measured("largest turn of our frame in an element of 0.125 m", ours.max(), "deg", "<", 6.0),
+            Measured("the same on the legs", ours[legs].max(), "deg", "<", 0.1),
+            Measured("turn in 0.125 m over that in 0.5 m", ours.max() / ours_coarse.max(), "1", "<", 0.5),
+        ),
+        figure=Figure(
+            "Turn of the section's frame from element to element of a hanging rope, loop at 15 m",
+            "arc length / m",
+            "turn in 0.125 m / deg",
+            (
+                Curve("Frenet's frame", fine_s, np.maximum(fine, 1e-6)),
+                Curve("ours: smallest rotation", fine_s, np.maximum(ours, 1e-6)),
+            ),
+            log_y=True,
+        ),
+    )
+
+
+# no frame
+
+
+def yaw_and_torque(twist: float) -> tuple[float, float]:
+    """Loop yaw (deg) and torque (N m) of an uncoupled 120 m rope that is fastened with ``twist`` (rad)."""
+    rope = hang(Scene(rope=Rope(Qb=0.0, Qc=0.0, installed_twist=twist), solver=Solver(kernels="portable")))
+    return math.degrees(rope.loop.yaw), rope.ends.moment(1, rope.state.motion.reaction)
+
+
+def theta_prime() -> Finding:
+    """Loop yaw over torque, with and without the frame's own twist in the torsional strain."""
+    twists = np.array([0.02, 0.04, 0.06, 0.08])
+    ours = np.array([yaw_and_torque(x) for x in twists])
+    with modified_element(frame_rate=no_rate):
+        counterexample = np.array([yaw_and_torque(x) for x in twists])
+    rates = [abs(x[0, 0] / x[0, 1]) for x in (ours, counterexample)]
+    return Finding(
+        counterexample=(Measured("loop yaw per torque, tau = theta'", rates[1], "deg/(N m)", "<", 1e-6),),
+        ours=(
+            # 1.23 deg at 1 N m, independently calculated; the theory asks for 2 %
+            Measured(
+                "error of the loop yaw per torque of 1.23 deg/(N m)", 100 * abs(rates[0] / 1.23 - 1), "%", "<", 2.0
+            ),
+        ),
+        figure=Figure(
+            "Static yaw of the loop of a 120 m rope under torque",
+            "torque / N m",
+            "loop yaw / deg",
+            (
+                Curve("ours", np.abs(ours[:, 1]), np.abs(ours[:, 0]), "o-"),
+                Curve("tau = theta'", np.abs(counterexample[:, 1]), np.abs(counterexample[:, 0]), "s--"),
+            ),
+        ),
+    )
+
+
+ENTRIES = (
+    Entry(
+        "tait-bryan",
+        "Tait-Bryan angles at 90 degrees of loop yaw",
+        "A 30 m rope; both conveyances turn together about the vertical by 180 degrees in 6 s, and the loop is to "
+        "follow.",
+        "theta counted from a frame of Tait-Bryan angles Z-Y-X, as in the source. The frame is singular where the "
+        "tangent is parallel to Z: when the loop has yawed 90 degrees, the incident that one wants to predict. The "
+        "singularity acts as a wall, and the loop hangs at it while the ends turn on; the status stays valid.",
+        "theta is counted from the smallest rotation of a pole to the tangent. The pole follows the loop, so its "
+        "antipode stays away from every tangent, and theta is re-expressed when it does.",
+        tait_bryan,
+        slow=True,
+    ),
+    Entry(
+        "frenet",
+        "Frenet's frame on the legs",
+        "A 30 m rope with its own torque hangs at rest between ends 2 m apart; the loop is wider than that, so each "
+        "leg has an inflection above the bend.",
+        "theta counted from the curve's normal. On a straight leg there is none, and at an inflection it goes over to "
+        "the other side within one element, however short: an angle counted from it feigns a torque of kilonewton "
+        "metres.",
+        "The smallest rotation needs the tangent alone and turns by no more than the tangent does.",
+        frenet,
+    ),
+    Entry(
+        "theta-prime",
+        "Torsional strain without the frame's twist",
+        "A 120 m rope without coupling is fastened with some twist, its ends held. Measured is how far the torque "
+        "yaws the loop.",
+        "tau = theta': the section's angle is taken for the twist, as if the rope were straight. Then theta has "
+        "nothing to do with the centre line, and no torque moves the loop out of its plane.",
+        "tau = theta' + the twist of the frame; its variation t.(t' x delta t) is the force that moves the legs apart.",
+        theta_prime,
+    ),
+)
