@@ -6,10 +6,8 @@ whether the head ropes would slip. How the balance rope itself moves is the FMU'
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -17,13 +15,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from evidence.rendering import DOCS, filled, markdown, number
+from evidence.tables import Table, read, table, write
 from hoist_demo.cases.installed import INSTALLED
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.plant import HoistPlant, PlantInput, energy_residual
 from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding
 
-DOCS = Path(__file__).resolve().parent.parent / "docs"
 SHOWN = "monopol-1000"
 CREEPS = ((1.0, 0.0), (0.5, 3.0), (1.0, 5.0))  # m/s, m
 STEP = 0.02  # s
@@ -191,8 +190,16 @@ def _label(axes: Axes, quantity: str, title: str | None) -> None:
         axes.legend(loc="upper right", fontsize="small")
 
 
-def _summary(name: str, run: Run) -> list[str]:
-    """A line of docs/data/hoist/cases.csv."""
+#: columns of the table ``presets``, and those of them that docs/hoist.md shows
+SUMMARY = (
+    "preset", "winding time [s]", "final error [mm]", "peak torque [kN m]", "peak power [MW]", "peak tension [kN]",
+    "tension ratio", "static tension ratio", "slip safety", "static slip safety", "energy residual [J]",
+)  # fmt: skip
+SHOWN_COLUMNS = (*SUMMARY[:2], *SUMMARY[3:7], *SUMMARY[8:10])
+
+
+def _summary(name: str, run: Run) -> tuple[str, ...]:
+    """A preset's row."""
     moving = np.flatnonzero(np.abs(run["speed"]) > 0.01)
     values = (
         run["time"][moving[-1]] - run["time"][moving[0]],
@@ -206,37 +213,34 @@ def _summary(name: str, run: Run) -> list[str]:
         np.min(run["static_slip_safety"]),
         np.max(np.abs(run["energy_residual"])),
     )
-    return [name, *(f"{value:.4g}" for value in values)]
+    return name, *(f"{value:.4g}" for value in values)
 
 
-SUMMARY = (
-    "preset", "winding time [s]", "final error [mm]", "peak torque [kN m]", "peak power [MW]", "peak tension [kN]",
-    "tension ratio", "static tension ratio", "slip safety", "static slip safety", "energy residual [J]",
-)  # fmt: skip
+def with_presets(text: str, t: Table) -> str:
+    """docs/hoist.md with the table between its marks."""
+    rows = [
+        (f"`{t['preset'][i]}`", *(number(t[name][i], ".4g") for name in SHOWN_COLUMNS[1:]))
+        for i in range(t["preset"].size)
+    ]
+    return filled(text, "presets", markdown(rows, *SHOWN_COLUMNS))
 
 
 def main() -> None:
-    """Wind every preset, stop one of them, write figures and data, and print the table."""
-    data, images = DOCS / "data" / "hoist", DOCS / "images" / "hoist"
-    data.mkdir(parents=True, exist_ok=True)
+    """Wind every preset, stop one of them, write figures and data and the table of docs/hoist.md."""
+    data, images, page = DOCS / "data" / "hoist", DOCS / "images" / "hoist", DOCS / "hoist.md"
     images.mkdir(parents=True, exist_ok=True)
     runs = {name: wind(preset.hoist, preset.winding, preset.gains) for name, preset in INSTALLED.items()}
-    lines = [list(SUMMARY), *(_summary(name, run) for name, run in runs.items())]
-    with (data / "presets.csv").open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows(lines)
     at = 40.0
     laws: tuple[EmergencyLaw, ...] = ("deceleration", "torque", "two-stage")
     stops: dict[str, Run] = {law: stop(SHOWN, law, at) for law in laws}
-    for name, run in {"cycle": runs[SHOWN], **{f"stop-{law}": run for law, run in stops.items()}}.items():
-        with (data / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow([f"{column} [{unit}]" for column, unit in COLUMNS.items()])
-            writer.writerows([f"{value:.6g}" for value in row] for row in run.table[::5])
+    names = [f"{column} [{unit}]" for column, unit in COLUMNS.items()]
+    kept = {"cycle": runs[SHOWN], **{f"stop-{law}": run for law, run in stops.items()}}
+    presets = table(SUMMARY, [_summary(name, run) for name, run in runs.items()])
+    write({"presets": presets, **{name: table(names, run.table[::5].tolist()) for name, run in kept.items()}}, data)
     with matplotlib.rc_context({"font.size": 9.0}):
         for name, figure in {"cycle": _cycle(runs[SHOWN]), "stops": _stops(stops, at), "creep": _creep()}.items():
             figure.savefig(images / f"{name}.png", dpi=110, metadata={"Software": None})
-    for line in lines:
-        print("  ".join(f"{cell:>20}" for cell in line))
+    page.write_text(with_presets(page.read_text(encoding="utf-8"), read(data)["presets"]), encoding="utf-8")
     for law, run in stops.items():
         after = run["time"] > at
         distance = run["position"][-1] - run["position"][after][0]

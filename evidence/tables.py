@@ -32,7 +32,7 @@ def write(tables: Tables, folder: Path) -> None:
 
 
 def read(folder: Path) -> Tables:
-    """Every table of a folder; a column is numeric when all its cells are."""
+    """Every table of a folder; a column is numeric when all its cells are, an empty one of them being NaN."""
     tables = {}
     for path in sorted(folder.glob("*.csv")):
         with path.open(newline="", encoding="utf-8") as file:
@@ -47,6 +47,6 @@ def _cell(value: Any) -> str:
 
 def _column(cells: Sequence[str]) -> NDArray[Any]:
     try:
-        return np.array([float(cell) for cell in cells])
+        return np.array([float(cell) if cell else np.nan for cell in cells]) if any(cells) else np.array(cells)
     except ValueError:
         return np.array(cells)

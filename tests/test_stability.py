@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from evidence.claims import Measured
-from evidence.stability.entry import Entry
-from evidence.stability.page import CLOSING, DOCS, OPENING, SECTIONS, anchor, claim
-from evidence.stability.suite import chapters, entries
+from evidence.rendering import DOCS
+from evidence.stability.entry import Entry, Finding
+from evidence.stability.page import COUNTEREXAMPLE, OURS, SECTIONS, anchor, chapter, claim, claims_of, tables_of
+from evidence.stability.suite import CHAPTERS, chapters, entries
+from evidence.tables import read
+
+TABLES = read(DOCS / "data" / SECTIONS)
 
 
 @pytest.mark.parametrize(
@@ -31,14 +37,15 @@ def test_not_a_number_holds_no_claim() -> None:
         assert not Measured("", float("nan"), "1", relation, 0.0).holds  # type: ignore[arg-type]
 
 
-def test_the_pages_have_every_scene_in_the_generator_s_words() -> None:
-    table = (DOCS / "stability.md").read_text(encoding="utf-8")
-    assert table.startswith(OPENING)
-    assert table.endswith(CLOSING)
-    for heading, part in chapters().items():
-        name = f"{SECTIONS}/{anchor(heading)}.md"
-        text = (DOCS / name).read_text(encoding="utf-8")
-        for entry in part:
-            assert f"| [{entry.title}]({name}#{anchor(entry.title)}) |" in table
-            for words in (f"## {entry.title}\n", entry.scene, entry.fails, entry.holds):
-                assert words in text, entry.key
+def test_every_scene_has_its_place_on_its_chapters_page_in_the_suites_order() -> None:
+    for module, heading in CHAPTERS.items():
+        titles = re.findall(r"^## (.*)$", chapter(TABLES, module), flags=re.MULTILINE)
+        assert titles == [entry.title for entry in chapters()[heading]]
+
+
+def test_a_scene_measured_anew_replaces_its_rows_only() -> None:
+    claim_of = Measured("what", 1.0, "m", "<", 2.0)
+    tables = tables_of({"locking": Finding((claim_of,), (claim_of,), message="told")}, TABLES)
+    assert claims_of(tables["claims"], "locking") == [(COUNTEREXAMPLE, claim_of), (OURS, claim_of)]
+    assert claims_of(tables["claims"], "hourglass") == claims_of(TABLES["claims"], "hourglass")
+    assert list(tables["scenes"]["scene"]) == [entry.key for entry in entries()]

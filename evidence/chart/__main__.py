@@ -19,9 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser("python -m evidence.chart", description=__doc__)
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"where to ({DOCS}; with --quick {QUICK})")
     parser.add_argument("--quick", action="store_true", help="a few points on 1 m of travel: a check, not a result")
-    parser.add_argument(
-        "--only", metavar="FAMILY", help="measure one family, or depth, anew and keep the rest; draw: none"
-    )
+    parser.add_argument("--only", metavar="FAMILY", help="measure one family, or depth, anew and keep the rest")
     options = parser.parse_args(arguments)
     for path in run(options.out or (QUICK if options.quick else DOCS), options.only, options.quick):
         print(path)

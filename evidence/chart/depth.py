@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -17,6 +18,7 @@ from tqdm import tqdm
 
 from benchmarks.kinematic import scene_of, wind
 from evidence.drawing import ACCENTS, COLOURS, figure
+from evidence.rendering import number, quantity
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
@@ -170,38 +172,43 @@ def draw(tables: Tables) -> Figure:
     return made
 
 
-def reading(t: Table) -> str:
-    """The page's section."""
-    rows = [
-        "| rope | trip | coupling | TMN-ETM elements | loop's lowest point | end forces | "
-        "EEM elements, same loop error | time saved | by the elements alone |",
-        "|---" * 9 + "|",
-    ]
+def reading(t: Table) -> dict[str, Any]:
+    """Rows of the page's table, and where the savings that the source states are reached."""
     found = savings(t)
-    for s in found:
-        if np.isfinite(s.saved):
-            by_count = 100 * (1 - s.elements / s.equal_elements)
-            equal, part = f"{s.equal_elements:.0f}", f"{s.saved:.1f} % | {by_count:.1f} %"
-        else:
-            equal, part = "more than tried", " | "
-        rows.append(
-            f"| {s.rope}, {s.length:g} m | {trip_of(s)} | {s.coupling} | {s.elements} | {1e3 * s.loop_error:.2g} mm | "
-            f"{100 * s.force_error:.2g} % | {equal} | {part} |"
-        )
-    return "\n".join(rows) + "\n\n" + " ".join(_verdict_of(found, c) for c in COUPLINGS)
+    return {"rows": [_row(s) for s in found], "sources": [_verdict_of(found, c) for c in COUPLINGS]}
+
+
+def _row(s: Saved) -> tuple[str, ...]:
+    known = bool(np.isfinite(s.saved))
+    return (
+        f"{s.rope}, {quantity(s.length, 'm', 'g')}",
+        trip_of(s),
+        s.coupling,
+        str(s.elements),
+        quantity(s.loop_error, "mm", ".2g"),
+        quantity(s.force_error, "%", ".2g"),
+        number(s.equal_elements, ".0f") if known else "more than tried",
+        f"{s.saved:.1f} %" if known else "",
+        f"{100 * (1 - s.elements / s.equal_elements):.1f} %" if known else "",
+    )
 
 
 def trip_of(s: Saved) -> str:
     """The way and its speed."""
-    return f"{s.travel:g} m at {s.speed:g} m/s"
+    return f"{quantity(s.travel, 'm', 'g')} at {quantity(s.speed, 'm/s', 'g')}"
 
 
-def _verdict_of(found: Sequence[Saved], coupling: str) -> str:
+def _verdict_of(found: Sequence[Saved], coupling: str) -> dict[str, Any]:
+    """Where at least the source's part of the time is saved, and the most that is, by the rope's length."""
     asked = SOURCE_SAVED[coupling]
     mine = [s for s in found if s.coupling == coupling and np.isfinite(s.saved)]
-    reached = [s for s in mine if s.saved >= asked]
-    best = {s.length: max(x.saved for x in mine if x.length == s.length) for s in mine}
-    most = ", ".join(f"{part:.1f} % at {length:g} m" for length, part in best.items()) or "not known"
-    where = dict.fromkeys(f"{s.rope}, {trip_of(s)}, at {1e3 * s.loop_error:.2g} mm" for s in reached)
-    words = f"reached on {'; '.join(where)}" if reached else "not reached"
-    return f"The source's {asked} % ({coupling}): {words}; the most is {most}."
+    most = {s.length: max(x.saved for x in mine if x.length == s.length) for s in mine}
+    where = dict.fromkeys(
+        f"{s.rope}, {trip_of(s)}, at {quantity(s.loop_error, 'mm', '.2g')}" for s in mine if s.saved >= asked
+    )
+    return {
+        "coupling": coupling,
+        "asked": asked,
+        "where": list(where),
+        "most": [(part, length) for length, part in most.items()],
+    }

@@ -1,14 +1,16 @@
-"""README's table of the levels of accuracy."""
+"""The table of levels, on the page and in README, where it stands between two marks."""
 
 from __future__ import annotations
 
 import math
 
+from evidence.rendering import markdown, number, quantity, render
 from evidence.tables import Tables
 
 from .reading import FORCE, LOOP, TWIST, rows
 
-BEGIN, END = "<!-- levels -->", "<!-- /levels -->"
+MARK = "levels"
+HEAD = ("level", "for", "elements", "largest step", "RMS end-force error", "loop's lowest point", "twist angle")
 MEANING = {
     "draft": "end forces in sweeps over many parameters; may leave torsion and yaw out",
     "standard": "studies and co-simulation; the default",
@@ -17,44 +19,29 @@ MEANING = {
 }
 
 
-def times(factor: float) -> str:
-    """Three digits, never as a power of ten."""
-    return f"{float(f'{factor:.3g}'):g}"
-
-
 def levels(tables: Tables) -> str:
-    """The table: errors of the coupled winding, real-time factors of both."""
-    t = tables["points"]
-    lines = [
-        "| level | for | elements | largest step | RMS end-force error | loop's lowest point | twist angle "
-        "| times real time, coupled | uncoupled |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
+    """Errors of the coupled winding, real-time factors of both."""
+    t, lines = tables["points"], []
     both = {c: rows(t, family="levels", coupling=c) for c in ("coupled", "uncoupled")}
     for i, name in enumerate(both["coupled"]["name"].tolist()):
         c = {column: values[i] for column, values in both["coupled"].items()}
         planar = rows(both["uncoupled"], name=name)["processor time [s/s]"]
-        step = min(c["largest step [s]"], c["communication step [s]"])
-        fast = [times(1 / cost) for cost in (c["processor time [s/s]"], *planar)]
-        twist = f"{1e3 * c[TWIST]:.2g} mrad" if math.isfinite(c[TWIST]) else "none computed"
         lines.append(
-            f"| {name} | {MEANING[name]} | {c['elements']:.0f} | {1e3 * step:g} ms | {100 * c[FORCE]:.2g} % "
-            f"| {1e3 * c[LOOP]:.2g} mm | {twist} | {' | '.join(fast)} |"
+            (
+                name,
+                MEANING[name],
+                number(c["elements"], "g"),
+                quantity(min(c["largest step [s]"], c["communication step [s]"]), "ms", "g"),
+                quantity(c[FORCE], "%", ".2g"),
+                quantity(c[LOOP], "mm", ".2g"),
+                quantity(c[TWIST], "mrad", ".2g") if math.isfinite(c[TWIST]) else "none computed",
+                *(number(1 / cost) for cost in (c["processor time [s/s]"], *planar)),
+            )
         )
-    return "\n".join(lines)
+    return markdown(lines, *HEAD, "times real time, coupled", "uncoupled")
 
 
 def block(tables: Tables) -> str:
-    """What stands between the marks."""
+    """What README says between its marks ``levels``."""
     form = "compiled" if "compiled" in tables["points"]["kernels"] else "interpreted"
-    return (
-        f"{BEGIN}\n{levels(tables)}\n\nErrors and {form} real-time factors of the 90 m winding, in process, from "
-        f"`make chart`; [docs/chart.md](docs/chart.md) shows what else was tried.\n{END}"
-    )
-
-
-def with_block(text: str, tables: Tables) -> str:
-    """``text`` with a new table between its marks; unchanged without them."""
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    return before + block(tables) + after if begin and end else text
+    return render("chart/levels.md.j2", {"levels": levels(tables), "form": form})

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-import os
-import platform
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
+from evidence.machine import machine
 from evidence.reproduction.windings import COUPLINGS, TRAVEL
 from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
@@ -166,25 +163,6 @@ def _describe(p: Point) -> str:
     if mesh.kind == "eem":
         return f"EEM, {mesh.elements}"
     return f"TMN-ETM, l = {mesh.coarse_length:.3g} m, IV of {mesh.counts[2]}, ends halved {mesh.end_levels} times"
-
-
-def machine() -> Table:
-    """What the times were measured on."""
-    rows = [
-        ("processor", _processor()),
-        ("processors", str(os.cpu_count())),
-        ("Python", platform.python_version()),
-        *((name, version(name)) for name in ("numpy", "casadi")),
-    ]
-    return table(("what", "value"), rows)
-
-
-def _processor() -> str:
-    """The processor's model where the system tells, or its architecture."""
-    info = Path("/proc/cpuinfo")
-    lines = info.read_text(encoding="utf-8").splitlines() if info.is_file() else []
-    names = (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    return next(names, platform.machine())
 
 
 def merge(old: Table, new: Table, families: Sequence[str]) -> Table:

@@ -1,43 +1,38 @@
-"""Write docs/choice.md with its data: ``make choice``.  ``--estimates`` first compares estimates and errors anew."""
+"""Measure what docs/choice.md tells, and write page and data: ``make choice``.
+
+``--estimates`` compares estimates and errors anew before that (some ten minutes).
+"""
 
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
+from collections.abc import Sequence
+from dataclasses import astuple, fields
 
 from tqdm import tqdm
 
-from .fidelity import VARIED, calibrations, measure_choice
-from .page import DATA, DOCS, page, read_csv, terms, write_csv
+from evidence.pages import PAGES, publish
+from evidence.rendering import DOCS
+from evidence.tables import Table, table, write
+
+from .fidelity import VARIED, Calibration, Taken, calibrations, measure_choice
 from .scenes import CASES
-from .terms import SCENES, VARIANTS, measure
+from .terms import SCENES, VARIANTS, Base, Change, measure
+
+DATA = DOCS / "data" / "choice"
 
 
 def main() -> None:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(description="Which rung of the model a scene needs, and which terms.")
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--estimates", action="store_true", help="compare the error estimates too: some ten minutes")
     if parser.parse_args().estimates:
         windings = tqdm(calibrations(), total=6 * len(VARIED) + 1, unit="winding", leave=False)
-        write_csv(DATA / "estimates.csv", [asdict(row) for row in windings])
+        write({"estimates": table([f.name for f in fields(Calibration)], [astuple(row) for row in windings])}, DATA)
     results = []
     for case in tqdm(CASES, unit="scene", leave=False):
         results.append(measure_choice(case))
         tqdm.write(f"{case.title}: {results[-1].fidelity}, {results[-1].reason}")
-    fidelities = [
-        {
-            "scene": x.case.title,
-            "rung": x.fidelity,
-            "reason": x.reason,
-            "raised": "; ".join(x.switches),
-            "force_rms": x.force,
-            "force_largest": x.peak,
-            "loop_m": x.bottom,
-            "time": x.time,
-        }
-        for x in results
-    ]
-    write_csv(DATA / "rungs.csv", fidelities)
     with tqdm(total=len(SCENES) * (len(VARIANTS) + 1), unit="run", leave=False) as bar:
 
         def advance(what: str) -> None:
@@ -45,22 +40,32 @@ def main() -> None:
             bar.update()
 
         bases, changes = measure(advance)
+    write({"rungs": choices_table(results), "bases": bases_table(bases), "terms": terms_table(changes)}, DATA)
+    publish(PAGES["choice"])
+
+
+def choices_table(results: Sequence[Taken]) -> Table:
+    """What 'auto' took, why, and what that changed."""
+    names = ("scene", "rung", "reason", "raised", "force_rms", "force_largest", "loop_m", "time")
     rows = [
-        {
-            "scene": x.scene,
-            "term": x.variant.term,
-            "change": x.variant.change,
-            "force_rms": x.force,
-            "loop_m": x.bottom,
-            "theta_rad": x.theta,
-            "torque_Nm": x.torque,
-            "steps": x.steps,
-        }
+        (x.case.title, x.fidelity, x.reason, "; ".join(x.switches), x.force, x.peak, x.bottom, x.time) for x in results
+    ]
+    return table(names, rows)
+
+
+def bases_table(bases: Sequence[Base]) -> Table:
+    """What the changes are compared with."""
+    return table(("scene", "force_N", "theta_rad", "torque_Nm", "steps"), [astuple(x) for x in bases])
+
+
+def terms_table(changes: Sequence[Change]) -> Table:
+    """What each term changes in each scene."""
+    names = ("scene", "term", "change", "force_rms", "loop_m", "theta_rad", "torque_Nm", "steps", "message")
+    rows = [
+        (x.scene, x.variant.term, x.variant.change, x.force, x.bottom, x.theta, x.torque, x.steps, x.message)
         for x in changes
     ]
-    write_csv(DATA / "terms.csv", rows)
-    text = page(results, read_csv(DATA / "estimates.csv"), terms(bases, changes))
-    (DOCS / "choice.md").write_text(text, encoding="utf-8")
+    return table(names, rows)
 
 
 if __name__ == "__main__":

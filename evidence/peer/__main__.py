@@ -1,48 +1,35 @@
-"""Run the comparison and write docs/peer.md, docs/data/peer and docs/images/peer.
-
-``--again`` writes them from the results of the last run, kept in out/.
-"""
+"""Run the comparison and write docs/peer.md, docs/data/peer and docs/images/peer: ten minutes on a free machine."""
 
 from __future__ import annotations
 
-import pickle
-import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
-import numpy as np
 from tqdm import tqdm
 
+from evidence.pages import PAGES, publish
+from evidence.rendering import DOCS
+from evidence.tables import Table, Tables, table, write
+
 from .cases import OPTIONS, OPTIONS_AT, REFERENCE_OURS, REFERENCE_PEER, SPACE, planar_cases, space_cases
-from .exudyn_rope import Method
-from .figures import work_precision
-from .page import Results, page, write_data
-from .precision import LEVELS, Measured
+from .exudyn_rope import VERSION, Method
+from .page import PLANAR, PYTHON, SPATIAL, SYMBOLIC
 from .runs import UNCOUPLED, Error, Run, error, exudyn, measure_times, ours
-from .statics import frequencies, yaws
+from .statics import MODES, Frequencies, Yaw, frequencies, yaws
 
-ROOT = Path(__file__).resolve().parents[2]
-DOCS, KEPT = ROOT / "docs", ROOT / "out" / "peer.pickle"
 ROUNDS, SHORT = 3, 3.0  # s
+NAN = float("nan")
 
 
-def main(again: bool) -> None:
-    """Compute or load, and write."""
-    if not again:
-        KEPT.parent.mkdir(exist_ok=True)
-        KEPT.write_bytes(pickle.dumps(compute()))
-    results: Results = pickle.loads(KEPT.read_bytes())
-    write_data(results, DOCS / "data" / "peer")
-    shown = [m for m in results.measured if np.isfinite(m.run.cpu)]
-    for metric in LEVELS:
-        work_precision(shown, metric, DOCS / "images" / "peer" / f"{metric}.png")
-    (DOCS / "peer.md").write_text(page(results), encoding="utf-8")
-    print(f"written: docs/peer.md, {len(results.measured)} runs of the planar winding")
+def main() -> None:
+    """Compute, and write."""
+    write(compute(), DOCS / "data" / "peer")
+    publish(PAGES["peer"])
 
 
-def compute() -> Results:
-    """Everything; takes some ten minutes on a free machine."""
+def compute() -> Tables:
+    """Everything."""
     with tqdm(desc="runs", unit="run", leave=False) as bar:
 
         def tell(key: str) -> None:
@@ -51,10 +38,6 @@ def compute() -> Results:
 
         mine = ours(REFERENCE_OURS.group, REFERENCE_OURS.label, REFERENCE_OURS.scene)
         theirs = exudyn(*REFERENCE_PEER)
-
-        def measured(run: Run) -> Measured:
-            return Measured(run, error(run, mine), error(run, theirs))
-
         element, count = OPTIONS_AT
         cases = {
             f"{1e3 * m.step:g} ms, {m.newton} Newton, radius {m.spectral_radius:g}": partial(exudyn, element, count, m)
@@ -62,27 +45,25 @@ def compute() -> Results:
         }
         options = measure_times(cases, ROUNDS, SHORT, tell)
         method = Method(0.01, "full")
-        forms = {f"symbolic: {x}": partial(exudyn, element, count, method, symbolic=x) for x in (True, False)}
-        functions = measure_times(forms, ROUNDS, SHORT, tell)
-        damping = difference_without_damping(element, count, method)
-        damping_3d = difference_without_damping("beam-3d", 120, Method(0.02, "full"))
+        forms = {
+            name: partial(exudyn, element, count, method, symbolic=name == SYMBOLIC) for name in (SYMBOLIC, PYTHON)
+        }
+        times = {name: run.cost for name, run in measure_times(forms, ROUNDS, SHORT, tell).items()}
+        undamped = {
+            PLANAR: difference_without_damping(element, count, method),
+            SPATIAL: difference_without_damping("beam-3d", 120, Method(0.02, "full")),
+        }
         planar = measure_times(planar_cases(), ROUNDS, SHORT, tell)
-        space: list[tuple[str, list[tuple[str, Run, Error]]]] = []
-        for scene in SPACE:
-            runs = measure_times(space_cases(scene), ROUNDS, SHORT, tell)
-            reference = next(iter(runs.values()))
-            space.append((scene.title, [(label, run, error(run, reference)) for label, run in runs.items()]))
-    return Results(
-        frequencies=frequencies(),
-        yaws=yaws(),
-        references=error(mine, theirs),
-        measured=[measured(run) for run in (mine, *planar.values())],
-        options=[(name, measured(run)) for name, run in options.items()],
-        damping=damping,
-        damping_3d=damping_3d,
-        functions=(functions["symbolic: True"], functions["symbolic: False"]),
-        space=space,
-    )
+        space = [(scene.title, measure_times(space_cases(scene), ROUNDS, SHORT, tell)) for scene in SPACE]
+    return {
+        "setup": setup_table(),
+        "frequencies": frequencies_table(frequencies()),
+        "yaw": yaw_table(yaws()),
+        "winding": winding_table([mine, *planar.values()], mine, theirs),
+        "options": options_table(options, mine, theirs),
+        "checks": checks_table(undamped, times),
+        "space": space_table(space),
+    }
 
 
 def difference_without_damping(element: str, count: int, method: Method) -> Error:
@@ -91,5 +72,72 @@ def difference_without_damping(element: str, count: int, method: Method) -> Erro
     return error(exudyn(element, count, method), exudyn(element, count, method, undamped))
 
 
+def setup_table() -> Table:
+    """What the page must know of the runs."""
+    element, count, method = REFERENCE_PEER
+    rows = [
+        ("version of Exudyn", VERSION),
+        ("our reference", REFERENCE_OURS.label),
+        ("Exudyn's reference", f"{element}, {count} elements, {1e3 * method.step:g} ms"),
+        ("element of the options", OPTIONS_AT[0]),
+        ("elements of the options", str(OPTIONS_AT[1])),
+    ]
+    return table(("what", "value"), rows)
+
+
+def frequencies_table(found: Sequence[Frequencies]) -> Table:
+    """Of every code, in both planes and at both heights."""
+    names = ("height_m", "plane", "code", *(f"f{k + 1}_Hz" for k in range(MODES)))
+    return table(names, [(x.height, x.plane, x.code, *x.values) for x in found])
+
+
+def yaw_table(found: Sequence[Yaw]) -> Table:
+    """The twisted rope."""
+    names = ("code", "twist_rad", "torque_Nm", "yaw_deg", "left_z_m", "right_z_m")
+    return table(names, [(x.code, x.twist, x.torque, x.yaw, x.left, x.right) for x in found])
+
+
+def winding_table(runs: Sequence[Run], mine: Run, theirs: Run) -> Table:
+    """Errors of every planar winding against our finest mesh and against Exudyn's."""
+    names = (
+        *("code", "group", "variant", "elements", "step_s", "cpu_s_per_s"),
+        *("force_error_vs_ours", "force_error_vs_exudyn", "loop_error_vs_ours_m", "loop_error_vs_exudyn_m", "failure"),
+    )
+    rows = []
+    for r in runs:
+        a, b = error(r, mine), error(r, theirs)
+        errors = a.force, b.force, a.loop, b.loop
+        rows.append((r.code, r.group, r.label, r.elements, r.step, r.cost, *errors, r.failure))
+    return table(names, rows)
+
+
+def options_table(runs: dict[str, Run], mine: Run, theirs: Run) -> Table:
+    """Of both errors the larger."""
+    rows = []
+    for name, r in runs.items():
+        a, b = error(r, mine), error(r, theirs)
+        rows.append((name, max(a.force, b.force), max(a.loop, b.loop), r.cost))
+    return table(("option", "force_error", "loop_error_m", "cpu_s_per_s"), rows)
+
+
+def checks_table(undamped: dict[str, Error], times: dict[str, float]) -> Table:
+    """What damping changes, and what the form of the ends' motion costs."""
+    rows = [(what, e.force, e.loop, NAN) for what, e in undamped.items()]
+    rows += [(what, NAN, NAN, cost) for what, cost in times.items()]
+    return table(("what", "force_error", "loop_error_m", "cpu_s_per_s"), rows)
+
+
+def space_table(cases: Sequence[tuple[str, dict[str, Run]]]) -> Table:
+    """Errors against the first run of each case."""
+    names = ("case", "code", "variant", "elements", "step_s", "cpu_s_per_s", "force_error", "loop_error_m", "failure")
+    rows = []
+    for title, runs in cases:
+        reference = next(iter(runs.values()))
+        for label, r in runs.items():
+            e = error(r, reference)
+            rows.append((title, r.code, label, r.elements, r.step, r.cost, e.force, e.loop, r.failure))
+    return table(names, rows)
+
+
 if __name__ == "__main__":
-    main("--again" in sys.argv[1:])
+    main()

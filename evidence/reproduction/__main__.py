@@ -1,24 +1,22 @@
 """The source's evaluation with figures, data and verdicts: ``make reproduce``.
 
 Runs everything (some ten minutes, progress on stderr) and writes docs/reproduction.md, its figures and its CSV files.
-``python -m evidence.reproduction release`` runs only what is named, of MEASURES; ``draw`` runs nothing and makes
-figures and page again from the CSV files as they are.
+``python -m evidence.reproduction release`` runs only what is named, of MEASURES, and keeps the other files.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from pathlib import Path
 
-from evidence.drawing import draw_to
+from evidence.pages import PAGES, publish
+from evidence.rendering import DOCS
 from evidence.tables import Tables, read, write
 
-from . import costs, displacements, energies, frequencies, release, stresses, swing, timestep, windings
-from .page import DATA, IMAGES, page
-from .section import Section
+from . import costs, frequencies, release, timestep, windings
+from .page import SECTIONS
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
+DATA = DOCS / "data" / "reproduction"
 MEASURES: dict[str, Callable[[], Tables]] = {
     "frequencies": frequencies.measure,
     "windings": windings.measure,
@@ -26,25 +24,19 @@ MEASURES: dict[str, Callable[[], Tables]] = {
     "timestep": timestep.measure,
     "release": release.measure,
 }
-SECTIONS: tuple[Section, ...] = tuple(
-    module.SECTION for module in (frequencies, displacements, stresses, energies, costs, swing)
-)
 
 
 def main() -> None:
     """Measure what is asked for; then draw, and write the page, from the files."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("names", nargs="*", metavar="name", help=f"{', '.join(MEASURES)} or draw (all)")
+    parser.add_argument("names", nargs="*", metavar="name", help=f"{', '.join(MEASURES)} (all)")
     names = parser.parse_args().names or list(MEASURES)
-    if unknown := set(names) - {*MEASURES, "draw"}:
-        parser.error(f"there is no {', '.join(sorted(unknown))}; choose of {', '.join(MEASURES)}, draw")
+    if unknown := set(names) - set(MEASURES):
+        parser.error(f"there is no {', '.join(sorted(unknown))}; choose of {', '.join(MEASURES)}")
     for name in names:
-        if name != "draw":
-            write(MEASURES[name](), DOCS / DATA)
-    tables = read(DOCS / DATA)
-    for picture in (p for section in SECTIONS for p in section.pictures):
-        draw_to(DOCS / IMAGES / f"{picture.name}.png", picture.draw, tables)
-    (DOCS / "reproduction.md").write_text(page(SECTIONS, tables), encoding="utf-8")
+        write(MEASURES[name](), DATA)
+    publish(PAGES["reproduction"])
+    tables = read(DATA)
     for section in SECTIONS:
         for claim in section.claims(tables):
             print(claim.verdict)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -10,6 +12,7 @@ from numpy.typing import NDArray
 from benchmarks.kinematic import Winding
 from evidence.claims import Measured
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
+from evidence.rendering import number, quantity
 from evidence.tables import Table, Tables, table
 from rope_model.parameters import Mesh
 
@@ -176,107 +179,85 @@ def draw(tables: Tables) -> Figure:
     return made
 
 
-def reading(tables: Tables) -> str:
-    """The tables of times, of equal error, and of all meshes."""
-    return "\n\n".join((_times(tables), _equal(tables), _levels(tables), _all(tables), _steps(tables)))
+def numbers(tables: Tables) -> dict[str, Any]:
+    """Times, errors, and what is saved at equal error."""
+    return {
+        "rounds": ROUNDS,
+        "reference": REFERENCE_ELEMENTS,
+        "times": _times(tables),
+        "equal": _equal(tables),
+        "levels": [_level(tables, level) for level in LEVELS],
+        "meshes": _meshes(tables["costs"]),
+        "steps": _steps(tables["time-step"]),
+    }
 
 
-def _times(tables: Tables) -> str:
-    times, t = median_times(tables), tables["times"]
-    rows = ["| | TMN-ETM | EEM | saved | source: elements | source: saved |", "|---|---|---|---|---|---|"]
+def _times(tables: Tables) -> list[tuple[str, ...]]:
+    """Both meshes, with the range of their rounds, and the source's numbers."""
+    times, t, rows = median_times(tables), tables["times"], []
     for c in COUPLINGS:
         spread = []
         for mesh in ("TMN-ETM", "EEM"):
             mine = t["processor time [s]"][(t["coupling"] == c) & (t["mesh"] == mesh)]
             elements = int(t["elements"][t["mesh"] == mesh][0])
             spread.append(f"{elements} elements, {times[c, mesh]:.2f} s ({mine.min():.2f} to {mine.max():.2f})")
-        rows.append(
-            f"| {c} | {spread[0]} | {spread[1]} | {saved(tables, c):.1f} % | "
-            f"{SOURCE_ELEMENTS[1]} / {SOURCE_ELEMENTS[0]} | {SOURCE_SAVED[c]} % |"
-        )
-    return (
-        f"Processor time of the steps alone; both meshes in turns, medians of {ROUNDS} rounds and range.\n\n"
-        + "\n".join(rows)
-    )
+        counts = f"{SOURCE_ELEMENTS[1]} / {SOURCE_ELEMENTS[0]}"
+        rows.append((c, *spread, f"{saved(tables, c):.1f} %", counts, f"{SOURCE_SAVED[c]} %"))
+    return rows
 
 
-def _equal(tables: Tables) -> str:
-    rows = [
-        "| error | of the default TMN-ETM | EEM elements with the same error | EEM time | TMN-ETM time | saved |",
-        "|---|---|---|---|---|---|",
-    ]
+def _equal(tables: Tables) -> list[tuple[str, ...]]:
+    """EEM with the errors of the default mesh."""
+    rows = []
     for error, value, elements, time, own, percent in at_equal_error(tables):
         name, unit = error.removesuffix("]").split(" [")
-        rows.append(f"| {name} | {value:.2g} {unit} | {elements:.0f} | {time:.2g} s | {own:.2g} s | {percent:.0f} % |")
-    return (
-        "600 elements are more than the loop needs: an EEM mesh that is only as good as TMN-ETM is smaller. At "
-        "equal error TMN-ETM saves less (coupled winding, one run per mesh, EEM interpolated between "
-        "neighbouring runs):\n\n"
-    ) + "\n".join(rows)
+        seconds = (quantity(x, "s", ".2g") for x in (time, own))
+        rows.append((name, f"{number(value, '.2g')} {unit}", number(elements, ".0f"), *seconds, f"{percent:.0f} %"))
+    return rows
 
 
-def _levels(tables: Tables) -> str:
-    rows = [
-        "| end-force error | EEM elements | EEM time | smallest TMN-ETM mesh within it | its time | saved |",
-        "|---|---|---|---|---|---|",
-    ]
-    for level in LEVELS:
-        elements, time = eem_at(tables, ERRORS[0], level)
-        fitting = meshes_within(tables, ERRORS[0], level)
-        if fitting:
-            own = fitting[min(fitting)]
-            rows.append(
-                f"| {level:g} % | {elements:.0f} | {time:.2g} s | {min(fitting)} elements | {own:.2g} s | "
-                f"{100 * (1 - own / time):.0f} % |"
-            )
-        else:
-            rows.append(f"| {level:g} % | {elements:.0f} | {time:.2g} s | none of those run | | |")
-    return "\n".join(rows)
+def _level(tables: Tables, level: float) -> tuple[str, ...]:
+    """EEM with this error of the end forces (%), and the smallest TMN-ETM mesh within it."""
+    elements, time = eem_at(tables, ERRORS[0], level)
+    fitting = meshes_within(tables, ERRORS[0], level)
+    eem = f"{level:g} %", number(elements, ".0f"), quantity(time, "s", ".2g")
+    if not fitting:
+        return (*eem, "none of those run", "", "")
+    own = fitting[min(fitting)]
+    return (*eem, f"{min(fitting)} elements", quantity(own, "s", ".2g"), f"{100 * (1 - own / time):.0f} %")
 
 
-def _all(tables: Tables) -> str:
-    rows = [
-        "| mesh | elements | time | end force, RMS | lowest point | kinetic energy per transformation | rejections |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    t = tables["costs"]
-    for i, name in enumerate(t["mesh"]):
-        change = f"{t['kinetic change [J]'][i]:.1e} J" if t["kind"][i] == "tmn" else ""
-        rows.append(
-            f"| {name} | {t['elements'][i]:.0f} | {t['processor time [s]'][i]:.1f} s | {t[ERRORS[0]][i]:.2g} % | "
-            f"{t[ERRORS[1]][i]:.2g} mm | {change} | {t['rejections'][i]:.0f} |"
+def _meshes(t: Table) -> list[tuple[str, ...]]:
+    """Every mesh."""
+    return [
+        (
+            name,
+            number(t["elements"][i], ".0f"),
+            quantity(t["processor time [s]"][i], "s", ".1f"),
+            *_errors(t, i),
+            quantity(t["kinetic change [J]"][i], "J", ".1e") if t["kind"][i] == "tmn" else "",
+            number(t["rejections"][i], ".0f"),
         )
-    return f"All meshes, coupled, against EEM with {REFERENCE_ELEMENTS} elements:\n\n" + "\n".join(rows)
+        for i, name in enumerate(t["mesh"].tolist())
+    ]
 
 
-def _steps(tables: Tables) -> str:
-    t = tables["time-step"]
-    rows = ["| | end force, RMS | lowest point |", "|---|---|---|"]
-    rows += [f"| {t['what'][i]} | {t[ERRORS[0]][i]:.2g} % | {t[ERRORS[1]][i]:.2g} mm |" for i in range(t["what"].size)]
-    return STEPS_TEXT + "\n".join(rows)
+def _errors(t: Table, i: int) -> tuple[str, str]:
+    return f"{number(t[ERRORS[0]][i], '.2g')} %", f"{number(t[ERRORS[1]][i], '.2g')} mm"
 
 
-STEPS_TEXT = """All runs share their time steps, and their time errors cancel: a transformation waits for the end of the
-step in which it is due. (Cut so that they end on that instant, as published, the steps of TMN-ETM bring an error of
-their own, however fine the mesh: tests/test_legs.py.) The table shows what the time step of 10 ms costs by itself:
-where it is larger than the errors above, these compare meshes and not accuracies.
+def _steps(t: Table) -> list[tuple[str, ...]]:
+    """What the time step costs."""
+    return [(what, *_errors(t, i)) for i, what in enumerate(t["what"].tolist())]
 
-"""
 
 SECTION = Section(
+    key="costs",
     title="Elements and computation time",
-    scene=(
-        "The windings of the sections before, timed. The source's ladder is known only by its counts, 600 elements of "
-        "0.2 m against 98. Of the patterns with 0.2 m in segment IV that give 98 elements on 120 m we take one "
-        "(assumed): l = 1.6 m, counts 4, 8, 8, 8, 4 in II to VI. Its segment IV is 1.6 m long, shorter than the bend "
-        "of our loop. "
-        "Our default mesh has a longer segment IV, no segments III and V, halves the outermost elements towards the "
-        "clamped ends, and joins the legs' elements far from ends and loop."
-    ),
     pictures=[
         Picture("costs", "End-force and loop-bottom error over element count and time for both kinds of mesh", draw)
     ],
     claims=claims,
-    reading=reading,
+    numbers=numbers,
     data=["times", "costs", "time-step"],
 )

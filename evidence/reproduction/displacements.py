@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from evidence.claims import Measured
 from evidence.drawing import COLOURS, REFERENCE, figure
+from evidence.rendering import number
 from evidence.tables import Tables
 
 from .section import Claim, Picture, Section
@@ -112,36 +115,25 @@ def _band(time: Array, values: Array, samples: int = 10) -> tuple[Array, Array, 
     return time[:whole].reshape(-1, samples).mean(axis=1), groups.min(axis=1), groups.max(axis=1)
 
 
-def reading(tables: Tables) -> str:
+def numbers(tables: Tables) -> dict[str, Any]:
     """Largest values and differences."""
-    rows = ["| | coupling | largest value | largest difference |", "|---|---|---|---|"]
+    rows = []
     for coupling in COUPLINGS:
         for quantity in QUANTITIES:
             name, unit = quantity.removesuffix("]").split(" [")
             value, difference = (largest(tables, coupling, quantity, which) for which in ("EEM", "difference"))
-            rows.append(f"| {name} | {coupling} | {value:.4g} {unit} | {difference:.2g} {unit} |")
-    return TEXT + "\n".join(rows)
+            rows.append((name, coupling, f"{number(value, '.4g')} {unit}", f"{number(difference, '.2g')} {unit}"))
+    return {"largest": rows}
 
-
-TEXT = """In plane the legs swing by up to two metres when the conveyances change speed. Without coupling nothing
-pushes the rope out of plane and it stays in its plane exactly; with coupling the torque moves the legs to opposite
-sides from the first instant on (the rope hangs so already at rest) and they stay there. theta is the angle of the
-section about the tangent, counted from the frame that the smallest rotation carries along.
-
-"""
 
 SECTION = Section(
+    key="displacements",
     title="Displacement and twist at the observation points",
-    scene=(
-        "The 120 m rope with locked swivels, the conveyances wind 90 m at up to 7.7 m/s (an S-curve of 0.75 m/s^2 and "
-        "0.5 m/s^3, assumed; 8 m/s are not reached on 90 m) and stand still for the last 3 s. EEM has 600 elements of "
-        "0.2 m. Displacements are counted from the plumb line below the rope's end, in plane positive to the right."
-    ),
     pictures=[
         Picture("displacements", "Displacement and twist of both observation points with both meshes", draw),
         Picture("displacement-differences", "Difference of the meshes at both observation points", draw_differences),
     ],
     claims=claims,
-    reading=reading,
+    numbers=numbers,
     data=[f"winding-{coupling}" for coupling in COUPLINGS],
 )

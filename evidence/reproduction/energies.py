@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -95,25 +97,22 @@ def _sizes(pair: tuple[NDArray[np.float64], NDArray[np.float64]]) -> tuple[NDArr
     return pair[0], np.abs(pair[1])
 
 
-def reading(tables: Tables) -> str:
-    """Counts and sums."""
-    lines = []
+def numbers(tables: Tables) -> dict[str, Any]:
+    """Counts and sums of the transformations' changes of energy."""
+    found = []
     for coupling in COUPLINGS:
         at, kinetic = changes(tables, coupling)
         potential = changes(tables, coupling, "potential [J]")[1]
-        lines.append(
-            f"The {coupling} winding has {at.size} transformations; the median change of the kinetic energy is "
-            f"{np.median(np.abs(kinetic)):.1e} J, the sum of all changes {kinetic.sum():+.1e} J kinetic and "
-            f"{potential.sum():+.1e} J potential."
-        )
-    return " ".join(lines)
+        sums = {"kinetic": kinetic.sum(), "potential": potential.sum()}
+        found.append({"coupling": coupling, "count": at.size, "median": np.median(np.abs(kinetic)), **sums})
+    return {"windings": found}
 
 
 SECTION = Section(
+    key="energies",
     title="Kinetic energy",
-    scene="The same windings, uncoupled and coupled. The rope's mass of 8 kg/m is assumed.",
     pictures=[Picture("energies", "Kinetic energy, its difference between the meshes, and its changes", draw)],
     claims=claims,
-    reading=reading,
+    numbers=numbers,
     data=["transformations", *(f"winding-{coupling}" for coupling in COUPLINGS)],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +13,7 @@ from tqdm import tqdm
 
 from evidence.claims import Measured
 from evidence.drawing import CURVES, figure
+from evidence.rendering import number
 from evidence.tables import Table, Tables, table
 from rope_model.parameters import Swivel, rope_120
 from rope_model.simulation.ends import EndMotion, EndPath, HangingEnds, Phase, SwivelState, nominal_points
@@ -236,50 +238,35 @@ def _draw_gap(ax: Axes, tables: Tables) -> None:
     ax.yaxis.set_major_formatter("{x:.4f}")
 
 
-def reading(tables: Tables) -> str:
-    """Ranges and veerings in numbers."""
-    lines = []
-    for plane, words in (("out", "out of plane"), ("in", "in plane")):
-        spread = ", ".join(f"{x:.0f}" for x in ranges(tables, plane))
-        lines.append(f"Modes 1 to 4 {words} range over {spread} % of their smallest frequency along the travel.")
-    t = tables["approaches"]
-    rows = [
-        "| swivels | plane | modes | H [m] | gap [Hz] | MAC exchanged | MAC kept | MAC step to step | exchange |",
-        "|---|---|---|---|---|---|---|---|---|",
+def numbers(tables: Tables) -> dict[str, Any]:
+    """Ranges of the frequencies, and the closest approaches of their curves."""
+    ranges_of = [
+        (words, [number(x, ".0f") for x in ranges(tables, plane)])
+        for plane, words in (("out", "out of plane"), ("in", "in plane"))
     ]
-    for i in np.flatnonzero(t["H [m]"] >= 0):
-        k = int(t["lower mode"][i])
-        swapped, kept = (" / ".join(f"{t[name][i]:.2f}" for name in names) for names in (SWAPPED, KEPT))
-        rows.append(
-            f"| {t['swivels'][i]} | {t['plane'][i]} | {k}, {k + 1} | {t['H [m]'][i]:.2f} | {t['gap [Hz]'][i]:.5f} | "
-            f"{swapped} | {kept} | {t[ALONG][i]:.2f} | {'yes' if exchange_rows(t)[i] else 'no'} |"
-        )
-    return "\n".join(lines) + EXPLANATION + "\n".join(rows)
+    t = tables["approaches"]
+    return {"ranges": ranges_of, "approaches": [_approach(t, int(i)) for i in np.flatnonzero(t["H [m]"] >= 0)]}
 
 
-EXPLANATION = """
+def _approach(t: Table, i: int) -> tuple[str, ...]:
+    k = int(t["lower mode"][i])
+    return (
+        t["swivels"][i],
+        t["plane"][i],
+        f"{k}, {k + 1}",
+        number(t["H [m]"][i], ".2f"),
+        number(t["gap [Hz]"][i], ".5f"),
+        *(" / ".join(number(t[name][i], ".2f") for name in names) for names in (SWAPPED, KEPT)),
+        number(t[ALONG][i], ".2f"),
+        "yes" if exchange_rows(t)[i] else "no",
+    )
 
-The table lists where the gap between neighbouring curves is smallest and doubles on both sides of it. The modal
-assurance criterion (MAC, 1 for equal shapes) compares the shapes at twice the smallest gap before and after:
-"exchanged" is lower mode before with upper mode after, and upper before with lower after. Where the exchanged ones
-are all larger than the kept ones the curves veer: each mode carries on with the other's shape. "Step to step" is the
-smallest MAC of the lower mode between neighbouring H; it stays well above 1/2, so the curves turn away from each
-other and do not cross. The legs are coupled through the loop alone, and a weak coupling makes a narrow gap. With
-locked swivels the gap is wide and no exchange is left. In plane no gap doubles: the curves stay apart.
-
-"""
 
 SECTION = Section(
+    key="frequencies",
     title="Natural frequencies over the travel",
-    scene=(
-        "The uncoupled 120 m rope hangs between ends 2 m apart (assumed) whose height difference H goes through the "
-        "whole travel of 90 m; by symmetry H and -H give the same frequencies. The ends are clamped vertically; the "
-        "swivels are free to turn, as in the reference numbers, or locked (thin dashed lines). Mass, stiffnesses "
-        "and spacing are assumed, "
-        "so the curves' places are ours; their behaviour is compared."
-    ),
     pictures=[Picture("frequencies", "First four natural frequencies out of plane and in plane over H", draw)],
     claims=claims,
-    reading=reading,
+    numbers=numbers,
     data=("frequencies", "approaches"),
 )

@@ -1,4 +1,4 @@
-"""The 240 m winding whose swivels are released at t = 20 s, and its twin whose swivels stay locked."""
+"""The 240 m winding whose swivels are released at t = 20 s, and the same whose swivels stay locked."""
 
 from __future__ import annotations
 

@@ -1,13 +1,15 @@
-"""What a section of the page is, and what a claim is."""
+"""What a section of the page is, and what a claim of the source is."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from evidence.claims import Measured
+from evidence.rendering import number
 from evidence.tables import Tables
 
 
@@ -58,15 +60,15 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """``scene`` says what is run; ``reading`` what the tables show, in Markdown."""
+    """``key`` names its template, which says what is run and what the ``numbers`` of the tables show."""
 
+    key: str
     title: str
-    scene: str
     pictures: Sequence[Picture]
     claims: Callable[[Tables], Sequence[Claim]]
-    reading: Callable[[Tables], str]
+    numbers: Callable[[Tables], Mapping[str, Any]]
     data: Sequence[str]  # tables that belong to it
 
 
 def _with_unit(value: float, unit: str) -> str:
-    return f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
+    return number(value) if unit == "1" else f"{number(value)} {unit}"

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from itertools import product
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from evidence.claims import Measured
 from evidence.drawing import figure
+from evidence.rendering import number
 from evidence.tables import Tables
 
 from .section import Claim, Picture, Section
@@ -119,50 +123,23 @@ def draw(tables: Tables) -> Figure:
     return made
 
 
-def reading(tables: Tables) -> str:
-    """Shares and maxima."""
-    rows = [
-        "| stress norm | mesh | largest | share above half of the maximum, median and largest |",
-        "|---|---|---|---|",
-    ]
-    t = tables["stress-places"]
-    for kind in STRESSES:
-        for mesh in MESHES:
-            share = t[f"{mesh} {kind} above half [%]"]
-            rows.append(
-                f"| {kind} | {mesh} | {t[f'{mesh} {kind} largest [MPa]'].max():.3g} MPa | "
-                f"{np.median(share):.1f} %, {share.max():.1f} % |"
-            )
-    twist = t["EEM twist above half [%]"]
-    return (
-        TEXT
-        + _step_text(tables)
-        + "What is uneven in torsion is not the stress but the twist per metre, (M - Qc e)/Qd: "
-        f"{np.median(twist):.0f} % (median over time) of the rope has more than half of the largest twist, near the "
-        "ends, where the tension is largest, and not in the loop.\n\n" + "\n".join(rows)
-    )
+def numbers(tables: Tables) -> dict[str, Any]:
+    """Maxima, the share of the rope above half of them, and how even the torsional stress is at either step."""
+    t, even = tables["stress-places"], tables["evenness"]
+    long, short = (even[EVEN][row(even, "run", f"TMN-ETM, {step}")] for step in ("10 ms", "2.5 ms"))
+    rows = []
+    for kind, mesh in product(STRESSES, MESHES):
+        share = t[f"{mesh} {kind} above half [%]"]
+        largest = f"{number(t[f'{mesh} {kind} largest [MPa]'].max())} MPa"
+        rows.append((kind, mesh, largest, f"{np.median(share):.1f} %, {share.max():.1f} %"))
+    return {"shares": rows, "even_long": long, "even_short": short, "twist": np.median(t["EEM twist above half [%]"])}
 
-
-def _step_text(tables: Tables) -> str:
-    t = tables["evenness"]
-    long, short = (t[EVEN][row(t, "run", f"TMN-ETM, {step}")] for step in ("10 ms", "2.5 ms"))
-    return (
-        "The stripe of uneven torsional stress that runs with the loop at full speed is not the rope's: the material's "
-        "damping acts on a rate of twist that the time step of 10 ms misjudges where the rope runs through the loop. "
-        f"The smallest over the largest torsional stress (1 % quantile over time) is {long:.2f} at 10 ms and "
-        f"{short:.2f} at 2.5 ms. "
-    )
-
-
-TEXT = """Colours are nominal stresses of a solid round bar of the rope's diameter (44 mm, assumed): for comparison
-between places, not for the wires. An element shows its root mean square. The blue line is the loop's lowest point.
-The map of TMN-ETM is as fine as its elements, which are 2 m long on the legs. """
 
 SECTION = Section(
+    key="stresses",
     title="Stress over time and arc length",
-    scene="The coupled winding of the section before, every element at every 0.25 s.",
     pictures=[Picture("stresses", "Bending and torsional stress norm over time and arc length for both meshes", draw)],
     claims=claims,
-    reading=reading,
+    numbers=numbers,
     data=["stress-places", "time-step", "evenness", *(f"stress-{kind}-{mesh}" for kind in STRESSES for mesh in MESHES)],
 )

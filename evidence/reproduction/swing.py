@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.figure import Figure
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 
 from evidence.claims import Measured
 from evidence.drawing import COLOURS, REFERENCE, figure, mark_instants
+from evidence.rendering import number
 from evidence.tables import Tables
 
 from .release import END, INSTANTS, RELEASE, SWIVEL
@@ -41,7 +44,7 @@ def change(tables: Tables, quantity: str, until: float = END) -> float:
 
 
 def in_plane_change(tables: Tables, until: float = END) -> float:
-    """``change`` in plane over the RMS of the locked twin's motion about its mean, %."""
+    """``change`` in plane over the RMS of the motion with locked swivels about its mean, %."""
     locked = [after(tables, f"locked {s} in plane [m]", until) for s in SIDES]
     motion = [x - x.mean() for x in locked]
     return 100 * change(tables, "in plane [m]", until) / float(np.sqrt(np.mean(np.square(motion))))
@@ -232,36 +235,27 @@ def draw_swing(tables: Tables) -> Figure:
     return made
 
 
-def reading(tables: Tables) -> str:
-    """Switchings and reaches."""
-    rows = ["| t [s] | swivel | does |", "|---|---|---|"]
+def numbers(tables: Tables) -> dict[str, Any]:
+    """Torque before the release, reaches after it, and switchings."""
     t = tables["release-events"]
-    rows += [f"| {t['t [s]'][i]:.4g} | {t['side'][i]} | {t['what'][i]} |" for i in range(t["what"].size)]
-    sides = {kind: reach(tables, kind) for kind in KINDS}
     legs = [after(tables, f"released {s} out of plane [m]") for s in SIDES]
-    together = 100 * np.mean(legs[0] * legs[1] > 0)
-    time, limit, torque = (tables["release-swivel"][name] for name in ("t [s]", SWIVEL[4], SWIVEL[3]))
-    return (
-        f"Before the release the right swivel holds {torque[0]:.1f} N m at {time[0]:.1f} s, where its healthy "
-        f"bearing could hold {limit[0]:.2f} N m: it slips at once. The rope's torque drives it to and fro at the rate "
-        "at which torsional waves pass the rope (0.2 s one way), friction takes the energy, and it sticks and slips. "
-        "The short waves of the torque at the loop are the time step's, as in section 3. "
-        f"After the release the loop's lowest point reaches {sides['released'][0]:.2f} m to one side of the plane and "
-        f"{sides['released'][1]:.2f} m to the other; with locked swivels {sides['locked'][0]:.2f} m and "
-        f"{sides['locked'][1]:.2f} m (negative: it never leaves its side). The out-of-plane displacements of the legs, "
-        f"opposite before, share a sign for {together:.0f} % of the time after the release.\n\n" + "\n".join(rows)
-    )
+    time, limit, torque = (tables["release-swivel"][name][0] for name in ("t [s]", SWIVEL[4], SWIVEL[3]))
+    return {
+        "end": END,
+        "time": time,
+        "limit": limit,
+        "torque": torque,
+        **{kind: reach(tables, kind) for kind in KINDS},
+        "together": 100 * np.mean(legs[0] * legs[1] > 0),
+        "events": [
+            (number(at, ".4g"), side, what) for at, side, what in zip(t["t [s]"], t["side"], t["what"], strict=True)
+        ],
+    }
 
 
 SECTION = Section(
+    key="swing",
     title="Release of the swivels of the 240 m rope",
-    scene=(
-        "The 240 m rope winds 200 m at up to 10 m/s (acceleration and jerk assumed). Its swivels are locked until "
-        "t = 20 s and then obey dry friction: mean diameter 90 mm, friction 0.0018 static and 0.0013 kinetic, a "
-        "healthy rolling "
-        f"bearing, inertia 0.05 kg m^2, all assumed. The run ends at {END:g} s, after the conveyances have stopped. A "
-        "twin whose swivels stay locked tells what the release changes."
-    ),
     pictures=[
         Picture("release-shapes", "Rope shapes in three projections before and after the release", draw_shapes),
         Picture("release-twist", "Twist and torque along the rope at several instants", draw_twist),
@@ -269,6 +263,6 @@ SECTION = Section(
         Picture("release-swing", "Motion of the loop in and out of plane with released and locked swivels", draw_swing),
     ],
     claims=claims,
-    reading=reading,
+    numbers=numbers,
     data=["release-swivel", "release-loop", "release-events", "release-shapes", "release-twist"],
 )

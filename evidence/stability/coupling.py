@@ -239,39 +239,6 @@ def measure_steps() -> Finding:
 
 
 ENTRIES = (
-    Entry(
-        key="light-conveyance",
-        title="Explicit exchange with a conveyance lighter than its rope",
-        scene="A conveyance hangs on its head rope, a spring of 1 Hz, whose upper end moves; below it hangs one end "
-        "of a 20 m balance rope, the other end of which is held. Mass from an eighth of a leg (10 kg) to 16 "
-        "legs, communication steps of 2 to 50 ms, over 0.5 s and 60 steps at least; beyond 20 m/s^2, or when "
-        "the rope refuses the motion, a run counts as unstable.",
-        fails="The conveyance moves under the rope's last force, then the rope follows: a fixed-point iteration of "
-        "one turn per step, |a_new| = m_a/M |a|. For steps shorter than an axial wave's way down the leg and "
-        "back (5 ms) the rope's end is a damper of impedance Z = sqrt(Qa rho) and the bound is H < 2 M/Z; for "
-        "longer ones the whole leg has to be moved, and no shorter step helps but one below that bound. Drawn "
-        "are that bound and m_a as reported for the step.",
-        holds="The force of the next step is expected to change with the acceleration, F - m_a (a_new - a), with the "
-        "added mass m_a that RopeSimulator (and the FMU, as output added_mass) gives for the last step; no "
-        "iteration, no step is taken twice. It costs three more linear solves per step, and its error is of "
-        "first order in the step: where explicit exchange is stable it is the more accurate of the two. The "
-        "hoist demo's conveyances are far heavier than a leg's added mass, and its host exchanges explicitly.",
-        measure=measure_map,
-        slow=True,
-    ),
-    Entry(
-        key="long-communication",
-        title="Inputs held or extrapolated over a long communication step",
-        scene="One end of a 20 m rope is lifted by 0.5 m within 2 s; the host tells the rope of it every 12.5 to 200 "
-        "ms. Errors are those of the end's pull at the communication points against steps of 1.6 ms.",
-        fails="The input of the step's start, held as FMI 2 has it for inputs without derivatives: the end moves by "
-        "jumps, and the pull errs by more, the shorter the step is, until the jump is refused. Or position, "
-        "speed and acceleration of the step's start, extrapolated with constant acceleration: each step begins "
-        "with a correction of what the last one got wrong.",
-        holds="doStep takes the motion at the step's end and follows one quintic from the last instant to it, so that "
-        "position, speed and acceleration are continuous. The error does not come from the communication step "
-        "but from the rope's own steps. Inputs whose path would need more than 100 m/s^2 are refused with the "
-        "message below.",
-        measure=measure_steps,
-    ),
+    Entry("light-conveyance", "Explicit exchange with a conveyance lighter than its rope", measure_map, slow=True),
+    Entry("long-communication", "Inputs held or extrapolated over a long communication step", measure_steps),
 )

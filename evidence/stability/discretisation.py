@@ -304,78 +304,10 @@ def near_end() -> Finding:
 
 
 ENTRIES = (
-    Entry(
-        "locking",
-        "Membrane locking",
-        "A 48 m rope without coupling hangs at rest between ends 2 m apart. Measured is the horizontal force with "
-        "which the loop pushes the ends, against equal elements of 0.125 m.",
-        "Elements as long as the legs allow, and the strain energy integrated exactly. A cubic that is bent by a loop "
-        "cannot keep |r'| = 1 along its length; exact integration makes it pay for that with Qa, and the loop is held "
-        "open by an axial stiffness that has no business there.",
-        "Three Gauss points do not see the worst of it, and the mesh ends the matter: it puts elements of l/8 around "
-        "the loop, where the bend is, and leaves l to the straight legs.",
-        shear_locking,
-    ),
-    Entry(
-        "hourglass",
-        "Two Gauss points: hourglass mode",
-        "One straight element; then a 30 m rope of 0.25 m elements wound at up to 4 m/s.",
-        "Two Gauss points integrate the bending energy exactly and lock less, so they look like the better choice. "
-        "The axial strain of a cubic is quadratic, and 6 xi^2 - 6 xi + 1 vanishes at both points: all nodes can "
-        "stretch by the same amount without any energy, through the whole rope.",
-        "Three points see that strain. They give up a little of the relief from locking, which the mesh gives anyway.",
-        hourglass,
-        slow=True,
-    ),
-    Entry(
-        "long-steps",
-        "Long constant steps at speed on a coarse mesh",
-        "A 60 m rope on equal elements of 2 m, wound over 40 m at 8 m/s; the host steps by 20 ms.",
-        "One implicit step per step of the host: the method is unconditionally stable for linear systems. The bend "
-        "passes an element in half a second, a nonlinear motion against the rope's full axial stiffness, and Newton's "
-        "method diverges.",
-        "A step that does not converge, or whose local error is too large, is rejected, halved and tried again; the "
-        "step grows again when the error is small. The force is rough all the same: survival does not make elements of "
-        "2 m fine enough.",
-        long_steps,
-        slow=True,
-    ),
-    Entry(
-        "fast",
-        "TMN-ETM at 16 m/s",
-        "A 100 m rope wound over 74 m at up to 16 m/s, twice the usual speed. All meshes run with steps of at most "
-        "2.5 ms, so that what is compared is the meshes.",
-        "A mesh that is fine where the loop is at the start. It costs the same, and it is right for the first metres; "
-        "then the loop moves onto the legs' long elements. Nothing fails: the run ends with a "
-        "valid status and wrong numbers.",
-        "The mesh follows the loop by transformations at the ends of steps, and carries positions, velocities and the "
-        "integrator's auxiliary accelerations. At this speed the default tolerance of the steps errs by more than the "
-        "mesh does, and the 10 mm that are asked of the mesh are not kept with it: lower Solver.step_max or "
-        "Solver.tolerance where the loop's place matters.",
-        partial(travel_errors, "fast"),
-        slow=True,
-    ),
-    Entry(
-        "reversal",
-        "TMN-ETM on a reversal in mid-shaft",
-        "An 80 m rope whose ends are driven 27.5 m and straight back, so that the pattern turns round with the loop.",
-        "The mesh of the start, as above.",
-        "A transformation is due when the loop is 0.6 l from the pattern's middle, more than half of l: the loop must "
-        "travel 0.2 l back before the next one, and one that trembles about the limit does not transform to and fro. "
-        "The 10 mm that are asked of the method are missed here, on a finer mesh too; the cause is not found.",
-        partial(travel_errors, "reversal"),
-        slow=True,
-    ),
-    Entry(
-        "near-end",
-        "Loop near one end of the rope",
-        "A 40 m rope whose ends are driven from 10 m to 34 m of difference in height, which sends the loop to within "
-        "3 m of its lower end.",
-        "No check of where the loop hangs: it runs out of the fine middle onto the leg's elements, and the run goes "
-        "on.",
-        "Not held but refused: segments II to VI need room on both sides of the loop. The run stops at the last "
-        "instant at which the loop hangs in the fine middle, keeps that state, and says what to change.",
-        near_end,
-        slow=True,
-    ),
+    Entry("locking", "Membrane locking", shear_locking),
+    Entry("hourglass", "Two Gauss points: hourglass mode", hourglass, slow=True),
+    Entry("long-steps", "Long constant steps at speed on a coarse mesh", long_steps, slow=True),
+    Entry("fast", "TMN-ETM at 16 m/s", partial(travel_errors, "fast"), slow=True),
+    Entry("reversal", "TMN-ETM on a reversal in mid-shaft", partial(travel_errors, "reversal"), slow=True),
+    Entry("near-end", "Loop near one end of the rope", near_end, slow=True),
 )

@@ -37,7 +37,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Finding:
-    """What the failing twin did and what ours did in the same scene, and a figure where looking helps."""
+    """What the failing counterexample did and what ours did in the same scene, and a figure where looking helps."""
 
     counterexample: tuple[Measured, ...]  # claims that the twin breaks
     ours: tuple[Measured, ...]  # claims that ours holds
@@ -52,15 +52,12 @@ class Finding:
 
 @dataclass(frozen=True)
 class Entry:
-    """A scene: ``key`` names it in tests and files, the texts are printed on the page.
+    """A scene: ``key`` names it in tests, files and the chapter's template, which tells what happens and why.
 
     ``slow`` entries take more than some 10 s.
     """
 
     key: str
     title: str
-    scene: str  # what happens
-    fails: str  # the plausible method, and why it breaks
-    holds: str  # what ours does instead, or where its limit is
     measure: Callable[[], Finding]
     slow: bool = False

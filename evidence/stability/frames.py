@@ -192,38 +192,7 @@ def theta_prime() -> Finding:
 
 
 ENTRIES = (
-    Entry(
-        "tait-bryan",
-        "Tait-Bryan angles at 90 degrees of loop yaw",
-        "A 30 m rope; both conveyances turn together about the vertical by 180 degrees in 6 s, and the loop is to "
-        "follow.",
-        "theta counted from a frame of Tait-Bryan angles Z-Y-X, as in the source. The frame is singular where the "
-        "tangent is parallel to Z: when the loop has yawed 90 degrees, the incident that one wants to predict. The "
-        "singularity acts as a wall, and the loop hangs at it while the ends turn on; the status stays valid.",
-        "theta is counted from the smallest rotation of a pole to the tangent. The pole follows the loop, so its "
-        "antipode stays away from every tangent, and theta is re-expressed when it does.",
-        tait_bryan,
-        slow=True,
-    ),
-    Entry(
-        "frenet",
-        "Frenet's frame on the legs",
-        "A 30 m rope with its own torque hangs at rest between ends 2 m apart; the loop is wider than that, so each "
-        "leg has an inflection above the bend.",
-        "theta counted from the curve's normal. On a straight leg there is none, and at an inflection it goes over to "
-        "the other side within one element, however short: an angle counted from it feigns a torque of kilonewton "
-        "metres.",
-        "The smallest rotation needs the tangent alone and turns by no more than the tangent does.",
-        frenet,
-    ),
-    Entry(
-        "theta-prime",
-        "Torsional strain without the frame's twist",
-        "A 120 m rope without coupling is fastened with some twist, its ends held. Measured is how far the torque "
-        "yaws the loop.",
-        "tau = theta': the section's angle is taken for the twist, as if the rope were straight. Then theta has "
-        "nothing to do with the centre line, and no torque moves the loop out of its plane.",
-        "tau = theta' + the twist of the frame; its variation t.(t' x delta t) is the force that moves the legs apart.",
-        theta_prime,
-    ),
+    Entry("tait-bryan", "Tait-Bryan angles at 90 degrees of loop yaw", tait_bryan, slow=True),
+    Entry("frenet", "Frenet's frame on the legs", frenet),
+    Entry("theta-prime", "Torsional strain without the frame's twist", theta_prime),
 )

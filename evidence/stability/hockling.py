@@ -103,19 +103,4 @@ def measure_hockling() -> Finding:
     )
 
 
-ENTRIES = (
-    Entry(
-        key="hockling",
-        title="A twisted rod under tension hockles at M = 2 sqrt(EI T)",
-        scene="A straight rod of 60 m, EI = 1, T = 1 (SI units), is twisted; from M = 2 on it is unstable and throws "
-        "a loop.",
-        fails="With tau = theta' alone, without the twist that the centre line's own shape has, the straight rod is "
-        "stable at any torque. With the right energy but plain Newton, a rod disturbed by 1 mm is put back to "
-        "straight at any torque.",
-        holds="The smallest eigenvalue of the tangent stiffness changes its sign at the onset; pseudo-transient "
-        "continuation stays straight below it and leaves above it. Limit: natural_modes looks for the "
-        "eigenvalues next to zero and may miss a negative one that lies farther away; here it does at 1.1 times "
-        "the critical torque. To decide on stability take the smallest eigenvalue.",
-        measure=measure_hockling,
-    ),
-)
+ENTRIES = (Entry("hockling", "A twisted rod under tension hockles at M = 2 sqrt(EI T)", measure_hockling),)

@@ -296,53 +296,8 @@ def rollback() -> Finding:
 
 
 ENTRIES = (
-    Entry(
-        "varying-steps",
-        "Varying steps",
-        "A soft rope of 6 m, hanging, is given a speed in all directions; steps vary by a factor of up to 3.6 in a "
-        "pattern that is refined as a whole; rho_inf = 0.6.",
-        "Generalized-alpha as printed for constant steps. Its auxiliary acceleration belongs to an instant that lies a "
-        "part of a step beside t_n; when the step changes, so does that instant, and the error of first order in the "
-        "step does not cancel.",
-        "The auxiliary acceleration is moved to the new step's instant with the last rate of change of the "
-        "acceleration (re-centring).",
-        varying_steps,
-        slow=True,
-    ),
-    Entry(
-        "ringing",
-        "Spectral radius 1 with swivel events",
-        "A 30 m rope without material damping, its swivels released at 0.2 s; they slip and stick for some seconds. "
-        "Steps of 10 ms are long for the rope's axial waves.",
-        "rho_inf = 1 keeps the energy of every frequency, which sounds like accuracy. Waves that the step cannot "
-        "resolve are kept as an alternation from step to step; each stick or slip adds to it, and it appears in forces "
-        "and in what decides on the next stick or slip.",
-        "rho_inf = 0.6 takes 40 % of it per step and leaves the loop's motion alone. Material damping, left out here, "
-        "helps as well, but its amount is the rope's and not the integrator's.",
-        ringing,
-    ),
-    Entry(
-        "explicit",
-        "The step limit of explicit integration",
-        "A 30 m rope on the TMN-ETM mesh hangs at rest and is pushed sideways with 0.1 m/s. Explicit: central "
-        "differences on its stiffness and consistent mass.",
-        "The step may not exceed 2 over the largest frequency of the mesh, and the stiff axial direction of the short "
-        "elements around the loop, r' included, sets it: some microseconds, though nothing of interest is faster than "
-        "0.1 s. Material damping lowers the limit further.",
-        "The implicit method takes 10 ms, and what it does not resolve decays. The push is a jump of "
-        "the speed, and step control takes its first moments in shorter steps.",
-        explicit,
-    ),
-    Entry(
-        "rollback",
-        "Rejected steps without rollback",
-        "The soft rope of the varying steps, every step first tried with twice its length and rejected. Then a 30 m "
-        "rope whose steps are rejected by their local error.",
-        "A stepper that re-centres its auxiliary acceleration in place before the trial and retries with the shorter "
-        "step from there. Nothing looks wrong: positions and speeds have been put back, and the steps converge.",
-        "The state is immutable and a trial returns a new one, so the retry starts from the very same bytes: the run "
-        "is identical to one in which the long first step was never tried. When the smallest step fails too, the "
-        "state of the host's last instant stays.",
-        rollback,
-    ),
+    Entry("varying-steps", "Varying steps", varying_steps, slow=True),
+    Entry("ringing", "Spectral radius 1 with swivel events", ringing),
+    Entry("explicit", "The step limit of explicit integration", explicit),
+    Entry("rollback", "Rejected steps without rollback", rollback),
 )

@@ -1,10 +1,10 @@
-"""The page docs/stability.md and those in docs/stability, with their figures and data."""
+"""docs/stability.md and the pages in docs/stability from the tables ``claims`` and ``scenes``; and their figures."""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
@@ -13,49 +13,66 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from evidence.claims import Measured
+from evidence.rendering import number, render
+from evidence.tables import Table, Tables, table, write
 
 from .entry import Entry, Figure, Finding
+from .suite import CHAPTERS, chapters
 
-DOCS = Path(__file__).parents[2] / "docs"
-
-OPENING = """\
-# Where plausible methods break
-
-Scenes in which a plausible method fails, and what this project's method does there; the first claim of each:
-"""
-CLOSING = """\
-These pages are written by `make stability`; do not edit them. `tests/test_stability.py` asserts every number on them.
-
-Each scene is one in which a common choice, the obvious simplification, or the formula as printed fails. The failing
-method is run here as a counterexample that differs from ours in this one thing, and its numbers are claims that it
-breaks. The numbers under *ours* are claims that this project's method holds in the same scene or, where it does not,
-that it stops with a message and keeps its last state. Bounds come from the theory; comments in `evidence/stability`
-say how. The limits that no method here overcomes are in [the model](model.md#what-limits-it).
-"""
 SECTIONS = "stability"
-COUNTEREXAMPLE = "counterexample"
+COUNTEREXAMPLE, OURS = "counterexample", "ours"
+CLAIMS = ("scene", "side", "what", "value", "unit", "relation", "bound")
+SCENES = ("scene", "message", "figure")
 
 
-def number(x: float) -> str:
-    """Four digits."""
-    return f"{x:.4g}"
+# tables
+
+
+def sides(finding: Finding) -> dict[str, Sequence[Measured]]:
+    """The claims of a finding by whom they are about."""
+    return {COUNTEREXAMPLE: finding.counterexample, OURS: finding.ours}
+
+
+def tables_of(findings: Mapping[str, Finding], before: Tables | None = None) -> Tables:
+    """The findings by the entries' keys as tables, in the suite's order; of other entries what was there ``before``."""
+    claims = [
+        (key, side, m.what, m.value, m.unit, m.relation, m.bound)
+        for key, finding in findings.items()
+        for side, group in sides(finding).items()
+        for m in group
+    ]
+    scenes = [(key, f.message, f.figure.title if f.figure else "") for key, f in findings.items()]
+    return {
+        "claims": _in_order(CLAIMS, claims, before["claims"] if before else None),
+        "scenes": _in_order(SCENES, scenes, before["scenes"] if before else None),
+    }
+
+
+def _in_order(columns: Sequence[str], new: Sequence[tuple[Any, ...]], before: Table | None) -> Table:
+    """New rows, and the old ones of entries without a new one, in the suite's order of entries."""
+    order = [entry.key for part in chapters().values() for entry in part]
+    rows = list(new)
+    if before is not None:
+        rows += [row for row in _rows(before, columns) if row[0] not in {key for key, *_ in new}]
+    return table(columns, sorted(rows, key=lambda row: order.index(row[0])))
+
+
+def _rows(t: Table, columns: Sequence[str]) -> Iterator[tuple[Any, ...]]:
+    return zip(*(t[name].tolist() for name in columns), strict=True)
+
+
+def claims_of(t: Table, key: str) -> list[tuple[str, Measured]]:
+    """The claims of an entry, each with the side that it is about."""
+    return [(side, Measured(*claim)) for scene, side, *claim in _rows(t, CLAIMS) if scene == key]
+
+
+# pages
 
 
 def claim(m: Measured) -> str:
     """The value against its bound."""
     unit = "" if m.unit == "1" else f" {m.unit}"
-    return f"{number(m.value)}{unit} {m.relation} {m.bound:g}{unit}"
-
-
-def summary(heading: str, entry: Entry, finding: Finding) -> str:
-    """Row of the table: the first claim of either side."""
-    cells = [f"{m.what}: {number(m.value)}{'' if m.unit == '1' else ' ' + m.unit}" for m in first_claims(finding)]
-    place = f"{SECTIONS}/{anchor(heading)}.md#{anchor(entry.title)}"
-    return f"| [{entry.title}]({place}) | {' | '.join(cells)} | {'yes' if finding.holds else '**no**'} |"
-
-
-def first_claims(finding: Finding) -> tuple[Measured, Measured]:
-    return finding.counterexample[0], finding.ours[0]
+    return f"{number(m.value, '.4g')}{unit} {m.relation} {number(m.bound, 'g')}{unit}"
 
 
 def anchor(title: str) -> str:
@@ -63,50 +80,53 @@ def anchor(title: str) -> str:
     return "".join(c for c in title.lower().replace(" ", "-") if c.isalnum() or c == "-")
 
 
-def section(entry: Entry, finding: Finding) -> str:
-    """Text, numbers and figure of an entry."""
-    rows = [
-        f"| {side} | {m.what} | {claim(m)} | {'yes' if m.holds else '**no**'} |"
-        for side, claims in ((COUNTEREXAMPLE, finding.counterexample), ("ours", finding.ours))
-        for m in claims
-    ]
-    parts = [
-        f"## {entry.title}",
-        entry.scene,
-        f"*Why it fails.* {entry.fails}",
-        f"*Ours.* {entry.holds}",
-        "\n".join(("| | measured | value and bound | holds |", "|---|---|---|---|", *rows)),
-    ]
-    if finding.message:
-        parts.append(f"The message: `{finding.message}`")
-    if finding.figure is not None:
-        parts += [
-            f"![{finding.figure.title}](../images/stability/{entry.key}.png)",
-            f"[Data of the figure](../data/stability/{entry.key}.csv)",
-        ]
-    return "\n\n".join(parts)
-
-
-def front(chapters: Mapping[str, tuple[Entry, ...]], findings: Mapping[str, Finding]) -> str:
+def front(tables: Tables) -> str:
     """The first page: the table, then how to read it."""
-    rows = [summary(heading, e, findings[e.key]) for heading, part in chapters.items() for e in part]
-    table = "\n".join((f"| scene | {COUNTEREXAMPLE} | ours | as claimed |", "|---|---|---|---|", *rows))
-    return "\n".join((OPENING, table, "", CLOSING))
+    rows = [_summary(tables["claims"], heading, e) for heading, part in chapters().items() for e in part]
+    return render("stability/stability.md.j2", {"summary": rows, "counterexample": COUNTEREXAMPLE})
 
 
-def chapter(heading: str, entries: Sequence[Entry], findings: Mapping[str, Finding]) -> str:
-    """The page of a chapter."""
-    parts = [f"# {heading}", *(section(entry, findings[entry.key]) for entry in entries)]
-    return "\n\n".join(x.strip() for x in parts) + "\n"
+def _summary(t: Table, heading: str, entry: Entry) -> tuple[str, ...]:
+    """The first claim of either side."""
+    claims = claims_of(t, entry.key)
+    first = [next(m for side, m in claims if side == wanted) for wanted in (COUNTEREXAMPLE, OURS)]
+    cells = [f"{m.what}: {number(m.value, '.4g')}{'' if m.unit == '1' else ' ' + m.unit}" for m in first]
+    place = f"{SECTIONS}/{anchor(heading)}.md#{anchor(entry.title)}"
+    return f"[{entry.title}]({place})", *cells, "yes" if all(m.holds for _, m in claims) else "**no**"
 
 
-def write_pages(chapters: Mapping[str, tuple[Entry, ...]], findings: Mapping[str, Finding]) -> None:
-    """docs/stability.md with the table, and a page per chapter in docs/stability."""
-    (DOCS / "stability.md").write_text(front(chapters, findings), encoding="utf-8")
-    (DOCS / SECTIONS).mkdir(exist_ok=True)
-    for heading, entries in chapters.items():
-        path = DOCS / SECTIONS / f"{anchor(heading)}.md"
-        path.write_text(chapter(heading, entries, findings), encoding="utf-8")
+def chapter(tables: Tables, module: str) -> str:
+    """The page of a chapter, by the module of its entries."""
+    messages = {key: (message, figure) for key, message, figure in _rows(tables["scenes"], SCENES)}
+    scenes = {}
+    for entry in chapters()[CHAPTERS[module]]:
+        message, figure = messages[entry.key]
+        claims = [
+            (side, m.what, claim(m), "yes" if m.holds else "**no**")
+            for side, m in claims_of(tables["claims"], entry.key)
+        ]
+        scenes[entry.key] = {"title": entry.title, "claims": claims, "message": message, "figure": figure}
+    return render(f"stability/{module}.md.j2", {"scenes": scenes})
+
+
+# figures
+
+
+def illustrate(entry: Entry, finding: Finding, docs: Path) -> None:
+    """Figure and data of an entry, if it has one."""
+    if finding.figure is not None:
+        draw(finding.figure, docs / "images" / SECTIONS / f"{entry.key}.png")
+        write({entry.key: points(finding.figure)}, docs / "data" / SECTIONS)
+
+
+def points(figure: Figure) -> Table:
+    """The curves, one point per row."""
+    rows = [
+        (curve.label, float(x), float(y))
+        for curve in figure.curves
+        for x, y in zip(np.asarray(curve.x), np.asarray(curve.y), strict=True)
+    ]
+    return table(("curve", figure.x_label, figure.y_label), rows)
 
 
 def draw(figure: Figure, path: Path) -> None:
@@ -125,21 +145,3 @@ def draw(figure: Figure, path: Path) -> None:
         ax.legend()
         fig.savefig(path, dpi=110)
         plt.close(fig)
-
-
-def write_data(figure: Figure, path: Path) -> None:
-    """The curves, one point per row, six digits."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("curve", figure.x_label, figure.y_label))
-        for curve in figure.curves:
-            for x, y in zip(np.asarray(curve.x).tolist(), np.asarray(curve.y).tolist(), strict=True):
-                writer.writerow((curve.label, f"{x:.6g}", f"{y:.6g}"))
-
-
-def illustrate(entry: Entry, finding: Finding) -> None:
-    """Figure and data of an entry, if it has one."""
-    if finding.figure is not None:
-        draw(finding.figure, DOCS / "images" / "stability" / f"{entry.key}.png")
-        write_data(finding.figure, DOCS / "data" / "stability" / f"{entry.key}.csv")

@@ -185,23 +185,4 @@ def measure_turn_over() -> Finding:
     )
 
 
-ENTRIES = (
-    Entry(
-        key="turn-over",
-        title="The loop turns over when too much twist is put in",
-        scene="A 240 m rope, ends 3 m apart, is twisted at its right end in steps. The loop yaws, and past a critical "
-        "twist it goes on by itself to the other side, its legs crossed (contact is not modelled). Then the "
-        "same loop after a full turn at once: planar, free of twist, legs crossed, and unstable.",
-        fails="Plain Newton follows the twist to the limit point and finds nothing beyond it. From the disturbed "
-        "planar loop it returns to the plane: it does not tell a stable equilibrium from an unstable one. And "
-        "whoever searches in one fixed frame of the section finds, with all the twist put in at once, a shape "
-        "that has not turned over. It is no equilibrium of the rope: in a frame that suits it the search goes "
-        "on to the turned-over loop.",
-        holds="Pseudo-transient continuation goes down in energy: it finds the turned-over loop and leaves the "
-        "unstable one as soon as a disturbance shows the way (exactly in the plane it stays too). natural_modes "
-        "refuses the planar loop as unstable. The frame's pole must follow the loop: the search is "
-        "repeated after each change of the pole. RopeSimulator.initialize puts an installed twist in bit by bit and "
-        "does the same.",
-        measure=measure_turn_over,
-    ),
-)
+ENTRIES = (Entry("turn-over", "The loop turns over when too much twist is put in", measure_turn_over),)

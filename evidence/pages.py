@@ -1,0 +1,75 @@
+"""Every page of evidence: its data in docs/data, its text and its figures.
+
+Both follow from the recorded data alone, so ``publish`` writes them anew without a run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from evidence.chart.figures import FIGURES as CHART
+from evidence.chart.page import page as chart_page
+from evidence.choice.page import page as choice_page
+from evidence.coupling.figures import FIGURES as COUPLING
+from evidence.coupling.page import page as coupling_page
+from evidence.discrete_rod.page import page as reference_solver_page
+from evidence.drawing import draw_to
+from evidence.peer.figures import FIGURES as PEER
+from evidence.peer.page import page as peer_page
+from evidence.rendering import DOCS, write_page
+from evidence.reproduction.page import FIGURES as REPRODUCTION
+from evidence.reproduction.page import page as reproduction_page
+from evidence.stability.page import anchor, chapter, front
+from evidence.stability.suite import CHAPTERS
+from evidence.studies.page import controllers_page, swivel_page
+from evidence.tables import Tables, read
+
+
+@dataclass(frozen=True)
+class Page:
+    """``data`` is the folder in docs/data that it is made from, and that in docs/images of the figures."""
+
+    file: str  # in docs
+    data: str
+    text: Callable[[Tables], str]
+    figures: Mapping[str, Callable[[Tables], Figure]] = field(default_factory=dict)
+
+
+def _stability() -> dict[str, Page]:
+    """The front page, and one per chapter."""
+    names = {f"stability/{anchor(heading)}": module for module, heading in CHAPTERS.items()}
+    parts = {name: Page(f"{name}.md", "stability", partial(chapter, module=module)) for name, module in names.items()}
+    return {"stability": Page("stability.md", "stability", front), **parts}
+
+
+PAGES: dict[str, Page] = {
+    "chart": Page("chart.md", "chart", chart_page, CHART),
+    "choice": Page("choice.md", "choice", choice_page),
+    "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
+    "peer": Page("peer.md", "peer", peer_page, PEER),
+    "reference_solver": Page("reference_solver.md", "reference_solver", reference_solver_page),
+    "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),
+    **_stability(),
+    "study_controllers": Page("study_controllers.md", "study", controllers_page),
+    "study_swivel": Page("study_swivel.md", "study", swivel_page),
+}
+
+
+def rendered(page: Page, docs: Path = DOCS) -> str:
+    """The text, from the data in ``docs``."""
+    return page.text(read(docs / "data" / page.data))
+
+
+def publish(page: Page, docs: Path = DOCS) -> list[Path]:
+    """Write text and figures from the data in ``docs``; the files written."""
+    tables = read(docs / "data" / page.data)
+    written = [write_page(page.file, page.text(tables), docs)]
+    for name, draw in page.figures.items():
+        written.append(docs / "images" / page.data / f"{name}.png")
+        draw_to(written[-1], draw, tables)
+    return written
