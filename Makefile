@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 # one process per core, each with one thread; the tests of a file share what they make, and so a process
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist loadfile
 
-.PHONY: demo test test-slow lint docs bench winding robustness stability reproduce chart mesh-rule peer reference choice hoist coupling studies throughput fuzz fmu wheels wheel-test release clean
+.PHONY: demo test test-slow lint docs evidence bench winding robustness stability reproduce chart mesh-rule peer reference choice hoist coupling studies throughput fuzz fmu wheels wheel-test release clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -26,6 +26,9 @@ lint: $(READY)
 docs: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[docs]'
 	$(BIN)/python -m sphinx -E -W --keep-going -q -b html docs build/site
+
+evidence: $(READY)
+	$(BIN)/python -m evidence
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks.speed

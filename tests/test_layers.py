@@ -202,6 +202,13 @@ def test_no_other_third_party_library_is_imported() -> None:
     assert used <= known
 
 
+def test_benchmarks_know_nothing_of_evidence_and_one_module_of_templates() -> None:
+    rooms = {room: sorted((ROOT / room).rglob("*.py")) for room in ("benchmarks", "evidence")}
+    found = {path: imports("", path) for paths in rooms.values() for path in paths}
+    assert not [path for path in rooms["benchmarks"] if any(within(name, {"evidence"}) for name in found[path])]
+    assert [path for path in found if "jinja2" in found[path]] == [ROOT / "evidence" / "rendering.py"]
+
+
 def test_no_import_cycles() -> None:
     graph = {n: {i for i in imports(n, p) if i in modules() and i != n} for n, p in modules().items()}
     done: set[str] = set()

@@ -58,7 +58,7 @@ def work_precision(tables: Tables, metric: Metric) -> Figure:
         rotation=90,
     )
     ax.set_xscale("log")
-    ax.set_xlim(left=0.6 * min(m.cost for m in shown))
+    ax.set_xlim(left=0.35 * min(m.cost for m in shown))
     ax.set_yscale("log")
     ax.set_xlabel("CPU time per simulated second [s/s]")
     ax.set_ylabel(label)
