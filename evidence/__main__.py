@@ -1,4 +1,6 @@
-"""Write pages of evidence from the recorded data, without a run: ``python -m evidence [PAGE ...]``.
+"""Write pages of evidence, and README's and docs/hoist.md's tables of it, from the recorded data, without a run.
+
+``python -m evidence`` writes all, ``python -m evidence chart levels`` these.
 
 Their texts are the templates *.md.j2 in this room.  `make chart` and the like measure anew.
 """
@@ -7,18 +9,19 @@ from __future__ import annotations
 
 import argparse
 
-from evidence.pages import PAGES, publish
+from evidence.pages import BLOCKS, PAGES, fill, publish
 
 
 def main() -> None:
     """The command line."""
     parser = argparse.ArgumentParser("python -m evidence", description=__doc__)
-    parser.add_argument("pages", nargs="*", metavar="PAGE", help=f"{', '.join(PAGES)} (all)")
-    names = parser.parse_args().pages or list(PAGES)
-    if unknown := set(names) - set(PAGES):
-        parser.error(f"there is no page {', '.join(sorted(unknown))}; choose of {', '.join(PAGES)}")
+    known = [*PAGES, *BLOCKS]
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(known)} (all)")
+    names = parser.parse_args().names or known
+    if unknown := set(names) - set(known):
+        parser.error(f"there is no {', '.join(sorted(unknown))}; choose of {', '.join(known)}")
     for name in names:
-        for path in publish(PAGES[name]):
+        for path in publish(PAGES[name]) if name in PAGES else [fill(BLOCKS[name])]:
             print(path)
 
 

@@ -1,6 +1,6 @@
-"""Every page of evidence: its data in docs/data, its text and its figures.
+"""Every page of evidence, and every table of it in a hand-written page: data in docs/data, text and figures.
 
-Both follow from the recorded data alone, so ``publish`` writes them anew without a run.
+Text and figures follow from the recorded data alone, so ``publish`` and ``fill`` write them anew without a run.
 """
 
 from __future__ import annotations
@@ -13,15 +13,17 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from evidence.chart.figures import FIGURES as CHART
+from evidence.chart.levels import block as levels
 from evidence.chart.page import page as chart_page
 from evidence.choice.page import page as choice_page
 from evidence.coupling.figures import FIGURES as COUPLING
 from evidence.coupling.page import page as coupling_page
 from evidence.discrete_rod.page import page as reference_solver_page
 from evidence.drawing import draw_to
+from evidence.hoist.page import presets
 from evidence.peer.figures import FIGURES as PEER
 from evidence.peer.page import page as peer_page
-from evidence.rendering import DOCS, write_page
+from evidence.rendering import DOCS, filled, write_page
 from evidence.reproduction.page import FIGURES as REPRODUCTION
 from evidence.reproduction.page import page as reproduction_page
 from evidence.stability.page import anchor, chapter, front
@@ -60,9 +62,33 @@ PAGES: dict[str, Page] = {
 }
 
 
+@dataclass(frozen=True)
+class Block:
+    """What stands between the marks ``mark`` of a hand-written page."""
+
+    file: str  # beside docs
+    mark: str
+    data: str  # folder in docs/data
+    text: Callable[[Tables], str]
+
+
+BLOCKS = {
+    "levels": Block("README.md", "levels", "chart", levels),
+    "presets": Block("docs/hoist.md", "presets", "hoist", presets),
+}
+
+
 def rendered(page: Page, docs: Path = DOCS) -> str:
     """The text, from the data in ``docs``."""
     return page.text(read(docs / "data" / page.data))
+
+
+def fill(block: Block, docs: Path = DOCS) -> Path:
+    """Write the block into its page, from the data in ``docs``; the page."""
+    path = docs.resolve().parent / block.file
+    text = filled(path.read_text(encoding="utf-8"), block.mark, block.text(read(docs / "data" / block.data)))
+    path.write_text(text, encoding="utf-8")
+    return path
 
 
 def publish(page: Page, docs: Path = DOCS) -> list[Path]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from evidence.hoist import Run, stop, wind
+from evidence.hoist.winding import Run, stop, wind
 from hoist_demo.cases.installed import INSTALLED, TAIL_SPARE, Case, round_rope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion

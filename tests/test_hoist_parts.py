@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from evidence.hoist import dead_weights
+from evidence.hoist.winding import dead_weights
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint, s_curve
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion

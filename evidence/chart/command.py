@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from evidence.pages import PAGES, publish
-from evidence.rendering import filled
+from evidence.pages import BLOCKS, PAGES, fill, publish
 from evidence.tables import Table, Tables, read, write
 
 from . import depth
-from .levels import MARK, block
 from .measure import measure, merge
 from .points import FAMILIES, complete, quick
 
@@ -35,17 +33,9 @@ def run(out: Path, only: str | None = None, few: bool = False) -> list[Path]:
         write(tables, out / DATA)
     if (peer := _peer(out / PEER)) is not None:
         write({"peer": peer}, out / DATA)
-    return with_readme(out)
-
-
-def with_readme(out: Path) -> list[Path]:
-    """Page and figures, and the table in the README beside ``out``, from the data that is there."""
     written = publish(PAGES["chart"], out)
-    readme = out.resolve().parent / "README.md"
-    if readme.is_file():
-        text = filled(readme.read_text(encoding="utf-8"), MARK, block(read(out / DATA)))
-        readme.write_text(text, encoding="utf-8")
-        written.append(readme)
+    if (out.resolve().parent / BLOCKS["levels"].file).is_file():
+        written.append(fill(BLOCKS["levels"], out))
     return written
 
 

@@ -9,7 +9,6 @@ from evidence.tables import Tables
 
 from .reading import FORCE, LOOP, TWIST, rows
 
-MARK = "levels"
 HEAD = ("level", "for", "elements", "largest step", "RMS end-force error", "loop's lowest point", "twist angle")
 MEANING = {
     "draft": "end forces in sweeps over many parameters; may leave torsion and yaw out",
