@@ -45,7 +45,7 @@ class Winding:
 
 
 def scene_of(rope: str, coupling: str) -> Scene:
-    """The rope of a case between locked ends; uncoupled without Qb and Qc, where the planar model leaves nothing out."""
+    """The rope of a case between locked ends; uncoupled it is planar, which then leaves nothing out."""
     scene = rope_data(find_case(rope).rope)
     held = {"left": replace(scene.left, mode="locked"), "right": replace(scene.right, mode="locked")}
     scene = scene.with_(solver=Solver(step_max=H), model=Model("torsional"), **held)

@@ -20,7 +20,7 @@ from evidence.coupling.figures import FIGURES as COUPLING
 from evidence.coupling.page import page as coupling_page
 from evidence.discrete_rod.page import page as reference_solver_page
 from evidence.drawing import draw_to
-from evidence.hoist.page import presets
+from evidence.hoist.page import cases
 from evidence.peer.figures import FIGURES as PEER
 from evidence.peer.page import page as peer_page
 from evidence.rendering import DOCS, filled, write_page
@@ -74,7 +74,7 @@ class Block:
 
 BLOCKS = {
     "levels": Block("README.md", "levels", "chart", levels),
-    "presets": Block("docs/hoist.md", "presets", "hoist", presets),
+    "cases": Block("docs/hoist.md", "cases", "hoist", cases),
 }
 
 

@@ -21,7 +21,7 @@ def page(tables: Tables) -> str:
     data = {
         "default": Coupling().scheme,
         "margin": MARGIN,
-        "presets": _presets(tables["presets"]),
+        "cases": _cases(tables["presets"]),
         "orders": [_order(tables, name) for name in SCHEMES],
         "costs": _costs(tables["schemes"]),
         "machine": facts(tables["machine"]),
@@ -32,8 +32,8 @@ def page(tables: Tables) -> str:
     return render("coupling/coupling.md.j2", data)
 
 
-def _presets(t: Table) -> dict[str, Any]:
-    """The default scheme on every preset."""
+def _cases(t: Table) -> dict[str, Any]:
+    """The default scheme on every case."""
     lines = [
         (
             name,

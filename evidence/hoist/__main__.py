@@ -1,4 +1,4 @@
-"""Wind every preset, stop one of them, write figures, data and the table of docs/hoist.md: ``make hoist`` (1 min)."""
+"""Wind every case, stop one of them, write figures, data and the table of docs/hoist.md: ``make hoist`` (1 min)."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ def main() -> None:
     """Measure, write, and print the stops."""
     data, images = DOCS / "data" / "hoist", DOCS / "images" / "hoist"
     images.mkdir(parents=True, exist_ok=True)
-    runs = {name: wind(preset.hoist, preset.winding, preset.gains) for name, preset in INSTALLED.items()}
+    runs = {name: wind(case.hoist, case.winding, case.gains) for name, case in INSTALLED.items()}
     stops: dict[str, Run] = {law: stop(SHOWN, law, STOP_AT) for law in LAWS}
     names = [f"{column} [{unit}]" for column, unit in COLUMNS.items()]
     kept = {"cycle": runs[SHOWN], **{f"stop-{law}": run for law, run in stops.items()}}
-    presets = table(SUMMARY, [summary(name, run) for name, run in runs.items()])
-    write({"presets": presets, **{name: table(names, run.table[::5].tolist()) for name, run in kept.items()}}, data)
-    figures = {"cycle": cycle(runs[SHOWN]), "stops": emergency_stops(stops, STOP_AT), "creep": creep()}
+    cases = table(SUMMARY, [summary(name, run) for name, run in runs.items()])
+    write({"cases": cases, **{name: table(names, run.table[::5].tolist()) for name, run in kept.items()}}, data)
     with matplotlib.rc_context({"font.size": 9.0}):
+        figures = {"cycle": cycle(runs[SHOWN]), "stops": emergency_stops(stops, STOP_AT), "creep": creep()}
         for name, figure in figures.items():
             figure.savefig(images / f"{name}.png", dpi=110, metadata={"Software": None})
-    fill(BLOCKS["presets"])
+    fill(BLOCKS["cases"])
     for law, run in stops.items():
         after = run["time"] > STOP_AT
         distance = run["position"][-1] - run["position"][after][0]

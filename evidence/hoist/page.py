@@ -1,4 +1,4 @@
-"""The table of presets in docs/hoist.md: what each trip asks of the drive, and how safe it is against slip."""
+"""The table of cases in docs/hoist.md: what each trip asks of the drive, and how safe it is against slip."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from evidence.tables import Tables
 
 from .winding import Run
 
-#: columns of the table ``presets``, and those of them that docs/hoist.md shows
+#: columns of the table ``cases``, and those of them that docs/hoist.md shows
 SUMMARY = (
-    "preset", "winding time [s]", "final error [mm]", "peak torque [kN m]", "peak power [MW]", "peak tension [kN]",
+    "case", "winding time [s]", "final error [mm]", "peak torque [kN m]", "peak power [MW]", "peak tension [kN]",
     "tension ratio", "static tension ratio", "slip safety", "static slip safety", "energy residual [J]",
 )  # fmt: skip
 SHOWN = (*SUMMARY[:2], *SUMMARY[3:7], *SUMMARY[8:10])
 
 
 def summary(name: str, run: Run) -> tuple[str, ...]:
-    """A preset's row."""
+    """A case's row."""
     moving = np.flatnonzero(np.abs(run["speed"]) > 0.01)
     values = (
         run["time"][moving[-1]] - run["time"][moving[0]],
@@ -35,10 +35,8 @@ def summary(name: str, run: Run) -> tuple[str, ...]:
     return name, *(f"{value:.4g}" for value in values)
 
 
-def presets(tables: Tables) -> str:
+def cases(tables: Tables) -> str:
     """What stands between the marks."""
-    t = tables["presets"]
-    rows = [
-        (f"`{t['preset'][i]}`", *(number(t[name][i], ".4g") for name in SHOWN[1:])) for i in range(t["preset"].size)
-    ]
+    t = tables["cases"]
+    rows = [(f"`{t['case'][i]}`", *(number(t[name][i], ".4g") for name in SHOWN[1:])) for i in range(t["case"].size)]
     return markdown(rows, *SHOWN)

@@ -99,7 +99,7 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = STEP) -> Ru
 
 
 def stop(name: str, law: EmergencyLaw, at: float) -> Run:
-    """A preset's trip, stopped by the brake at a time [s]."""
-    preset = INSTALLED[name]
-    winding = replace(preset.winding, emergency_at=at, emergency_law=law)
-    return wind(preset.hoist, winding, preset.gains)
+    """A case's trip, stopped by the brake at a time [s]."""
+    case = INSTALLED[name]
+    winding = replace(case.winding, emergency_at=at, emergency_law=law)
+    return wind(case.hoist, winding, case.gains)
