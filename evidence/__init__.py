@@ -1,1 +1,6 @@
-"""Pages of evidence: what is measured, its data and figures, and docs/*.md from them and from templates."""
+"""Pages of evidence.
+
+measure -> tables (CSV in docs/data) -> numbers of a page -> template (*.md.j2) -> docs/*.md.  A room per subject
+measures (``python -m evidence.chart``, ``make chart``) and computes the numbers from the tables (``page.py``);
+``python -m evidence`` writes pages and figures from the tables as they are.
+"""

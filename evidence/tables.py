@@ -21,6 +21,14 @@ def table(names: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
     return {name: np.array(column) for name, column in zip(names, zip(*rows, strict=True), strict=True)}
 
 
+def rows(t: Table, **wanted: str | float | tuple[str, ...]) -> Table:
+    """The rows whose columns have the wanted values: rows(t, family=("eem", "tmn"), coupling="coupled")."""
+    kept = np.ones(len(next(iter(t.values()))), dtype=bool)
+    for name, value in wanted.items():
+        kept &= np.isin(t[name], value)
+    return {name: column[kept] for name, column in t.items()}
+
+
 def write(tables: Tables, folder: Path) -> None:
     """One CSV file per table."""
     folder.mkdir(parents=True, exist_ok=True)

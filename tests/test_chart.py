@@ -18,9 +18,9 @@ from evidence.chart.levels import block
 from evidence.chart.measure import COLUMNS, measure, merge
 from evidence.chart.page import page
 from evidence.chart.points import FAMILIES, SAMPLE, complete, quick
-from evidence.chart.reading import FORCE, limit, remaining, rows
+from evidence.chart.reading import FORCE, limit, remaining
 from evidence.reproduction.costs import SOURCE_SAVED
-from evidence.tables import read, table
+from evidence.tables import read, rows, table
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS, IMAGES = ROOT / "docs", Path("images") / "chart"

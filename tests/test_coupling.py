@@ -18,9 +18,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from evidence.coupling.figures import FIGURES
 from evidence.coupling.oscillator import Data, error, start
-from evidence.coupling.reading import PROMISED, foretold, order_on_hoist, rows, theory
+from evidence.coupling.reading import PROMISED, foretold, order_on_hoist, theory
 from evidence.rendering import DOCS
-from evidence.tables import read
+from evidence.tables import read, rows
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host

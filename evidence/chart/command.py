@@ -1,4 +1,4 @@
-"""The command: measure, write the tables, then draw and write everything from the tables."""
+"""Measures families of the chart, and keeps the other data; page, figures and README's table follow from the data."""
 
 from __future__ import annotations
 

@@ -13,12 +13,12 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
-from evidence.tables import Table, Tables
+from evidence.tables import Table, Tables, rows
 
 from . import depth
 from .front import pareto
 from .measure import COST
-from .reading import FORCE, LOOP, TWIST, limit, rows
+from .reading import FORCE, LOOP, TWIST, limit
 
 LABELS = {
     FORCE: "RMS error of the end forces / largest force",

@@ -9,13 +9,13 @@ import numpy as np
 from evidence.machine import facts
 from evidence.rendering import number, quantity, render
 from evidence.reproduction.costs import SOURCE_SAVED
-from evidence.tables import Table, Tables
+from evidence.tables import Table, Tables, rows
 
 from . import depth
 from .front import cheapest
 from .levels import levels
 from .measure import COST
-from .reading import FORCE, LOOP, TWIST, finest, limit, needed, rows, saved, the
+from .reading import FORCE, LOOP, TWIST, finest, limit, needed, saved, the
 
 COUPLINGS = ("coupled", "uncoupled")
 #: asked for in the tables: fraction of the largest force, m

@@ -5,22 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from evidence.tables import Table
+from evidence.tables import Table, rows
 
 from .front import cost_at, pareto
 from .measure import COST, ERRORS
 
 FORCE, LOOP, TWIST = ERRORS
 Array = NDArray[np.float64]
-
-
-def rows(t: Table, **wanted: str | float | tuple[str, ...]) -> Table:
-    """The rows whose columns have the wanted values: rows(t, family=("eem", "tmn"), coupling="coupled")."""
-    kept = np.ones(len(t["family"]), dtype=bool)
-    for name, value in wanted.items():
-        column = t[name.replace("_", " ") if name not in t else name]
-        kept &= np.isin(column, value)
-    return {name: column[kept] for name, column in t.items()}
 
 
 def the(t: Table, name: str, column: str, **wanted: str) -> float:

@@ -10,11 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
-from evidence.tables import Table, Tables
+from evidence.tables import Table, Tables, rows
 from hoist_demo.cosimulation.schemes.stability import MARGIN
 
 from .light import IMPEDANCE, LEG
-from .reading import rows
 
 #: colour by kind of scheme, marker by order
 KINDS = {

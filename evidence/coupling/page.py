@@ -8,12 +8,12 @@ import numpy as np
 
 from evidence.machine import facts
 from evidence.rendering import number, quantity, render
-from evidence.tables import Table, Tables
+from evidence.tables import Table, Tables, rows
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.stability import MARGIN
 from hoist_demo.parameters import Coupling
 
-from .reading import PROMISED, foretold, order, order_on_hoist, rows, theory
+from .reading import PROMISED, foretold, order, order_on_hoist, theory
 
 
 def page(tables: Tables) -> str:

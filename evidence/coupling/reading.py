@@ -1,4 +1,4 @@
-"""What the tables tell."""
+"""Observed orders of the schemes against theory, and how often stability happened as the growth foretells."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from evidence.tables import Table
+from evidence.tables import Table, rows
 
 #: order that each scheme's theory promises for smooth motion
 ORDERS = {
@@ -22,14 +22,6 @@ ORDERS = {
 }
 #: bound of the acceptance: RMS error of the end forces over the largest
 PROMISED = 0.005
-
-
-def rows(t: Table, **wanted: str | float) -> Table:
-    """The rows whose columns have these values."""
-    kept = np.ones(len(next(iter(t.values()))), dtype=bool)
-    for name, value in wanted.items():
-        kept &= t[name] == value
-    return {name: column[kept] for name, column in t.items()}
 
 
 def theory(scheme: str) -> int:

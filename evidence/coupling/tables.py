@@ -1,4 +1,4 @@
-"""Measures everything and lays it down in tables."""
+"""The tables of docs/data/coupling: errors, costs, energies and stability of the schemes, from runs."""
 
 from __future__ import annotations
 
