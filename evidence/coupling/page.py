@@ -21,7 +21,7 @@ def page(tables: Tables) -> str:
     data = {
         "default": Coupling().scheme,
         "margin": MARGIN,
-        "cases": _cases(tables["presets"]),
+        "cases": _cases(tables["cases"]),
         "orders": [_order(tables, name) for name in SCHEMES],
         "costs": _costs(tables["schemes"]),
         "machine": facts(tables["machine"]),
@@ -45,7 +45,7 @@ def _cases(t: Table) -> dict[str, Any]:
             "yes" if rms < PROMISED else "**no**",
         )
         for name, ratio, travel, growth, rms, largest in _columns(
-            t, "preset", "ropes over conveyance", "travel [m]", "growth foretold", "force error", "largest error"
+            t, "case", "ropes over conveyance", "travel [m]", "growth foretold", "force error", "largest error"
         )
     ]
     accurate, stable = all(t["force error"] < PROMISED), all(t["growth foretold"] < MARGIN)

@@ -25,9 +25,9 @@ STEPS = (0.04, 0.02, 0.01, 0.005)
 #: s, of the rope in the error charts, the same in all runs, and of the reference's exchange
 ROPE_STEP = 0.0025
 SHORT = Case("rope-120", Winding(travel=0.5, settle=0.4, start_delay=0.1), "draft", ROPE_STEP)
-#: s, of the presets' runs
+#: s, of the cases' runs
 PRESET_STEP, PRESET_REFERENCE = 0.01, 0.005
-#: m, of the installed presets, whose whole trips take long: from the landing with the heaviest leg, full acceleration
+#: m, of the installed cases, whose whole trips take long: from the landing with the heaviest leg, full acceleration
 SHORTENED = 60.0
 #: W, bounds of the energy control
 BOUNDS = (4.0, 1.0, 0.25)
@@ -70,10 +70,10 @@ def schemes() -> Table:
     return table(names, rows)
 
 
-def presets() -> Table:
+def cases() -> Table:
     """The default scheme at 10 ms on every preset's trip."""
     rows = []
-    for name, setup in tqdm(CASES.items(), desc="presets", unit="preset", leave=False):
+    for name, setup in tqdm(CASES.items(), desc="cases", unit="case", leave=False):
         travel = SHORTENED if name in INSTALLED else setup.winding.travel
         winding = replace(setup.winding, travel=travel, settle=2.0)
         case = Case(name, winding, rope_step=PRESET_REFERENCE, sample=PRESET_STEP)
@@ -94,7 +94,7 @@ def presets() -> Table:
             )
         )
     names = (
-        "preset",
+        "case",
         "ropes over conveyance",
         "travel [m]",
         "scheme",
@@ -130,7 +130,7 @@ TABLES: dict[str, Callable[[], Table]] = {
     "schemes": schemes,
     "energy": energies,
     "stability": stability,
-    "presets": presets,
+    "cases": cases,
     "machine": machine,
 }
 
