@@ -49,7 +49,7 @@ chart: $(READY)
 	$(BIN)/python -m evidence.chart
 
 mesh-rule: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.mesh_rule
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.mesh_rule
 
 peer: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[peer]'

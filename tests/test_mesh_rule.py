@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from benchmarks.mesh_rule import laws, statics
-from benchmarks.mesh_rule.judging import distribution
-from benchmarks.mesh_rule.page import off, page
-from benchmarks.mesh_rule.rule import judges, shares, slip
-from benchmarks.mesh_rule.scenes import BENDING, FIT, JUDGE, KINDS, LENGTH, MASS, draw
-from benchmarks.reproduction.tables import read, table
+from evidence.mesh_rule import laws, statics
+from evidence.mesh_rule.judging import distribution
+from evidence.mesh_rule.page import off, page
+from evidence.mesh_rule.rule import judges, shares, slip
+from evidence.mesh_rule.scenes import BENDING, FIT, JUDGE, KINDS, LENGTH, MASS, draw
+from evidence.tables import read, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Layout, Mesh, Rope

@@ -37,9 +37,9 @@ def start(scene: Scene) -> RopeSimulator:
     return rope
 
 
-def twist(state: RopeState, twist: float) -> RopeState:
-    """The right end turned by ``twist`` (rad) in its conveyance."""
-    return state._replace(swivels=(state.swivels[0], SwivelState(Phase.LOCKED, twist, 0.0)))
+def twist(state: RopeState, angle: float) -> RopeState:
+    """The right end turned by ``angle`` (rad) in its conveyance."""
+    return state._replace(swivels=(state.swivels[0], SwivelState(Phase.LOCKED, angle, 0.0)))
 
 
 def find_rest(rope: RopeSimulator, state: RopeState, solve: Solve) -> RopeState | None:
@@ -58,8 +58,8 @@ def find_rest(rope: RopeSimulator, state: RopeState, solve: Solve) -> RopeState 
 def turn(rope: RopeSimulator, solve: Solve) -> list[RopeState]:
     """The rope at rest at each of TWISTS, or as far as ``solve`` gets."""
     state, states = rope.state, []
-    for twist in TWISTS:
-        found = find_rest(rope, twist(state, float(twist)), solve)
+    for angle in TWISTS:
+        found = find_rest(rope, twist(state, float(angle)), solve)
         if found is None:
             break
         state = found

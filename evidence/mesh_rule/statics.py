@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.reproduction.tables import Table, table
+from evidence.tables import Table, table
 from rope_model import EndMotion, balance_rope
 from rope_model.parameters import Mesh
 from rope_model.simulation.diagnostics import loop_bottom

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from benchmarks.reproduction.tables import Table, Tables
+from evidence.tables import Table, Tables
 from rope_model.simulation import mesh
 
 from . import laws
@@ -23,7 +23,7 @@ MISSED = ("length [m]", "speed [m/s]", "achieved [m]", "at rest [m]")
 
 HEAD = """# The lengths of the fitted mesh
 
-This page is written by `make mesh-rule`; edit the generator, `benchmarks/mesh_rule`, and not the page.
+This page is written by `make mesh-rule`; edit the generator, `evidence/mesh_rule`, and not the page.
 
 `mesh.kind = auto` takes element lengths from the rope's own lengths and from `mesh.loop_error`, the error of the loop's
 place that the mesh may bring (`rope_model/simulation/mesh.py`). Here is what its constants rest on: laws that follow

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from benchmarks.reproduction.tables import Table, Tables
+from evidence.tables import Table, Tables
 
 Array = NDArray[np.float64]
 #: what the fits use: loop elements below this many w, further down the leg than this, end elements up to this many

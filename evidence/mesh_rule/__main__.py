@@ -11,8 +11,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from benchmarks.reproduction.drawing import draw_to
-from benchmarks.reproduction.tables import read, write
+from evidence.drawing import draw_to
+from evidence.tables import read, write
 
 from . import statics, trips
 from .figures import draw
@@ -33,7 +33,7 @@ TABLES = {
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """The command line."""
-    parser = argparse.ArgumentParser("python -m benchmarks.mesh_rule", description=__doc__)
+    parser = argparse.ArgumentParser("python -m evidence.mesh_rule", description=__doc__)
     parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (%(default)s)")
     parser.add_argument("--only", choices=[*TABLES, "draw"], help="measure one table anew; draw: none")
     parser.add_argument("--ropes", type=int, metavar="N", help="fewer or more ropes than the page's")

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from benchmarks.reproduction.drawing import ACCENTS, COLOURS, CURVES, REFERENCE, figure
-from benchmarks.reproduction.tables import Table, Tables
+from evidence.drawing import ACCENTS, COLOURS, CURVES, REFERENCE, figure
+from evidence.tables import Table, Tables
 
 from . import laws
 from .judging import is_resolved

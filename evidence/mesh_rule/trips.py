@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import wind
-from benchmarks.reproduction.tables import Table, table
+from evidence.tables import Table, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.reproduction.tables import Table
+from evidence.tables import Table
 from rope_model.physics.elementary import sqrt
 from rope_model.simulation.mesh import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
 

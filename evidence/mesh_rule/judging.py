@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.reproduction.tables import Table
+from evidence.tables import Table
 
 
 class Distribution(NamedTuple):
