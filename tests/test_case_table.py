@@ -50,7 +50,7 @@ def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, leve
     case = CASES[name]
     exported = case_with("rope-120", level, {**case.rope, "right.y": abs(case.winding.travel)})
     assert exported.scene == rope_data(case.rope, level)
-    starts = {v.name: v.start for v in variables(case)}
+    starts = {v.name: v.start for v in variables(exported)}
     assert starts["right.y"] == abs(case.winding.travel)
     assert {key: starts[key] for key in case.rope} == pytest.approx(dict(case.rope))
 

@@ -146,9 +146,9 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
         assert (a.fidelity, a.fidelity_reason) == (b.fidelity, b.fidelity_reason)
         # a moment creeps up to the static limit: its last bits decide when it gets there
         assert [(e.what, pytest.approx(e.t, abs=1e-5)) for e in a.events] == [(e.what, e.t) for e in b.events]
-        forces, native, same = (state.motion.reaction[[0, -1], :3] for state in (a, b, c))
+        forces, of_native, same = (state.motion.reaction[[0, -1], :3] for state in (a, b, c))
         largest = max(largest, float(np.abs(forces).max()))
-        difference = max(difference, float(np.abs(forces - native).max()))
+        difference = max(difference, float(np.abs(forces - of_native).max()))
         rounding = max(rounding, float(np.abs(forces - same).max()))
     assert a.counts.steps > 10
     assert b.counts.newton == pytest.approx(a.counts.newton, rel=0.02)  # the search for an event may take one more

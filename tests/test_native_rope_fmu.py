@@ -20,7 +20,7 @@ from fmpy.fmi1 import FMICallException
 from fmu_driver import COMPARED, H, motion
 from native_host import Host
 from numpy.testing import assert_allclose
-from test_native_fmu import RUNNERS, VERSIONS, lived
+from test_native_fmu import RUNNERS, VERSIONS, live
 
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
@@ -220,7 +220,7 @@ def test_whole_life_without_taking_memory_while_stepping(tmp_path: Path, way: st
     platform = host_platform() if way == "valgrind" else way
     if platform not in available_platforms():
         pytest.skip("needs ziglang")
-    assert lived(export_native(tmp_path / "rope.fmu", platforms=(platform,)), tmp_path, way) == [0, 0]
+    assert live(export_native(tmp_path / "rope.fmu", platforms=(platform,)), tmp_path, way) == [0, 0]
 
 
 def test_all_outputs_are_finite(host: Host) -> None:
