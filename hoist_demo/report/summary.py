@@ -147,7 +147,7 @@ def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> lis
     if not bool(follows.all()):
         last, until = "position error at the trip", " until then"
     elif winding.emergency_at is not None and winding.emergency_at <= elapsed[-1]:
-        last = "final error against the reference of the emergency stop, not against the landing"
+        last = "final error against the stop's reference"
     return [
         SummaryRow(group, last, float(error[follows][-1]), "mm"),
         SummaryRow(group, f"largest tracking error{until}", _largest(error[follows]), "mm"),
