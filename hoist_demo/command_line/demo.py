@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,7 +24,7 @@ from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
-from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw, Hoist
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.time_series import match_signals, shape_rows, write_csv, write_shapes
 from hoist_demo.report.summary import CAUSE, OUTCOME, WARNING, SummaryRow, render, slip_warning, summarize
@@ -51,6 +52,9 @@ _DRAWN = {
     "left.swivel.": "swivels.png",
 }
 """Outputs that an FMU may have been exported without, and what the reports then lack."""
+
+_SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
+"""Parameters of the rope of which the hoist has a copy for its controller, and their unit."""
 
 _CASE = "rope-120"
 
@@ -191,9 +195,11 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     finally:
         rope.close()
     result = replace(result, recording=mask_neglected(result.recording, data.torque_free))
-    _tell(slip_warning(result.recording, hoist))
+    contradiction = contradictions(hoist, data.parameters)
+    for text in (contradiction, slip_warning(result.recording, hoist)):
+        _tell(text)
     rows = summarize(result, hoist, winding, coupling)
-    rows += (SummaryRow(OUTCOME, WARNING, missing),) if missing else ()
+    rows += tuple(SummaryRow(OUTCOME, WARNING, text) for text in (missing, contradiction) if text)
     before = set(options.out.iterdir())
     with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
         title = _title(options, run, data)
@@ -213,6 +219,19 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
             print(f"balance-rope: the last good state is in {result.saved}; see --resume", file=sys.stderr)
         return 1
     return 130 if interrupted() else 0
+
+
+def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
+    """What the drive takes the balance rope for, where the rope is something else; "" where they agree."""
+    told = []
+    for name, field, unit in _SHARED:
+        computed, assumed = rope.get(name), getattr(hoist, field)
+        if isinstance(computed, int | float) and not math.isclose(computed, assumed, rel_tol=1e-3):
+            told.append(
+                f"{name} = {computed:g} {unit} and hoist.{field} = {assumed:g} {unit} contradict each other: "
+                f"the drive holds and accelerates by its own number; set both, --set hoist.{field}={computed:g}"
+            )
+    return "; ".join(told)
 
 
 def _tell(warning: str) -> None:
