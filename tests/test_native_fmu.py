@@ -760,6 +760,7 @@ def test_outputs_and_their_form_are_chosen_on_the_command_line(
     [
         (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
         (["--out", "file/x.fmu"], "file cannot be written to"),
+        (["--out", "x.txt"], "--out x.txt must end in .fmu or be a folder that is there: give x.fmu"),
         (["--native", "--scalar"], "add --native --fmi 3"),
     ],
 )
