@@ -246,3 +246,8 @@ def test_the_form_that_runs_is_logged(form: public.Form, caplog: pytest.LogCaptu
     with caplog.at_level(logging.INFO, public.__name__):
         balance_rope(rope_120().scene, form)
     assert f"the rope runs in its {form} form" in caplog.text.replace("Python", "python")
+
+
+def test_a_number_in_quotation_marks_is_refused_with_name_and_cure() -> None:
+    with pytest.raises(ValueError, match=r"EI = '300' is out of range: it must be a number; give it without quotation"):
+        Rope(EI="300")  # type: ignore[arg-type]
