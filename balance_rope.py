@@ -185,6 +185,10 @@ def _export(options: argparse.Namespace) -> int:
 def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     """Where each of ``wanted`` goes, --out being ``out``; its folder is there and can be written to."""
     if out is not None and len(wanted) == 1 and not out.is_dir():
+        if out.suffix.lower() != ".fmu":
+            raise ValueError(
+                f"--out {out} must end in .fmu or be a folder that is there: give {out.with_suffix('.fmu')}"
+            )
         paths = [out]
     elif out is not None and out.suffix == ".fmu":
         raise ValueError(f"--out {out} names one file, and {len(wanted)} are written: give a folder")

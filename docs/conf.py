@@ -9,7 +9,7 @@ sys.path.insert(0, str(ROOT))
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 project = PROJECT["name"]
-author = "the balance-rope authors"
+author = project_copyright = "the balance-rope authors"
 release = version = PROJECT["version"]
 highlight_language = "none"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]

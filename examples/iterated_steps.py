@@ -3,7 +3,7 @@
 The right conveyance, 100 kg on a head rope (a spring with a damper), is unloaded by 500 kg within half a second; 840 kg
 of balance rope hang below it. A loop that takes the force of the step before is unstable: the rope is the heavier part.
 
-    python examples/iterated_steps.py build/balance_rope.fmu
+    python examples/iterated_steps.py build/rope.fmu
 """
 
 import sys
@@ -17,6 +17,8 @@ HEIGHT, H, STEPS, TOLERANCE = 90.0, 0.01, 300, 0.1  # m, s, -, N
 #: kg, what force over acceleration is within a step of the trapezoidal rule
 INERTIA = MASS + DAMPING * H / 2 + STIFFNESS * H**2 / 4
 
+if len(sys.argv) != 2:
+    sys.exit("usage: python examples/iterated_steps.py FMU")
 path = sys.argv[1]
 description = fmpy.read_model_description(path)
 fmu = FMU2Slave(

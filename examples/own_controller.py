@@ -1,6 +1,6 @@
 """A drive controller of one's own winds 90 m with the FMU of the rope; it ends 0.14 m off, for want of a position loop.
 
-python examples/own_controller.py build/balance_rope.fmu
+python examples/own_controller.py build/rope.fmu
 """
 
 import sys
@@ -31,6 +31,8 @@ class Proportional:
         return Command(min(max(torque, -limit), limit), abs(torque) > limit, state)
 
 
+if len(sys.argv) != 2:
+    sys.exit("usage: python examples/own_controller.py FMU")
 case = CASES["rope-120"]
 rope = FmuRope(Path(sys.argv[1]), case.rope)
 result = Host(rope, case.hoist, case.winding, controller=Proportional).run()

@@ -1,8 +1,8 @@
 """A hoist of one's own, 150 m deep, with head rope modes, a brake and a balance rope similar to the known one.
 
-    python examples/own_hoist.py build/balance_rope.fmu
+    python examples/own_hoist.py build/rope.fmu
 
-Writes the recording to signals.csv.
+Writes the recording to signals.csv beside the FMU.
 """
 
 import sys
@@ -17,6 +17,9 @@ from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import write_csv
 from hoist_demo.report.summary import render, summarize
 
+if len(sys.argv) != 2:
+    sys.exit("usage: python examples/own_hoist.py FMU")
+fmu = Path(sys.argv[1])
 hoist = Hoist(
     conveyance_mass=14e3, payload_left=8e3, sheave_mass=12e3, sheave_radius=1.6, torque_limit=4e5,
     head_rope_number=4, head_rope_mass=2.5, head_rope_stiffness=3.2e7, head_rope_length_up=25.0, head_rope_modes=2,
@@ -25,8 +28,8 @@ hoist = Hoist(
 winding = Winding(travel=150.0, speed=10.0, acceleration=0.8, settle=5.0)
 gains = Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5)
 tail = round_rope(hoist.tail_rope_length, hoist.tail_rope_mass, spacing=2.2, coupling=0.1)
-rope = FmuRope(Path(sys.argv[1]), tail)
+rope = FmuRope(fmu, tail)
 result = Host(rope, hoist, winding, gains=gains).run()
 rope.close()
 print(render(summarize(result, hoist, winding, Coupling())))
-write_csv(result.recording, Path("signals.csv"))
+write_csv(result.recording, fmu.with_name("signals.csv"))

@@ -84,8 +84,10 @@ def require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
 def require_in_bounds(data: Any) -> None:
     """ValueError unless every field of ``data`` is finite, one of its choices, and within its bounds."""
     order = check_order(type(data))
-    for name, _ in order:
+    for name, p in order:
         value = getattr(data, name)
+        text = isinstance(value, str) and not p.choices
+        require(not text, name, value, "a number", "give it without quotation marks")
         require(not isinstance(value, float) or math.isfinite(value), name, value, "finite", "give a number")
     for name, p in order:
         value = getattr(data, name)

@@ -392,6 +392,8 @@ LEVELS: dict[Level, dict[str, Any]] = {
 
 def at_level(scene: Scene, level: Level) -> Scene:
     """The scene with mesh, solver and model of one of LEVELS; what else these had is lost."""
+    if level not in LEVELS:
+        raise ValueError(f"level = {level!r} must be one of {', '.join(LEVELS)}; standard suits most uses")
     return scene.with_(**LEVELS[level])
 
 

@@ -84,8 +84,17 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     RuntimeError without a C compiler, and OSError or CalledProcessError when that fails; with ``python`` RuntimeError
     when compiled kernels are asked for by name and cannot be had.
     """
+    if not isinstance(scene, Scene):
+        given = type(scene).__name__
+        raise TypeError(f"scene is a {given} and must be a Scene; that of a case is rope_120().scene")
     if form not in ("auto", "native", "python"):
         raise ValueError(f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the fastest to be had")
+    rope = _rope(scene, form)
+    log.info("the rope runs in its %s form", "Python" if isinstance(rope, RopeSimulator) else "native")
+    return rope
+
+
+def _rope(scene: Scene, form: Form) -> BalanceRope:
     if form == "native":
         return NativeRope(scene)
     if form == "auto" and scene.solver.kernels == "auto":

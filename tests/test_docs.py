@@ -1,8 +1,9 @@
-"""Links in README and docs lead to files and headings that are there, as GitHub counts them."""
+"""README and docs: links lead to files and headings that are there, as GitHub counts them; commands can be found."""
 
 from __future__ import annotations
 
 import re
+import shutil
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +11,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+COMMANDS = [ROOT / "README.md", ROOT / "docs" / "examples.md", *sorted((ROOT / "docs" / "tutorial").glob("*.md"))]
+#: what `make demo` puts into .venv/bin, and what a shell has built in
+INSTALLED, BUILTIN = ("balance-rope", "python"), ("source", "cd")
 LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
 
 
@@ -50,6 +54,32 @@ def test_a_broken_link_is_seen(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text("# Here\n[a](#here) [b](#there) [c](page.md#here) [d](none.md)\n", encoding="utf-8")
     assert broken_links(page) == ["#there", "none.md"]
+
+
+def unknown_commands(text: str) -> list[str]:
+    """Commands in a page's blocks without a language that no shell finds, in a checkout, where they stand."""
+    found, active = [], False
+    for language, block in re.findall(r"^```([^\n]*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        for line in block.splitlines() if not language else ():
+            word = line.partition(" ")[0]
+            active |= line.startswith("source .venv/bin/activate")
+            installed = word.removeprefix(".venv/bin/") in INSTALLED
+            if installed and (active or word.startswith(".venv/bin/")):
+                continue
+            if installed or (word not in BUILTIN and shutil.which(word) is None):
+                found.append(line)
+    return found
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=[path.name for path in COMMANDS])
+def test_commands_are_found_where_they_stand(path: Path) -> None:
+    assert unknown_commands(path.read_text(encoding="utf-8")) == []
+
+
+def test_a_command_that_is_not_found_is_seen() -> None:
+    page = "```\nbalance-rope demo\n.venv/bin/balance-rope demo\nno-such-command\n```\n"
+    page += "```\nsource .venv/bin/activate   # once\npython a.py\n```\n"
+    assert unknown_commands(page) == ["balance-rope demo", "no-such-command"]
 
 
 def test_every_page_is_in_the_site_s_navigation() -> None:

@@ -60,6 +60,14 @@ def test_every_example_is_listed_and_fits_on_a_page() -> None:
     assert all(20 <= len(text.splitlines()) <= 75 for text in scripts.values())
 
 
+@pytest.mark.parametrize("name", ["iterated_steps", "own_controller", "own_hoist"])
+def test_an_example_that_needs_an_fmu_says_so(name: str, tmp_path: Path) -> None:
+    script = EXAMPLES / f"{name}.py"
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert (done.returncode, done.stderr) == (1, f"usage: python examples/{name}.py FMU\n")
+
+
 def test_deeper_ropes_swing_slower_and_120_m_as_an_independent_rod(tmp_path: Path) -> None:
     told = [float(f) for line in lines_of(EXAMPLES / "frequencies.py", tmp_path) for f in line.split()[-1:]]
     *others, last = told
@@ -108,6 +116,6 @@ def test_a_controller_of_one_s_own_winds_and_ends_below_the_landing(folder: Path
 def test_a_hoist_of_one_s_own_winds_with_its_rope_and_leaves_a_table(folder: Path) -> None:
     said = summary(lines_of(EXAMPLES / "own_hoist.py", folder, FMU))
     assert said["travel reached, left conveyance"] == pytest.approx(150.0, abs=0.01)
-    recording = read_csv(folder / "signals.csv")
+    recording = read_csv(folder / "build" / "signals.csv")
     # 185 m of 10 kg/m between ends 150 m apart: the right leg is 167.5 m long
     assert recording["right.fy"][0] == pytest.approx(-167.5 * 10.0 * 9.81, rel=0.01)

@@ -33,7 +33,7 @@ from hoist_demo.report.html.page import number
 from hoist_demo.report.html.parameter_tables import rope_tables
 from hoist_demo.report.html.run import run_report
 from hoist_demo.report.markdown import render_markdown
-from hoist_demo.report.summary import render, summarize
+from hoist_demo.report.summary import render, slip_warning, summarize
 from hoist_demo.study.metrics import Arrival, measure
 from rope_model.parameters import Mesh, Model, Rope, Scene, rope_120
 
@@ -205,7 +205,24 @@ def test_the_coupling_s_warning_is_in_summary_markdown_and_page(planar: Result, 
     page = run_report(result, Hoist(), SHORT, Coupling(), rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
     assert page.count("the run will be unstable") == 2  # above everything, and under Outcome
     assert "the run will be unstable" in render(rows)
-    assert "the run will be unstable" in render_markdown("x", rows, [])
+    top = render_markdown("x", rows, []).partition("##")[0]
+    assert "**Warning.** the run will be unstable" in top
+
+
+def test_head_ropes_that_would_slip_are_told_before_everything_else(planar: Result, tmp_path: Path) -> None:
+    signals = dict(planar.recording.signals)
+    ratio = np.full(len(planar.recording.time), 1.5)
+    ratio[20:] = 9.14
+    signals["drive.tension_ratio"] = ratio
+    result = replace(planar, recording=replace(planar.recording, signals=signals))
+    said = f"the head ropes would slip at t = {number(planar.recording.time[20])} s (tension ratio up to 9.14"
+    assert slip_warning(planar.recording, Hoist()) == ""
+    assert said in slip_warning(result.recording, Hoist())
+    assert slip_warning(result.recording, Hoist(friction_coefficient=0.75)) == ""  # exp(0.75 pi) = 10.6
+    rows = summarize(result, Hoist(), SHORT, Coupling())
+    assert said in render_markdown("x", rows, []).partition("##")[0]
+    page = run_report(result, Hoist(), SHORT, Coupling(), rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
+    assert said in page.partition("</header>")[0]
 
 
 def test_the_residual_keeps_its_sign_and_is_set_against_the_kinetic_energy(planar: Result) -> None:

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from balance_rope import main
+from hoist_demo.cases.table import CASES
+from hoist_demo.command_line.demo import contradictions
 from hoist_demo.command_line.settings import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
@@ -30,14 +32,18 @@ def test_values_have_their_parameters_type_and_choices_their_words() -> None:
     given = [
         "rope.EI = 450",
         "left.swivel.mode=coulomb",
+        "right.swivel.mode=Coulomb",
         "model.fidelity=1",
+        "winding.emergency_law=Two-Stage",
         "hoist.head_rope_number=6",
         "rope.Qb=-1e4",
     ]
     assert settings(given, CATALOGUE) == {
         "rope.EI": 450.0,
         "left.swivel.mode": 2,
+        "right.swivel.mode": 2,
         "model.fidelity": 1,
+        "winding.emergency_law": "two-stage",
         "hoist.head_rope_number": 6,
         "rope.Qb": -1e4,
     }
@@ -51,7 +57,13 @@ def test_values_have_their_parameters_type_and_choices_their_words() -> None:
         ("rope.EI=nan", r"rope\.EI = nan must be a finite number"),
         ("rope.IE=1", r"rope\.IE is not a parameter: did you mean rope\.EI"),
         ("model.rung=1", r"model\.rung is not a parameter: did you mean model\.fidelity"),
-        ("model.fidelity=7", r"model\.fidelity = 7\.0 must be within 0 and 4"),
+        ("rope.ei=450", r"rope\.ei is not a parameter: did you mean rope\.EI\?"),
+        (
+            "model.fidelity=7",
+            r"model\.fidelity = 7\.0 must be one of 0 \(auto\), 1 \(torsional\), .*: give code",
+        ),
+        ("right.swivel.mode=sticky", r"mode = 'sticky' must be one of 0 \(locked\), 1 \(free\), 2 \(coulomb\)"),
+        ("winding.emergency_law=brake", r"must be one of drive, deceleration, torque, two-stage: choose one"),
         ("hoist.head_rope_number=2.5", r"hoist\.head_rope_number = 2\.5 must be a whole number"),
         ("shaper.kind=ZV", r"shaper\.kind is for studies"),
         ("inputs_at_step_end=true", "inputs_at_step_end cannot be chosen"),
@@ -60,6 +72,30 @@ def test_values_have_their_parameters_type_and_choices_their_words() -> None:
 def test_what_cannot_be_set_is_named(given: str, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         settings([given], CATALOGUE)
+
+
+@pytest.mark.parametrize(
+    ("value", "cure"),
+    [
+        ({"wrap_angle": 180.0}, r"wrap_angle = 180\.0 must be within 0\.1 and 12\.5664 rad: give it in rad"),
+        ({"friction_coefficient": 25.0}, r"friction_coefficient = 25\.0 must be within 0\.01 and 2: .*0\.25"),
+        (
+            {"head_rope_stiffness": 3.2e4},
+            r"head_rope_stiffness = 32000\.0 must be within .* N: give EA",
+        ),
+    ],
+)
+def test_a_value_in_another_unit_is_refused_with_the_unit(value: dict[str, float], cure: str) -> None:
+    with pytest.raises(ValueError, match=cure):
+        Hoist(**value)  # type: ignore[arg-type]
+
+
+def test_a_hoist_and_a_rope_that_contradict_each_other_are_told_with_both_values() -> None:
+    for case in CASES.values():
+        assert contradictions(case.hoist, case.rope) == ""
+    said = contradictions(Hoist(), {"rope.mass_per_length": 12.0, "rope.length": 120.0})
+    assert said.startswith("rope.mass_per_length = 12 kg/m and hoist.tail_rope_mass = 8 kg/m contradict each other")
+    assert "rope.length" not in said
 
 
 def test_a_value_is_given_once() -> None:
@@ -131,7 +167,8 @@ def test_a_demo_says_each_thing_once(options: list[str], text: str, tmp_path: Pa
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert (done.stdout + done.stderr).count(text) == 1
     # the report, which stays, has it as well
-    assert re.search(r"\| (warning|cause) \|", (tmp_path / "report.md").read_text(encoding="utf-8"))
+    top = (tmp_path / "report.md").read_text(encoding="utf-8").partition("##")[0]
+    assert re.search(r"^\*\*(Warning|Stopped)\.\*\* ", top, re.MULTILINE)
 
 
 def test_a_first_compilation_is_told_where_nobody_has_set_up_logging(tmp_path: Path) -> None:

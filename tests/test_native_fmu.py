@@ -32,7 +32,7 @@ from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, 
 from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import universal
 from fmu_src.profile import FULL
-from rope_model.native.tables import parameter_structures
+from rope_model.native.tables import parameter_structures, signal_numbers
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import EndMotion, EndPath, refusal
 
@@ -45,7 +45,7 @@ def stand_in() -> dict[str, str]:
     """What stands behind rope.h in these tests."""
     files = (ROOT / "tests" / "native" / "stand_in.c", ROOT / "rope_model" / "native" / "rope.h")
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
-    return texts | {"parameters.h": parameter_structures()}
+    return texts | {"parameters.h": parameter_structures(), "signal_numbers.h": signal_numbers()}
 
 
 @pytest.fixture(scope="module")
@@ -760,6 +760,7 @@ def test_outputs_and_their_form_are_chosen_on_the_command_line(
     [
         (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
         (["--out", "file/x.fmu"], "file cannot be written to"),
+        (["--out", "x.txt"], "--out x.txt must end in .fmu or be a folder that is there: give x.fmu"),
         (["--native", "--scalar"], "add --native --fmi 3"),
     ],
 )

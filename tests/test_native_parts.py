@@ -163,8 +163,8 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "frame_pole_change_angle": (None, p, p, n, p, p),
         "frame_nearest_turn": (x, x, x),
         "shape_loop_bottom": (CLoopBottom, n, p, p),
-        "shape_leg_clearance": (x, n, p, p, p, x, x),
-        "shape_places": (None, x, x, n, p),
+        "shape_leg_clearance": (x, n, p, p, p, x, x, x),
+        "shape_places": (None, x, x, x, n, p),
         "shape_points": (None, n, p, p, n, p, p),
         "shape_hanging_guess": (None, n, p, p, p, p, p),
         "signal_group": (n, n),
@@ -524,15 +524,15 @@ def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: 
     same = CLoopBottom.of(expected)
     for points in (2, 81, 161):
         places, xyz = np.full(points + 1, -7.0), np.full((points + 1, 3), -7.0)
-        parts.shape_places(s[-1], expected.s, points, places)
-        assert_allclose(places[:-1], shape_places(lengths, expected.s, points), atol=ROUNDING * s[-1])
+        parts.shape_places(s[-1], expected.s, 4.0, points, places)
+        assert_allclose(places[:-1], shape_places(lengths, expected.s, 4.0, points), atol=ROUNDING * s[-1])
         assert places[-1] == -7.0
         parts.shape_points(s.size, q, s, points, places, xyz)
-        assert_allclose(xyz[:-1], shape(q, lengths, expected.s, points), atol=ROUNDING * s[-1])
+        assert_allclose(xyz[:-1], shape(q, lengths, expected.s, 4.0, points), atol=ROUNDING * s[-1])
         assert np.all(xyz[-1] == -7.0)
     for above in (0.0, 0.3, hanging[0], 1e3):
-        ours = parts.shape_leg_clearance(s.size, q, s, same, 0.044, above)
-        assert_allclose(ours, leg_clearance(q, lengths, expected, 0.044, above), atol=ROUNDING * s[-1])
+        ours = parts.shape_leg_clearance(s.size, q, s, same, 4.0, 0.044, above)
+        assert_allclose(ours, leg_clearance(q, lengths, expected, 4.0, 0.044, above), atol=ROUNDING * s[-1])
 
 
 @pytest.mark.parametrize("lowest", [0, 4])
@@ -547,7 +547,9 @@ def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int
     loop = LoopBottom(float(s[lowest]), q[lowest, :3], 0.0)
     same = CLoopBottom.of(loop)
     assert (
-        parts.shape_leg_clearance(5, q, s, same, 0.044, 1.0) == leg_clearance(q, lengths, loop, 0.044, 1.0) == math.inf
+        parts.shape_leg_clearance(5, q, s, same, 4.0, 0.044, 1.0)
+        == leg_clearance(q, lengths, loop, 4.0, 0.044, 1.0)
+        == math.inf
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import inspect
+import logging
 import os
 import pickle
 import re
@@ -19,7 +20,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import rope_model
-from rope_model import EndMotion, Mesh, Model, Rope, Scene, Solver, balance_rope, public
+from rope_model import EndMotion, Mesh, Model, Rope, Scene, Solver, at_level, balance_rope, public, rope_120
 from rope_model.native.build import library
 from rope_model.numerics.kernels import find_compiler
 
@@ -232,3 +233,21 @@ def test_a_copy_of_the_native_rope_goes_on_by_itself(copied: Callable[[Any], Any
     expected = rope.signals()
     del rope
     assert other.signals() == expected
+
+
+def test_what_is_no_scene_and_what_is_no_level_is_told_with_the_cure() -> None:
+    with pytest.raises(TypeError, match=r"scene is a RopeCase and must be a Scene; .* rope_120\(\)\.scene"):
+        balance_rope(rope_120())  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="level = 'drafty' must be one of draft, standard, reference"):
+        at_level(rope_120().scene, "drafty")  # type: ignore[arg-type]
+
+
+def test_the_form_that_runs_is_logged(form: public.Form, caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.INFO, public.__name__):
+        balance_rope(rope_120().scene, form)
+    assert f"the rope runs in its {form} form" in caplog.text.replace("Python", "python")
+
+
+def test_a_number_in_quotation_marks_is_refused_with_name_and_cure() -> None:
+    with pytest.raises(ValueError, match=r"EI = '300' is out of range: it must be a number; give it without quotation"):
+        Rope(EI="300")  # type: ignore[arg-type]

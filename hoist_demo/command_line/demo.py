@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,10 +24,10 @@ from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
-from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw, Hoist
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.time_series import match_signals, shape_rows, write_csv, write_shapes
-from hoist_demo.report.summary import CAUSE, WARNING, SummaryRow, render, summarize
+from hoist_demo.report.summary import CAUSE, OUTCOME, WARNING, SummaryRow, render, slip_warning, summarize
 from hoist_demo.study.catalogue import Catalogue, Value
 from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe
@@ -43,8 +44,17 @@ LAST_GOOD = "last_good.npz"
 
 LEVELS = ("draft", "standard", "reference")
 
-_DRAWN = ("shape.", "loop.", "stress.", "energy.", "left.swivel.")
-"""Outputs that an FMU may have been exported without, and reports show."""
+_DRAWN = {
+    "shape.": "3-D rope, shapes.png and stress along the rope",
+    "loop.": "loop.png",
+    "stress.": "largest stresses",
+    "energy.": "energies of the rope",
+    "left.swivel.": "swivels.png",
+}
+"""Outputs that an FMU may have been exported without, and what the reports then lack."""
+
+_SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
+"""Parameters of the rope of which the hoist has a copy for its controller, and their unit."""
 
 _CASE = "rope-120"
 
@@ -177,15 +187,19 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
         raise ValueError(f"--out {options.out} cannot be made a folder ({error.strerror}): choose another") from error
     rope, signals = _rope(options, run, bool(fmu_part(chosen)))
     hoist, winding, coupling = run.hoist, run.winding, run.coupling
-    if missing := _missing_outputs(rope.units()):
-        print(f"balance-rope: {missing}", file=sys.stderr)
+    missing = _missing_outputs(rope.units())
+    _tell(missing)
     try:
         result = _run(Host(rope, hoist, winding, coupling, run.gains), options.out / LAST_GOOD, resume)
         data = rope.data()
     finally:
         rope.close()
     result = replace(result, recording=mask_neglected(result.recording, data.torque_free))
+    contradiction = contradictions(hoist, data.parameters)
+    for text in (contradiction, slip_warning(result.recording, hoist)):
+        _tell(text)
     rows = summarize(result, hoist, winding, coupling)
+    rows += tuple(SummaryRow(OUTCOME, WARNING, text) for text in (missing, contradiction) if text)
     before = set(options.out.iterdir())
     with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
         title = _title(options, run, data)
@@ -207,13 +221,32 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     return 130 if interrupted() else 0
 
 
+def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
+    """What the drive takes the balance rope for, where the rope is something else; "" where they agree."""
+    told = []
+    for name, field, unit in _SHARED:
+        computed, assumed = rope.get(name), getattr(hoist, field)
+        if isinstance(computed, int | float) and not math.isclose(computed, assumed, rel_tol=1e-3):
+            told.append(
+                f"{name} = {computed:g} {unit} and hoist.{field} = {assumed:g} {unit} contradict each other: "
+                f"the drive holds and accelerates by its own number; set both, --set hoist.{field}={computed:g}"
+            )
+    return "; ".join(told)
+
+
+def _tell(warning: str) -> None:
+    if warning:
+        print(f"balance-rope: {warning}", file=sys.stderr)
+
+
 def _missing_outputs(units: Mapping[str, str]) -> str:
     """What a rope with these outputs leaves out of the reports, "" for nothing."""
-    groups = [f"{group}*" for group in _DRAWN if not any(name.startswith(group) for name in units)]
+    groups = [group for group in _DRAWN if not any(name.startswith(group) for name in units)]
     if not groups:
         return ""
+    outputs, lacking = ", ".join(f"{group}*" for group in groups), ", no ".join(_DRAWN[group] for group in groups)
     return (
-        f"the FMU was exported without the outputs {', '.join(groups)}: the reports leave out what they show; "
+        f"the FMU was exported without the outputs {outputs}, so the report has no {lacking}; "
         "`balance-rope export --outputs all` has them"
     )
 

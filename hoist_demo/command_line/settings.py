@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from hoist_demo.cosimulation.participants.rope_data import code
 from hoist_demo.study.catalogue import Catalogue, Parameter, Value
 
 STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")
@@ -32,8 +31,6 @@ def _value(parameter: Parameter, text: str) -> Value:
     if parameter.kind == "Boolean":
         return {"true": True, "false": False}.get(text.lower(), text)
     if parameter.kind in ("Real", "Integer"):
-        if (number := code(parameter.key, text)) is not None:
-            return number
         try:
             return float(text)
         except ValueError:

@@ -39,8 +39,8 @@ def encode(value: Any, name: str) -> Any:
         return {"class": [kind.__module__, kind.__qualname__, inside]}
     at_top = ", and classes must stand at the top of their module" if names is not None else ""
     raise ValueError(
-        f"{name} is a {kind.__qualname__}, which no checkpoint can keep: it must be plain data ({KINDS}){at_top}; keep "
-        "such data in the controller's state, and what never changes in the controller itself"
+        f"{name} is of type {kind.__qualname__}, which no checkpoint can keep: it must be plain data "
+        f"({KINDS}){at_top}; keep such data in the controller's state, and what never changes in the controller itself"
     )
 
 

@@ -25,6 +25,14 @@ ASSUMED_DATA = (
 """Said wherever results are shown."""
 
 
+UNIT_BOUNDS = (
+    ("wrap_angle", 0.1, 4.0 * math.pi, "rad", "give it in rad: 180 degrees are 3.1416"),
+    ("friction_coefficient", 0.01, 2.0, "", "give it as a pure number: 25 % are 0.25"),
+    ("head_rope_stiffness", 1e5, 1e10, "N", "give EA of one rope in N: 26 MN are 2.6e7"),
+)
+"""Bounds far beyond any hoist: what is out of them has another unit. Field, lowest, highest, unit and cure."""
+
+
 @dataclass(frozen=True)
 class Hoist:
     """Friction (Koepe) hoist with its motor on the sheave; all values [assumed].
@@ -75,6 +83,10 @@ class Hoist:
         ):
             value = getattr(self, name)
             require(value, value == int(value) and value <= 20, name, "a whole number up to 20", cure)
+        for name, low, high, unit, hint in UNIT_BOUNDS:
+            value = getattr(self, name)
+            bound = f"within {low:g} and {high:g} {unit}".rstrip()
+            require(value, low <= value <= high, name, bound, hint)
         if self.shaft is not None:
             require(
                 self.shaft.motor_mass,

@@ -97,7 +97,8 @@ def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
         return
     if hoist.brake is None:
         raise ValueError(
-            f"emergency_law = {winding.emergency_law!r} must be 'drive' for a hoist without a brake: give it a brake"
+            f"emergency_law = {winding.emergency_law!r} must be 'drive' for a hoist without a brake: "
+            "give it one, as hoist.brake.torque = 5.5e5 (N m)"
         )
     deceleration, capacity = winding.emergency_deceleration, hoist.brake.torque / hoist.sheave_radius
     require(

@@ -114,8 +114,8 @@ def forces(recording: Recording, hoist: Hoist) -> Figure | None:
     for end in ("left", "right"):
         axes[0].plot(t, -1e-3 * recording[f"{end}.fy"], color=COLOURS[end], label=end)
         axes[1].plot(t, 1e-3 * recording[f"drive.tension_{end}"], color=COLOURS[end], label=end)
-    axes[2].plot(t, 1e-3 * recording["drive.torque_command"], color=REFERENCE, lw=0.9, label="command")
     axes[2].plot(t, 1e-3 * recording["drive.torque"], color=ACCENTS[0], label="motor")
+    axes[2].plot(t, 1e-3 * recording["drive.torque_command"], color="black", lw=0.8, ls=(0, (4, 3)), label="command")
     axes[3].plot(t, recording["drive.tension_ratio"], color=ACCENTS[1], label="larger / smaller tension")
     limit = hoist.tension_ratio_limit
     axes[3].axhline(limit, color=ACCENTS[2], lw=1.0, ls="--", label=f"slip at exp(µα) = {limit:.2f}")
@@ -253,7 +253,9 @@ def _stack(recording: Recording, titles: Sequence[str]) -> tuple[Figure, list[Ax
 
 
 def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
-    """Named instants in all panels, their names over the first one."""
+    """Named instants in all panels, their names over the first one, whose title makes room."""
+    if marks:
+        figure.axes[0].set_title(figure.axes[0].get_title(loc="left"), pad=15.0)
     for mark in marks:
         for ax in figure.axes:
             ax.axvline(mark.t, color="black", lw=0.8, ls=(0, (4, 3)))

@@ -7,7 +7,10 @@ from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.report.html.parameter_tables import Table
-from hoist_demo.report.summary import SummaryRow
+from hoist_demo.report.summary import CAUSE, WARNING, SummaryRow
+
+SAID_FIRST = {CAUSE: "Stopped.", WARNING: "Warning."}
+"""Rows that stand above everything, and the word before them."""
 
 CAPTIONS = {
     "tracking": "Motion of both conveyances against the reference of the left one.",
@@ -30,9 +33,11 @@ def write_report(
 def render_markdown(
     title: str, rows: Sequence[SummaryRow], figures: Sequence[Path], tables: Sequence[Table] = ()
 ) -> str:
-    """The report as Markdown, figures by file name; Outcome says why a run stopped and what to be warned of."""
-    parts = [f"# {title}", ASSUMED_DATA]
-    for group, members in _groups(rows):
+    """The report as Markdown, figures by file name; on top why a run stopped and what to be warned of."""
+    parts = [f"# {title}"]
+    parts += [f"**{SAID_FIRST[row.quantity]}** {row.text}" for row in rows if row.quantity in SAID_FIRST]
+    parts.append(ASSUMED_DATA)
+    for group, members in _groups([row for row in rows if row.quantity not in SAID_FIRST]):
         table = [f"## {group}", "", "| quantity | value | unit |", "|---|---:|---|"]
         table += [f"| {_cell(row.quantity)} | {_cell(row.text)} | {row.unit} |" for row in members]
         parts.append("\n".join(table))

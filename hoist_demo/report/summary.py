@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
@@ -22,6 +21,9 @@ from hoist_demo.report.html.page import number
 SWING_WINDOW = 5.0
 """Length of the record's tail over which the residual swing is judged [s]."""
 
+
+OUTCOME = "Outcome"
+"""Group of the rows that tell how a run went."""
 
 WARNING = "warning"
 """Quantity of the rows that every report shows first."""
@@ -53,7 +55,7 @@ class SummaryRow:
 
 def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling) -> tuple[SummaryRow, ...]:
     """All rows of a run, in reading order."""
-    rows = _outcome(result, coupling)
+    rows = _outcome(result, hoist, coupling)
     if len(result.recording.signals):
         recording = result.recording
         rows += (
@@ -80,8 +82,8 @@ def render(rows: Sequence[SummaryRow]) -> str:
     return "\n".join(lines[1:])
 
 
-def _outcome(result: Result, coupling: Coupling) -> list[SummaryRow]:
-    group = "Outcome"
+def _outcome(result: Result, hoist: Hoist, coupling: Coupling) -> list[SummaryRow]:
+    group = OUTCOME
     rows = [
         SummaryRow(group, "status", "completed" if result.completed else "stopped"),
         SummaryRow(group, "simulated time", result.steps * coupling.step, "s"),
@@ -90,12 +92,32 @@ def _outcome(result: Result, coupling: Coupling) -> list[SummaryRow]:
     ]
     if result.cause:
         rows.insert(1, SummaryRow(group, CAUSE, result.cause))
-    return rows + [SummaryRow(group, WARNING, text) for text in warnings(result)]
+    return rows + [SummaryRow(group, WARNING, text) for text in warnings(result, hoist)]
 
 
-def warnings(result: Result) -> list[str]:
-    """What a reader of the numbers must know: an unstable coupling, and what the rope's fidelity leaves out."""
-    return [text for text in (result.warning, remark(result.recording)) if text]
+def warnings(result: Result, hoist: Hoist) -> list[str]:
+    """What a reader of the numbers must know.
+
+    An unstable coupling, ropes that a real sheave would not hold, and what the rope's fidelity leaves out.
+    """
+    texts = result.warning, slip_warning(result.recording, hoist), remark(result.recording)
+    return [text for text in texts if text]
+
+
+def slip_warning(recording: Recording, hoist: Hoist) -> str:
+    """When real head ropes would have begun to slip; "" while the friction on the sheave holds them."""
+    if "drive.tension_ratio" not in recording:
+        return ""
+    ratio, limit = recording["drive.tension_ratio"], hoist.tension_ratio_limit
+    beyond = ratio > limit
+    if not bool(beyond.any()):
+        return ""
+    return (
+        f"the head ropes would slip at t = {number(float(recording.time[beyond][0]))} s (tension ratio up to "
+        f"{number(float(np.max(ratio)))}, limit {number(limit)}); the model lets them hold, so nothing after that "
+        "instant is a prediction. Brake or accelerate more gently (winding.emergency_deceleration, "
+        "winding.acceleration), or make the two sides more alike in weight"
+    )
 
 
 def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryRow]:
@@ -103,10 +125,10 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     error = recording["reference.position"] - travel
     ratio = recording["drive.tension_ratio"]
-    rows = [
+    return [
         SummaryRow(group, "travel asked for", winding.travel, "m"),
         SummaryRow(group, "travel reached, left conveyance", float(travel[-1]), "m"),
-        *_tracking(group, 1e3 * error, recording.time - recording.time[0] <= winding.tracking_end),
+        *_tracking(group, 1e3 * error, recording.time - recording.time[0], winding),
         *_stopping(group, recording, hoist, winding),
         SummaryRow(group, "peak speed", _largest(recording["conveyance.left.vy"]), "m/s"),
         SummaryRow(group, "peak motor torque", _largest(1e-3 * recording["drive.torque"]), "kN m"),
@@ -116,16 +138,16 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
         SummaryRow(group, "ratio at which the ropes slip", hoist.tension_ratio_limit),
         SummaryRow(group, "smallest slip safety, (limit - 1) / (ratio - 1)", hoist.slip_safety(float(np.max(ratio)))),
     ]
-    if float(np.max(ratio)) > hoist.tension_ratio_limit:
-        above = recording.time[ratio > hoist.tension_ratio_limit]
-        quantity = "first time the ropes would slip (the model lets them hold)"
-        rows.append(SummaryRow(group, quantity, float(above[0]), "s"))
-    return rows
 
 
-def _tracking(group: str, error: Array, follows: NDArray[np.bool_]) -> list[SummaryRow]:
+def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> list[SummaryRow]:
     """Errors [mm] while the drive follows the reference; once the brake has tripped there is nothing to follow."""
-    last, until = ("final position error", "") if bool(follows.all()) else ("position error at the trip", " until then")
+    follows = elapsed <= winding.tracking_end
+    last, until = "final position error", ""
+    if not bool(follows.all()):
+        last, until = "position error at the trip", " until then"
+    elif winding.emergency_at is not None and winding.emergency_at <= elapsed[-1]:
+        last = "final error against the stop's reference"
     return [
         SummaryRow(group, last, float(error[follows][-1]), "mm"),
         SummaryRow(group, f"largest tracking error{until}", _largest(error[follows]), "mm"),
@@ -206,16 +228,17 @@ def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
         SummaryRow(group, "motor work", 1e-3 * float(recording["drive.work_motor"][-1]), "kJ"),
         SummaryRow(group, "losses", 1e-3 * float(recording["drive.work_losses"][-1]), "kJ"),
         SummaryRow(group, "damping of the head ropes", 1e-3 * float(recording["drive.work_rope_damping"][-1]), "kJ"),
-        SummaryRow(group, "balance ropes' work on the conveyances", 1e-3 * float(recording[drive][-1]), "kJ"),
+        SummaryRow(group, f"work of {_all_ropes(hoist)} on the conveyances", 1e-3 * float(recording[drive][-1]), "kJ"),
         SummaryRow(group, "residual of the drive, largest", _largest(recording["drive.energy_residual"]), "J"),
     ]
+    of_one = "" if hoist.tail_rope_number == 1 else ", of one rope"
     for name, quantity in (
         ("energy.work_ends", "work on the balance rope at its ends"),
         ("energy.dissipated_material", "dissipated in the balance rope"),
         ("energy.dissipated_swivel", "dissipated in the swivels"),
     ):
         if name in recording:
-            rows.append(SummaryRow(group, quantity, float(recording[name][-1]), "J"))
+            rows.append(SummaryRow(group, f"{quantity}{of_one}", 1e-3 * float(recording[name][-1]), "kJ"))
     if recording.has("energy.residual", "energy.kinetic"):
         residual, kinetic = _furthest(recording["energy.residual"]), float(np.max(recording["energy.kinetic"]))
         quantity = "residual of the rope, furthest from 0 (dissipated by the time steps: negative)"
@@ -227,6 +250,11 @@ def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
         defect = exchange_energy(recording, hoist)
         rows.append(SummaryRow(group, "energy that the coupling's delay makes up, largest", _largest(defect), "J"))
     return rows
+
+
+def _all_ropes(hoist: Hoist) -> str:
+    number = hoist.tail_rope_number
+    return "the balance rope" if number == 1 else f"all {number} balance ropes"
 
 
 def exchange_energy(recording: Recording, hoist: Hoist) -> Array:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
+from hoist_demo.cosimulation.participants.rope_data import words_of
 from hoist_demo.design.controllers import CONTROLLERS
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
@@ -39,6 +40,11 @@ RENAMED = {"model.rung": ["model.fidelity"], "mesh.leg_growth": ["mesh.grading_l
 """Names of version 0.1.0 and those of today."""
 
 
+def word_of(choices: Iterable[str], value: object) -> str | None:
+    """The choice that a text is, whatever its case; None where it is none."""
+    return next((word for word in choices if isinstance(value, str) and word.lower() == value.lower()), None)
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A key that a study may set."""
@@ -48,7 +54,7 @@ class Parameter:
     kind: str  # Real, Integer, Boolean or String
     minimum: float | None = None
     maximum: float | None = None
-    choices: tuple[str, ...] = ()
+    choices: tuple[str, ...] = ()  # words of a text, or of the codes of a number
 
     def read(self, value: object) -> Value:
         """The value in the parameter's type; a `ValueError` names key, value and cure."""
@@ -58,10 +64,13 @@ class Parameter:
                 raise ValueError(f"{bad} must be true or false: write one of them")
             return value
         if self.kind == "String":
-            if not isinstance(value, str) or (self.choices and value not in self.choices):
+            word = word_of(self.choices, value) if self.choices else value
+            if not isinstance(word, str):
                 what = f"one of {', '.join(self.choices)}" if self.choices else "a text"
                 raise ValueError(f"{bad} must be {what}: choose one")
-            return value
+            return word
+        if self.choices:
+            value = self._code(value)
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise ValueError(f"{bad} must be a finite number: give it in {self._unit}")
         if self.kind != "Real" and float(value) != round(value):
@@ -71,6 +80,14 @@ class Parameter:
             bound = f"at least {low:g}" if high is None else f"within {low:g} and {high:g}"
             raise ValueError(f"{bad} must be {bound}: give it in {self._unit}")
         return float(value) if self.kind == "Real" else round(value)
+
+    def _code(self, value: object) -> object:
+        """The code of a choice, given by code or by word."""
+        code = self.choices.index(word) if (word := word_of(self.choices, value)) else value
+        if isinstance(code, bool) or code not in range(len(self.choices)):
+            known = ", ".join(f"{k} ({word})" for k, word in enumerate(self.choices))
+            raise ValueError(f"{self.key} = {value!r} must be one of {known}: give code or word")
+        return code
 
     @property
     def _unit(self) -> str:
@@ -85,11 +102,11 @@ class Catalogue:
         for section, data in SECTIONS.items():
             for leaf in leaves(data):
                 key = f"{section}.{leaf.name}"
-                self._parameters[key] = Parameter(key, leaf.unit, leaf.kind)
+                self._parameters[key] = Parameter(key, leaf.unit, leaf.kind, choices=leaf.choices)
         for name, p in rope.items():
             if name not in RESERVED:
                 kind = "Integer" if p.kind == "Enumeration" else p.kind
-                self._parameters[name] = Parameter(name, fmi_unit(p.unit), kind, p.minimum, p.maximum)
+                self._parameters[name] = Parameter(name, fmi_unit(p.unit), kind, p.minimum, p.maximum, words_of(name))
 
     def __contains__(self, key: str) -> bool:
         return key in self._parameters
@@ -99,7 +116,8 @@ class Catalogue:
         if key in RESERVED:
             raise ValueError(f"{key} cannot be chosen, {RESERVED[key]}: leave it out")
         if key not in self._parameters:
-            near = RENAMED.get(key) or difflib.get_close_matches(key, self._parameters, n=3)
+            near = RENAMED.get(key) or [name for name in self._parameters if name.lower() == key.lower()]
+            near = near or difflib.get_close_matches(key, self._parameters, n=3)
             near = near or [name for name in self._parameters if name.split(".")[-1] == key.split(".")[-1]]
             cure = (
                 f"did you mean {' or '.join(near)}?" if near else f"sections are {', '.join(SECTIONS)}, or an FMU name"

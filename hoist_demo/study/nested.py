@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any, get_args, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from hoist_demo.parameters.quantity import units_of
 from hoist_demo.parameters.units import fmi_unit
@@ -19,6 +19,7 @@ class Leaf:
     name: str  # with dots, e.g. `brake.delay`
     kind: str  # as FMI names types: Real, Integer, Boolean or String
     unit: str
+    choices: tuple[str, ...] = ()  # of a text that is one of some words
 
 
 def leaves(data: type[Any]) -> Iterator[Leaf]:
@@ -27,7 +28,10 @@ def leaves(data: type[Any]) -> Iterator[Leaf]:
     for field in fields(data):
         inner = _inner(hints[field.name])
         if inner is not None:
-            yield from (Leaf(f"{field.name}.{leaf.name}", leaf.kind, leaf.unit) for leaf in leaves(inner))
+            yield from (replace(leaf, name=f"{field.name}.{leaf.name}") for leaf in leaves(inner))
+            continue
+        if get_origin(hints[field.name]) is Literal:
+            yield Leaf(field.name, "String", "1", get_args(hints[field.name]))
             continue
         kinds = [_KINDS[t] for t in (hints[field.name], *get_args(hints[field.name])) if t in _KINDS]
         if kinds:

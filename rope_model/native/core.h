@@ -107,10 +107,11 @@ typedef struct {
 } LoopBottom;
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s);
 /* scratch: 3 * 161 doubles and more are on the stack */
-double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double diameter,
-                           double above);
-/* at (points): arc lengths from end to end, denser around the loop's lowest point; total: length of the rope */
-void shape_places(double total, double bottom_s, int points, double *at);
+double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
+                           double diameter, double above);
+/* at (points): arc lengths from end to end, denser around the loop's lowest point; total: length of the rope;
+   loop: loop_width() */
+void shape_places(double total, double bottom_s, double loop, int points, double *at);
 /* xyz (points x 3): the centre line at the places */
 void shape_points(int nodes, const double *q, const double *s, int points, const double *at, double *xyz);
 /* tension (points) at the places, which ascend, by the balance of momentum to the left of them */

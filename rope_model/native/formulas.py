@@ -59,7 +59,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double hermite_integral_to(double xi, double l, double r1, double s1, double r2, double s2)": (
         hermite.integral_to
     ),
-    "double place_on_rope(double bottom, double reach, double part)": outline.place,
+    "double place_on_rope(double bottom, double reach, double part, double loop)": outline.place,
     "double squared_distance(const double point[3], const double start[3], const double along[3])": (
         outline.squared_distance
     ),
@@ -85,6 +85,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double estimated_yaw(const Scene *scene)": estimates.loop_yaw,
     "double coupling_torque(const Rope *rope, double gravity)": estimates.coupling_torque,
     "double twist_torque(const Rope *rope, double angle)": estimates.twist_torque,
+    "double loop_width(const Scene *scene)": estimates.loop_width,
     "double bending_length(const Scene *scene)": estimates.bending_length,
     "Hanging hanging_shape(double length, double middle, double width, double cell)": hanging.hanging_shape,
     "double hanging_turn_angle(const Hanging *hanging, double s)": hanging.turn_angle,

@@ -45,11 +45,11 @@ LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
     return bottom;
 }
 
-void shape_places(double total, double bottom_s, int points, double *at) {
+void shape_places(double total, double bottom_s, double loop, int points, double *at) {
     double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
         double u = k < points - 1 ? k * step - 1.0 : 1.0;
-        at[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u)), 0.0, total);
+        at[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
     }
 }
 
@@ -122,10 +122,10 @@ static double smallest_distance(int points, double point[LEG][3], int corners, d
     return sqrt(least);
 }
 
-double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double diameter,
-                           double above) {
+double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
+                           double diameter, double above) {
     double at[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
-    shape_places(s[nodes - 1], bottom->s, OUTLINE, at);
+    shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, at);
     shape_points(nodes, q, s, OUTLINE, at, outline[0]);
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);

@@ -35,8 +35,8 @@ static void loop_signals(const Scene *scene, const State *state, const Arrays *a
                          double *values) {
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
     values[SIGNAL_LOOP_YAW] = frame_nearest_turn(bottom->yaw, state->loop_yaw);
-    values[SIGNAL_LOOP_CLEARANCE] =
-        shape_leg_clearance(arrays->nodes, arrays->q, arrays->s, bottom, scene->rope.diameter, scene->layout.spacing);
+    values[SIGNAL_LOOP_CLEARANCE] = shape_leg_clearance(arrays->nodes, arrays->q, arrays->s, bottom, loop_width(scene),
+                                                        scene->rope.diameter, scene->layout.spacing);
 }
 
 /* of an element; a fidelity without torsion has no torque */
@@ -78,9 +78,9 @@ static void energy_signals(const EnergyBalance *energy, const Counts *count, dou
     values[SIGNAL_COUNT_SWIVEL_EVENTS] = (double)count->swivel_events;
 }
 
-static void shape_signals(const Arrays *arrays, const LoopBottom *bottom, double *values) {
+static void shape_signals(const Scene *scene, const Arrays *arrays, const LoopBottom *bottom, double *values) {
     double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3];
-    shape_places(arrays->s[arrays->nodes - 1], bottom->s, SHAPE_POINTS, at);
+    shape_places(arrays->s[arrays->nodes - 1], bottom->s, loop_width(scene), SHAPE_POINTS, at);
     shape_points(arrays->nodes, arrays->q, arrays->s, SHAPE_POINTS, at, xyz[0]);
     for (int i = 0; i < SHAPE_POINTS; i++) {
         values[SIGNAL_SHAPE_X_1 + i] = xyz[i][0];
@@ -95,7 +95,7 @@ static void along_signals(const Scene *scene, int fidelity, const Arrays *arrays
     const double *s = arrays->s;
     int nodes = arrays->nodes;
     double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3], y[SHAPE_POINTS], *tension = values + SIGNAL_SHAPE_TENSION_1;
-    shape_places(s[nodes - 1], bottom->s, SHAPE_POINTS, at);
+    shape_places(s[nodes - 1], bottom->s, loop_width(scene), SHAPE_POINTS, at);
     if (fidelity == RIGID) {
         shape_points(nodes, arrays->q, s, SHAPE_POINTS, at, xyz[0]);
         for (int i = 0; i < SHAPE_POINTS; i++) y[i] = xyz[i][1];
@@ -128,7 +128,7 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         energy_signals(&state->energy_balance, &state->counts, values);
         break;
     case SHAPE_SIGNALS:
-        shape_signals(arrays, bottom, values);
+        shape_signals(scene, arrays, bottom, values);
         break;
     case ALONG_SIGNALS:
         along_signals(scene, state->fidelity, arrays, strains, bottom, values);

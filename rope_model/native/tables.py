@@ -32,7 +32,7 @@ def signal_numbers() -> str:
         for fidelity in get_args(FidelityChoice)
     )
     return (
-        "/* Generated from rope_model.simulation.signals and left_out by rope_model.native.tables. */\n"
+        "/* Generated from rope_model.simulation.signals and neglected_effects by rope_model.native.tables. */\n"
         "#ifndef SIGNAL_NUMBERS_H\n#define SIGNAL_NUMBERS_H\n\n"
         f"enum {{\n{numbers}    SIGNALS,\n    SHAPE_POINTS = {SHAPE_POINTS}\n}};\n\n"
         f"/* of each signal, an enum of signals.h */\n#define SIGNAL_GROUPS \\\n{groups}\n\n"

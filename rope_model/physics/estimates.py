@@ -114,6 +114,11 @@ def natural_width(scene: Any) -> Any:
     return NATURAL_WIDTH * bending_length(scene)
 
 
+def loop_width(scene: Any) -> Any:
+    """Width (m) of the loop, at least: its natural one, or half the distance of ends that hold it open further."""
+    return larger(natural_width(scene), 0.5 * scene.layout.spacing)
+
+
 def bending_length(scene: Any) -> Any:
     """(EI / rho g)^(1/3), m: the length over which bending stiffness and weight balance."""
     return (scene.rope.EI / (scene.rope.mass_per_length * scene.layout.gravity)) ** (1 / 3)

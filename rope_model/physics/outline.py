@@ -10,9 +10,14 @@ from typing import Any
 from .elementary import dot, larger, smaller
 
 
-def place(bottom: Any, reach: Any, part: Any) -> Any:
-    """Arc length (m) of the sample at ``part`` from 0 to 1 of the ``reach`` from ``bottom``, where they are denser."""
-    return bottom + reach * (0.1 * part + 0.9 * part**3)
+def place(bottom: Any, reach: Any, part: Any, loop: Any) -> Any:
+    """Arc length (m) of the sample at ``part`` from 0 to 1 of the ``reach`` from ``bottom`` to an end of the rope.
+
+    Around the bottom the samples stand as densely as if they had the width of the ``loop`` (m) twice to share, however
+    deep the legs hang; from there their distance grows.
+    """
+    even = smaller(2.0 * loop / larger(abs(reach), loop), 1.0)
+    return bottom + reach * (even * part + (1.0 - even) * part**4)
 
 
 def squared_distance(point: Any, start: Any, along: Any) -> Any:

@@ -41,12 +41,12 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     return LoopBottom(float(at), point[POSITION], math.atan2(-d[2], d[0]))
 
 
-def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, diameter: float, above: float) -> float:
+def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, diameter: float, above: float) -> float:
     """Smallest free distance (m) between the two legs where both are ``above`` (m) or more over the lowest point.
 
     Points of either leg against straight pieces of the other, both denser near the loop.
     """
-    points = shape(q, lengths, bottom.s, 161)
+    points = shape(q, lengths, bottom.s, loop, 161)
     middle = points.shape[0] // 2
     height = float(bottom.position[1]) + above
     left, right = _part_above(points[middle::-1], height), _part_above(points[middle:], height)
@@ -72,17 +72,17 @@ def _part_above(leg: Array, height: float) -> Array:
     return np.vstack((below + part * (first - below), leg[i + (part >= 1.0) :]))
 
 
-def shape_places(lengths: Array, bottom_s: float, points: int) -> Array:
-    """(points,): arc lengths, m, from end to end, denser around the loop's lowest point at ``bottom_s``."""
+def shape_places(lengths: Array, bottom_s: float, loop: float, points: int) -> Array:
+    """(points,): arc lengths, m, from end to end, denser around the loop, of this width (m), above ``bottom_s``."""
     total = float(np.sum(lengths))
     u = np.linspace(-1.0, 1.0, points)
-    s: Array = np.clip(place(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u)), 0.0, total)
+    s: Array = np.clip(place(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop), 0.0, total)
     return s
 
 
-def shape(q: Array, lengths: Array, bottom_s: float, points: int) -> Array:
+def shape(q: Array, lengths: Array, bottom_s: float, loop: float, points: int) -> Array:
     """(points, 3): the centre line, sampled more closely around the loop's lowest point."""
-    return interpolate(q, arc_lengths(lengths), shape_places(lengths, bottom_s, points))[:, POSITION]
+    return interpolate(q, arc_lengths(lengths), shape_places(lengths, bottom_s, loop, points))[:, POSITION]
 
 
 def interpolate_midpoints(values: Array, lengths: Array, s: Array) -> Array:

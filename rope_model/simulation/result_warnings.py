@@ -15,7 +15,7 @@ import math
 from collections.abc import Callable
 
 from ..parameters import Scene
-from ..physics.estimates import coupling_torque, twist_torque
+from ..physics.estimates import coupling_torque, loop_width, twist_torque
 from .diagnostics import leg_clearance, loop_bottom
 from .fidelity import carries_torque
 from .neglected_effects import neglected_text
@@ -46,7 +46,8 @@ def leg_contact(scene: Scene, state: RopeState) -> str:
             f"and legs cross at half a turn; {cure}"
         )
     if abs(yaw) > TURNED_FAR:
-        clearance = leg_clearance(q, lengths, loop_bottom(q, lengths), scene.rope.diameter, scene.layout.spacing)
+        bottom, loop = loop_bottom(q, lengths), loop_width(scene)
+        clearance = leg_clearance(q, lengths, bottom, loop, scene.rope.diameter, scene.layout.spacing)
         if clearance <= 0:
             return (
                 f"the rope's legs touch (loop.clearance = {clearance:.3g} m) with the loop yawed by {yaw:.3g} rad; "

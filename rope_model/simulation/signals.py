@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ..parameters import Rope, Scene
+from ..physics.estimates import loop_width
 from ..physics.frame import end_moment
 from ..physics.stress import bending_stress, torsional_stress
 from .adaptation import nearest_turn
@@ -169,7 +170,7 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
     bottom = rope.loop
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
     q, lengths = state.motion.q, state.partition.lengths
-    clearance = leg_clearance(q, lengths, bottom, scene.rope.diameter, scene.layout.spacing)
+    clearance = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing)
     return out | {"loop.yaw": nearest_turn(bottom.yaw, state.loop_yaw), "loop.clearance": clearance}
 
 
@@ -201,7 +202,7 @@ def energy_signals(rope: Evaluated) -> dict[str, float]:
 def shape_signals(rope: Evaluated) -> dict[str, float]:
     """Points along the rope."""
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
-    points = shape(q, lengths, rope.loop.s, SHAPE_POINTS)
+    points = shape(q, lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
     return {f"shape.{axis}[{i}]": float(x) for k, axis in enumerate("xyz") for i, x in enumerate(points[:, k], start=1)}
 
 
@@ -209,9 +210,9 @@ def along_signals(rope: Evaluated) -> dict[str, float]:
     """Tension and stresses at the points of the shape."""
     state, data, gravity = rope.state, rope.scene.rope, rope.scene.layout.gravity
     m, lengths = state.motion, state.partition.lengths
-    s = shape_places(lengths, rope.loop.s, SHAPE_POINTS)
+    s = shape_places(lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
     if state.fidelity == "rigid":
-        y = shape(m.q, lengths, rope.loop.s, SHAPE_POINTS)[:, 1]
+        y = shape(m.q, lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)[:, 1]
         pull = rigid_tension(m, s, y, data.mass_per_length, gravity)
     else:
         pull = tension(m, lengths, s, data.mass_per_length, gravity)

@@ -2,12 +2,11 @@
    messages and states as rope.h has them.  Each end carries the weight of its leg and the mass of it times the
    end's upward acceleration. */
 #include "rope.h"
+#include "signal_numbers.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-enum { FX, FY, SIGNALS_OF_END = 12, STEPS = 44 };
 
 typedef struct {
     double t, h;
@@ -133,10 +132,10 @@ void rope_warning(Simulator *rope, int number, char *message) {
 }
 
 double rope_signal(Simulator *rope, int signal) {
-    int side = signal / SIGNALS_OF_END;
-    if (side <= RIGHT && signal % SIGNALS_OF_END == FY)
+    int side = signal == SIGNAL_LEFT_FY ? LEFT : RIGHT;
+    if (signal == SIGNAL_LEFT_FY || signal == SIGNAL_RIGHT_FY)
         return -leg_mass(rope, side) * (rope->scene.layout.gravity + rope->state.ends[side].a[1]);
-    return signal == STEPS ? rope->state.steps : 0.0;
+    return signal == SIGNAL_COUNT_STEPS ? rope->state.steps : 0.0;
 }
 
 int rope_derivative(Simulator *rope, int input, double derivative[12]) {

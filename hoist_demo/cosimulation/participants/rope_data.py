@@ -21,11 +21,12 @@ _TORQUE = ("rope.Qb", "rope.Qc", "rope.installed_twist")
 
 def code(name: str, word: str) -> int | None:
     """The code of a word that a parameter may have; None where it has no such word."""
-    words = _words(name)
+    words = words_of(name)
     return words.index(word) if word in words else None
 
 
-def _words(name: str) -> tuple[str, ...]:
+def words_of(name: str) -> tuple[str, ...]:
+    """The words of a parameter's codes; none where it has no choices."""
     return tuple(CHOICES.get(".".join(name.split(".")[-2:]), ()))
 
 
@@ -68,7 +69,7 @@ class RopeData:
 
     def display(self, name: str) -> Value:
         """A parameter's value, a code with its word."""
-        value, words = self.parameters[name], _words(name)
+        value, words = self.parameters[name], words_of(name)
         return f"{value} ({words[value]})" if isinstance(value, int) and 0 <= value < len(words) else value
 
     def level(self, levels: Levels) -> str:
