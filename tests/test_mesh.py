@@ -57,7 +57,10 @@ def momentum_and_energy(x: Array, lengths: Array) -> tuple[Array, float]:
     for i, l in enumerate(lengths):
         rest[7] = l
         v = x[i : i + 2].ravel()
-        force = np.asarray(element.tangent(rest, 0 * rest, 0 * rest, l, P, 0.0, 0.0, 1.0)[1]) @ v
+        force = (
+            np.asarray(element.tangent(rest, 0 * rest, 0 * rest, l, element.reference(rest, l), P, 0.0, 0.0, 1.0)[1])
+            @ v
+        )
         momentum += uniform @ force
         energy += 0.5 * float(v @ force)
     return momentum, energy

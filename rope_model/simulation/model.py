@@ -30,15 +30,13 @@ class RopeModel:
         points = nominal_points(scene.layout.spacing)
         ends = HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
         key = (state.partition, state.swivels, state.fidelity)
-        for k, (known, system) in enumerate(self._latest):
-            if all(one is other for one, other in zip(known, key, strict=True)):
-                system = system.with_boundary(ends).with_reference(state.motion.q)
-                self._latest[k] = (key, system)
-                return system
-        node_mass = np.zeros((state.partition.lengths.size + 1, 7))
-        node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
-        P, kernels = parameter_vector(scene.rope, scene.layout.gravity), self.kernels.of(flexible(state.fidelity))
-        system = RopeSystem(kernels, state.partition.lengths, P, ends, state.motion.q, node_mass)
+        if self._latest and all(one is other for one, other in zip(self._latest[0][0], key, strict=True)):
+            system = self._latest[0][1].with_boundary(ends).with_reference(state.motion.q)
+        else:
+            node_mass = np.zeros((state.partition.lengths.size + 1, 7))
+            node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
+            P, kernels = parameter_vector(scene.rope, scene.layout.gravity), self.kernels.of(flexible(state.fidelity))
+            system = RopeSystem(kernels, state.partition.lengths, P, ends, state.motion.q, node_mass)
         self._latest[:] = [(key, system)]
         return system
 
