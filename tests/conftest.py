@@ -84,8 +84,8 @@ class Chain:
 
 
 def portable_system(lengths: Array, P: Array, boundary: Chain) -> RopeSystem:
-    """A small chain that needs no compiler."""
-    return RopeSystem(RopeKernels(lengths.size, "portable"), lengths, P, boundary)
+    """A small chain that needs no compiler, its frame counted from the values at which it is held."""
+    return RopeSystem(RopeKernels(lengths.size, "portable"), lengths, P, boundary, boundary.values)
 
 
 def straight(s: Array) -> Array:

@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 
 needs_compiler = pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to compare with")
 #: the arguments of ``evaluate``
-STATE = ("q", "v", "a", "R", "l", "load", "friction_load", "node_mass", "P")
-P = np.array([1.3, 9.8, 5.0, 0.8, 0.3, 2.0, 1.5, 0.4, 0.3, 1.0, 0.0, 0.0])
+STATE = ("q", "v", "a", "R", "l", "F", "load", "friction_load", "node_mass", "P")
+P = np.array([1.3, 9.8, 5.0, 0.8, 0.3, 2.0, 1.5, 0.4, 0.3])
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -44,6 +44,7 @@ def random_chain(elements: int, seed: int) -> dict[str, Array]:
         "a": rng.normal(size=nodes),
         "R": rng.normal(size=nodes),
         "l": l,
+        "F": RopeKernels(elements, "portable").reference(q + 0.1 * rng.normal(size=nodes), l)[0],
         "load": rng.normal(size=nodes),
         "friction_load": rng.normal(size=nodes),
         "node_mass": rng.uniform(0.0, 0.5, nodes),
@@ -60,7 +61,9 @@ def direct(x: dict[str, Array]) -> tuple[Array, Array]:
     R, J = np.zeros(size), np.zeros((size, size))
     for i in range(elements):
         at = slice(NODE_DOF * i, NODE_DOF * (i + 2))
-        R_e, J_e = element.tangent(*(x[k][i : i + 2].ravel() for k in ("q", "v", "a")), x["l"][i], x["P"], *x["c"])
+        R_e, J_e = element.tangent(
+            *(x[k][i : i + 2].ravel() for k in ("q", "v", "a")), x["l"][i], x["F"][i], x["P"], *x["c"]
+        )
         R[at] += np.asarray(R_e).ravel()
         J[at, at] += np.asarray(J_e)
     pressed = np.maximum(x["R"][:, 1:2], 0.0)
@@ -102,14 +105,16 @@ def test_assess_tells_the_residual_that_direction_uses_and_sums_the_balances() -
     R, sums = k.evaluate(*(x[name] for name in STATE))
     np.testing.assert_allclose(R, k.newton_step(*x.values())[1], rtol=1e-13, atol=1e-13)  # rounding: two texts of code
     each = [
-        np.asarray(element.balance(x["q"][i : i + 2].ravel(), x["v"][i : i + 2].ravel(), x["l"][i], P)).ravel()
+        np.asarray(
+            element.balance(x["q"][i : i + 2].ravel(), x["v"][i : i + 2].ravel(), x["l"][i], x["F"][i], P)
+        ).ravel()
         for i in range(elements)
     ]
     np.testing.assert_allclose(sums, np.sum(each, axis=0), rtol=1e-12)
-    strains = k.strains(x["q"], x["l"], x["P"])[0]
+    strains = k.strains(x["q"], x["l"], x["F"])[0]
     np.testing.assert_allclose(
         strains,
-        [np.asarray(element.strains(x["q"][i : i + 2].ravel(), x["l"][i], P)).ravel() for i in range(elements)],
+        [np.asarray(element.strains(x["q"][i : i + 2].ravel(), x["l"][i], x["F"][i])).ravel() for i in range(elements)],
         rtol=1e-12,
     )
 
@@ -125,7 +130,7 @@ def test_the_compiled_kernels_give_what_the_portable_ones_give() -> None:
         pairs = [
             *zip(compiled.newton_step(*x.values()), portable.newton_step(*x.values()), strict=True),
             *zip(compiled.evaluate(*state), portable.evaluate(*state), strict=True),
-            *zip(compiled.strains(x["q"], x["l"], P), portable.strains(x["q"], x["l"], P), strict=True),
+            *zip(compiled.strains(x["q"], x["l"], x["F"]), portable.strains(x["q"], x["l"], x["F"]), strict=True),
         ]
         for ours, reference in pairs:
             assert np.all(np.isfinite(reference))

@@ -138,7 +138,7 @@ def soft_rope() -> tuple[RopeSystem, Motion]:
     ends = ShakenEnds(np.zeros((n + 1, 7), dtype=bool), q, np.zeros((n + 1, 7)))
     ends.held[[0, -1]] = True
     ends.held[[0, -1], 4] = False
-    system = RopeSystem(RopeKernels(n, "auto"), np.diff(s), parameter_vector(rope, 9.81, np.array([1.0, 0, 0])), ends)
+    system = RopeSystem(RopeKernels(n, "auto"), np.diff(s), parameter_vector(rope, 9.81), ends, q)
     at_rest = find_equilibrium(system, q)
     return system, restart(system, 0.0, at_rest.q, 0 * q, at_rest.reaction)[0]
 

@@ -48,7 +48,7 @@ def smooth(s: Array, length: float) -> Array:
 def momentum_and_energy(x: Array, lengths: Array) -> tuple[Array, float]:
     """Linear momentum (3,) and kinetic energy of the velocities ``x``, per mass of 1 kg/m, by the element's mass."""
     element, P = element_functions(), np.zeros(len(PARAMETERS))
-    P[[0, 9]] = 1.0
+    P[0] = 1.0
     momentum, energy, rest = np.zeros(3), 0.0, np.zeros(14)
     uniform = np.zeros((3, 14))
     rest[[3, 10]] = 1.0
@@ -57,7 +57,10 @@ def momentum_and_energy(x: Array, lengths: Array) -> tuple[Array, float]:
     for i, l in enumerate(lengths):
         rest[7] = l
         v = x[i : i + 2].ravel()
-        force = np.asarray(element.tangent(rest, 0 * rest, 0 * rest, l, P, 0.0, 0.0, 1.0)[1]) @ v
+        force = (
+            np.asarray(element.tangent(rest, 0 * rest, 0 * rest, l, element.reference(rest, l), P, 0.0, 0.0, 1.0)[1])
+            @ v
+        )
         momentum += uniform @ force
         energy += 0.5 * float(v @ force)
     return momentum, energy

@@ -178,13 +178,13 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
 
 
 def test_the_cases_meet_what_they_are_for() -> None:
-    """Transformations, slips, pole changes, another fidelity and a slack rope happen in the cases above."""
+    """Transformations, slips, another fidelity and a slack rope happen in the cases above."""
     seen: set[str] = set()
-    for name in ("winding", "stick and slip", "rigid, then raised", "turned through a right angle"):
+    for name in ("winding", "stick and slip", "rigid, then raised"):
         scene, motions, duration, h = CASES[name]
         for (state,) in together([NativeRope(scene)], [motions], duration, h):
             seen |= {event.what for event in state.events}
-    assert {"transformation", "new frame pole", "left swivel slips -", "left swivel sticks", "model torsional"} <= seen
+    assert {"transformation", "left swivel slips -", "left swivel sticks", "model torsional"} <= seen
     scene, motions, duration, h = CASES["slack and caught"]
     tensions = [state.motion.reaction[0, 1] for (state,) in together([NativeRope(scene)], [motions], duration, h)]
     assert min(tensions) < 0
@@ -199,7 +199,8 @@ def test_states_go_from_one_to_the_other() -> None:
     reference.restore(native.save())
     for rope in (native, reference):
         assert rope.advance_to(1.05, *motions(1.05)).valid
-    assert_allclose(native.state.motion.reaction, reference.state.motion.reaction, rtol=0, atol=1e-5)
+    # heights of 90 m are rounded by 1.4e-14 m, which the shortest elements' axial stiffness makes 1e-5 N on either side
+    assert_allclose(native.state.motion.reaction, reference.state.motion.reaction, rtol=0, atol=3e-5)
     back = NativeRope(scene)
     back.restore(reference.state)
     assert back.state.motion.q.tobytes() == reference.state.motion.q.tobytes()
@@ -391,7 +392,6 @@ def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
     for wrong in (
         state._replace(last_interval=0.0),
         state._replace(step_next=math.nan),
-        state._replace(pole=np.array([2.0, 0.0, 0.0])),
         state._replace(motion=replace(state.motion, t=5.0)),
         state._replace(partition=replace(cells, coarse=1e-300)),
         state._replace(partition=replace(cells, counts=(1, *cells.counts[1:6], 10**6))),

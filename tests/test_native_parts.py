@@ -27,7 +27,6 @@ from rope_model.native.tables import parameter_bounds, parameter_structures, sig
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
-from rope_model.physics.frame import best_pole, pole_change_angle, pole_margin
 from rope_model.simulation.adaptation import nearest_turn
 from rope_model.simulation.diagnostics import LoopBottom, leg_clearance, loop_bottom, shape, shape_places
 from rope_model.simulation.ends import EndPath, HangingEnds, Phase, SwivelState, nominal_points
@@ -61,7 +60,7 @@ Array = NDArray[np.float64]
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("mesh.c", "transfer.c", "frame.c", "shape.c", "signals.c", "rigid.c", "ends.c", "parameters.c", "text.c")
+PARTS = ("mesh.c", "transfer.c", "shape.c", "signals.c", "rigid.c", "ends.c", "parameters.c", "text.c")
 KINDS = ("tmn", "eem", "auto")
 MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
 FIDELITY_NAMES = ("auto", "torsional", "spatial", "planar", "rigid")
@@ -99,14 +98,13 @@ SIGNALS_BY_MEMBERS = """
 #include <string.h>
 #include "signals.h"
 
-void signals_by_members(int group, const Scene *scene, int fidelity, double t, double loop_yaw, const double *pole,
-                        const double *offsets, const double *means, const int *phases, const double *signs,
+void signals_by_members(int group, const Scene *scene, int fidelity, double t, double loop_yaw, const double *offsets,
+                        const double *means, const int *phases, const double *signs,
                         const Path *paths, const double *energy_balance, const double *counts, const Arrays *arrays,
-                        const double (*strains)[4], const LoopBottom *bottom, double *values) {
+                        const double (*strains)[3], const LoopBottom *bottom, double *values) {
     State s;
     memset(&s, 0, sizeof s);
     s.t = t, s.loop_yaw = loop_yaw, s.fidelity = fidelity;
-    memcpy(s.pole, pole, sizeof s.pole);
     for (int k = 0; k < 2; k++) {
         s.offsets[k] = offsets[k], s.force_mean[k] = means[k], s.paths[k] = paths[k];
         s.swivels[k].phase = phases[k], s.swivels[k].sign = signs[k];
@@ -158,17 +156,14 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "mesh_arc_lengths": (None, n, p, p),
         "transfer_interpolate": (None, n, p, p, n, p, p),
         "transfer_fields": (None, n, p, p, n, p, p),
-        "frame_pole_margin": (x, p, n, p),
-        "frame_best_pole": (None, n, p, p),
-        "frame_pole_change_angle": (None, p, p, n, p, p),
-        "frame_nearest_turn": (x, x, x),
+        "shape_nearest_turn": (x, x, x),
         "shape_loop_bottom": (CLoopBottom, n, p, p),
         "shape_leg_clearance": (x, n, p, p, p, x, x, x),
         "shape_places": (None, x, x, x, n, p),
         "shape_points": (None, n, p, p, n, p, p),
         "shape_hanging_guess": (None, n, p, p, p, p, p),
         "signal_group": (n, n),
-        "signals_by_members": (None, n, p, n, x, x, *[p] * 12),
+        "signals_by_members": (None, n, p, n, x, x, *[p] * 11),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -404,50 +399,14 @@ def random_curve(seed: int, nodes: int = 60, turns: float = 1.5) -> Array:
     return q
 
 
-@given(seed=st.integers(0, 10000))
-@settings(deadline=None)
-def test_pole_and_its_margin_are_the_same(parts: SimpleNamespace, seed: int) -> None:
-    q, pole = random_curve(seed), np.empty(3)
-    t = tangents(q)
-    parts.frame_best_pole(len(q), q[0, 3:], pole)
-    assert_allclose(pole, best_pole(t), atol=ROUNDING)
-    for p in (pole, unit(seed)):
-        assert_allclose(parts.frame_pole_margin(p, len(q), q[0, 3:]), pole_margin(p, t), atol=ROUNDING)
-
-
-@given(seed=st.integers(0, 10000), turns=st.floats(0.1, 4.0))
-@settings(deadline=None)
-def test_pole_change_angle_is_the_same(parts: SimpleNamespace, seed: int, turns: float) -> None:
-    q, old, new = random_curve(seed, turns=turns), unit(seed + 1), unit(seed + 2)
-    t = tangents(q)
-    assume(min(pole_margin(old, t), pole_margin(new, t)) > 1e-3)  # at a pole's antipode rounding grows
-    angle = np.empty(len(q))
-    parts.frame_pole_change_angle(old, new, len(q), q[0, 3:], angle)
-    assert_allclose(angle, pole_change_angle(old, new, t), atol=1e3 * ROUNDING)
-
-
-def test_pole_change_angle_counts_on_beyond_the_cut(parts: SimpleNamespace) -> None:
-    # tangents that circle the point where 1 + p.p' + t.p + t.p' = 0 = triple pass the cut of atan2
-    old, new = unit(1), unit(2)
-    around = np.cross(old, new) / np.linalg.norm(np.cross(old, new))
-    phi, q = np.linspace(0.0, 6 * np.pi, 400), np.zeros((400, 7))
-    antipode = -old
-    side = np.cross(antipode, around)
-    q[:, 3:6] = antipode + 0.3 * (np.cos(phi)[:, None] * around + np.sin(phi)[:, None] * side)
-    angle, expected = np.empty(400), pole_change_angle(old, new, tangents(q))
-    parts.frame_pole_change_angle(old, new, 400, q[0, 3:], angle)
-    assert np.ptp(expected) > 4 * np.pi  # it did pass it
-    assert_allclose(angle, expected, atol=1e3 * ROUNDING)
-
-
 @given(angle=st.floats(-4.0, 4.0), last=st.floats(-100.0, 100.0))
 def test_angle_counted_on_is_the_same(parts: SimpleNamespace, angle: float, last: float) -> None:
-    assert parts.frame_nearest_turn(angle, last) == nearest_turn(angle, last)
+    assert parts.shape_nearest_turn(angle, last) == nearest_turn(angle, last)
 
 
 def test_angle_half_a_turn_away_is_rounded_to_even_turns(parts: SimpleNamespace) -> None:
     for halves in range(-7, 8):
-        assert parts.frame_nearest_turn(0.0, halves * math.pi) == nearest_turn(0.0, halves * math.pi)
+        assert parts.shape_nearest_turn(0.0, halves * math.pi) == nearest_turn(0.0, halves * math.pi)
 
 
 hangings = st.tuples(
@@ -574,7 +533,6 @@ def any_rope(
     state = RopeState(
         motion=Motion(2.0, q, v, a, b, a_rate, 0.01, 100 * reaction),
         partition=Partition(lengths),
-        pole=np.array([1.0, 0.2, -0.1]) / math.sqrt(1.05),
         offsets=offsets,
         swivels=states,
         paths=paths,
@@ -585,10 +543,10 @@ def any_rope(
         fidelity=fidelity,
         fidelity_reason="",
         energy_balance=EnergyBalance(*random.normal(size=9)),
-        counts=Counts(*map(int, random.integers(0, 2**40, 6))),
+        counts=Counts(*map(int, random.integers(0, 2**40, 5))),
     )
     scene = Scene(Rope(Qb=2.4e5, Qc=2.1e5), Layout(hanging[0]), *swivels)
-    strains = random.normal(size=(lengths.size, 4))
+    strains = random.normal(size=(lengths.size, 3))
     return SimpleNamespace(
         scene=scene,
         state=state,
@@ -609,8 +567,8 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
     parts.arrays_of(m.q, m.v, m.a, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
     parts.signals_by_members(
-        group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, state.pole,
-        offsets, means, phases, signs, paths, energy_balance, counts, arrays, rope.system.strains(m.q), bottom, values
+        group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, offsets,
+        means, phases, signs, paths, energy_balance, counts, arrays, rope.system.strains(m.q), bottom, values
     )  # fmt: skip
     assert np.isnan(values[-1])
     return values[:-1]

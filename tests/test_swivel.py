@@ -77,7 +77,8 @@ class Phased:
 
     def __init__(self, rope: RopeSimulator, ends: HangingEnds, since: float) -> None:
         self.ends, self.since, self.shape = ends, since, rope.state.motion.q.shape
-        self.system = RopeSystem(rope.system.kernels, rope.system.lengths, rope.system.P, ends, rope.system.node_mass)
+        like = rope.system
+        self.system = RopeSystem(like.kernels, like.lengths, like.P, ends, like.reference, like.node_mass)
 
     def motion(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         free = self.system.free

@@ -27,7 +27,7 @@ FEW = 3
 ARITHMETIC = {
     # places of arrays in memory
     "state_arrays": (5, 0),
-    "rope_create": (10, 0),
+    "rope_create": (8, 0),
     # sums over nodes, and what is held at the ends
     "trial_step": (16, 0),
     "system_of": (4, 0),
@@ -54,12 +54,10 @@ ARITHMETIC = {
     "accepted_step": (5, 0),
     "locate": (7, 0),
     # searches along the rope, and lengths and angles of one vector
-    "frame_nearest_turn": (4, 0),
+    "shape_nearest_turn": (4, 0),
     "shape_interpolate_midpoints": (4, 0),
     "with_loop_yaw": (0, 1),
-    "better_pole": (6, 2),
     "direction": (0, 1),
-    "tangent_at": (1, 1),
     "shape_loop_bottom": (6, 1),
     "shape_tension": (5, 1),
     "smallest_distance": (0, 1),

@@ -67,7 +67,7 @@ class HangingRope:
         lengths = partition(self.mesh, self.rope.length, 0.5 * (self.rope.length + height)).lengths
         paths = EndPath.at_rest(0.0, EndMotion(y=0.5 * height)), EndPath.at_rest(0.0, EndMotion(y=-0.5 * height))
         points = nominal_points(self.scene.layout.spacing)
-        P = parameter_vector(self.rope, self.scene.layout.gravity, np.array([1.0, 0.0, 0.0]))
+        P = parameter_vector(self.rope, self.scene.layout.gravity)
         s = arc_lengths(lengths)
         ends = points + np.array([[0.0, 0.5 * height, 0.0], [0.0, -0.5 * height, 0.0]])
         q, found = hanging_guess(s, *ends), {}
@@ -76,7 +76,7 @@ class HangingRope:
             free = SwivelState(Phase.SLIP if swivels == "free" else Phase.LOCKED, 0.0, 1.0)
             held = SwivelState(Phase.LOCKED, 0.0, 0.0)
             boundary = HangingEnds(points, paths, (Swivel(), Swivel(mode="free")), (held, free), (0.0, 0.0))
-            system = RopeSystem(self.kernels, lengths, P, boundary)
+            system = RopeSystem(self.kernels, lengths, P, boundary, q)
             q = find_equilibrium(system, q).q
             modes = natural_modes(system, q, 14)
             for plane in PLANES:

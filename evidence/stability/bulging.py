@@ -13,7 +13,7 @@ from rope_model.simulation.mesh import partition
 from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
-from .chain import POLE_X, Held, is_stable, plain_newton
+from .chain import Held, is_stable, plain_newton
 from .entry import Array, Curve, Entry, Figure, Finding
 
 GRAVITY = Layout().gravity
@@ -34,9 +34,9 @@ def hanging_loops() -> dict[tuple[float, float], tuple[RopeSystem, Array]]:
             boundary = Held.nothing(values)
             boundary.held[[0, -1]] = True
             boundary.held[[0, -1], 4] = False
-            P = parameter_vector(replace(rope, EI=EI), GRAVITY, POLE_X)
-            system = RopeSystem(kernels, lengths, P, boundary)
-            loops[EI, spacing] = system, hanging_guess(arc_lengths(lengths), *ends)
+            P = parameter_vector(replace(rope, EI=EI), GRAVITY)
+            guess = hanging_guess(arc_lengths(lengths), *ends)
+            loops[EI, spacing] = RopeSystem(kernels, lengths, P, boundary, guess), guess
     return loops
 
 

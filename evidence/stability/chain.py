@@ -9,15 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.simulation.modal import ROUNDING, softest
-from rope_model.simulation.rope_system import RopeSystem
+from rope_model.simulation.rope_system import ANGLE, RopeSystem
 from rope_model.simulation.statics import find_equilibrium
 
 from .entry import Array
 
-POLE_X = np.array([1.0, 0.0, 0.0])
 STATIC = np.array([1.0, 0.0, 0.0])  # the stiffness alone
 
-#: the shape at rest from a guess, or None
+#: the shape at rest from a guess, or None; the angles of both count along them
 Solve = Callable[[RopeSystem, Array], Array | None]
 
 
@@ -55,7 +54,10 @@ class Iterated:
 
 
 def plain_newton(system: RopeSystem, guess: Array, tolerance: float = 1e-9, most: int = 100) -> Iterated:
-    """Full corrections with the tangent stiffness from ``guess``, until one is below ``tolerance``."""
+    """Full corrections with the tangent stiffness from ``guess``, until one is below ``tolerance``.
+
+    The frame is that of the system all the way.
+    """
     q = np.where(system.free, guess, system.prescribed_motion(0.0)[0])
     rest, unbalanced = np.zeros_like(q), []
     with np.errstate(all="ignore"):  # divergence is what the caller looks for
@@ -72,7 +74,10 @@ def plain_newton(system: RopeSystem, guess: Array, tolerance: float = 1e-9, most
 
 def by_newton(system: RopeSystem, q: Array) -> Array | None:
     found = plain_newton(system, q)
-    return found.q if found.converged else None
+    if not found.converged:
+        return None
+    found.q[:, ANGLE] += system.frame_turn(found.q)
+    return found.q
 
 
 def by_continuation(system: RopeSystem, q: Array) -> Array | None:
@@ -85,5 +90,5 @@ def potential(balance: dict[str, float]) -> float:
 
 
 def is_stable(system: RopeSystem, q: Array) -> bool:
-    """Whether no small motion lowers the energy."""
-    return softest(system, q) > -ROUNDING
+    """Whether no small motion lowers the energy; the angles count along ``q``."""
+    return softest(system.with_reference(q), q) > -ROUNDING

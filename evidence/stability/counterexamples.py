@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 from unittest.mock import patch
 
+import casadi as ca
 import numpy as np
 
 from rope_model.physics import element
@@ -21,22 +23,29 @@ def modified_element(frame_rate: FrameRate = smallest_rotation_rate, gauss_point
     uncached = element.element_functions.__wrapped__
 
     def functions(fidelity: element.ElementFidelity = "torsional") -> element.ElementFunctions:
-        with patch.multiple(element, _GAUSS_POINTS=points, _GAUSS_WEIGHTS=weights):
-            return uncached(fidelity, frame_rate)
+        with patch.multiple(element, _GAUSS_POINTS=points, _GAUSS_WEIGHTS=weights, FRAME=6 * gauss_points + 3):
+            twin = uncached(fidelity, frame_rate)
+        return twin if frame_rate is smallest_rotation_rate else replace(twin, transport=_none(twin.transport))
 
     with patch.object(rope_system, "element_functions", functions):
         yield
 
 
-def tait_bryan_rate(p: Any, d: Any, change: Any) -> Any:
+def _none(transport: ca.Function) -> ca.Function:
+    """A frame that is counted from no state is not carried along with it."""
+    inputs = transport.sx_in()
+    return ca.Function(transport.name(), inputs, [ca.SX.zeros(3)])
+
+
+def tait_bryan_rate(p: Any, turn: Any, d: Any, change: Any) -> Any:
     """Turning of the source's Z-Y-X frame about the tangent while r' = ``d`` changes; singular at r' parallel to Z.
 
-    The pole ``p`` is not used.
+    It is counted from the axes: the reference ``p`` and its ``turn`` are not used.
     """
     length = (d[0] ** 2 + d[1] ** 2 + d[2] ** 2) ** 0.5
     return d[2] * (d[0] * change[1] - d[1] * change[0]) / ((d[0] ** 2 + d[1] ** 2) * length)
 
 
-def no_rate(p: Any, d: Any, change: Any) -> Any:
+def no_rate(p: Any, turn: Any, d: Any, change: Any) -> Any:
     """A frame that never turns: tau = theta'."""
     return 0.0 * d[0]

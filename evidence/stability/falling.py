@@ -15,7 +15,7 @@ from rope_model.parameters import Layout, Rope
 from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
-from .chain import POLE_X, Held, potential
+from .chain import Held, potential
 from .entry import Array, Curve, Entry, Figure, Finding
 
 GRAVITY = Layout().gravity
@@ -39,13 +39,13 @@ def fold(EI: float, elements: int) -> tuple[RopeSystem, Array]:
     q = hanging_guess(s, *ends)
     # Qa a hundredth of a wire rope's: axial waves pass the rope in 60 ms, and it stretches by 0.2 %
     rope = Rope(length=CHAIN, EI=EI, Qa=1e6, Qb=0.0, Qc=0.0)
-    kernels, P = RopeKernels(elements), parameter_vector(rope, GRAVITY, POLE_X)
+    kernels, P = RopeKernels(elements), parameter_vector(rope, GRAVITY)
 
     def hold(values: Array, nodes: list[int]) -> RopeSystem:
         boundary = Held.nothing(values)
         boundary.held[:, [2, 5, 6]] = True
         boundary.held[nodes, POSITION] = True
-        return RopeSystem(kernels, np.diff(s), P, boundary)
+        return RopeSystem(kernels, np.diff(s), P, boundary, q)
 
     hanging = find_equilibrium(hold(q, [0, -1]), q).q
     return hold(hanging.copy(), [0]), hanging

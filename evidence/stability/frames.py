@@ -92,7 +92,6 @@ def tait_bryan() -> Finding:
         ours=(
             # the loop lags on the way and swings past the ends afterwards
             Measured("loop yaw when the ends have turned by 180 deg", yaw(ours), "deg", ">", 170.0),
-            Measured("changes of the frame's pole on the way", ours.state.counts.pole_changes, "1", ">", 0.5),
         ),
         figure=Figure(
             "Ends turned by 180 degrees: the loop follows, or hangs at 90 degrees as at a wall",
@@ -117,7 +116,8 @@ def frame_turns(elements: int) -> tuple[Array, Array, Array]:
     binormal = np.cross(d, c)
     binormal /= np.linalg.norm(binormal, axis=1)[:, None]
     cosine = np.clip(np.sum(binormal[1:] * binormal[:-1], axis=1), -1.0, 1.0)
-    ours = smallest_rotation_rate(rope.state.pole, d.T, c.T) * l
+    # from a straight reference along X: the frame's turn that theta has taken up in the rope's own
+    ours = smallest_rotation_rate(np.array([1.0, 0.0, 0.0]), np.zeros(3), d.T, c.T) * l
     s = l * np.arange(1.0, elements)
     return s, np.degrees(np.arccos(cosine)), np.degrees(np.abs(0.5 * (ours[1:] + ours[:-1])))
 

@@ -13,7 +13,7 @@ from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation import modal
 from rope_model.simulation.rope_system import ANGLE, RopeKernels, RopeSystem, arc_lengths
 
-from .chain import POLE_X, Held, Solve, by_continuation, by_newton, is_stable
+from .chain import Held, Solve, by_continuation, by_newton, is_stable
 from .counterexamples import no_rate
 from .entry import Array, Curve, Entry, Figure, Finding
 
@@ -23,14 +23,14 @@ BEND, TWIST_STIFFNESS, TENSION, ROD = 1.0, 0.7, 1.0, 60.0  # N m^2, N m^2, N, m
 def straight_rod(elements: int = 80) -> tuple[RopeSystem, Array]:
     """Clamped at both ends, under TENSION, without weight."""
     values = {"rho": 1.0, "Qa": 1e3, "Qd": TWIST_STIFFNESS, "EI": BEND, "rhoJ": 0.1}
-    P = np.array([*(values.get(name, 0.0) for name in PARAMETERS[:9]), *POLE_X])
+    P = np.array([values.get(name, 0.0) for name in PARAMETERS])
     s = np.linspace(0.0, ROD, elements + 1)
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, 3] = s * (1 + TENSION / values["Qa"]), 1 + TENSION / values["Qa"]
     boundary = Held.nothing(q)
     boundary.held[[0, -1]] = True
     boundary.held[[0, -1], 3] = False
-    return RopeSystem(RopeKernels(elements, "portable"), np.diff(s), P, boundary), q
+    return RopeSystem(RopeKernels(elements, "portable"), np.diff(s), P, boundary, q), q
 
 
 def with_torque(system: RopeSystem, q: Array, torque: float) -> tuple[RopeSystem, Array]:
@@ -38,7 +38,7 @@ def with_torque(system: RopeSystem, q: Array, torque: float) -> tuple[RopeSystem
     q = q.copy()
     q[:, ANGLE] = torque / TWIST_STIFFNESS * arc_lengths(system.lengths)
     boundary = replace(system.boundary, values=q) if isinstance(system.boundary, Held) else system.boundary
-    return RopeSystem(system.kernels, system.lengths, system.P, boundary), q
+    return RopeSystem(system.kernels, system.lengths, system.P, boundary, q), q
 
 
 def onset(system: RopeSystem, q: Array, low: float, high: float) -> float:

@@ -7,15 +7,14 @@
 
 #include "simulator.h"
 
-#define POLE_MARGIN 0.35
-#define POLE_FOLLOWS 0.5
 #define RELAXATION_TIME 0.1
 /* rigid */
 #define SETTLING_TIME 0.1
 #define SETTLING_TOLERANCE 1e-7
 #define DIFFERENCE 2e-3
 
-static void record_energy_change(Simulator *rope, State *state, int what, int64_t *count) {
+/* a transformed rope with its energy change in the energy_balance */
+static void record_energy_change(Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
     const double before = energy_total(&state->energy_balance), kinetic = state->energy_balance.kinetic;
@@ -24,9 +23,9 @@ static void record_energy_change(Simulator *rope, State *state, int what, int64_
     set_energies(&state->energy_balance, balance, &s, m.v);
     change = energy_total(&state->energy_balance) - before;
     state->energy_balance.transformations += change;
-    record_event(state, what, 0, state->energy_balance.kinetic - kinetic,
+    record_event(state, TRANSFORMED, 0, state->energy_balance.kinetic - kinetic,
                  change - (state->energy_balance.kinetic - kinetic));
-    *count += 1;
+    state->counts.transformations += 1;
 }
 
 /* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow; 0 when
@@ -45,6 +44,7 @@ static int solve_equilibrium(Simulator *rope, State *state, double time, double 
             ->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance)
             .status != CONVERGED)
         return 0;
+    state->offsets[RIGHT] += transport_angles(rope, state, now->q, m.v, m.a, m.b);
     memcpy(m.q, now->q, bytes);
     if (with_reaction) memcpy(m.reaction, now->reaction, bytes);
     return 1;
@@ -60,8 +60,9 @@ static void on_partition(Simulator *rope, State *state, int direction) {
         return;
     transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work); /* the chain's, free between solutions */
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
+    refer(rope, state, m.q);
     solve_equilibrium(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 0);
-    record_energy_change(rope, state, TRANSFORMED, &state->counts.transformations);
+    record_energy_change(rope, state);
 }
 
 void transform_if_due(Simulator *rope, State *state) {
@@ -80,51 +81,7 @@ int lowest_node(const Arrays *x) {
 void with_loop_yaw(State *state) {
     const Arrays x = state_arrays(state);
     const double *d = x.q + (size_t)lowest_node(&x) * DOF + SLOPE;
-    state->loop_yaw = frame_nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
-}
-
-int better_pole(State *state, double pole[3]) {
-    const Arrays m = state_arrays(state);
-    const double *d = m.q + (size_t)lowest_node(&m) * DOF + SLOPE, *old = state->pole;
-    const double length = sqrt(dot(d, d));
-    const double across[2] = {d[0] / length, d[2] / length}, size = hypot(across[0], across[1]);
-    double margin;
-    if (state->fidelity != TORSIONAL) /* nothing is counted from the frame */
-        return 0;
-    margin = frame_pole_margin(old, m.nodes, m.q + SLOPE);
-    if (margin >= POLE_MARGIN && old[0] * across[0] + old[2] * across[1] >= POLE_FOLLOWS * size) return 0;
-    /* the lowest tangent suits a loop that hangs in any vertical plane as X suits it at the start */
-    pole[0] = across[0] / fmax(size, 1e-12);
-    pole[1] = 0;
-    pole[2] = across[1] / fmax(size, 1e-12);
-    if (frame_pole_margin(pole, m.nodes, m.q + SLOPE) < POLE_MARGIN) frame_best_pole(m.nodes, m.q + SLOPE, pole);
-    return frame_pole_margin(pole, m.nodes, m.q + SLOPE) > margin - 0.1 && dot(pole, old) <= 0.99;
-}
-
-void express_in(State *state, const double pole[3], double *angle) {
-    const Arrays m = state_arrays(state);
-    int node;
-    frame_pole_change_angle(state->pole, pole, m.nodes, m.q + SLOPE, angle);
-    for (node = 0; node < m.nodes; ++node) {
-        double *q = m.q + (size_t)node * DOF, *v = m.v + (size_t)node * DOF;
-        q[ANGLE] += angle[node];
-        v[ANGLE] += smallest_rotation_rate(state->pole, q + SLOPE, v + SLOPE) -
-                    smallest_rotation_rate(pole, q + SLOPE, v + SLOPE);
-    }
-    memcpy(state->pole, pole, sizeof state->pole);
-    state->offsets[LEFT] += angle[0];
-    state->offsets[RIGHT] += angle[m.nodes - 1];
-}
-
-void with_good_pole(Simulator *rope, State *state) {
-    double pole[3];
-    if (!better_pole(state, pole)) return;
-    state_copy(rope, rope->spare, state);
-    express_in(state, pole, rope->x);
-    if (solve_equilibrium(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 1))
-        record_energy_change(rope, state, NEW_POLE, &state->counts.pole_changes);
-    else /* the old frame serves for another step */
-        state_copy(rope, state, rope->spare);
+    state->loop_yaw = shape_nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
 int rigid_state(Simulator *rope, State *state, double t, char *message) {
@@ -140,34 +97,57 @@ int rigid_state(Simulator *rope, State *state, double t, char *message) {
     return !message[0];
 }
 
-/* q, v, a and the reaction as the equilibria between the moving ends have them; 0 and a message when there is none */
+/* theta of an equilibrium q counted from the rigid rope instead of along q */
+static void count_from_rigid(Simulator *rope, State *state, const double *rigid, double *q) {
+    const size_t size = (size_t)(state->elements + 1) * DOF;
+    double *own = rope->trial.q, *rest = rope->trial.v;
+    size_t at;
+    memcpy(own, q, sizeof(double) * size);
+    memset(rest, 0, sizeof(double) * size);
+    refer(rope, state, rigid);
+    transport_angles(rope, state, own, rest, rest, rest);
+    for (at = ANGLE; at < size; at += DOF) q[at] -= own[at] - q[at];
+}
+
+/* q, v, a and the reaction as the equilibria between the moving ends have them, all counted from the rigid rope; 0 and
+   a message when there is none */
 static int flexible_start(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
-    const double t = state->t;
+    const double t = state->t, offset = state->offsets[RIGHT];
     /* b and a_rate are free until the restart */
-    double *q = m.b, *reaction = m.a_rate, *to[2] = {m.v, m.a};
+    double *q = m.b, *reaction = m.a_rate, *to[2] = {m.v, m.a}, *all[3], *rigid, turned;
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
     int side, k, found;
     size_t i;
+    state_copy(rope, rope->spare, state);
+    rigid = state_arrays(rope->spare).q;
     for (side = 0; side < 2; ++side) state->paths[side] = path_coasting(&paths[side], t);
     found = find_equilibrium(rope, state, message);
+    turned = state->offsets[RIGHT];
     memcpy(q, m.q, bytes);
     memcpy(reaction, m.reaction, bytes);
     for (k = 0; k < 2 && found; ++k) {
         state->t = k ? t + DIFFERENCE : t - DIFFERENCE;
+        state->offsets[RIGHT] = turned;
         memcpy(m.q, q, bytes);
         found = find_equilibrium(rope, state, message);
         memcpy(to[k], m.q, bytes);
     }
     state->t = t;
+    state->offsets[RIGHT] = offset;
     memcpy(state->paths, paths, sizeof paths);
     memcpy(m.q, q, bytes);
     memcpy(m.reaction, reaction, bytes);
+    all[0] = m.q;
+    all[1] = to[0];
+    all[2] = to[1];
+    for (k = 0; k < 3 && found; ++k) count_from_rigid(rope, state, rigid, all[k]);
+    refer(rope, state, rigid);
     for (i = 0; i < size; ++i) {
         const double before = m.v[i], after = m.a[i];
         m.v[i] = (after - before) / (2 * DIFFERENCE);
-        m.a[i] = (after - 2 * q[i] + before) / (DIFFERENCE * DIFFERENCE);
+        m.a[i] = (after - 2 * m.q[i] + before) / (DIFFERENCE * DIFFERENCE);
     }
     return found;
 }
@@ -183,13 +163,17 @@ int raise_fidelity(Simulator *rope, State *state, const char *why, char *message
     ends[RIGHT] = path_end(&state->paths[RIGHT]);
     snprintf(state->fidelity_reason, MESSAGE, "the %s model cannot follow %s", fidelity_name(was), why);
     state->fidelity = fidelity_lowest_sufficient(&rope->scene, ends);
+    state->offsets[LEFT] = 0;
+    state->offsets[RIGHT] = right_offset(m.q, end_row(m.q, m.nodes, RIGHT));
     record_event(state, RAISED, state->fidelity, 0, 0);
+    refer(rope, state, m.q);
     if (was != RIGID && !scene_carries_torque(&rope->scene)) {
         restart(rope, state);
         return 1;
     }
     if (was == RIGID && !flexible_start(rope, state, message)) return 0;
-    solve_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE, 1);
+    if (!solve_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE, 1))
+        state->offsets[RIGHT] += transport_angles(rope, state, m.q, m.v, m.a, m.b);
     restart(rope, state);
     s = system_of(rope, state);
     chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);

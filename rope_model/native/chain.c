@@ -11,6 +11,11 @@ size_t chain_work_bytes(int elements) {
     return sizeof(torsional_Step) * ((n + 1) / PAIR + 1) + sizeof(double) * (n + 1) * (105 + 2 * DOF);
 }
 
+/* the last group of elements may have lanes to spare */
+size_t chain_frames_bytes(int elements) {
+    return sizeof(double) * FRAME * ((size_t)elements + 3);
+}
+
 #if HAS_WIDE_FORM
 extern const Chain chains_wide[3];
 

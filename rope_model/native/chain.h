@@ -7,17 +7,19 @@
 
 #include "rope.h"
 
-enum { PARAMETERS = 12, BALANCE = 9 };
+enum { PARAMETERS = 9, BALANCE = 9, FRAME = 21, STRAINS = 3 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
 /* numerics.newton.NewtonStatus */
 enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
 
 /* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
-   newton of the node's own upward reaction) and an inertia on theta. */
+   newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
+   elements' frames are counted from, as `refer` of the chain wrote them. */
 typedef struct {
     int elements, free[2][DOF];
     const double *lengths;
+    double *frames;
     double P[PARAMETERS], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
@@ -36,11 +38,17 @@ typedef struct {
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
                      double balance[BALANCE]);
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
-    void (*strains)(const System *, const double *q, double (*strains)[4]);
+    void (*strains)(const System *, const double *q, double (*strains)[STRAINS]);
+    /* the frames of the system are counted from q from now on */
+    void (*refer)(const System *, const double *q);
+    /* the same, and what the angles gain by it: each element's `transport` of physics.element */
+    void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
 } Chain;
 
 /* bytes of work that a chain of so many elements needs, whatever the fidelity; aligned to 64 bytes */
 size_t chain_work_bytes(int elements);
+/* bytes of the frames of so many elements */
+size_t chain_frames_bytes(int elements);
 /* the chain of a fidelity, TORSIONAL to PLANAR, in the fastest form that this processor runs */
 const Chain *chain_of(int fidelity);
 const char *newton_text(int status);

@@ -11,7 +11,7 @@
 enum { LOCKED, STICK, SLIP };
 enum { SEGMENTS = 7, CHATTER_EVENTS = 50, LOGGED_EVENTS = 128 };
 /* what happened: rope_model.simulation.state.Event */
-enum { TRANSFORMED, NEW_POLE, STICKS, SLIPS_FORWARD, SLIPS_BACK, RAISED };
+enum { TRANSFORMED, STICKS, SLIPS_FORWARD, SLIPS_BACK, RAISED };
 
 /* a quintic in s = t - start for each of x, y, z and yaw, aimed at the instant aim; left, and held, at stop */
 typedef struct {
@@ -30,7 +30,7 @@ typedef struct {
 } EnergyBalance;
 
 typedef struct {
-    int64_t steps, rejections, newton, transformations, swivel_events, pole_changes;
+    int64_t steps, rejections, newton, transformations, swivel_events;
 } Counts;
 
 /* the pattern of TMN-ETM; counts[0] = 0 for EEM */
@@ -50,7 +50,7 @@ typedef struct {
    state_arrays. */
 typedef struct {
     double t, h, step_next, last_interval, loop_yaw;
-    double pole[3], offsets[2], force_mean[2];
+    double offsets[2], force_mean[2];
     double power_ends, power_swivel;
     double switchings[CHATTER_EVENTS]; /* instants of the last swivel events of this advance, newest first */
     SwivelState swivels[2];
@@ -94,17 +94,12 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int place
 #define TRANSFER_WORK(fields) (10 + 14 * (fields))
 void transfer_fields(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work);
 
-/* frame.c; slopes are r' at the nodes with a stride of DOF, i.e. q + SLOPE */
-double frame_pole_margin(const double pole[3], int nodes, const double *slopes);
-void frame_best_pole(int nodes, const double *slopes, double pole[3]);
-/* angle (nodes) to add to theta when the pole changes */
-void frame_pole_change_angle(const double old[3], const double new_[3], int nodes, const double *slopes, double *angle);
-double frame_nearest_turn(double angle, double last);
-
 /* shape.c: rope_model.simulation.diagnostics, statics.hanging_guess */
 typedef struct {
     double s, position[3], yaw;
 } LoopBottom;
+/* the angle with the full turns that bring it closest to the last one: adaptation.nearest_turn */
+double shape_nearest_turn(double angle, double last);
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s);
 /* scratch: 3 * 161 doubles and more are on the stack */
 double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,

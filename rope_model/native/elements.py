@@ -36,6 +36,11 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     yield f"{fidelity}_tangent", ca.Function("tangent", inputs, [ca.cse(half)])
     for name in ("residual", "balance", "losses", "strains"):
         yield f"{fidelity}_{name}", getattr(e, name)
+    if fidelity == "torsional":
+        yield "torsional_reference", e.reference
+        inputs = e.transport.sx_in()
+        transport = ca.vertcat(e.transport(*inputs), e.reference(inputs[0], inputs[3]))
+        yield "torsional_transport", ca.Function("transport", inputs, [ca.cse(transport)])
 
 
 def _function_code(name: str, f: ca.Function) -> str:

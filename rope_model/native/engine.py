@@ -50,12 +50,7 @@ class _Event(Structure):
     def to_event(self) -> Event:
         """As RopeSimulator tells it."""
         side, fidelity = SIDES[self.which % 2], _FIDELITY_NAMES[self.which]
-        words = (
-            "transformation",
-            "new frame pole",
-            *(f"{side} swivel {does}" for does in _SWITCHES),
-            f"model {fidelity}",
-        )
+        words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
         return Event(self.t, words[self.what], self.kinetic, self.potential)
 
 
@@ -72,7 +67,6 @@ class _State(Structure):
 
     _fields_ = (
         *((name, c_double) for name in ("t", "h", "step_next", "last_interval", "loop_yaw")),
-        ("pole", c_double * 3),
         ("offsets", c_double * 2),
         ("force_mean", c_double * 2),
         ("power_ends", c_double),
@@ -296,7 +290,6 @@ def _unpack(data: bytes) -> RopeState:
             s.pattern.end_levels,
             s.pattern.grading_length,
         ),
-        pole=np.array(s.pole),
         offsets=(s.offsets[0], s.offsets[1]),
         swivels=tuple(SwivelState(Phase(w.phase), w.angle, w.sign) for w in s.swivels),  # type: ignore[arg-type]
         paths=tuple(EndPath(p.start, p.stop, p.aim, tuple(map(tuple, p.c))) for p in s.paths),  # type: ignore[arg-type]
@@ -321,7 +314,6 @@ def _pack(state: RopeState) -> bytes:
         step_next=state.step_next,
         last_interval=state.last_interval,
         loop_yaw=state.loop_yaw,
-        pole=tuple(state.pole),
         offsets=state.offsets,
         force_mean=state.force_mean,
         power_ends=state.powers.ends,

@@ -36,14 +36,8 @@ from ..simulation.state import EnergyBalance
 #: const, and last, takes the numbers of a formula that returns several
 FORMULAS: dict[str, Callable[..., Any]] = {
     "double dot(const double a[3], const double b[3])": elementary.dot,
-    "double smallest_rotation_rate(const double p[3], const double d[3], const double change[3])": (
-        frame.smallest_rotation_rate
-    ),
-    "double pole_change_area(const double old[3], const double next[3], const double t[3])": frame.pole_change_area,
-    "void spread_over_sphere(double k, double number, double point[3])": frame.spread_over_sphere,
-    "void end_moment(const double pole[3], const double d[3], const double f[3], double torque, double moment[3])": (
-        frame.end_moment
-    ),
+    "void end_moment(const double d[3], const double f[3], double torque, double moment[3])": frame.end_moment,
+    "double right_offset(const double left[3], const double right[3])": ends.right_offset,
     "void quintic(double h, double x0, double v0, double a0, double x1, double v1, double a1, double c[6])": (
         quintic.coefficients
     ),

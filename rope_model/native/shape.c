@@ -19,6 +19,10 @@ static void point_at(int nodes, const double *q, const double *s, double at, dou
     transfer_interpolate(nodes, q, s, 1, &at, row);
 }
 
+double shape_nearest_turn(double angle, double last) {
+    return angle + 2 * PI * rint((last - angle) / (2 * PI));
+}
+
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
     int lowest = 0;
     for (int k = 1; k < nodes; k++)

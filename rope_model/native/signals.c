@@ -15,7 +15,7 @@ static void end_signals(int side, const Scene *scene, const State *state, const 
     ptrdiff_t row = side == LEFT ? 0 : (ptrdiff_t)DOF * (arrays->nodes - 1);
     const double *q = arrays->q + row, *v = arrays->v + row, *reaction = arrays->reaction + row;
     double torque = swivel_moment(scene, state, side, reaction), moment[3], relative[2];
-    end_moment(state->pole, q + SLOPE, reaction + SLOPE, torque, moment);
+    end_moment(q + SLOPE, reaction + SLOPE, torque, moment);
     swivel_relative(state, side, state->t, q[ANGLE], v[ANGLE], relative);
 
     /* both ends have the same signals in the same order */
@@ -34,17 +34,17 @@ static void end_signals(int side, const Scene *scene, const State *state, const 
 static void loop_signals(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom,
                          double *values) {
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
-    values[SIGNAL_LOOP_YAW] = frame_nearest_turn(bottom->yaw, state->loop_yaw);
+    values[SIGNAL_LOOP_YAW] = shape_nearest_turn(bottom->yaw, state->loop_yaw);
     values[SIGNAL_LOOP_CLEARANCE] = shape_leg_clearance(arrays->nodes, arrays->q, arrays->s, bottom, loop_width(scene),
                                                         scene->rope.diameter, scene->layout.spacing);
 }
 
 /* of an element; a fidelity without torsion has no torque */
-static double shear_stress(const Rope *rope, int fidelity, const double strains[4]) {
+static double shear_stress(const Rope *rope, int fidelity, const double strains[3]) {
     return fidelity == TORSIONAL ? torsional_stress(rope, strains[0], strains[1]) : 0.0;
 }
 
-static void stress_signals(const Rope *rope, int fidelity, const Arrays *arrays, const double (*strains)[4],
+static void stress_signals(const Rope *rope, int fidelity, const Arrays *arrays, const double (*strains)[3],
                            const LoopBottom *bottom, double *values) {
     double bending = -HUGE_VAL, torsion = -HUGE_VAL;
     for (int k = 0; k < arrays->elements; k++) {
@@ -89,7 +89,7 @@ static void shape_signals(const Scene *scene, const Arrays *arrays, const LoopBo
     }
 }
 
-static void along_signals(const Scene *scene, int fidelity, const Arrays *arrays, const double (*strains)[4],
+static void along_signals(const Scene *scene, int fidelity, const Arrays *arrays, const double (*strains)[3],
                           const LoopBottom *bottom, double *values) {
     const Rope *rope = &scene->rope;
     const double *s = arrays->s;
@@ -111,7 +111,7 @@ static void along_signals(const Scene *scene, int fidelity, const Arrays *arrays
     }
 }
 
-void signals_of(int group, const Scene *scene, const State *state, const Arrays *arrays, const double (*strains)[4],
+void signals_of(int group, const Scene *scene, const State *state, const Arrays *arrays, const double (*strains)[3],
                 const LoopBottom *bottom, double *values) {
     switch (group) {
     case END_SIGNALS:

@@ -12,9 +12,9 @@ enum { END_SIGNALS, LOOP_SIGNALS, STRESS_SIGNALS, ENERGY_SIGNALS, SHAPE_SIGNALS,
 int signal_group(int signal);
 
 /* The values of a group at their numbers in values (SIGNALS); the others stay.  Added masses are not computed here.
-   strains (elements x 4), columns as in physics.element.STRAINS, is read for STRESS_SIGNALS and ALONG_SIGNALS only;
+   strains (elements x 3), columns as in physics.element.STRAINS, is read for STRESS_SIGNALS and ALONG_SIGNALS only;
    bottom, as shape_loop_bottom gives it, for these, LOOP_SIGNALS and SHAPE_SIGNALS. */
-void signals_of(int group, const Scene *scene, const State *state, const Arrays *arrays, const double (*strains)[4],
+void signals_of(int group, const Scene *scene, const State *state, const Arrays *arrays, const double (*strains)[3],
                 const LoopBottom *bottom, double *values);
 
 #endif

@@ -10,7 +10,7 @@
 #define GROW_BELOW 0.1
 #define TWIST_STEP 1.
 #define FARTHEST_START 1e10
-enum { MOST_POLES = 20, MOST_STEPS = 20000, ALIGNMENT = 64 };
+enum { MOST_STEPS = 20000, ALIGNMENT = 64 };
 
 static int fails(Simulator *rope, const char *message) {
     if (message != rope->message) snprintf(rope->message, MESSAGE, "%s", message);
@@ -42,7 +42,8 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     nodes = (size_t)elements + 1;
     size = nodes * DOF;
     state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);
-    bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) + align(sizeof(double) * 4 * (size_t)elements) +
+    bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) +
+            align(sizeof(double) * STRAINS * (size_t)elements) + align(chain_frames_bytes(elements)) +
             align(chain_work_bytes(elements));
     rope = memory->take(1, sizeof *rope);
     if (rope != NULL) {
@@ -74,8 +75,10 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     rope->trial.elements = elements;
     rope->trial.nodes = (int)nodes;
     at += align(sizeof(double) * 7 * size);
-    rope->strains = (double (*)[4])(void *)at;
-    rope->work = at + align(sizeof(double) * 4 * (size_t)elements);
+    rope->strains = (double (*)[STRAINS])(void *)at;
+    at += align(sizeof(double) * STRAINS * (size_t)elements);
+    rope->frames = (double *)(void *)at;
+    rope->work = at + align(chain_frames_bytes(elements));
     return rope;
 }
 
@@ -137,28 +140,42 @@ int rope_retune(Simulator *rope, const Scene *scene) {
     return 1;
 }
 
-/* the state at rest in equilibrium, sought again after each change of the frame's pole */
+/* the state at rest in equilibrium */
 static int equilibrium_in_frame(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
-    int k;
-    for (k = 0; k < MOST_POLES; ++k) {
-        double balance[BALANCE], pole[3];
-        System s;
-        int changed;
-        if (!find_equilibrium(rope, state, message)) return 0;
-        memset(m.v, 0, bytes);
-        memset(m.a, 0, bytes);
-        memset(m.b, 0, bytes);
-        memset(m.a_rate, 0, bytes);
-        state->h = 0;
-        s = system_of(rope, state);
-        chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
-        set_energies(&state->energy_balance, balance, &s, m.v);
-        changed = better_pole(state, pole);
-        if (changed) express_in(state, pole, rope->x);
-        with_loop_yaw(state);
-        if (!changed) break;
+    const double offset = state->offsets[RIGHT];
+    double balance[BALANCE];
+    System s;
+    if (!find_equilibrium(rope, state, message)) return 0;
+    memset(m.v, 0, bytes);
+    memset(m.a, 0, bytes);
+    memset(m.b, 0, bytes);
+    memset(m.a_rate, 0, bytes);
+    state->h = 0;
+    s = system_of(rope, state);
+    chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+    set_energies(&state->energy_balance, balance, &s, m.v);
+    /* a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way */
+    state->loop_yaw -= 0.5 * (state->offsets[RIGHT] - offset);
+    with_loop_yaw(state);
+    return 1;
+}
+
+/* the state at rest, its twist put in bit by bit: that decides how the loop yaws */
+static int hang(Simulator *rope, State *state, char *message) {
+    const Arrays m = state_arrays(state);
+    double left[3][DOF], right[3][DOF], twist;
+    int node, part, parts;
+    prescribed_motion(rope, state, LEFT, state->t, left);
+    prescribed_motion(rope, state, RIGHT, state->t, right);
+    for (node = 0; node < m.nodes; ++node) m.q[(size_t)node * DOF + ANGLE] = left[0][ANGLE];
+    twist = right[0][ANGLE] - left[0][ANGLE];
+    parts = (int)fmax(ceil(fabs(twist) / TWIST_STEP), 1);
+    state->offsets[RIGHT] -= twist;
+    for (part = 0; part < parts; ++part) {
+        state->offsets[RIGHT] += twist / parts;
+        if (!equilibrium_in_frame(rope, state, message)) return 0;
     }
     return 1;
 }
@@ -176,7 +193,7 @@ static void placement_problem(const Simulator *rope, const Pattern *pattern, dou
                  ROUNDED(bending_length(&rope->scene), 3), ROUNDED(mesh_centre(pattern), 3));
 }
 
-int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
+static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     const Scene *scene = &rope->scene;
     State *state = rope->next;
     char message[MESSAGE] = "";
@@ -217,22 +234,25 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     if (!message[0]) fidelity_unsupported_motion(scene, state->fidelity, ends, message);
     if (!message[0]) placement_problem(rope, &state->pattern, bottom, message);
     if (message[0]) return fails(rope, message);
-    state->pole[0] = 1;
+    state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
+    state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
-    if (state->fidelity == RIGID) {
-        if (!rigid_state(rope, state, t, message)) return fails(rope, message);
-    } else {
-        const double twist = scene->rope.installed_twist;
-        const int parts = (int)fmax(ceil(fabs(twist) / TWIST_STEP), 1);
-        for (k = 1; k <= parts; ++k) { /* bit by bit: that decides how the loop yaws */
-            state->swivels[RIGHT].angle = twist * k / parts;
-            if (!equilibrium_in_frame(rope, state, message)) return fails(rope, message);
-        }
-    }
+    if (!(state->fidelity == RIGID ? rigid_state(rope, state, t, message) : hang(rope, state, message)))
+        return fails(rope, message);
     for (side = 0; side < 2; ++side) state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
     state->energy_balance.start = energy_total(&state->energy_balance);
     state->event_count = 0;
     return accept_next(rope);
+}
+
+/* what did not succeed has left the frames counted from elsewhere */
+static int conclude(Simulator *rope, int succeeded) {
+    if (!succeeded && rope->initialized) refer(rope, rope->state, state_arrays(rope->state).q);
+    return succeeded;
+}
+
+int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
+    return conclude(rope, start(rope, t, ends));
 }
 
 typedef struct {
@@ -351,12 +371,11 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
     } else if (reaches) {
         state->t = stop; /* to the bit, not to rounding */
     }
-    with_good_pole(rope, state);
     with_loop_yaw(state);
     return 1;
 }
 
-int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within) {
+static int advance(Simulator *rope, double t, const EndMotion ends[2], double within) {
     State *state = rope->next;
     const double start = rope->state->t, step_max = rope->scene.solver.step_max;
     const int64_t before_steps = rope->state->counts.steps + rope->state->counts.rejections;
@@ -421,6 +440,10 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double with
     return accept_next(rope);
 }
 
+int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within) {
+    return conclude(rope, advance(rope, t, ends, within));
+}
+
 size_t rope_state_bytes(const Simulator *rope) {
     return rope->state_bytes;
 }
@@ -440,6 +463,7 @@ int rope_restore(Simulator *rope, const void *from, size_t bytes) {
     memcpy(state, from, bytes);
     if (!state_plausible(rope, state))
         return fails(rope, "these bytes are not a state of this rope; save one anew, or restore it into its own rope");
+    refer(rope, state, state_arrays(state).q);
     return accept_next(rope);
 }
 
@@ -514,7 +538,7 @@ static void loads(const Simulator *rope, const State *state, const double *q, co
         const double *r = end_row(R, nodes, side);
         const double torque = swivel_moment(&rope->scene, state, side, r);
         double *to = loads + 6 * side;
-        end_moment(state->pole, end_row(q, nodes, side) + SLOPE, r + SLOPE, torque, to + 3);
+        end_moment(end_row(q, nodes, side) + SLOPE, r + SLOPE, torque, to + 3);
         for (k = 0; k < 3; ++k) {
             to[k] = -r[k];
             to[3 + k] = -to[3 + k];
@@ -588,7 +612,7 @@ double rope_signal(Simulator *rope, int signal) {
                 const System s = system_of(rope, rope->state);
                 chain_of_state(rope->state)->strains(&s, m.q, rope->strains);
             }
-            signals_of(group, &rope->scene, rope->state, &m, (const double (*)[4])rope->strains,
+            signals_of(group, &rope->scene, rope->state, &m, (const double (*)[STRAINS])rope->strains,
                        group == END_SIGNALS || group == ENERGY_SIGNALS ? NULL : bottom_now(rope), rope->values);
         }
         rope->known |= 1u << group;

@@ -20,13 +20,14 @@ struct Simulator {
     Mesh mesh; /* never AUTO_MESH */
     int elements, initialized;
     size_t state_bytes;
-    void *block;         /* all the memory behind the pointers that follow */
-    State *state, *next; /* next is what an advance works on; they change places when it succeeds */
-    State *spare;        /* what would be if a swivel stuck, and what is looked at but not kept */
-    Arrays trial;        /* of the latest trial; scratch at other times */
-    double *x;           /* nodes x DOF of scratch */
-    double (*strains)[4];
-    void *work; /* of the chain */
+    void *block;                /* all the memory behind the pointers that follow */
+    State *state, *next;        /* next is what an advance works on; they change places when it succeeds */
+    State *spare;               /* what would be if a swivel stuck, and what is looked at but not kept */
+    Arrays trial;               /* of the latest trial; scratch at other times */
+    double *x;                  /* nodes x DOF of scratch */
+    double (*strains)[STRAINS]; /* scratch */
+    double *frames;             /* counted from the state, but from what is worked on while it is */
+    void *work;                 /* of the chain */
     double values[SIGNALS];
     unsigned known; /* bit g: the values of group g are those of the state */
     LoopBottom bottom;
@@ -55,6 +56,11 @@ const double *end_row(const double *x, int nodes, int side);
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
               double width);
 
+/* the frames are counted from q from now on */
+void refer(Simulator *rope, State *state, const double *q);
+/* the same, and the angles become those counted along q; returns what theta gains at the right end */
+double transport_angles(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
+
 /* statics.c: q of the state becomes an equilibrium, reaction its residual; v and a are not looked at.
    0 and a message when there is none */
 int find_equilibrium(Simulator *rope, State *state, char *message);
@@ -69,11 +75,6 @@ int chatters(const State *state);
 
 /* adaptation.c */
 void transform_if_due(Simulator *rope, State *state);
-/* 1 and a pole when that of the state should change */
-int better_pole(State *state, double pole[3]);
-/* theta and its rate from another pole; angle: scratch (nodes) */
-void express_in(State *state, const double pole[3], double *angle);
-void with_good_pole(Simulator *rope, State *state);
 void with_loop_yaw(State *state);
 int raise_fidelity(Simulator *rope, State *state, const char *why, char *message);
 int rigid_state(Simulator *rope, State *state, double t, char *message);

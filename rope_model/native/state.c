@@ -105,7 +105,6 @@ static int happenings_plausible(const State *state) {
 }
 
 int state_plausible(const Simulator *rope, State *state) {
-    const double *pole = state->pole;
     Arrays m;
     int side;
     if (state->elements != rope->elements || !within(state->fidelity, TORSIONAL, RIGID) ||
@@ -118,9 +117,7 @@ int state_plausible(const Simulator *rope, State *state) {
         !all_finite(m.q, (size_t)(m.s + m.nodes - m.q)) ||
         !all_finite(&state->energy_balance.kinetic, sizeof(EnergyBalance) / sizeof(double)))
         return 0;
-    if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0) ||
-        !(fabs(pole[0] * pole[0] + pole[1] * pole[1] + pole[2] * pole[2] - 1) < 1e-6))
-        return 0;
+    if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0)) return 0;
     for (side = 0; side < 2; ++side) {
         const SwivelState *swivel = &state->swivels[side];
         if (!within(swivel->phase, LOCKED, SLIP) || !isfinite(swivel->angle) || !(fabs(swivel->sign) <= 1) ||

@@ -15,15 +15,16 @@ static int is_free(const System *s, size_t i) {
     return (node != 0 && node != (size_t)s->elements) || s->free[node != 0][i % DOF];
 }
 
-/* residual, and potential energy (J) of rope and dead loads; v and a of the state are zero */
+/* residual, and potential energy (J) of rope and dead loads; v and a of the state are zero; turned: what theta has
+   gained at the right end */
 static double at_rest(const Chain *chain, const System *s, const double *q, const double *rest, const double *known,
-                      double *R) {
+                      double turned, double *R) {
     double balance[BALANCE], stored;
     int side;
     chain->evaluate(s, q, rest, rest, known, R, balance);
     stored = balance[AXIAL] + balance[COUPLING] + balance[TORSION] + balance[BENDING] + balance[GRAVITY];
     for (side = 0; side < 2; ++side) stored -= s->load[side] * end_row(q, s->elements + 1, side)[ANGLE];
-    return stored;
+    return stored + s->load[RIGHT] * turned;
 }
 
 /* largest unbalanced force (N); infinite when one is not a number */
@@ -46,7 +47,7 @@ int find_equilibrium(Simulator *rope, State *state, char *message) {
     const Chain *chain = chain_of_state(state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *x = rope->x, *unused = scratch->b;
-    double energy, tau = 0.1, previous;
+    double energy, tau = 0.1, previous, turned;
     const double largest_move = 0.3;
     int k, side, dof;
     size_t i;
@@ -59,11 +60,13 @@ int find_equilibrium(Simulator *rope, State *state, char *message) {
             if (!s.free[side][dof]) q[dof] = rows[0][dof];
     }
     memset(R, 0, bytes);
-    energy = at_rest(chain, &s, m.q, rest, R, m.reaction);
+    turned = 0;
+    refer(rope, state, m.q);
+    energy = at_rest(chain, &s, m.q, rest, R, turned, m.reaction);
     previous = imbalance(&s, m.reaction);
     for (k = 1; k <= MAX_ITERATIONS; ++k) {
         const double c[3] = {1, 0, pow(tau, -2)};
-        double place = 0, turn = 0, norm = 0, step, force, trial_energy;
+        double place = 0, turn = 0, norm = 0, step, force, trial_energy, more;
         int finite = 1;
         chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, unused);
         for (i = 0; i < size; ++i) {
@@ -82,10 +85,12 @@ int find_equilibrium(Simulator *rope, State *state, char *message) {
         }
         step = fmin(1, largest_move / fmax(fmax(place, turn), 1e-300));
         for (i = 0; i < size; ++i) trial[i] = m.q[i] + step * x[i];
-        trial_energy = at_rest(chain, &s, trial, rest, m.reaction, R);
+        more = transport_angles(rope, state, trial, rest, rest, rest);
+        trial_energy = at_rest(chain, &s, trial, rest, m.reaction, turned + more, R);
         force = imbalance(&s, R);
         /* on its way down the rope may well pass larger forces; what it may not do is to gain energy with them */
         if (!isfinite(force) || !(trial_energy < energy + 1e-12 * fabs(energy) || force <= previous + 1e-6)) {
+            refer(rope, state, m.q);
             tau *= 0.3;
             if (tau < 1e-7) break;
             continue;
@@ -93,7 +98,11 @@ int find_equilibrium(Simulator *rope, State *state, char *message) {
         memcpy(m.q, trial, bytes);
         memcpy(m.reaction, R, bytes);
         energy = trial_energy;
-        if (tau > 1e8 && step == 1 && norm < TOLERANCE * m.s[m.elements]) return 1;
+        turned += more;
+        if (tau > 1e8 && step == 1 && norm < TOLERANCE * m.s[m.elements]) {
+            state->offsets[RIGHT] += turned;
+            return 1;
+        }
         tau *= fmin(10, fmax(1.5, previous / fmax(force, 1e-300)));
         tau = fmin(tau, 1e12);
         previous = force;

@@ -27,6 +27,7 @@ System system_of(const Simulator *rope, State *state) {
     memset(&s, 0, sizeof s);
     s.elements = x.elements;
     s.lengths = x.lengths;
+    s.frames = rope->frames;
     s.P[0] = data->mass_per_length;
     s.P[1] = rope->scene.layout.gravity;
     s.P[2] = data->Qa;
@@ -36,7 +37,6 @@ System system_of(const Simulator *rope, State *state) {
     s.P[6] = data->EI;
     s.P[7] = data->rhoJ;
     s.P[8] = data->beta_K;
-    memcpy(s.P + 9, state->pole, sizeof state->pole);
     s.shortest = x.lengths[0];
     for (k = 1; k < x.elements; ++k) s.shortest = fmin(s.shortest, x.lengths[k]);
     for (side = 0; side < 2; ++side) {
@@ -51,6 +51,27 @@ System system_of(const Simulator *rope, State *state) {
         }
     }
     return s;
+}
+
+void refer(Simulator *rope, State *state, const double *q) {
+    const System s = system_of(rope, state);
+    chain_of_state(state)->refer(&s, q);
+}
+
+double transport_angles(Simulator *rope, State *state, double *q, double *v, double *a, double *b) {
+    const System s = system_of(rope, state);
+    double (*gained)[3] = rope->strains, turn = 0;
+    int k;
+    chain_of_state(state)->transport(&s, q, v, a, gained);
+    for (k = 0; k < s.elements; ++k) {
+        const size_t at = (size_t)(k + 1) * DOF + ANGLE;
+        turn += gained[k][0];
+        q[at] += turn;
+        v[at] += gained[k][1];
+        a[at] += gained[k][2];
+        b[at] += gained[k][2];
+    }
+    return turn;
 }
 
 void prescribed_motion(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]) {
@@ -207,6 +228,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
         m.v[i] = (now->q[i] - q) / h;
     }
     chain_of_state(state)->losses(&s, m.q, m.v, losses);
+    state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);
     memcpy(m.q, now->q, bytes);
     memcpy(m.v, now->v, bytes);
     memcpy(m.a, now->a, bytes);

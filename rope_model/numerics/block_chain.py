@@ -45,21 +45,30 @@ class ElementSource(Protocol):
     @property
     def strains(self) -> ca.Function: ...
 
+    @property
+    def reference(self) -> ca.Function: ...
+
+    @property
+    def transport(self) -> ca.Function: ...
+
 
 @dataclass(frozen=True)
 class ChainFunctions:
     """CasADi functions of a chain of n elements; arrays are (dof, n + 1), columns are nodes.
 
-    A node has ``dof`` degrees of freedom of which the element may know but some; the others stay zero.
+    A node has ``dof`` degrees of freedom of which the element may know but some; the others stay zero.  ``l`` and ``F``
+    have a column for each element.
 
-    solve:     (q, v, a, R, l, load, grip, node_mass, free, P, c, scale, tolerance) -> q, v, a, R, balance, progress
+    solve:     (q, v, a, R, l, F, load, grip, node_mass, free, P, c, scale, tolerance) -> q, v, a, R, balance, progress
         Newton's method for q; v and a follow by c[1] and c[2] times the corrections, whose size is the largest
         entry times ``scale`` (dof,).  ``progress`` is that of numerics.newton.
-    newton_step: (q, v, a, R, l, load, grip, node_mass, free, P, c) -> correction, R
+    newton_step: (q, v, a, R, l, F, load, grip, node_mass, free, P, c) -> correction, R
         solves J x = -R on the free degrees of freedom, J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da
-    evaluate:    (q, v, a, R, l, load, grip, node_mass, P) -> R, balance summed over the elements
-    losses:    (q, v, l, P) -> the balance's powers, summed
-    strains:   (q, l, P) -> one column per element
+    evaluate:    (q, v, a, R, l, F, load, grip, node_mass, P) -> R, balance summed over the elements
+    losses:    (q, v, l, F, P) -> the balance's powers, summed
+    strains:   (q, l, F) -> one column per element
+    reference: (q, l) -> F
+    transport: (q, v, a, l, F) -> one column per element
 
     ``load`` are dead loads, ``grip`` those that grow with the last known reaction R in direction 1 of the same node
     (friction), ``node_mass`` concentrated masses (inertias).
@@ -70,19 +79,29 @@ class ChainFunctions:
     evaluate: ca.Function
     losses: ca.Function
     strains: ca.Function
+    reference: ca.Function
+    transport: ca.Function
 
     def all(self) -> tuple[ca.Function, ...]:
         """The functions in the order in which a compiled library and a portable file hold them."""
-        return self.solve, self.newton_step, self.evaluate, self.losses, self.strains
+        return (
+            self.solve,
+            self.newton_step,
+            self.evaluate,
+            self.losses,
+            self.strains,
+            self.reference,
+            self.transport,
+        )
 
 
 def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, ...]) -> ChainFunctions:
     """Functions for ``n`` elements that know the degrees of freedom ``kept`` of a node's ``dof``."""
-    m, parameters = len(kept), element.residual.size1_in(4)
+    m, parameters = len(kept), element.residual.size1_in(5)
     names = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free")
     q, v, a, R, load, grip, node_mass, free = (ca.MX.sym(name, m, n + 1) for name in names)
     l, P, c, scale = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3), ca.MX.sym("scale", m)
-    Ps = ca.repmat(P, 1, n)
+    F, Ps = ca.MX.sym("F", element.residual.size1_in(4), n), ca.repmat(P, 1, n)
     factorize, substitute = _factorize(n, element.tangent, m), _substitute(n, m)
 
     def nodal(a: ca.MX, R: ca.MX) -> ca.MX:
@@ -92,14 +111,14 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
     residual_map, balance_map = element.residual.map(n), element.balance.map(n)
 
     def residual(q: ca.MX, v: ca.MX, a: ca.MX, R: ca.MX) -> ca.MX:
-        return _assemble(residual_map(*(_both_ends(x) for x in (q, v, a)), l, Ps), m) + nodal(a, R)
+        return _assemble(residual_map(*(_both_ends(x) for x in (q, v, a)), l, F, Ps), m) + nodal(a, R)
 
     # Newton's method: x holds q, v, a and R side by side
     x = ca.MX.sym("x", m, 4 * (n + 1))
     parts = ca.horzsplit(x, n + 1)
-    fixed = [l, load, grip, node_mass, free, P, c, scale]
+    fixed = [l, F, load, grip, node_mass, free, P, c, scale]
     factors = [ca.MX.sym(f"factor{i}", factorize.sparsity_out(i)) for i in range(factorize.n_out())]
-    made = factorize(*parts[:3], l, node_mass, free, P, c)
+    made = factorize(*parts[:3], l, F, node_mass, free, P, c)
     R_x = residual(*parts)
     step = substitute(*factors, free * R_x)
     moved = ca.horzcat(*(part + c[i] * step for i, part in enumerate(parts[:3])), R_x)
@@ -114,13 +133,15 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
     solved = ca.horzsplit(solution, n + 1)
 
     def sums(q: ca.MX, v: ca.MX) -> ca.MX:
-        return ca.sum2(balance_map(_both_ends(q), _both_ends(v), l, Ps))
+        return ca.sum2(balance_map(_both_ends(q), _both_ends(v), l, F, Ps))
 
     R_a = residual(q, v, a, R)
-    correction = substitute(*factorize(q, v, a, l, node_mass, free, P, c), free * R_a)
-    losses = ca.sum2(element.losses.map(n)(_both_ends(q), _both_ends(v), l, Ps))
-    strains = element.strains.map(n)(_both_ends(q), l, Ps)
-    system = {"l": l, "load": load, "friction_load": grip, "node_mass": node_mass}
+    correction = substitute(*factorize(q, v, a, l, F, node_mass, free, P, c), free * R_a)
+    losses = ca.sum2(element.losses.map(n)(_both_ends(q), _both_ends(v), l, F, Ps))
+    strains = element.strains.map(n)(_both_ends(q), l, F)
+    reference = element.reference.map(n)(_both_ends(q), l)
+    transport = element.transport.map(n)(*(_both_ends(x) for x in (q, v, a)), l, F)
+    system = {"l": l, "F": F, "load": load, "friction_load": grip, "node_mass": node_mass}
     motion = {"q": q, "v": v, "a": a, "R": R}
     method = {"free": free, "P": P, "c": c}
     limits = {"scale": scale, "tolerance": tolerance}
@@ -140,8 +161,10 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
         ),
         newton_step=function("newton_step", motion | system | method, {"q": correction, "R": R_a}),
         evaluate=function("evaluate", motion | system | {"P": P}, {"R": R_a, "balance": sums(q, v)}),
-        losses=function("losses", {"q": q, "v": v, "l": l, "P": P}, {"powers": losses}),
-        strains=function("strains", {"q": q, "l": l, "P": P}, {"strains": strains}),
+        losses=function("losses", {"q": q, "v": v, "l": l, "F": F, "P": P}, {"powers": losses}),
+        strains=function("strains", {"q": q, "l": l, "F": F}, {"strains": strains}),
+        reference=function("reference", {"q": q, "l": l}, {"F": reference}),
+        transport=function("transport", {"q": q, "v": v, "a": a, "l": l, "F": F}, {"transport": transport}),
     )
 
 
@@ -185,7 +208,7 @@ def _assemble(R: ca.MX, m: int) -> ca.MX:
 
 
 def _factorize(n: int, tangent: ca.Function, m: int) -> ca.Function:
-    """(q, v, a, l, node_mass, free, P, c) -> factors: of the n eliminated blocks, W, L, and of the last block."""
+    """(q, v, a, l, F, node_mass, free, P, c) -> factors: of the n eliminated blocks, W, L, and of the last block."""
     # one step: the element's tangent, the elimination of its left node
     D, J = ca.SX.sym("D", m, m), ca.SX.sym("J", 2 * m, 2 * m)
     both, mass = ca.SX.sym("free", 2 * m), ca.SX.sym("mass", m)
@@ -197,15 +220,17 @@ def _factorize(n: int, tangent: ca.Function, m: int) -> ca.Function:
     D_m, _, both_m, mass_m = eliminate.mx_in()
     element = tangent.mx_in()
     out = eliminate(D_m, tangent(*element)[1], both_m, mass_m)
-    step = ca.Function("factor_step", [D_m, *element[:4], both_m, mass_m, *element[4:]], [*out])
+    step = ca.Function("factor_step", [D_m, *element[:5], both_m, mass_m, *element[5:]], [*out])
 
     q, v, a, node_mass, free = (ca.MX.sym(s, m, n + 1) for s in ("q", "v", "a", "node_mass", "free"))
-    l, P, c = ca.MX.sym("l", 1, n), ca.MX.sym("P", tangent.size1_in(4)), ca.MX.sym("c", 3)
+    l, F = ca.MX.sym("l", 1, n), ca.MX.sym("F", tangent.size1_in(4), n)
+    P, c = ca.MX.sym("P", tangent.size1_in(5)), ca.MX.sym("c", 3)
     diagonal = c[2] * node_mass
     Ds, factors, Ws, Ls = step.mapaccum("factor_sweep", n)(
         ca.diag(free[:, 0] * diagonal[:, 0] + 1 - free[:, 0]),
         *(_both_ends(x) for x in (q, v, a)),
         l,
+        F,
         _both_ends(free),
         diagonal[:, 1:],
         ca.repmat(P, 1, n),
@@ -213,7 +238,7 @@ def _factorize(n: int, tangent: ca.Function, m: int) -> ca.Function:
     )
     A = ca.SX.sym("A", m, m)
     last = ca.Function("last_factor", [A], [_factor(A)])(Ds[:, -m:])
-    return ca.Function("factorized", [q, v, a, l, node_mass, free, P, c], [factors, Ws, Ls, last])
+    return ca.Function("factorized", [q, v, a, l, F, node_mass, free, P, c], [factors, Ws, Ls, last])
 
 
 def _substitute(n: int, m: int) -> ca.Function:

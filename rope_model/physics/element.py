@@ -3,10 +3,10 @@
 Per node: position r (3), its derivative r' (3) with respect to reference arc length, angle theta (1).  Between the
 nodes r is the cubic Hermite interpolant and theta is linear.  With t = r'/|r'|
 
-    e     = |r'| - 1                    axial strain
-    k     = r' x r'' / |r'|^2           curvature vector, per reference length
-    tau   = theta' + frame(r', r'')     torsional strain
-    w     = theta_t + frame(r', r'_t)   spin about the tangent
+    e     = |r'| - 1                           axial strain
+    k     = r' x r'' / |r'|^2                  curvature vector, per reference length
+    tau   = theta' + mean of frame(r', r'')    torsional strain
+    w     = theta_t + frame(r', r'_t)          spin about the tangent
 
     U = int Costello energy(e, tau) + 1/2 EI |k|^2 dx
     K = int 1/2 rho |r_t|^2 + 1/2 rhoJ w^2 dx
@@ -16,6 +16,9 @@ nodes r is the cubic Hermite interpolant and theta is linear.  With t = r'/|r'|
 The rate of k is the one seen by an observer who turns with the cross-section, so that rigid motion dissipates
 nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
 leave an hourglass mode in the axial strain.
+
+tau is uniform in the element: what the angles tell, the turn from node to node, over its length.  So the frame's
+reference (physics.frame) leaves energies and forces alone, but for the quadrature of that mean.
 
 The fidelities of the model are this one text with degrees of freedom left out:
 
@@ -46,7 +49,7 @@ ELEMENT_DOF: dict[ElementFidelity, tuple[int, ...]] = {
     "planar": (0, 1, 3, 4),
 }
 #: order of the entries of the parameter vector
-PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K", "pole_x", "pole_y", "pole_z")
+PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K")
 #: order of the entries of an element's balance
 BALANCE = (
     "axial",  # J, 1/2 Qa e^2
@@ -59,8 +62,10 @@ BALANCE = (
     "damping_power",  # W, dissipated, never negative
     "nonconservative_power",  # W, taken up by the part of the Costello law that has no energy
 )
-#: what one element's strain output holds: mean over the element, and root mean square of k and tau
-STRAINS = ("e", "tau", "k_rms", "tau_rms")
+#: what one element's strain output holds: mean over the element, and root mean square of k
+STRAINS = ("e", "tau", "k_rms")
+#: entries of what an element's frame is counted from
+FRAME = 21
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
 
@@ -69,14 +74,18 @@ _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
 class ElementFunctions:
     """The element as CasADi functions; q, v, a are (2 m,) with m degrees of freedom of a node, 7 for ``torsional``.
 
-    ``l`` is the reference length in m, ``P`` see PARAMETERS.
+    ``l`` is the reference length in m, ``P`` see PARAMETERS.  ``F`` is what the frame is counted from: in its
+    reference, tangent p and p x p' at each Gauss point, and p at the right node; it has no entries without torsion.
 
-    residual: (q, v, a, l, P) -> R (2 m,): inertia + internal - gravity, what external loads must balance
-    tangent:  (q, v, a, l, P, cq, cv, ca) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da at rest, symmetric;
-              for Newton's method also in motion, where it leaves out how q and v change damping and spin inertia
-    balance:  (q, v, l, P) -> (9,), see BALANCE
-    losses:   (q, v, l, P) -> (2,), the two powers of the balance alone
-    strains:  (q, l, P) -> (4,), see STRAINS
+    residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, what external loads must balance
+    tangent:   (q, v, a, l, F, P, cq, cv, ca) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da at rest, symmetric;
+               for Newton's method also in motion, where it leaves out how q and v change damping and spin inertia
+    balance:   (q, v, l, F, P) -> (9,), see BALANCE
+    losses:    (q, v, l, F, P) -> (2,), the two powers of the balance alone
+    strains:   (q, l, F) -> (3,), see STRAINS
+    reference: (q, l) -> F
+    transport: (q, v, a, l, F) -> (3,): what the angles gain when q becomes the reference: theta from node to node,
+               theta_t and theta_tt at the right node
     """
 
     residual: ca.Function
@@ -84,6 +93,8 @@ class ElementFunctions:
     balance: ca.Function
     losses: ca.Function
     strains: ca.Function
+    reference: ca.Function
+    transport: ca.Function
 
 
 @cache
@@ -91,89 +102,117 @@ def element_functions(
     fidelity: ElementFidelity = "torsional", frame_rate: FrameRate = smallest_rotation_rate
 ) -> ElementFunctions:
     """Build the functions; a second call with the same arguments returns the same objects."""
+    torsional = fidelity == "torsional"
     kept = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
     symbols = [ca.SX.sym(name, len(kept)) for name in ("q", "v", "a")]
     q, v, a = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v, a), symbols, strict=True):
         x[kept] = symbol
     l, P = ca.SX.sym("l"), ca.SX.sym("P", len(PARAMETERS))
+    F = ca.SX.sym("F", FRAME if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
 
-    point = _point_functions(frame_rate, fidelity == "torsional")
-    mass, weight = _translational_mass(l, P), _weight(l, P)
-    balance, strains = ca.SX.zeros(len(BALANCE)), ca.SX.zeros(len(STRAINS))
-    balance[4], balance[6] = 0.5 * ca.dot(v, mass @ v), -ca.dot(weight, q)
     # everything but weight and translation depends on the 11 relative coordinates r2 - r1, r', theta only
-    relative = _relative()
+    relative, weights = _relative(), 0.5 * _GAUSS_WEIGHTS
+    B = [_interpolation(xi, l) for xi in 0.5 * (1 + _GAUSS_POINTS)]
+    z, z_t, z_tt = ([B_p @ relative @ x for B_p in B] for x in (q, v, a))
+    frames = ca.vertsplit(F[:-3], 6) if torsional else [F] * len(B)
+    points = list(zip(weights, B, z, z_t, z_tt, frames, strict=True))
+    point = _point_functions(frame_rate, torsional)
+
+    # what the element has as a whole: axial and torsional strain, their rates, the torque
+    means = sum((w * point["means"](z_p, v_p, F_p) for w, _, z_p, v_p, _, F_p in points), start=ca.SX.zeros(5))
+    theta_x = ca.vertcat(-1 / l, 1 / l) if torsional else ca.SX.zeros(2)
+    tau, tau_t = means[1] + ca.dot(theta_x, q[[6, 13]]), means[4] + ca.dot(theta_x, v[[6, 13]])
+    torque, elastic = _torque(P, ca.vertcat(means[0], tau), ca.vertcat(means[3], tau_t))
+
+    mass, weight = _translational_mass(l, P), _weight(l, P)
+    balance = ca.SX.zeros(len(BALANCE))
+    balance[4], balance[6] = 0.5 * ca.dot(v, mass @ v), -ca.dot(weight, q)
     R_r, J_r = ca.SX.zeros(11), ca.SX.zeros(11, 11)
-    for xi, weight_xi in zip(0.5 * (1 + _GAUSS_POINTS), 0.5 * _GAUSS_WEIGHTS, strict=True):
-        B = _interpolation(xi, l)
-        z, z_t, z_tt = (B @ relative @ x for x in (q, v, a))
-        R_p, J_p = point["tangent"](z, z_t, z_tt, P, cq, cv, c_a)
-        dx = weight_xi * l
-        R_r += B.T @ (dx * R_p)
-        J_r += B.T @ (dx * J_p) @ B
-        balance += dx * point["balance"](z, z_t, P)
-        strains += weight_xi * point["strains"](z, P)
+    e_z, tau_z = ca.SX.zeros(11), ca.SX.zeros(11)
+    tau_z[9:] = theta_x
+    for w, B_p, z_p, v_p, a_p, F_p in points:
+        R_p, J_p, strains_z = point["tangent"](z_p, v_p, a_p, F_p, tau, tau_t, torque, elastic, P, cq, cv, c_a)
+        R_r += B_p.T @ (w * l * R_p)
+        J_r += B_p.T @ (w * l * J_p) @ B_p
+        e_z += w * B_p.T @ strains_z[0, :].T
+        tau_z += w * B_p.T @ strains_z[1, :].T
+        balance += w * l * point["balance"](z_p, v_p, F_p, tau, tau_t, P)
+    R_r[9:] += torque * l * theta_x
+    shared = P[3] * e_z + 0.5 * P[5] * tau_z
+    J_r += (cq + cv * P[8]) * l * (shared @ tau_z.T + tau_z @ shared.T)
     R = (mass @ a - weight + relative.T @ R_r)[kept]
     J = _symmetric(c_a * mass + relative.T @ _symmetric(J_r) @ relative)[kept, kept]
-    strains[2:] = ca.sqrt(strains[2:])
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         return ca.Function(name, inputs, ca.cse(outputs))
 
+    strains = ca.vertcat(means[0], tau, ca.sqrt(means[2]))
+    reference, transport = F, ca.SX.zeros(3)
+    if torsional:
+        right = slice(NODE_DOF + 3, NODE_DOF + 6)
+        reference = ca.vertcat(*(_frame(z_p) for z_p in z), q[right] / ca.norm_2(q[right]))
+        transport = ca.vertcat(l * means[1], *_spin(frame_rate, F[-3:], q[right], v[right], a[right]))
     q, v, a = symbols
     return ElementFunctions(
-        residual=function("element_residual", [q, v, a, l, P], [R]),
-        tangent=function("element_tangent", [q, v, a, l, P, cq, cv, c_a], [R, J]),
-        balance=function("element_balance", [q, v, l, P], [balance]),
-        losses=function("element_losses", [q, v, l, P], [balance[7:]]),
-        strains=function("element_strains", [q, l, P], [strains]),
+        residual=function("element_residual", [q, v, a, l, F, P], [R]),
+        tangent=function("element_tangent", [q, v, a, l, F, P, cq, cv, c_a], [R, J]),
+        balance=function("element_balance", [q, v, l, F, P], [balance]),
+        losses=function("element_losses", [q, v, l, F, P], [balance[7:]]),
+        strains=function("element_strains", [q, l, F], [strains]),
+        reference=function("element_reference", [q, l], [reference]),
+        transport=function("element_transport", [q, v, a, l, F], [transport]),
     )
 
 
 def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Function]:
-    """The continuum at one point: z = (r', r'', theta', theta), its rates, and the work-conjugate forces (8,)."""
-    z, z_t, z_tt = ca.SX.sym("z", 8), ca.SX.sym("z_t", 8), ca.SX.sym("z_tt", 8)
-    P = ca.SX.sym("P", len(PARAMETERS))
+    """The continuum at one point: z = (r', r'', theta), its rates, and the work-conjugate forces (7,).
+
+    means:   (z, z_t, F) -> e, turning of the frame, |k|^2, rates of the first two: what the element takes the mean of
+    tangent: forces, their derivative but for what goes through tau, and the gradients of e and of the frame's turning
+    """
+    z, z_t, z_tt = ca.SX.sym("z", 7), ca.SX.sym("z_t", 7), ca.SX.sym("z_tt", 7)
+    P, F = ca.SX.sym("P", len(PARAMETERS)), ca.SX.sym("F", 6 if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
-    _, _, Qa, Qs, _, Qd, EI, rhoJ, _ = ca.vertsplit(P)[:9]
-    pole = P[9:12]
+    tau, tau_t, torque, elastic = (ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic"))
+    _, _, Qa, Qs, _, Qd, EI, rhoJ, _ = ca.vertsplit(P)
 
     # strains, and the spin of the section
-    d, c, theta_x = z[0:3], z[3:6], z[6]
-    tau = theta_x + frame_rate(pole, d, c) if torsional else ca.SX(0)
-    strain = ca.vertcat(ca.norm_2(d) - 1, tau, ca.cross(d, c) / ca.dot(d, d))
-    w = z_t[7] + frame_rate(pole, d, z_t[0:3]) if torsional else ca.SX(0)
+    d, c = z[0:3], z[3:6]
+    turning = frame_rate(F[:3], F[3:], d, c) if torsional else ca.SX(0)
+    strain = ca.vertcat(ca.norm_2(d) - 1, turning, ca.cross(d, c) / ca.dot(d, d))
+    w = z_t[6] + frame_rate(F[:3], ca.SX.zeros(3), d, z_t[0:3]) if torsional else ca.SX(0)
 
     # their rates; the curvature's as seen from the section
-    turning = ca.cross(d, z_t[0:3]) / ca.dot(d, d) + w * d / ca.norm_2(d)
-    rate = ca.jtimes(strain, z, z_t) - ca.vertcat(0, 0, ca.cross(turning, strain[2:]))
+    spin = ca.cross(d, z_t[0:3]) / ca.dot(d, d) + w * d / ca.norm_2(d)
+    rate = ca.jtimes(strain, z, z_t) - ca.vertcat(0, 0, ca.cross(spin, strain[2:]))
 
-    # energies, and the stresses that are work-conjugate to the strains
+    # energies, and the stresses that are work-conjugate to the strains; the torque is the element's
     e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
     U, D, P_n = _energies(P, e, e_t)
     K = 0.5 * rhoJ * w * w
     stress = ca.gradient(U, e) + ca.gradient(D + P_n, e_t)
+    stress[1] = torque
 
-    # Lagrange's equation: internal forces B^T stress (the turning does no work on EI k), inertia of the spin
+    # Lagrange's equation: internal forces B^T stress (the spin does no work on EI k), inertia of the spin
     B = ca.jacobian(rate, z_t)
     momentum = ca.gradient(K, z_t)
     inertia = ca.jtimes(momentum, z_t, z_tt) + ca.jtimes(momentum, z, z_t) - ca.gradient(K, z)
-    values = [strain, rate]
-    force = B.T @ ca.substitute(stress, ca.vertcat(e, e_t), ca.vertcat(*values)) + inertia
+    put = ca.vertcat(e, e_t), ca.vertcat(strain[0], tau, strain[2:], rate[0], tau_t, rate[2:])
+    force = B.T @ ca.substitute(stress, *put) + inertia
 
     # its derivative along (cq, cv, ca), exact at rest; how motion changes damping and spin inertia is left out
-    put = ca.vertcat(e, e_t), ca.vertcat(*values)
     damping = ca.substitute(ca.jacobian(stress, e_t), *put)
-    stiffness = ca.hessian(ca.substitute(U, *put), z)[0]
+    damping[:, 1] = 0
+    stiffness = ca.hessian(ca.substitute(U, *put) + elastic * turning, z)[0]
     J = _symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
     k = strain[2:]
     balance = ca.vertcat(
         0.5 * Qa * strain[0] ** 2,
-        Qs * strain[0] * strain[1],
-        0.5 * Qd * strain[1] ** 2,
+        Qs * strain[0] * tau,
+        0.5 * Qd * tau**2,
         0.5 * EI * ca.dot(k, k),
         0,
         K,
@@ -181,11 +220,28 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
         ca.substitute(2 * D, *put),
         ca.substitute(P_n, *put),
     )
+
+    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+        return ca.Function(f"point_{name}", inputs, ca.cse(outputs))
+
+    shared = [tau, tau_t, torque, elastic, P, cq, cv, c_a]
     return {
-        "tangent": ca.Function("point_tangent", [z, z_t, z_tt, P, cq, cv, c_a], ca.cse([force, J])),
-        "balance": ca.Function("point_balance", [z, z_t, P], ca.cse([balance])),
-        "strains": ca.Function("point_strains", [z, P], [ca.vertcat(strain[:2], ca.dot(k, k), strain[1] ** 2)]),
+        "means": function("means", [z, z_t, F], [ca.vertcat(strain[:2], ca.dot(k, k), rate[:2])]),
+        "tangent": function("tangent", [z, z_t, z_tt, F, *shared], [force, J, ca.jacobian(strain[:2], z)]),
+        "balance": function("balance", [z, z_t, F, tau, tau_t, P], [balance]),
     }
+
+
+def _frame(z: ca.SX) -> ca.SX:
+    """(6,): the tangent p and p x p' at a point z."""
+    d, c = z[0:3], z[3:6]
+    return ca.vertcat(d / ca.norm_2(d), ca.cross(d, c) / ca.dot(d, d))
+
+
+def _spin(frame_rate: FrameRate, p: ca.SX, d: ca.SX, d_t: ca.SX, d_tt: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Spin of the frame where r' is ``d``, and its rate."""
+    spin = frame_rate(p, ca.SX.zeros(3), d, d_t)
+    return spin, ca.jtimes(spin, d, d_t) + ca.jtimes(spin, d_t, d_tt)
 
 
 def _symmetric(A: ca.SX) -> ca.SX:
@@ -195,13 +251,24 @@ def _symmetric(A: ca.SX) -> ca.SX:
 
 def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """U, D and the non-conservative power, per reference length, from the strains (e, tau, k) and their rates."""
-    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K = ca.vertsplit(P)[:9]
+    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K = ca.vertsplit(P)
 
     def quadratic(x: ca.SX) -> Any:
         return costello.strain_energy(Qa, Qs, Qd, x[0], x[1]) + 0.5 * EI * ca.dot(x[2:], x[2:])
 
     power = costello.nonconservative_power(Qk, strain[0], strain[1], rate[0], rate[1])
     return quadratic(strain), beta_K * quadratic(rate), power
+
+
+def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """What is conjugate to tau, and its elastic part, from the means of e and tau and of their rates."""
+    e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
+    U, D, P_n = _energies(P, e, e_t)
+    elastic = ca.gradient(U, e)[1]
+    bent = ca.SX.zeros(3)
+    put = ca.vertcat(e, e_t), ca.vertcat(strain, bent, rate, bent)
+    torque, elastic = (ca.substitute(x, *put) for x in (elastic + ca.gradient(D + P_n, e_t)[1], elastic))
+    return torque, elastic
 
 
 def _relative() -> ca.DM:
@@ -214,15 +281,14 @@ def _relative() -> ca.DM:
 
 
 def _interpolation(xi: float, l: ca.SX) -> ca.SX:
-    """(8, 11) sparse: (r', r'', theta', theta) at xi = x/l from the relative coordinates."""
+    """(7, 11) sparse: (r', r'', theta) at xi = x/l from the relative coordinates."""
     slope = (6 * xi - 6 * xi * xi) / l, 1 - 4 * xi + 3 * xi * xi, 3 * xi * xi - 2 * xi
     bend = (6 - 12 * xi) / l**2, (6 * xi - 4) / l, (6 * xi - 2) / l
-    B = ca.SX(8, 11)
+    B = ca.SX(7, 11)
     for i in range(3):
         for block in range(3):
             B[i, 3 * block + i], B[3 + i, 3 * block + i] = slope[block], bend[block]
-    B[6, 9], B[6, 10] = -1 / l, 1 / l
-    B[7, 9], B[7, 10] = 1 - xi, xi
+    B[6, 9], B[6, 10] = 1 - xi, xi
     return B
 
 

@@ -5,7 +5,8 @@ the stretch |r'| is free.  theta is prescribed while the swivel holds and free w
 
     theta = offset + s yaw + b,   s = -1 on the left, +1 on the right
 
-with the conveyance's yaw about Y, the swivel's relative angle b, and an offset that belongs to the frame's pole.
+with the conveyance's yaw about Y, the swivel's relative angle b, and an offset that belongs to the frame: theta is
+counted from the left end on along the rope (physics.frame), so the right end's changes as the rope turns in space.
 
 Between two instants of the host each coordinate follows a quintic polynomial in time, so that position, speed and
 acceleration are continuous whatever the host's step.  Where the last path ended beside the motion that the host now
@@ -28,7 +29,7 @@ from numpy.typing import NDArray
 from ..numerics import quintic
 from ..parameter_table import numeric_bounds, parameter, parameters_of
 from ..parameters import Swivel
-from ..physics.elementary import larger, sqrt
+from ..physics.elementary import atan2, larger, sqrt
 from ..physics.swivel import friction_moment
 from .rope_system import ANGLE, POSITION, Array
 
@@ -261,6 +262,14 @@ class HangingEnds:
 def nominal_points(spacing: float) -> Array:
     """(2, 3): the suspension points at height zero."""
     return np.array([[-0.5 * spacing, 0.0, 0.0], [0.5 * spacing, 0.0, 0.0]])
+
+
+def right_offset(left: Any, right: Any) -> Any:
+    """Offset (rad) of theta at the right end of an untwisted rope in the vertical plane of its ends at these points.
+
+    Turning that plane by psi about Y turns the frame by psi at the left end, by -psi at the right.
+    """
+    return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
 
 
 #: largest size of each value of EndMotion

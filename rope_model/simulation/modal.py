@@ -13,7 +13,7 @@ from scipy.linalg import eigvals_banded
 from scipy.sparse.linalg import eigsh
 
 from ..physics.element import NODE_DOF, element_functions
-from .rope_system import POSITION, Array, RopeSystem
+from .rope_system import ANGLE, POSITION, Array, RopeSystem
 
 #: N/m: what the rounding of Qa / l leaves of a zero stiffness, a swivel that turns freely
 ROUNDING = 1e-5
@@ -70,12 +70,13 @@ def softest(system: RopeSystem, q: Array) -> float:
 
 def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:
     """Sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da at rest in ``q``, all degrees of freedom."""
-    n = system.lengths.size
-    tangent = element_functions().tangent.map(n)
-    q_e = np.hstack((q[:-1], q[1:])).T
-    rest, row = np.zeros_like(q_e), np.ones((1, n))
-    P = np.tile(system.P[:, None], n)
-    J = tangent(q_e, rest, rest, system.lengths[None, :], P, *(x * row for x in c))[1]
+    n, element = system.lengths.size, element_functions()
+    angles = q[:, ANGLE] + system.frame_turn(q)
+    along = np.column_stack((q[:, :ANGLE], angles))
+    q_e = np.hstack((along[:-1], along[1:])).T
+    rest, row, l = np.zeros_like(q_e), np.ones((1, n)), system.lengths[None, :]
+    F, P = element.reference.map(n)(q_e, l), np.tile(system.P[:, None], n)
+    J = element.tangent.map(n)(q_e, rest, rest, l, F, P, *(x * row for x in c))[1]
     blocks = np.asarray(J).reshape(2 * NODE_DOF, n, 2 * NODE_DOF).transpose(1, 0, 2)
     local = NODE_DOF * np.arange(n)[:, None] + np.arange(2 * NODE_DOF)
     rows = np.broadcast_to(local[:, :, None], blocks.shape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,18 +25,18 @@ class RopeModel:
     _latest: list[tuple[tuple[Any, ...], RopeSystem]] = field(default_factory=list, init=False, compare=False)
 
     def system(self, state: RopeState) -> RopeSystem:
-        """The equations of motion of ``state``: its mesh, frame, swivel phases and end paths."""
+        """The equations of motion of ``state``: its mesh, swivel phases and end paths, the frame counted from it."""
         scene = self.scene
         points = nominal_points(scene.layout.spacing)
         ends = HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
-        key = (state.partition, state.pole, state.swivels, state.offsets, state.fidelity)
-        for known, system in self._latest:
-            if all(one is other for one, other in zip(known, key, strict=True)):
-                return system.with_boundary(ends)
-        node_mass = np.zeros((state.partition.lengths.size + 1, 7))
-        node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
-        P = parameter_vector(scene.rope, scene.layout.gravity, state.pole)
-        system = RopeSystem(self.kernels.of(flexible(state.fidelity)), state.partition.lengths, P, ends, node_mass)
+        key = (state.partition, state.swivels, state.fidelity)
+        if self._latest and all(one is other for one, other in zip(self._latest[0][0], key, strict=True)):
+            system = self._latest[0][1].with_boundary(ends).with_reference(state.motion.q)
+        else:
+            node_mass = np.zeros((state.partition.lengths.size + 1, 7))
+            node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
+            P, kernels = parameter_vector(scene.rope, scene.layout.gravity), self.kernels.of(flexible(state.fidelity))
+            system = RopeSystem(kernels, state.partition.lengths, P, ends, state.motion.q, node_mass)
         self._latest[:] = [(key, system)]
         return system
 
@@ -61,7 +61,7 @@ class RopeModel:
         return state._replace(motion=motion, powers=powers(system, motion))
 
     def commit(self, old: RopeState, system: RopeSystem, result: StepResult[Evaluation]) -> RopeState:
-        """An accepted step, with energies and work added up."""
+        """An accepted step, with energies and work added up, its angles counted along its own curve."""
         motion, evaluation = result.motion, result.evaluation
         assert motion is not None
         assert evaluation is not None
@@ -77,7 +77,21 @@ class RopeModel:
             dissipated_material=old.energy_balance.dissipated_material + h * damping,
             nonconservative=old.energy_balance.nonconservative + h * nonconservative,
         )
-        return old._replace(motion=motion, energy_balance=energy_balance, powers=now)
+        return with_angles_along(system, old._replace(motion=motion, energy_balance=energy_balance, powers=now))
+
+
+def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
+    """``state``, whose angles count from the reference of ``system``, as one that is its own reference.
+
+    The rate of theta is then the spin.  b differs from a by what happens within a step: both change alike.
+    """
+    m, changed = state.motion, {}
+    gained = system.transport(m.q, m.v, m.a)
+    for name, more in zip(("q", "v", "a", "b"), (*gained, gained[2]), strict=True):
+        changed[name] = getattr(m, name).copy()
+        changed[name][:, ANGLE] += more
+    offsets = state.offsets[0], state.offsets[1] + float(gained[0, -1])
+    return state._replace(motion=replace(m, **changed), offsets=offsets)
 
 
 def ends_of(system: RopeSystem) -> HangingEnds:

@@ -15,7 +15,7 @@ from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
 from ..physics.inextensible import Flow, Pull, energies, flow, lowest, pull, tension
 from .ends import EndMotion, EndPath, HangingEnds, nominal_points
-from .rope_system import POSITION, SLOPE, Array, RopeSystem
+from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 from .statics import find_equilibrium, hanging_guess
 
 #: s, above 1/omega of the legs' longitudinal (0.02 s) and torsional modes (0.06 s), below that of the loop (1 s)
@@ -101,12 +101,14 @@ def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Moti
     nodes, would stretch the elements around the loop, and throw the forces.
     """
     t, d = rigid.t, DIFFERENCE
-    coasting = system.with_boundary(
-        replace(ends, paths=(ends.paths[0].at_constant_acceleration(t), ends.paths[1].at_constant_acceleration(t)))
-    )
-    rest = find_equilibrium(coasting, rigid.q, t)
-    before, after = (find_equilibrium(coasting, rest.q, at).q for at in (t - d, t + d))
-    v, a = (after - before) / (2 * d), (after - 2 * rest.q + before) / d**2
+    left, right = (path.at_constant_acceleration(t) for path in ends.paths)
+    coasting = replace(ends, paths=(left, right))
+    rest = find_equilibrium(system.with_boundary(coasting), rigid.q, t)
+    coasting = replace(coasting, offsets=(ends.offsets[0], ends.offsets[1] + rest.turn))
+    before, after = (find_equilibrium(system.with_boundary(coasting), rest.q, at) for at in (t - d, t + d))
+    for found in (rest, before, after):  # all counted from the rigid rope
+        found.q[:, ANGLE] -= system.frame_turn(found.q)
+    v, a = (after.q - before.q) / (2 * d), (after.q - 2 * rest.q + before.q) / d**2
     return with_elastic_strain(system, replace(rigid, q=rest.q, v=v, a=a, reaction=rest.reaction))
 
 

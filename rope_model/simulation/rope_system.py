@@ -1,7 +1,7 @@
 """The rope's equations of motion on one mesh: physics.element chained by numerics.block_chain.
 
-A ``RopeSystem`` is immutable: mesh, material, frame pole and how the ends are held are fixed in it.  Anything that
-changes makes a new one (cheap: the kernels are shared).
+A ``RopeSystem`` is immutable: mesh, material, the frame's reference and how the ends are held are fixed in it.
+Anything that changes makes a new one (cheap: the kernels are shared).
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class RopeKernels:
             functions = load_portable(portable)
         else:
             functions = list(rope_functions(elements, fidelity).all())
-        (solve, newton_step, evaluate, losses, strains), self.form = prepare(
+        (solve, newton_step, evaluate, losses, strains, reference, transport), self.form = prepare(
             functions, form, library, _name(fidelity, elements)
         )
         nodes, balance = (elements + 1, NODE_DOF), (len(BALANCE),)
@@ -71,6 +71,8 @@ class RopeKernels:
         self.evaluate = Kernel(evaluate, (nodes, balance))
         self.losses = Kernel(losses, ((2,),))
         self.strains = Kernel(strains, ((elements, len(STRAINS)),))
+        self.reference = Kernel(reference, ((elements, reference.size1_out(0)),))
+        self.transport = Kernel(transport, ((elements, 3),))
 
 
 class KernelCache:
@@ -123,10 +125,10 @@ def rope_functions(elements: int, fidelity: ElementFidelity = "torsional") -> Ch
     return chain_functions(elements, element_functions(fidelity), NODE_DOF, ELEMENT_DOF[fidelity])
 
 
-def parameter_vector(rope: Rope, gravity: float, pole: Array) -> Array:
+def parameter_vector(rope: Rope, gravity: float) -> Array:
     """The element's parameters in the order of physics.element.PARAMETERS."""
     r = rope
-    return np.array([r.mass_per_length, gravity, r.Qa, r.Qs, r.Qk, r.Qd, r.EI, r.rhoJ, r.beta_K, *pole])
+    return np.array([r.mass_per_length, gravity, r.Qa, r.Qs, r.Qk, r.Qd, r.EI, r.rhoJ, r.beta_K])
 
 
 def arc_lengths(lengths: Array) -> Array:
@@ -159,26 +161,66 @@ class Evaluation:
 
 
 class RopeSystem:
-    """Equations of motion for numerics.generalized_alpha and for statics."""
+    """Equations of motion for numerics.generalized_alpha and for statics.
+
+    ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.
+    """
 
     def __init__(
-        self, kernels: RopeKernels, lengths: Array, P: Array, boundary: Boundary, node_mass: Array | None = None
+        self,
+        kernels: RopeKernels,
+        lengths: Array,
+        P: Array,
+        boundary: Boundary,
+        reference: Array,
+        node_mass: Array | None = None,
     ) -> None:
         nodes = lengths.size + 1
         self.kernels, self.lengths, self.P, self.boundary = kernels, lengths, P, boundary
+        self.reference = reference
         self.free = boundary.free(nodes)
         self.load = boundary.load(nodes)
         self.node_mass = np.zeros((nodes, NODE_DOF)) if node_mass is None else node_mass
         self._free = self.free.astype(float)
         self._scale = np.ones(NODE_DOF)
         self._scale[SLOPE] = lengths.min()
-        self._constants = self.lengths, self.load, boundary.friction_load(nodes), self.node_mass
+        self._loads = self.load, boundary.friction_load(nodes), self.node_mass
+        self._refer()
+
+    def _refer(self) -> None:
+        self.frames = self.kernels.reference(self.reference, self.lengths)[0]
+        self._constants = self.lengths, self.frames, *self._loads
 
     def with_boundary(self, boundary: Boundary) -> RopeSystem:
         """The same system with the ends held in the same way but moved otherwise."""
         other = copy.copy(self)
         other.boundary = boundary
         return other
+
+    def with_reference(self, q: Array) -> RopeSystem:
+        """The same system with the frame counted from ``q``."""
+        if q is self.reference:
+            return self
+        other = copy.copy(self)
+        other.reference = q
+        other._refer()
+        return other
+
+    def transport(self, q: Array, v: Array, a: Array) -> Array:
+        """(3, nodes): what theta, theta_t and theta_tt gain when ``q`` becomes the reference.
+
+        The frame of the left end stays, and the sections stay where they are.
+        """
+        gained = np.zeros((3, q.shape[0]))
+        gained[:, 1:] = self.kernels.transport(q, v, a, self.lengths, self.frames)[0].T
+        gained[0] = np.cumsum(gained[0])
+        return gained
+
+    def frame_turn(self, q: Array) -> Array:
+        """(nodes,): what theta gains when ``q`` becomes the reference, rad."""
+        rest = np.zeros_like(q)
+        turn: Array = self.transport(q, rest, rest)[0]
+        return turn
 
     def prescribed_motion(self, t: float) -> Array:
         return self.boundary.prescribed_motion(t, self.lengths.size + 1)
@@ -205,12 +247,12 @@ class RopeSystem:
 
     def losses(self, q: Array, v: Array) -> tuple[float, float]:
         """Damping power and the power of the non-conservative coupling, W."""
-        damping, nonconservative = self.kernels.losses(q, v, self.lengths, self.P)[0].tolist()
+        damping, nonconservative = self.kernels.losses(q, v, self.lengths, self.frames, self.P)[0].tolist()
         return damping, nonconservative
 
     def strains(self, q: Array) -> Array:
-        """(elements, 4), columns as in physics.element.STRAINS."""
-        return self.kernels.strains(q, self.lengths, self.P)[0]
+        """(elements, 3), columns as in physics.element.STRAINS."""
+        return self.kernels.strains(q, self.lengths, self.frames)[0]
 
     def norm(self, x: Array) -> float:
         return float((np.abs(x) * self._scale).max())

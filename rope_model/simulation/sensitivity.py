@@ -50,9 +50,7 @@ def end_loads(rope: RopeSimulator, q: Array, reaction: Array) -> Array:
         node = -side
         out[side, :3] = -reaction[node, POSITION]
         torque = rope.ends.moment(side, reaction)
-        out[side, 3:] = end_moment(
-            rope.state.pole.tolist(), q[node, SLOPE].tolist(), reaction[node, SLOPE].tolist(), torque
-        )
+        out[side, 3:] = end_moment(q[node, SLOPE].tolist(), reaction[node, SLOPE].tolist(), torque)
         out[side, 3:] *= -1.0
     return out.ravel()
 

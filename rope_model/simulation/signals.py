@@ -149,7 +149,7 @@ def end_signals(rope: Evaluated) -> dict[str, float]:
     for side, name in enumerate(SIDES):
         on_rope = ends.moment(side, m.reaction)
         d, f = m.q[-side, SLOPE].tolist(), m.reaction[-side, SLOPE].tolist()
-        moment = end_moment(state.pole.tolist(), d, f, on_rope)
+        moment = end_moment(d, f, on_rope)
         angle, rate = ends.relative(side, m.t, m.q[-side, ANGLE], m.v[-side, ANGLE])
         values = (*-m.reaction[-side, POSITION], *(-x for x in moment), state.force_mean[side], angle, rate, on_rope)
         keys = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean", "swivel.angle", "swivel.rate", "swivel.torque")
@@ -226,9 +226,9 @@ def along_signals(rope: Evaluated) -> dict[str, float]:
 def nominal_stresses(data: Rope, strains: Array, fidelity: Fidelity) -> tuple[Array, Array]:
     """Bending and torsional stress norm (Pa) of each element as in a solid round bar.
 
-    Bending is root mean square along the element; ``strains`` (elements, 4) are those of RopeSystem.strains.
+    Bending is root mean square along the element; ``strains`` (elements, 3) are those of RopeSystem.strains.
     Without torsion there is no torque.
     """
-    e, tau, k_rms, _ = strains.T
+    e, tau, k_rms = strains.T
     torsional = torsional_stress(data, e, tau) if fidelity == "torsional" else np.zeros_like(e)
     return bending_stress(data, k_rms), torsional

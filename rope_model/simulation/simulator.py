@@ -21,16 +21,27 @@ from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
 from ..physics.estimates import bending_length
-from .adaptation import in_good_frame, raise_fidelity, transform_if_due, with_good_pole, with_loop_yaw
+from .adaptation import raise_fidelity, transform_if_due, with_loop_yaw
 from .balance_rope import BalanceRope, Status
 from .diagnostics import LoopBottom, loop_bottom
-from .ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, HangingEnds, Phase, SwivelState, nominal_points, refusal
+from .ends import (
+    SHORTEST_AIM,
+    SIDES,
+    EndMotion,
+    EndPath,
+    HangingEnds,
+    Phase,
+    SwivelState,
+    nominal_points,
+    refusal,
+    right_offset,
+)
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
 from .mesh import LATEST, Partition, distance_to_due, fit_mesh, partition, placement_problem
 from .model import RopeModel, ends_of, energies, powers
 from .result_warnings import WARNINGS
 from .rigid import rigid_added_mass, rigid_rope
-from .rope_system import Array, Evaluation, KernelCache, RopeSystem
+from .rope_system import ANGLE, Array, Evaluation, KernelCache, RopeSystem
 from .signals import checked_names, group_of
 from .state import Counts, RopeState
 from .statics import StaticsError, find_equilibrium, hanging_guess
@@ -46,8 +57,8 @@ MOST_STEPS = 20000
 FARTHEST_START = 1e10
 #: local error below this part of the tolerance lets the step grow
 GROW_BELOW = 0.1
-#: rad of installed twist at once, and changes of the pole in search of one equilibrium
-TWIST_STEP, MOST_POLES = 1.0, 20
+#: rad of twist at once
+TWIST_STEP = 1.0
 
 
 @dataclass(frozen=True)
@@ -193,9 +204,8 @@ class RopeSimulator(BalanceRope):
             state = RopeState(
                 motion=Motion(t, guess, rest, rest, rest, rest, 0.0, rest),
                 partition=cells,
-                pole=np.array([1.0, 0.0, 0.0]),
-                offsets=(0.0, 0.0),
-                swivels=(SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, 0.0, 0.0)),
+                offsets=(0.0, right_offset(*ends.tolist())),
+                swivels=(SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0)),
                 paths=paths,
                 step_next=scene.solver.step_max,
                 last_interval=scene.solver.step_max,
@@ -225,27 +235,27 @@ class RopeSimulator(BalanceRope):
         )
 
     def _initial_equilibrium(self, state: RopeState) -> RopeState:
-        """``state`` at rest in equilibrium, the installed twist put in bit by bit: that decides how the loop yaws."""
-        twist = self.scene.rope.installed_twist
+        """``state`` at rest in equilibrium, its twist put in bit by bit: that decides how the loop yaws."""
+        q, held = state.motion.q, self.model.system(state).prescribed_motion(state.motion.t)[0]
+        q[:, ANGLE] = held[0, ANGLE]
+        twist = float(held[-1, ANGLE] - held[0, ANGLE])
         parts = max(math.ceil(abs(twist) / TWIST_STEP), 1)
-        for part in range(1, parts + 1):
-            held = SwivelState(Phase.LOCKED, twist * part / parts, 0.0)
-            state = self._equilibrium_in_frame(state._replace(swivels=(state.swivels[0], held)))
+        state = _turn_right_end(state, -twist)
+        for _ in range(parts):
+            state = self._equilibrium_in_frame(_turn_right_end(state, twist / parts))
         return state
 
     def _equilibrium_in_frame(self, state: RopeState) -> RopeState:
-        """``state`` in equilibrium, sought again after each change of the frame's pole."""
-        for _ in range(MOST_POLES):
-            system, m, pole = self.model.system(state), state.motion, state.pole
-            equilibrium = find_equilibrium(system, m.q, m.t)
-            rest = np.zeros_like(m.q)
-            balance = system.evaluate(equilibrium.q, rest, rest, equilibrium.reaction).balance
-            motion = Motion(m.t, equilibrium.q, rest, rest, rest, rest, 0.0, equilibrium.reaction)
-            state = state._replace(motion=motion, energy_balance=state.energy_balance._replace(**energies(balance)))
-            state = with_loop_yaw(in_good_frame(state))
-            if state.pole is pole:
-                break
-        return state
+        """``state`` in equilibrium."""
+        m, rest = state.motion, np.zeros_like(state.motion.q)
+        found = find_equilibrium(self.model.system(state), m.q, m.t)
+        motion = Motion(m.t, found.q, rest, rest, rest, rest, 0.0, found.reaction)
+        state = _turn_right_end(state._replace(motion=motion), found.turn)
+        balance = self.model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
+        # a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way
+        yaw = state.loop_yaw - 0.5 * found.turn
+        books = state.energy_balance._replace(**energies(balance))
+        return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw))
 
     def _rigid(self, state: RopeState, t: float) -> RopeState:
         """``state`` as the rigid model has it at ``t``."""
@@ -372,7 +382,7 @@ class RopeSimulator(BalanceRope):
                 return "a swivel chatters between stick and slip; check its friction, and whether the end is slack"
         elif reaches_stop:
             after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
-        return with_loop_yaw(with_good_pole(model, after))
+        return with_loop_yaw(after)
 
     def _rigid_step(self, state: RopeState, t_end: float) -> RopeState | str:
         """The rigid rope follows its ends in one go."""
@@ -437,6 +447,12 @@ class RopeSimulator(BalanceRope):
 
     def _accept(self, state: RopeState) -> None:
         self._state, self._system, self._loop, self._signals = state, None, None, {}
+
+
+def _turn_right_end(state: RopeState, angle: float) -> RopeState:
+    """The right end turned by ``angle`` (rad) against its conveyance."""
+    left, right = state.offsets
+    return state._replace(offsets=(left, right + angle))
 
 
 def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:

@@ -13,7 +13,6 @@ from ..physics.energy_balance import residual, total
 from .ends import EndPath, Phase, SwivelState
 from .fidelity import Fidelity
 from .mesh import Partition
-from .rope_system import Array
 
 
 class EnergyBalance(NamedTuple):
@@ -26,7 +25,7 @@ class EnergyBalance(NamedTuple):
     dissipated_material: float = 0.0
     dissipated_swivel: float = 0.0
     nonconservative: float = 0.0  # taken up by Qb != Qc
-    transformations: float = 0.0  # sum of the energy changes of mesh and pole changes
+    transformations: float = 0.0  # sum of the energy changes of mesh changes
     start: float = 0.0  # total energy at the start
 
     @property
@@ -48,7 +47,6 @@ class Counts(NamedTuple):
     newton: int = 0
     transformations: int = 0
     swivel_events: int = 0
-    pole_changes: int = 0
 
     def plus(self, **more: int) -> Counts:
         """A copy with some counts raised."""
@@ -76,7 +74,6 @@ class RopeState(NamedTuple):
 
     motion: Motion
     partition: Partition
-    pole: Array
     offsets: tuple[float, float]
     swivels: tuple[SwivelState, SwivelState]
     paths: tuple[EndPath, EndPath]
@@ -95,7 +92,7 @@ class RopeState(NamedTuple):
         """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
         m = self.motion
         arrays = {name: getattr(m, name) for name in ("q", "v", "a", "b", "a_rate", "reaction")}
-        arrays |= {"pole": self.pole, "lengths": self.partition.lengths}
+        arrays["lengths"] = self.partition.lengths
         arrays |= {f"path{i}": np.array(path.coefficients) for i, path in enumerate(self.paths)}
         scalars = {
             "t": m.t,
@@ -139,7 +136,6 @@ class RopeState(NamedTuple):
                 partition=Partition(
                     x["lengths"], tuple(s["counts_of_segments"]), s["coarse"], s["end_levels"], s["grading_length"]
                 ),
-                pole=x["pole"],
                 offsets=(s["offsets"][0], s["offsets"][1]),
                 swivels=tuple(SwivelState(Phase(p), angle, sign) for p, angle, sign in s["swivels"]),  # type: ignore[arg-type]
                 paths=tuple(

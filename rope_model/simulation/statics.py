@@ -2,7 +2,8 @@
 
 Each correction solves (K + M / tau^2) x = -R, an implicit Euler step of an inertia that the iteration is free to
 choose; tau grows as the residual falls, and the method ends as Newton's.  Without a residual that falls, tau shrinks
-and the iteration creeps like the real rope would: it does not depend on a good first guess.
+and the iteration creeps like the real rope would: it does not depend on a good first guess.  Each shape on the way is
+the reference of the frame for the next, so that no tangent is far from it.
 
 Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
 """
@@ -14,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..physics.hanging import hanging_shape, place, turn_angle
-from .rope_system import POSITION, SLOPE, Array, RopeSystem
+from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 
 
 class StaticsError(RuntimeError):
@@ -23,24 +24,29 @@ class StaticsError(RuntimeError):
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """Configuration, reactions (zero where free, up to rounding) and the corrections it took."""
+    """Configuration, reactions (zero where free, up to rounding) and the corrections it took.
+
+    Angles count along it; ``turn`` (rad) is by how much more that is at the right end than it was along the guess.
+    """
 
     q: Array
     reaction: Array
     iterations: int
+    turn: float
 
 
 def find_equilibrium(
     system: RopeSystem, guess: Array, t: float = 0.0, tolerance: float = 1e-11, max_iterations: int = 2000
 ) -> Equilibrium:
-    """Equilibrium near ``guess`` (nodes, 7) with the ends where the system holds them at ``t``.
+    """Equilibrium near ``guess`` (nodes, 7), whose angles count along it, the ends held by the system as at ``t``.
 
     ``tolerance`` is for the last full Newton correction in ``system.norm`` relative to the rope's length.
     """
     q = np.where(system.free, guess, system.prescribed_motion(t)[0])
     rest = np.zeros_like(q)
     scale = float(np.sum(system.lengths))
-    reaction, energy = _at_rest(system, q, rest)
+    system, turn = system.with_reference(q), np.zeros(q.shape[0])
+    reaction, energy = _at_rest(system, q, rest, turn)
     tau, largest_move, previous = 0.1, 0.3, _force(system, reaction)
     for k in range(1, max_iterations + 1):
         x, _ = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
@@ -52,8 +58,11 @@ def find_equilibrium(
             continue
         step = min(1.0, largest_move / max(*move, 1e-300))
         trial = q + step * x
-        trial_reaction, trial_energy = _at_rest(system, trial, reaction)
-        force = _force(system, trial_reaction)
+        more = system.frame_turn(trial)
+        trial[:, ANGLE] += more
+        following = system.with_reference(trial)
+        trial_reaction, trial_energy = _at_rest(following, trial, reaction, turn + more)
+        force = _force(following, trial_reaction)
         # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them
         falls = trial_energy < energy + 1e-12 * abs(energy)
         if not np.isfinite(force) or not (falls or force <= previous + 1e-6):
@@ -61,9 +70,10 @@ def find_equilibrium(
             if tau < 1e-7:
                 break
             continue
-        q, reaction, energy = trial, trial_reaction, trial_energy
+        system, q, reaction, energy = following, trial, trial_reaction, trial_energy
+        turn = turn + more
         if tau > 1e8 and step == 1.0 and system.norm(x) < tolerance * scale:
-            return Equilibrium(q, reaction, k)
+            return Equilibrium(q, reaction, k, float(turn[-1]))
         tau *= min(10.0, max(1.5, previous / max(force, 1e-300)))
         tau = min(tau, 1e12)
         previous = force
@@ -74,12 +84,13 @@ def find_equilibrium(
     )
 
 
-def _at_rest(system: RopeSystem, q: Array, reaction: Array) -> tuple[Array, float]:
-    """Residual, and potential energy (J) of rope and dead loads."""
+def _at_rest(system: RopeSystem, q: Array, reaction: Array, turn: Array) -> tuple[Array, float]:
+    """Residual, and potential energy (J) of rope and dead loads; ``turn`` (nodes,) is that of the frame since."""
     rest = np.zeros_like(q)
     evaluation = system.evaluate(q, rest, rest, reaction)
     stored = sum(evaluation.balance[name] for name in ("axial", "coupling", "torsion", "bending", "gravity"))
-    return evaluation.reaction, stored - float(np.sum(system.load * q))
+    work = float(np.sum(system.load * q) - system.load[:, ANGLE] @ turn)
+    return evaluation.reaction, stored - work
 
 
 def _force(system: RopeSystem, reaction: Array) -> float:
