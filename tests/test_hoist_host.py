@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant, RopeStatus
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
@@ -49,8 +49,8 @@ class FakeRope:
     def signals(self) -> dict[str, float]:
         return dict(self.forces)
 
-    def read(self, names: Iterable[str]) -> dict[str, float]:
-        return {name: self.forces[name] for name in names if name in self.forces}
+    def reader(self, names: Sequence[str]) -> Reader:
+        return lambda: np.array([self.forces.get(name, math.nan) for name in names])
 
     def save(self) -> None:
         return None
@@ -256,13 +256,18 @@ def test_what_is_known_along_the_rope_stands_beside_its_points(short: Result, tm
     assert "shape" not in (tmp_path / "signals.csv").read_text()
 
 
-def test_a_signal_that_goes_missing_is_not_a_number_from_then_on() -> None:
-    recorder = Recorder({"a": "m"})
-    recorder.add({"a": 1.0, "b": 2.0})
-    recorder.add({"a": 3.0})
+def test_a_recording_outgrows_its_first_table_and_goes_on_from_any_of_its_rows() -> None:
+    recorder = Recorder(("a", "b", "c"), {"a": "m"})
+    for k in range(1000):
+        recorder.add([float(k)], np.array([2.0 * k, math.nan]))
     recording = recorder.recording()
-    np.testing.assert_array_equal(recording["b"], [2.0, math.nan])
-    assert recording.units == {"a": "m", "b": ""}
+    np.testing.assert_array_equal(recording["b"], 2.0 * recording["a"])
+    assert np.isnan(recording["c"]).all()
+    assert recording.units == {"a": "m", "b": "", "c": ""}
+    again = Recorder(("a", "b", "c"), {})
+    again.resume(recording, 3)
+    again.add([7.0], [8.0, 9.0])
+    np.testing.assert_array_equal(again.recording()["a"], [0.0, 1.0, 2.0, 7.0])
 
 
 def test_the_markdown_report_names_its_figures_and_says_what_is_assumed(short: Result, tmp_path: Path) -> None:

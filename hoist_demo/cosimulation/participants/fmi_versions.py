@@ -10,13 +10,17 @@ import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from ctypes import byref
+from ctypes import byref, c_uint32
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import fmpy
+import fmpy.fmi2
+import fmpy.fmi3
+import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     FMU2Slave,
@@ -28,6 +32,7 @@ from fmpy.fmi2 import (
     free,
 )
 from fmpy.fmi3 import FMU3Slave
+from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.rope_data import Value
 
@@ -102,6 +107,14 @@ def _value(kind: str, text: str) -> Value:
     return text in ("true", "1") if kind == "Boolean" else text
 
 
+class Buffer(NamedTuple):
+    """Values that are read from or written to an FMU again and again."""
+
+    names: Sequence[str]
+    call: Callable[[], Any]  # fills `values`, or passes them on
+    values: NDArray[Any]
+
+
 class Instance(ABC):
     """One instance for co-simulation, whose files lie in a folder of its own until it is closed."""
 
@@ -127,6 +140,10 @@ class Instance(ABC):
     _fmpy_class: Callable[..., Any]
     """FMPy's, of the version."""
 
+    _fmpy_module: Any
+    _prefix: str
+    """Of the names in C."""
+
     _enumeration: str
     """Type whose functions get and set enumerations."""
 
@@ -145,6 +162,20 @@ class Instance(ABC):
     @abstractmethod
     def get(self, variables: Sequence[Variable]) -> list[Value]:
         """Values of all elements of variables of one type."""
+
+    def buffer(self, what: Literal["Get", "Set"], variables: Sequence[Variable]) -> Buffer:
+        """For all elements of variables of one type, to be called again and again."""
+        kind, number = variables[0].type, sum(len(v.elements) for v in variables)
+        type_ = self._enumeration if kind == "Enumeration" else kind
+        references = (c_uint32 * len(variables))(*(v.reference for v in variables))
+        values = (getattr(self._fmpy_module, f"{self._prefix}{type_}") * number)()
+        function = getattr(self._fmu, f"{self._prefix}{what}{type_}")
+        call = self._buffer_call(function, references, values)
+        return Buffer([name for v in variables for name in v.elements], call, np.ctypeslib.as_array(values))
+
+    @abstractmethod
+    def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
+        """A getter or setter with its arguments."""
 
     def set(self, variables: Sequence[Variable], values: Sequence[Value]) -> None:
         """Set all elements of variables of one type."""
@@ -195,7 +226,7 @@ class Instance(ABC):
 
 
 class _Instance2(Instance):
-    _fmpy_class, _enumeration = FMU2Slave, "Integer"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
 
     def _instantiate(self) -> None:
         # FMPy prints by default; the callbacks must live as long as the instance
@@ -220,6 +251,9 @@ class _Instance2(Instance):
     def step(self, t: float, h: float) -> None:
         self._fmu.doStep(t, h)
 
+    def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
+        return partial(function, self._fmu.component, references, len(references), values)
+
     def get(self, variables: Sequence[Variable]) -> list[Value]:
         values: list[Any] = self._function("get", variables)([v.reference for v in variables])
         if variables[0].kind == "String":
@@ -228,7 +262,7 @@ class _Instance2(Instance):
 
 
 class _Instance3(Instance):
-    _fmpy_class, _enumeration = FMU3Slave, "Int64"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
 
     def _instantiate(self) -> None:
         self._fmu.instantiate(loggingOn=True, logMessage=self._pass_on)
@@ -243,6 +277,9 @@ class _Instance3(Instance):
         _, ended, _, _ = self._fmu.doStep(t, h)
         if ended:  # succeeds here, and is a discarded step in FMI 2.0
             raise CallError("fmi3DoStep", _DISCARD)
+
+    def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
+        return partial(function, self._fmu.instance, references, len(references), values, len(values))
 
     def get(self, variables: Sequence[Variable]) -> list[Value]:
         number = sum(len(v.elements) for v in variables)
