@@ -279,7 +279,7 @@ class _Instance3(Instance):
             raise CallError("fmi3DoStep", _DISCARD)
 
     def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
-        return partial(function, self._fmu.instance, references, len(references), values, len(values))
+        return partial(function, self._fmu.component, references, len(references), values, len(values))
 
     def get(self, variables: Sequence[Variable]) -> list[Value]:
         number = sum(len(v.elements) for v in variables)
