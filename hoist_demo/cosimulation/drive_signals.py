@@ -53,7 +53,7 @@ def drive_signals(
     memory: Memory,
 ) -> list[float]:
     """The drive's part of a row, in the order of DRIVE_UNITS; `at_rest` is what it showed at the start."""
-    shown = drive.shown.tolist()
+    shown = drive.outputs.tolist()
     motor, losses, ropes, left, right = drive.state.work.tolist()
     tensions, torque = (shown[_LEFT], shown[_RIGHT]), shown[_TORQUE]
     ratio = tension_ratio(*tensions)

@@ -175,7 +175,7 @@ class Host:
 
     def _sample(self, run: RunState, controller: Controller, t: float) -> Command:
         """The controller's command at t [s]; it and all signals are recorded."""
-        point, shown = self.trajectory.at(t - self.coupling.start), run.drive.shown
+        point, shown = self.trajectory.at(t - self.coupling.start), run.drive.outputs
         travel, speed = float(shown[_Y_LEFT]) - self._start_height, self.hoist.sheave_radius * float(shown[_RATE])
         remembered, T = private_copy(run.controller), self.coupling.sample_time
         command = controller.command(point, Measurement(travel, speed), remembered, T)

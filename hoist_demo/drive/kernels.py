@@ -17,7 +17,7 @@ from typing import Any
 import casadi as ca
 
 from hoist_demo.drive.equations import INPUT_NAMES, LOSS_NAMES, WORK_NAMES, Equations, equations, numbers_of
-from hoist_demo.drive.loads import PATH, along_path, giving_way
+from hoist_demo.drive.loads import PATH, effective_input, path_at
 from hoist_demo.drive.runge_kutta import runge_kutta_step
 from hoist_demo.parameters import Hoist
 from rope_model.numerics.kernels import KernelForm, prepare
@@ -83,7 +83,7 @@ def _advance(of: Equations, layout: Layout) -> Any:
     for j in range(CHUNK):
         y, k, missed = step(s + j * h, y, k, h, held)
         error = ca.fmax(error, missed)
-    acting, shown = _shown(of, layout)(y[:n], s + CHUNK * h, held)
+    acting, shown = _loads_and_outputs(of, layout)(y[:n], s + CHUNK * h, held)
     return ca.Function("advance", [z], [ca.vertcat(y, error, acting, shown)])
 
 
@@ -99,24 +99,24 @@ def _step(slope: Any, size: int, numbers: int) -> Any:
 def _slope(of: Equations, layout: Layout) -> Any:
     """(y, s, held) -> dy/ds."""
     y, s = ca.SX.sym("y", layout.states + WORKS), ca.SX.sym("s")
-    held, H, u, l0, p = _acting(of, layout, y[: layout.states], s)
+    held, H, u, l0, p = _symbols(of, layout, y[: layout.states], s)
     x = y[: layout.states]
     value = H * ca.vertcat(of.rates(x, u, l0, p), of.powers(x, u, l0, p))
     return ca.Function("slope", [y, s, held], [ca.cse(value)])
 
 
-def _shown(of: Equations, layout: Layout) -> Any:
+def _loads_and_outputs(of: Equations, layout: Layout) -> Any:
     """(x, s, held) -> input that acts, outputs."""
     x, s = ca.SX.sym("x", layout.states), ca.SX.sym("s")
-    held, _, u, l0, p = _acting(of, layout, x, s)
-    return ca.Function("shown", [x, s, held], ca.cse([u, of.outputs(x, u, l0, p)]))
+    held, _, u, l0, p = _symbols(of, layout, x, s)
+    return ca.Function("loads_and_outputs", [x, s, held], ca.cse([u, of.outputs(x, u, l0, p)]))
 
 
-def _acting(of: Equations, layout: Layout, x: Any, s: Any) -> tuple[Any, Any, Any, Any, Any]:
+def _symbols(of: Equations, layout: Layout, x: Any, s: Any) -> tuple[Any, Any, Any, Any, Any]:
     """Symbols of what is held over a communication step, and of it H, the input that acts at s, l0 and p."""
     held = ca.SX.sym("held", layout.given["p"].stop - layout.given["H"].start)
     H, path, added_mass, l0, p = ca.vertsplit(held, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, held.numel()])
-    return held, H, giving_way(of, x, along_path(path, s), added_mass, l0, p), l0, p
+    return held, H, effective_input(of, x, path_at(path, s), added_mass, l0, p), l0, p
 
 
 def _slices(sizes: dict[str, int]) -> dict[str, slice]:

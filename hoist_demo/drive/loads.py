@@ -18,13 +18,13 @@ PATH = 3 * len(INPUT_NAMES)
 """Numbers of a path: u_0, u_1 and u_2."""
 
 
-def along_path(path: Any, s: Any) -> Any:
+def path_at(path: Any, s: Any) -> Any:
     """The polynomial."""
     start, rise, bend = ca.vertsplit(path, len(INPUT_NAMES))
     return start + s * (rise + s * bend)
 
 
-def giving_way(equations: Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
+def effective_input(equations: Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
     """The input with its forces less the added masses times the accelerations that come out."""
     a = equations.rates(x, u, l0, p)[list(ACCELERATIONS)]
     B = equations.mobility(x, u, l0, p)

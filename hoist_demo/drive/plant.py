@@ -155,7 +155,7 @@ class PlantOutput:
     @property
     def ends(self) -> tuple[EndMotion, EndMotion]:
         """Motion of the balance rope's left and right end."""
-        return ends_shown(np.array([*vars(self).values()]))
+        return rope_ends(np.array([*vars(self).values()]))
 
 
 @dataclass(frozen=True)
@@ -222,14 +222,14 @@ class HoistPlant:
 
     def step(self, state: PlantState, h: float, u: PlantInput | PlantInputPath) -> PlantStep:
         """State h [s] later under the input, held or along its path; a failure is a status."""
-        return self.advance(state, h, *_packed(u))
+        return self.advance(state, h, *_pack_path(u))
 
     def advance(self, state: PlantState, h: float, path: Vector, added_mass: Vector) -> PlantStep:
         """The same with the path's three inputs, of INPUT_NAMES each, in one vector."""
         self._give(state, h, path, added_mass)
         if not np.isfinite(self._z).all():
-            return PlantStep(False, f"drive: input is not finite: {unpacked(path[: len(INPUT_NAMES)])}", state)
-        found = self._integrated(h, (state.step_next or h) / h)
+            return PlantStep(False, f"drive: input is not finite: {unpack(path[: len(INPUT_NAMES)])}", state)
+        found = self._integrate(h, (state.step_next or h) / h)
         if found is None:
             return PlantStep(False, "drive: state is not finite: check rope forces and torque command", state)
         y, work, size = found
@@ -240,7 +240,7 @@ class HoistPlant:
             return PlantStep(False, f"drive: head rope of {min(free):.3g} m left at the sheave: overwind", state)
         return PlantStep(True, "", new, y[result["acting"]], y[result["shown"]])
 
-    def _integrated(self, h: float, size: float) -> tuple[Vector, Vector, float] | None:
+    def _integrate(self, h: float, size: float) -> tuple[Vector, Vector, float] | None:
         """What `advance` shows at s = 1, all work, next step in s; it begins with steps of this size. None: no way."""
         z, given, result = self._z, self._given, self._result
         s, work = 0.0, np.zeros(WORKS)
@@ -266,13 +266,13 @@ class HoistPlant:
 
     def loads_at(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
         """What acts at s = 0 .. 1 of a path when the drive is in this state there."""
-        return unpacked(self.shown(state, *_packed(path), s)[0])
+        return unpack(self.loads_and_outputs(state, *_pack_path(path), s)[0])
 
     def outputs(self, state: PlantState, u: PlantInput) -> PlantOutput:
         """Measured quantities; accelerations and tensions belong to the held input u."""
-        return PlantOutput(*self.shown(state, *_packed(u), 0.0)[1].tolist())
+        return PlantOutput(*self.loads_and_outputs(state, *_pack_path(u), 0.0)[1].tolist())
 
-    def display(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
+    def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
         """The input that acts at s, and what PlantOutput has, as numbers."""
         self._give(state, 0.0, path, added_mass)
         given, result = self._given, self._result
@@ -318,7 +318,7 @@ def energy_residual(start: PlantOutput, now: PlantOutput, work: Vector) -> float
     return float(motor + left + right - losses - ropes - gained)
 
 
-def ends_shown(shown: Vector) -> tuple[EndMotion, EndMotion]:
+def rope_ends(shown: Vector) -> tuple[EndMotion, EndMotion]:
     """Motion of the balance rope's left and right end in the numbers of PlantOutput."""
     left, right = shown[_ENDS].tolist()
     return EndMotion(*left), EndMotion(*right)
@@ -343,14 +343,14 @@ def _pack(u: PlantInput) -> list[float]:
     return [*_inputs_of(u)]
 
 
-def _packed(u: PlantInput | PlantInputPath) -> tuple[Vector, Vector]:
+def _pack_path(u: PlantInput | PlantInputPath) -> tuple[Vector, Vector]:
     """A path as one vector, and its added masses."""
     if isinstance(u, PlantInput):
         return np.array([*_pack(u), *_NO_CHANGE]), np.zeros(2)
     return np.array([*_pack(u.start), *_pack(u.rise), *_pack(u.bend)]), np.array(u.added_mass)
 
 
-def unpacked(u: Vector) -> PlantInput:
+def unpack(u: Vector) -> PlantInput:
     """An input from its numbers in the order of INPUT_NAMES."""
     return PlantInput(**dict(zip(INPUT_NAMES, u.tolist(), strict=True)))
 

@@ -16,7 +16,7 @@ import numpy as np
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant, RopeStatus
 from hoist_demo.cosimulation.schemes.interface import Load, Motion, Vector
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
-from hoist_demo.drive.plant import SHOWN, HoistPlant, PlantOutput, PlantState, ends_shown
+from hoist_demo.drive.plant import SHOWN, HoistPlant, PlantOutput, PlantState, rope_ends
 
 ENDS = ("left", "right")
 ROPE_FORCES = tuple(f"{end}.{name}" for name in ("fy", "fy_mean") for end in ENDS)
@@ -92,27 +92,27 @@ class HoistParticipant:
         return ""
 
     @property
-    def display(self) -> Vector:
+    def outputs(self) -> Vector:
         """What the hoist shows now, the numbers of PlantOutput."""
         if self._shown is None:
             path = np.concatenate([self.input, np.zeros(2 * self.input.size)])
-            _, self._shown = self.plant.display(self.state, path, np.zeros(2), 0.0)
+            _, self._shown = self.plant.loads_and_outputs(self.state, path, np.zeros(2), 0.0)
         return self._shown
 
     def output(self) -> PlantOutput:
         """What the hoist shows now."""
-        return PlantOutput(*self.shown.tolist())
+        return PlantOutput(*self.outputs.tolist())
 
     def place(self) -> Vector:
         """Heights of the ends now."""
-        return self.shown[_PLACE]
+        return self.outputs[_PLACE]
 
     def motion(self, load: Load, s: float) -> Motion:
         """Motion of the ends now."""
         if self._done is not None and self._done[0] is load and s == 1.0:
             return self._done[1]
         with self._clock.count_time():
-            _, shown = self.plant.display(self.state, self._under(load), load.added_mass, s)
+            _, shown = self.plant.loads_and_outputs(self.state, self._under(load), load.added_mass, s)
         return _motion(shown)
 
     def mobility(self) -> Vector:
@@ -125,7 +125,7 @@ class HoistParticipant:
 
     def ends(self) -> tuple[EndMotion, EndMotion]:
         """Motion of the conveyances now, lateral and yaw too."""
-        return ends_shown(self.shown)
+        return rope_ends(self.outputs)
 
     def save(self) -> tuple[PlantState, Vector]:
         return self.state, self.input
