@@ -107,6 +107,11 @@ def _value(kind: str, text: str) -> Value:
     return text in ("true", "1") if kind == "Boolean" else text
 
 
+def _serves_to_run(file: str) -> bool:
+    """Whether an instance may read this file of the archive."""
+    return not file.startswith(("sources/", "documentation/", "terminalsAndIcons/"))
+
+
 class Buffer(NamedTuple):
     """Values that are read from or written to an FMU again and again."""
 
@@ -120,7 +125,7 @@ class Instance(ABC):
 
     def __init__(self, path: Path, description: Any, hear: Hear) -> None:
         """Extract, load and instantiate; RuntimeError when that fails."""
-        self.directory = Path(fmpy.extract(str(path)))
+        self.directory = Path(fmpy.extract(str(path), include=_serves_to_run))
         self._hear = hear
         self._fmu: Any = None
         try:
