@@ -179,7 +179,7 @@ class Host:
         travel, speed = float(shown[_Y_LEFT]) - self._start_height, self.hoist.sheave_radius * float(shown[_RATE])
         remembered, T = private_copy(run.controller), self.coupling.sample_time
         command = controller.command(point, Measurement(travel, speed), remembered, T)
-        with self.rope_clock.count_time():
+        with self.rope_clock:
             signals = self._read_signals()
         run.recorder.add(drive_signals(t, point, command, run.drive, run.at_rest, run.memory), signals)
         return command

@@ -180,10 +180,10 @@ class HoistPlant:
         kernels = drive_kernels(parts, form)
         self._layout = kernels.layout
         given, result = kernels.layout.given, kernels.layout.result
-        self._given, self._z = given, np.zeros(given["p"].stop)
-        self._z[given["p"]] = numbers
-        self._result, self._error = result, result["error"].start
+        self._given, self._result, self._error = given, result, result["error"].start
         self._advance = Kernel(kernels.advance, [(result["shown"].stop,)])
+        self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
+        self._z[given["p"]] = numbers
         self._rates = Kernel(kernels.rates, [(kernels.layout.states,)])
         self._mobility = Kernel(kernels.mobility, [(2, 2)])
 
@@ -227,7 +227,7 @@ class HoistPlant:
     def advance(self, state: PlantState, h: float, path: Vector, added_mass: Vector) -> PlantStep:
         """The same with the path's three inputs, of INPUT_NAMES each, in one vector."""
         self._give(state, h, path, added_mass)
-        if not np.isfinite(self._z).all():
+        if not math.isfinite(path.dot(path) + added_mass.dot(added_mass) + h):
             return PlantStep(False, f"drive: input is not finite: {unpack(path[: len(INPUT_NAMES)])}", state)
         found = self._integrate(h, (state.step_next or h) / h)
         if found is None:
@@ -248,10 +248,11 @@ class HoistPlant:
             calls = max(1, math.ceil((1.0 - s) / (CHUNK * size) - 1e-9))
             used = (1.0 - s) / (CHUNK * calls)
             z[given["s"]], z[given["h"]] = s, used
-            (y,) = self._advance(z)
+            self._advance.evaluate()
+            y = self._y.copy()
             error = float(y[self._error])
             size = used * _change(error)
-            if error <= 1.0 and np.isfinite(y).all():
+            if error <= 1.0 and math.isfinite(y.dot(y)):
                 work = work + y[result["work"]]
                 if calls == 1:
                     return y, work, size
@@ -277,7 +278,8 @@ class HoistPlant:
         self._give(state, 0.0, path, added_mass)
         given, result = self._given, self._result
         self._z[given["s"]], self._z[given["h"]] = s, 0.0
-        (y,) = self._advance(self._z)
+        self._advance.evaluate()
+        y = self._y.copy()
         return y[result["acting"]], y[result["shown"]]
 
     def rates(self, state: PlantState, u: PlantInput) -> Vector:

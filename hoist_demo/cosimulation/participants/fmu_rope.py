@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from hoist_demo.cosimulation.participants.fmi_versions import (
     VERSIONS,
     WARNING,
+    Buffer,
     CallError,
     Instance,
     Variable,
@@ -42,6 +43,22 @@ NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
 
 _NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
 _VALID = RopeStatus(True)
+
+
+class _Part(NamedTuple):
+    """What one call of the FMU reads of some names."""
+
+    get: Callable[[], Any]
+    values: NDArray[Any]
+    there: NDArray[np.intp]  # places in `values`
+    here: NDArray[np.intp]  # places among the names
+
+    @staticmethod
+    def of(buffer: Buffer, names: Sequence[str]) -> _Part:
+        """Of a buffer that also reads other elements of arrays."""
+        places = {name: k for k, name in enumerate(buffer.names)}
+        pairs = np.array([(places[name], k) for k, name in enumerate(names) if name in places])
+        return _Part(buffer.call, buffer.values, pairs[:, 0].copy(), pairs[:, 1].copy())
 
 
 class FmuRope:
@@ -77,7 +94,9 @@ class FmuRope:
             self._fmu: Instance = VERSIONS[self._description.fmiVersion](self._path, self._description, self._hear)
         except RuntimeError as error:
             raise ValueError(f"the FMU must instantiate, but: {self._explanation(error)}: export it anew") from error
-        self._motions, self._valid = self._fmu.buffer("Set", inputs), self.reader(("status.valid",))
+        self._motions = self._fmu.buffer("Set", inputs)
+        valid = self._variables.get("status.valid")
+        self._valid = self._fmu.buffer("Get", [valid]) if valid is not None else None
         try:
             for variable in dict.fromkeys(self._variable(name) for name in self._chosen):
                 self._set(variable)
@@ -92,18 +111,18 @@ class FmuRope:
             self._set_motions(left, right)
             self._fmu.exit_initialization()
             self._started = True
+            return self._status()
         except CallError as error:
             return self._failure_status(error)
-        return self._status()
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """One doStep(t, h) with the motions of its end."""
         try:
             self._set_motions(left, right)
             self._fmu.step(t, h)
+            return self._status()
         except CallError as error:
             return self._failure_status(error)
-        return self._status()
 
     def signals(self) -> dict[str, float]:
         """Real, Integer and Boolean outputs by name, but those that are not read, and the fidelity by its code."""
@@ -114,21 +133,18 @@ class FmuRope:
         """A function that reads some outputs, and the fidelity by its code; arrays are read whole."""
         asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
         groups = [[v for v in asked if v.type == type_] for type_ in {v.type for v in asked if v.kind in _NUMBERS}]
-        parts = []
-        for buffer in (self._fmu.buffer("Get", variables) for variables in groups):
-            places = {name: k for k, name in enumerate(buffer.names)}
-            here = [k for k, name in enumerate(names) if name in places]
-            parts.append((buffer.call, here, buffer.values, [places[names[k]] for k in here]))
-        fidelities = [k for k, name in enumerate(names) if name == FIDELITY and FIDELITY in self._variables]
+        parts = [_Part.of(self._fmu.buffer("Get", variables), names) for variables in groups]
+        fidelity = [k for k, name in enumerate(names) if name == FIDELITY and FIDELITY in self._variables]
+        nothing = np.full(len(names), np.nan)
 
         def read() -> NDArray[np.float64]:
-            found = np.full(len(names), np.nan)
+            found = nothing.copy()
             try:
-                for get, here, values, there in parts:
+                for get, values, there, here in parts:
                     get()
                     found[here] = values[there]
-                if fidelities:
-                    found[fidelities] = code_of(self._text(FIDELITY))
+                if fidelity:
+                    found[fidelity] = code_of(self._text(FIDELITY))
             except CallError as error:
                 raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
             return found
@@ -223,8 +239,10 @@ class FmuRope:
 
     def _status(self) -> RopeStatus:
         """What `status.valid` and `status.message` say; an FMU without them is valid."""
-        # an FMU without the variable gives no number, which is not 0
-        return _VALID if self._valid()[0] != 0.0 else RopeStatus(False, self._message())
+        if self._valid is None:
+            return _VALID
+        self._valid.call()
+        return _VALID if self._valid.values[0] else RopeStatus(False, self._message())
 
     def _message(self) -> str:
         return self._text("status.message")

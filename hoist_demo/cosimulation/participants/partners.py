@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from time import perf_counter, process_time
+from time import perf_counter
 
 import numpy as np
 
@@ -30,30 +30,29 @@ _START, _RISE, _BEND = (slice(k * len(INPUT_NAMES) + FORCES[0], k * len(INPUT_NA
 
 @dataclass
 class Stopwatch:
-    """Wall and processor time of one of the two partners, added up."""
+    """Wall time of one of the two participants, added up."""
 
     wall: float = 0.0  # s
-    cpu: float = 0.0  # s
-    _since: tuple[float, float] = field(default=(0.0, 0.0), repr=False, compare=False)
-
-    def count_time(self) -> Stopwatch:
-        """Counts the time within a `with`, which has no other of this watch inside."""
-        return self
+    _since: float = field(default=0.0, repr=False, compare=False)
 
     def __enter__(self) -> None:
-        self._since = perf_counter(), process_time()
+        self._since = perf_counter()
 
     def __exit__(self, *_: object) -> None:
-        wall, cpu = self._since
-        self.wall += perf_counter() - wall
-        self.cpu += process_time() - cpu
+        self.wall += perf_counter() - self._since
 
 
 def end_motions(motion: Motion, beside: tuple[EndMotion, EndMotion]) -> tuple[EndMotion, EndMotion]:
     """The coupling's motion as that of the rope's two ends; what it does not hold is that of ``beside``."""
-    rows = zip(beside, motion.place.tolist(), motion.speed.tolist(), motion.acceleration.tolist(), strict=True)
-    left, right = (end._replace(y=y, vy=vy, ay=ay) for end, y, vy, ay in rows)
-    return left, right
+    (y_left, y_right), (v_left, v_right) = motion.place.tolist(), motion.speed.tolist()
+    a_left, a_right = motion.acceleration.tolist()
+    left, right = beside
+    return _raise_end(left, y_left, v_left, a_left), _raise_end(right, y_right, v_right, a_right)
+
+
+def _raise_end(end: EndMotion, y: float, vy: float, ay: float) -> EndMotion:
+    x, _, z, vx, _, vz, ax, _, az, yaw, yaw_rate = end
+    return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
 
 
 def mid_guide_motions() -> tuple[EndMotion, EndMotion]:
@@ -83,7 +82,7 @@ class HoistParticipant:
 
     def step(self, t: float, h: float, load: Load) -> str:
         """One step under the load; a constant one is held to the bit."""
-        with self._clock.count_time():
+        with self._clock:
             moved = self.plant.advance(self.state, h, self._under(load), load.added_mass)
             if not moved.valid:
                 return f"t = {t:.6g} s: {moved.message}"
@@ -111,7 +110,7 @@ class HoistParticipant:
         """Motion of the ends now."""
         if self._done is not None and self._done[0] is load and s == 1.0:
             return self._done[1]
-        with self._clock.count_time():
+        with self._clock:
             _, shown = self.plant.loads_and_outputs(self.state, self._under(load), load.added_mass, s)
         return _motion(shown)
 
@@ -159,13 +158,13 @@ class RopeParticipant:
 
     def start(self, t: float, left: EndMotion, right: EndMotion, clock: Stopwatch) -> str:
         """Hang the rope; "" or the cause why it does not."""
-        with clock.count_time():
+        with clock:
             status = self.rope.initialize(t, left, right)
             return self._problem(status, "rope, at the start")
 
     def step(self, t: float, h: float, motion: Motion) -> str:
         """One step of the rope, and its forces."""
-        with self._clock.count_time():
+        with self._clock:
             status = self.rope.step(t, h, *end_motions(motion, self.beside()))
             return self._problem(status, f"rope, step from t = {t:.6g} s")
 
@@ -177,16 +176,16 @@ class RopeParticipant:
 
     def added_mass(self) -> Vector | None:
         """Of the last step; None where the rope cannot tell."""
-        with self._clock.count_time():
+        with self._clock:
             values = self._read_added_masses()
         return values if np.isfinite(values).all() else None
 
     def save(self) -> object:
-        with self._clock.count_time():
+        with self._clock:
             return self.rope.save()
 
     def restore(self, snapshot: object) -> None:
-        with self._clock.count_time():
+        with self._clock:
             self.rope.restore(snapshot)
             self._forces = None
 
@@ -209,7 +208,7 @@ class RopeParticipant:
         if not status.valid:
             return f"{where}: {status.message or 'status.valid is false, without a message'}"
         forces = self._read()
-        if not np.isfinite(forces).all():
+        if not math.isfinite(forces.dot(forces)):
             bad = [name for name, force in zip(ROPE_FORCES, forces, strict=True) if not math.isfinite(force)]
             return f"{where}: {', '.join(bad)} missing or not finite: check the rope plant"
         self._forces = forces

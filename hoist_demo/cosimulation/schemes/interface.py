@@ -36,14 +36,14 @@ class Load(NamedTuple):
     @staticmethod
     def constant(force: Vector) -> Load:
         """The same force throughout."""
-        zero = np.zeros_like(force)
+        zero = np.zeros(force.shape)
         return Load(force, zero, zero, zero)
 
     @staticmethod
     def through(start: Vector, mean: Vector, end: Vector) -> Load:
         """The parabola with these forces at both ends and this mean."""
         bend = 3.0 * (start + end) - 6.0 * mean
-        return Load(start, end - start - bend, bend, np.zeros_like(start))
+        return Load(start, end - start - bend, bend, np.zeros(start.shape))
 
     def at(self, s: float) -> Vector:
         """The part that does not depend on the acceleration."""
@@ -76,11 +76,8 @@ class Memory(NamedTuple):
 
     def with_sample(self, sample: Sample, residual: float) -> Memory:
         """One more exchange that is kept, with the energy it made up [J]."""
-        return self._replace(
-            samples=(*self.samples, sample)[-KEPT:],
-            exchanges=self.exchanges + 1,
-            residual=self.residual + residual,
-        )
+        samples = (*self.samples, sample)[-KEPT:]
+        return Memory(samples, self.step_next, self.exchanges + 1, self.taken_back, self.residual + residual)
 
     def with_taken_back(self, count: int = 1) -> Memory:
         """Exchanges that were done and undone."""
