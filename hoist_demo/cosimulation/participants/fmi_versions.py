@@ -128,6 +128,7 @@ class Instance(ABC):
         self.directory = Path(fmpy.extract(str(path), include=_serves_to_run))
         self._hear = hear
         self._fmu: Any = None
+        self._spare: Any = None
         try:
             self._fmu = self._fmpy_class(
                 guid=description.guid,
@@ -148,6 +149,9 @@ class Instance(ABC):
     _fmpy_module: Any
     _prefix: str
     """Of the names in C."""
+
+    _state: str
+    """How they spell a state."""
 
     _enumeration: str
     """Type whose functions get and set enumerations."""
@@ -195,16 +199,22 @@ class Instance(ABC):
         self._fmu.terminate()
 
     def save(self) -> Any:
-        """A handle of the state."""
-        return self._fmu.getFMUState()
+        """A handle of the state, in the memory of the last one that was given back."""
+        if self._spare is None:
+            return self._fmu.getFMUState()
+        state, self._spare = self._spare, None
+        getattr(self._fmu, f"{self._prefix}GetFMU{self._state}")(self._fmu.component, byref(state))
+        return state
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a handle."""
         self._fmu.setFMUState(snapshot)
 
     def free(self, snapshot: Any) -> None:
-        """Give a handle back."""
-        self._fmu.freeFMUState(snapshot)
+        """Give a handle back; the last one is kept for the next state."""
+        if self._spare is not None:
+            self._fmu.freeFMUState(self._spare)
+        self._spare = snapshot
 
     def to_bytes(self, snapshot: Any) -> bytes:
         """A handle's state as bytes."""
@@ -218,6 +228,9 @@ class Instance(ABC):
         """Free the instance and remove its files; may be called more than once."""
         fmu, self._fmu = self._fmu, None
         if fmu is not None:
+            if self._spare is not None:
+                with suppress(CallError):
+                    fmu.freeFMUState(self._spare)
             fmu.freeInstance()
         self._remove()
 
@@ -231,7 +244,7 @@ class Instance(ABC):
 
 
 class _Instance2(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
+    _fmpy_class, _fmpy_module, _prefix, _state, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "state", "Integer"
 
     def _instantiate(self) -> None:
         # FMPy prints by default; the callbacks must live as long as the instance
@@ -267,7 +280,7 @@ class _Instance2(Instance):
 
 
 class _Instance3(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
+    _fmpy_class, _fmpy_module, _prefix, _state, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "State", "Int64"
 
     def _instantiate(self) -> None:
         self._fmu.instantiate(loggingOn=True, logMessage=self._pass_on)

@@ -169,8 +169,10 @@ class FmuRope:
         """A handle of the FMU's state; None when it cannot save."""
         if not self._description.coSimulation.canGetAndSetFMUstate:
             return None
-        with self._translate_failures():
+        try:
             return self._fmu.save()
+        except CallError as error:
+            raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a handle of this instance."""
@@ -180,8 +182,10 @@ class FmuRope:
     def free(self, snapshot: Any) -> None:
         """Give a handle back to the FMU."""
         if snapshot is not None:
-            with suppress(CallError):
+            try:
                 self._fmu.free(snapshot)
+            except CallError as error:
+                _log.debug("a state is not given back: %s", error)
 
     def to_bytes(self, snapshot: Any) -> bytes:
         """The FMU's serialized state."""
