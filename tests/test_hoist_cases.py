@@ -74,7 +74,7 @@ def _assert_within_its_limits(run: Run, case: Case) -> None:
     assert np.max(np.abs(run["power"])) < hoist.power_limit
     assert np.min(run["static_slip_safety"]) > STATIC_SAFETY
     assert np.min(run["slip_safety"]) > SAFETY
-    # CVODES' 1e-9 on 1e9 J of energy that moves, over some thousand steps
+    # the integrator's 1e-9 on 1e9 J of energy that moves, over some thousand steps
     np.testing.assert_allclose(run["energy_residual"], 0.0, atol=1.0)
 
 

@@ -117,7 +117,7 @@ def test_lowering_mirrors_the_start_and_ends_within_a_millimetre() -> None:
 
 def test_the_drive_s_energy_is_balanced_over_the_whole_winding(full: Result) -> None:
     residual = full.recording["drive.energy_residual"]
-    # CVODES' 1e-9 of 1e7 J per step, 3447 steps whose errors mostly cancel
+    # the integrator's 1e-9 of 1e7 J per step, 3447 steps whose errors mostly cancel
     np.testing.assert_allclose(residual, 0.0, atol=0.1)
     assert full.recording["drive.work_motor"][-1] > 4e6
 
@@ -150,7 +150,7 @@ def test_time_is_start_plus_k_steps_and_never_summed_up() -> None:
 def test_nothing_moves_before_the_reference_does(full: Result) -> None:
     recording = full.recording
     before = recording.time < 1.0
-    # 100 steps of CVODES at 1e-9 on heights of 90 m
+    # 100 steps of the integrator at 1e-9 on heights of 90 m
     np.testing.assert_allclose(recording["conveyance.left.y"][before], 0.0, atol=1e-7)
     np.testing.assert_allclose(recording["conveyance.right.y"][before], 90.0, rtol=0, atol=1e-7)
 

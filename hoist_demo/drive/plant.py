@@ -4,7 +4,9 @@ The equations are in `equations.py`. Without further parts of the hoist the stat
 sheave angle and suspension heights with their rates. Shaft, head rope modes, play and brake append theirs.
 The integrator is in `kernels.py`. Its steps are chosen here so that none errs by more than the tolerance,
 
-    h_new = 0.9 h (tolerance / error)^(1/5) ,   by a factor of 5 at most.
+    h_new = 0.9 h (tolerance / error)^(1/5) ,   from half of h to half as much again ,
+
+and not beyond h after one that was taken back: a step at the bound of stability errs little, and a longer one much.
 """
 
 from __future__ import annotations
@@ -56,8 +58,8 @@ SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", 
 """The rope's signals that act on conveyances with play."""
 SHORTEST = 1e-7
 """Step of the integrator [s] below which it gives up."""
-SAFETY, LARGEST_CHANGE = 0.9, 5.0
-"""Of its steps."""
+SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5
+"""Of its steps: factor from the error, and its bounds."""
 
 
 @dataclass(frozen=True)
@@ -184,6 +186,7 @@ class HoistPlant:
         self._advance = Kernel(kernels.advance, [(result["shown"].stop,)])
         self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
         self._z[given["p"]] = numbers
+        self.evaluations = 0  # of `advance`, so far
         self._rates = Kernel(kernels.rates, [(kernels.layout.states,)])
         self._mobility = Kernel(kernels.mobility, [(2, 2)])
 
@@ -243,21 +246,24 @@ class HoistPlant:
     def _integrate(self, h: float, size: float) -> tuple[Vector, Vector, float] | None:
         """What `advance` shows at s = 1, all work, next step in s; it begins with steps of this size. None: no way."""
         z, given, result = self._z, self._given, self._result
-        s, work = 0.0, np.zeros(WORKS)
+        s, work, growth = 0.0, np.zeros(WORKS), GROWS
         while size * h > SHORTEST:
             calls = max(1, math.ceil((1.0 - s) / (CHUNK * size) - 1e-9))
             used = (1.0 - s) / (CHUNK * calls)
             z[given["s"]], z[given["h"]] = s, used
             self._advance.evaluate()
+            self.evaluations += 1
             y = self._y.copy()
             error = float(y[self._error])
-            size = used * _change(error)
+            size = min(used * _change(error), size * growth)
             if error <= 1.0 and math.isfinite(y.dot(y)):
                 work = work + y[result["work"]]
                 if calls == 1:
                     return y, work, size
                 z[given["x"]] = y[result["x"]]
                 s += CHUNK * used
+            else:
+                growth = 1.0
         return None
 
     def mobility(self, state: PlantState) -> Vector:
@@ -363,9 +369,9 @@ _NO_CHANGE = (0.0,) * (2 * len(INPUT_NAMES))
 def _change(error: float) -> float:
     """Factor to the next step of the integrator, after one of this error over the tolerance."""
     if not math.isfinite(error):
-        return 1.0 / LARGEST_CHANGE
+        return SHRINKS
     factor: float = SAFETY * max(error, 1e-20) ** (-1.0 / ORDER)
-    return min(LARGEST_CHANGE, max(1.0 / LARGEST_CHANGE, factor))
+    return max(SHRINKS, factor)
 
 
 SHOWN = {field.name: k for k, field in enumerate(fields(PlantOutput))}
