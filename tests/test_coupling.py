@@ -349,8 +349,8 @@ def test_figures_are_there() -> None:
 
 
 def test_the_default_errs_by_less_than_promised_on_every_case() -> None:
-    t = TABLES["presets"]
-    assert set(t["preset"]) == set(CASES)
+    t = TABLES["cases"]
+    assert set(t["case"]) == set(CASES)
     assert set(t["scheme"]) == {Coupling().scheme}
     assert_array_equal(t["H [s]"], 0.01)
     assert np.all(t["force error"] < PROMISED)
