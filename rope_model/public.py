@@ -34,7 +34,7 @@ from .parameters import (
     rope_120,
     rope_240,
 )
-from .simulation.balance_rope import BalanceRope, Status
+from .simulation.balance_rope import BalanceRope, Snapshot, Status
 from .simulation.ends import EndMotion
 from .simulation.fidelity import FIDELITIES
 from .simulation.neglected_effects import Effect, neglected_effects
@@ -61,6 +61,7 @@ __all__ = [
     "RopeState",
     "Scene",
     "Signal",
+    "Snapshot",
     "Solver",
     "Status",
     "Swivel",

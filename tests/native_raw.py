@@ -179,10 +179,11 @@ class Instance:
 
 
 def reseal(data: bytes) -> bytes:
-    """A damaged state with the length and the checksum (FNV-1a) that component.c expects."""
+    """A damaged state with the length and the checksum (FNV-1a over words) that component.c expects."""
     if len(data) < 24:
         return data
     body, checksum = data[24:], 14695981039346656037
-    for value in body:
+    words = len(body) // 8
+    for value in (*struct.unpack(f"<{words}Q", body[: 8 * words]), *body[8 * words :]):
         checksum = (checksum ^ value) * 1099511628211 & 0xFFFFFFFFFFFFFFFF
     return data[:8] + struct.pack("<QQ", len(data), checksum) + body

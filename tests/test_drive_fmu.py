@@ -111,7 +111,7 @@ def drive(compiled: tuple[ctypes.CDLL, DriveModel]) -> Iterator[Drive]:
 
 def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float]]:
     """Motions after each step under the given forces of the balance rope; the loop of hoist_demo.cosimulation.host."""
-    plant, reference = HoistPlant(case.hoist, tolerance=1e-12), s_curve(case.winding)
+    plant, reference = HoistPlant(case.hoist), s_curve(case.winding)
     heights = start_heights(case)
     state = plant.equilibrium(*heights, *rest_forces(case))
     shown = plant.outputs(state, PlantInput(float(state.x[0]), *rest_forces(case)))
@@ -146,7 +146,7 @@ def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Drive)
         found.append([drive.get(name) for name in MOTIONS])
     scale = np.abs(expected).max(axis=0)
     assert scale[0] > 89.0
-    # RK4 with 1e-7 of the fastest oscillation per step against CVODES at 1e-12
+    # 1e-7 of the fastest oscillation per step against an integrator that errs by 1e-9 at most
     assert_allclose(np.array(found) / scale, np.array(expected) / scale, rtol=0.0, atol=2e-6)
 
 
@@ -169,9 +169,9 @@ def test_without_a_trip_the_drive_stays_at_rest(drive: Drive) -> None:
     assert_allclose([drive.get("left.y"), drive.get("right.y")], start_heights(SETUP), atol=1e-10)
 
 
-def test_internal_steps_converge_with_order_four(drive: Drive) -> None:
+def test_internal_steps_converge_with_order_five(drive: Drive) -> None:
     ends = []
-    for steps in (4, 8, 16, 128):
+    for steps in (2, 4, 64):
         assert drive.start(solver__step_max=H / steps)
         # a blow that sets the conveyances swinging by decimetres, so that errors stand clear of rounding
         drive.set(**{INPUTS[1]: -2e5})
@@ -182,14 +182,14 @@ def test_internal_steps_converge_with_order_four(drive: Drive) -> None:
         drive.close()
     drive.instance = None
     errors = np.abs(np.array(ends[:-1]) - ends[-1])
-    assert np.all(np.log2(errors[:-1] / errors[1:]) > 3.8), errors
+    assert np.all(np.log2(errors[:-1] / errors[1:]) > 4.7), errors
 
 
 @pytest.mark.parametrize(
     ("values", "words"),
     [
         ({"left__fy_mean": 1.0}, "between -18835.2 N and 0"),
-        ({"solver__step_max": 1.0}, "at most 0.0026"),
+        ({"solver__step_max": 1.0}, "at most 0.0065"),
         ({"controller__integral_time": 0.0}, "controller.integral_time = 0 is out of range"),
     ],
 )

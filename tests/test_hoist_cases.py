@@ -74,7 +74,7 @@ def _assert_within_its_limits(run: Run, case: Case) -> None:
     assert np.max(np.abs(run["power"])) < hoist.power_limit
     assert np.min(run["static_slip_safety"]) > STATIC_SAFETY
     assert np.min(run["slip_safety"]) > SAFETY
-    # CVODES' 1e-9 on 1e9 J of energy that moves, over some thousand steps
+    # the integrator's 1e-9 on 1e9 J of energy that moves, over some thousand steps
     np.testing.assert_allclose(run["energy_residual"], 0.0, atol=1.0)
 
 
@@ -107,6 +107,6 @@ def test_a_regulated_stop_from_full_speed_does_not_slip_and_the_full_torque_woul
 def test_the_loop_does_not_turn_over_at_rest(name: str) -> None:
     rope = rope_in_process(name)
     assert rope.initialize(0.0, EndMotion(), EndMotion(y=INSTALLED[name].hoist.shaft_travel)).valid
-    found = rope.read(["loop.yaw"])["loop.yaw"]
+    found = rope.signals()["loop.yaw"]
     # the torque turns it one way, and by an angle at which the legs stay well apart
     assert 0.0 < found < math.radians(15.0)

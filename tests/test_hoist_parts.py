@@ -196,7 +196,7 @@ def test_with_every_part_the_energy_balance_closes() -> None:
         step = plant.step(state, 0.01, u)
         assert step.valid
         state = step.state
-    # CVODES' 1e-9 on the 1e7 J of the hoist's energy, over 150 steps that partly cancel
+    # the integrator's 1e-9 on the 1e7 J of the hoist's energy, over 150 steps that partly cancel
     np.testing.assert_allclose(energy_residual(start, plant.outputs(state, u), state.work), 0.0, atol=0.05)
     np.testing.assert_allclose(state.losses.sum(), state.work[1], rtol=1e-12)
     # every loss has taken something, or this test says nothing of it

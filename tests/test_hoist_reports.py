@@ -255,7 +255,7 @@ def test_the_residual_of_a_long_rope_is_what_its_time_integration_dissipates() -
         for k in range(3400):
             assert rope.step(k * 0.01, 0.01, *ends((k + 1) * 0.01)).valid
             if k in (2599, 3399):
-                residuals.append(rope.read(["energy.residual"])["energy.residual"])
+                residuals.append(rope.signals()["energy.residual"])
         return residuals[0] - residuals[1]
 
     standard = dissipation()

@@ -90,6 +90,9 @@ class Drive:
         self.state = drive(A, b, self.state, h, np.array([load.start[0] + d.f, load.rise[0], load.bend[0]]))
         return ""
 
+    def place(self) -> Vector:
+        return np.array([self.state[0]])
+
     def motion(self, load: Load, s: float) -> Motion:
         d, (y, v) = self.data, self.state
         a = (d.f - d.k * y + load.at(s)) / (d.m + load.added_mass)

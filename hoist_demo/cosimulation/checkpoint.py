@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from hoist_demo.cosimulation.plain_data import decode, encode
-from hoist_demo.cosimulation.schemes.interface import Memory, Sample
-from hoist_demo.drive.plant import PlantInput, PlantOutput, PlantState
+from hoist_demo.cosimulation.schemes.interface import Memory, Sample, Vector
+from hoist_demo.drive.plant import PlantOutput, PlantState
 from hoist_demo.recording.time_series import Recording
 
 _FIELDS = ("force", "mean", "acceleration")
@@ -37,7 +37,7 @@ class Checkpoint:
     t: float  # s
     plant: PlantState
     controller: Any  # plain data
-    input: PlantInput  # that acts on the drive
+    input: Vector  # that acts on the drive, in the order of INPUT_NAMES
     at_rest: PlantOutput  # of the drive, at the start
     memory: Memory
     rope: bytes  # b"" when the rope cannot save its state
@@ -58,9 +58,10 @@ class Checkpoint:
             "sample": self.sample,
             "t": self.t,
             "controller": encode(self.controller, CONTROLLER),
-            "input": vars(self.input),
+            "input": self.input.tolist(),
             "at_rest": vars(self.at_rest),
             "free_lengths": plant.free_lengths,
+            "step_next": plant.step_next,
             "times": [s.t for s in memory.samples],
             "memory": [memory.step_next, memory.exchanges, memory.taken_back, memory.residual],
             "names": names,
@@ -100,9 +101,11 @@ class Checkpoint:
             kept = Checkpoint(
                 sample=x["sample"],
                 t=x["t"],
-                plant=PlantState(free_lengths=(x["free_lengths"][0], x["free_lengths"][1]), **plant),
+                plant=PlantState(
+                    free_lengths=(x["free_lengths"][0], x["free_lengths"][1]), step_next=x["step_next"], **plant
+                ),
                 controller=x["controller"],
-                input=PlantInput(**x["input"]),
+                input=np.array(x["input"]),
                 at_rest=PlantOutput(**x["at_rest"]),
                 memory=Memory(samples, *x["memory"]),
                 rope=arrays["rope"].tobytes(),

@@ -6,7 +6,7 @@ from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant
 from hoist_demo.cosimulation.schemes.interface import Memory
-from hoist_demo.drive.plant import PlantOutput, energy_residual
+from hoist_demo.drive.plant import SHOWN, PlantOutput, tension_ratio
 from hoist_demo.recording.time_series import TIME
 
 DRIVE_UNITS = {
@@ -51,41 +51,50 @@ def drive_signals(
     drive: HoistParticipant,
     at_rest: PlantOutput,
     memory: Memory,
-) -> dict[str, float]:
-    """The drive's part of a row; `at_rest` is what it showed at the start."""
-    shown, work = drive.output(), drive.state.work
-    motor, losses, ropes, left, right = (float(value) for value in work)
-    values = (
+) -> list[float]:
+    """The drive's part of a row, in the order of DRIVE_UNITS; `at_rest` is what it showed at the start."""
+    shown = drive.outputs.tolist()
+    motor, losses, ropes, left, right = drive.state.work.tolist()
+    tensions, torque = (shown[_LEFT], shown[_RIGHT]), shown[_TORQUE]
+    ratio = tension_ratio(*tensions)
+    gained = shown[_KINETIC] + shown[_POTENTIAL] - at_rest.energy_kinetic - at_rest.energy_potential
+    return [
         t,
         reference.position,
         reference.speed,
         reference.acceleration,
         reference.jerk,
-        shown.y_left,
-        shown.v_left,
-        shown.a_left,
-        shown.y_right,
-        shown.v_right,
-        shown.a_right,
-        shown.angle,
-        shown.rate,
+        *(shown[k] for k in _MOTION),
         command.torque,
-        shown.torque,
+        torque,
         float(command.limited),
-        shown.power,
-        shown.brake_torque,
-        shown.tension_left,
-        shown.tension_right,
-        shown.tension_ratio,
-        drive.plant.hoist.slip_safety(shown.tension_ratio),
+        torque * shown[_MOTOR_RATE],
+        shown[_BRAKE],
+        *tensions,
+        ratio,
+        drive.plant.hoist.slip_safety(ratio),
         motor,
         losses,
         ropes,
         left + right,
-        shown.energy_kinetic,
-        shown.energy_potential,
-        energy_residual(at_rest, shown, work),
+        shown[_KINETIC],
+        shown[_POTENTIAL],
+        motor + left + right - losses - ropes - gained,
         memory.residual,
         float(memory.exchanges),
+    ]
+
+
+_MOTION = [SHOWN[f"{name}_{side}"] for side in ("left", "right") for name in "yva"] + [SHOWN["angle"], SHOWN["rate"]]
+_TORQUE, _MOTOR_RATE, _BRAKE, _LEFT, _RIGHT, _KINETIC, _POTENTIAL = (
+    SHOWN[name]
+    for name in (
+        "torque",
+        "motor_rate",
+        "brake_torque",
+        "tension_left",
+        "tension_right",
+        "energy_kinetic",
+        "energy_potential",
     )
-    return dict(zip(DRIVE_UNITS, values, strict=True))
+)

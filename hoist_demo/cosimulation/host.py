@@ -12,25 +12,27 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable
-from copy import deepcopy
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from hoist_demo.control.controller import Command, Controller, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, drive_signals
-from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant, Stopwatch, input_of
+from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant, Stopwatch
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
-from hoist_demo.cosimulation.plain_data import encode
+from hoist_demo.cosimulation.plain_data import encode, private_copy
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.interface import Advance, Pair, Scheme
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate
 from hoist_demo.cosimulation.stability import estimate_stability_at_rest
-from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant, PlantInput, side_forces
+from hoist_demo.drive.equations import FORCES, INPUT_NAMES
+from hoist_demo.drive.plant import SHOWN, SIDE_FORCES, HoistPlant
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.recording.time_series import Recorder
 
@@ -38,6 +40,10 @@ _log = logging.getLogger(__name__)
 
 Progress = Callable[[float, float], bool]
 """Called after every step with the fraction done and the time [s]; False stops the run."""
+
+
+_Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
+_NO_FORCES = np.zeros(len(SIDE_FORCES))
 
 
 class Host:
@@ -72,6 +78,7 @@ class Host:
         self.trajectory = s_curve(self.winding) if trajectory is None else trajectory
         self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
         self.stability: StabilityEstimate | None = None
+        self._start_height, _ = self.start_heights
 
     @property
     def start_heights(self) -> tuple[float, float]:
@@ -103,7 +110,7 @@ class Host:
         """
         run = self._start(resume)
         if isinstance(run, str):
-            return self._result(Recorder({}), 0, run)
+            return self._result(Recorder((), {}), 0, run)
         cause = self._wind(run, progress, save_to)
         start, T = self.coupling.start, self.coupling.sample_time
         checkpoint = run.checkpoint(start, T, self.data, cause) if cause else None
@@ -125,18 +132,25 @@ class Host:
         rope = RopeParticipant(self.rope, self.rope_clock)
         if cause := rope.start(start, EndMotion(y=y_left), EndMotion(y=y_right), self.start_clock):
             return cause
-        recorder = Recorder(DRIVE_UNITS | {n: u for n, u in self.rope.units().items() if n not in DRIVE_UNITS})
         forces, _ = rope.forces()
-        state = self.plant.equilibrium(y_left, y_right, float(forces[0]), float(forces[1]))
-        held = input_of(PlantInput(float(state.x[0]), 0.0, 0.0), forces)
+        state = self.plant.equilibrium(y_left, y_right, *forces.tolist())
+        held = np.zeros(len(INPUT_NAMES))
+        held[0], held[list(FORCES)] = state.x[0], forces
         drive = HoistParticipant(self.plant, state, held, self.drive_clock)
         if self.hoist.play is not None:
             rope.beside = drive.ends
-        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), recorder)
+        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), self._recorder())
         self.stability = estimate_stability_at_rest(self.scheme, self.coupling, run.pair, run.memory)
         if resume is not None:
             run.go_on_from(resume, resume.sample * self.coupling.per_sample)
         return run
+
+    def _recorder(self) -> Recorder:
+        """For all signals; of the rope's those that the drive has not got."""
+        units = self.rope.units()
+        names = [name for name in self.rope.signals() if name not in DRIVE_UNITS]
+        self._read_signals, self._read_sides = self.rope.reader(names), self.rope.reader(SIDE_FORCES)
+        return Recorder([*DRIVE_UNITS, *names], units | DRIVE_UNITS)
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
         """Sample and exchange until the end; the cause when that is not reached."""
@@ -161,20 +175,20 @@ class Host:
 
     def _sample(self, run: RunState, controller: Controller, t: float) -> Command:
         """The controller's command at t [s]; it and all signals are recorded."""
-        point, shown = self.trajectory.at(t - self.coupling.start), run.drive.output()
-        measured = Measurement(shown.y_left - self.start_heights[0], self.hoist.sheave_radius * shown.rate)
-        command = controller.command(point, measured, deepcopy(run.controller), self.coupling.sample_time)
-        drive = drive_signals(t, point, command, run.drive, run.at_rest, run.memory)
-        with self.rope_clock.count_time():
-            signals = self.rope.signals()
-        run.recorder.add(drive | {name: value for name, value in signals.items() if name not in drive})
+        point, shown = self.trajectory.at(t - self.coupling.start), run.drive.outputs
+        travel, speed = float(shown[_Y_LEFT]) - self._start_height, self.hoist.sheave_radius * float(shown[_RATE])
+        remembered, T = private_copy(run.controller), self.coupling.sample_time
+        command = controller.command(point, Measurement(travel, speed), remembered, T)
+        with self.rope_clock:
+            signals = self._read_signals()
+        run.recorder.add(drive_signals(t, point, command, run.drive, run.at_rest, run.memory), signals)
         return command
 
     def _exchange(self, run: RunState, k: int, command: Command) -> str:
         """Drive and rope from sample k to the next under the command; the cause when they do not get there."""
         # what the rope does to conveyances that have play is held until the next sample
-        sides = side_forces(self.rope.read(SIDE_FORCES)) if self.hoist.play is not None else {}
-        run.drive.held = replace(run.drive.held, torque_command=command.torque, brake=command.brake, **sides)
+        sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
+        run.drive.command(command.torque, command.brake, sides)
         H, per_sample = self.coupling.step, self.coupling.per_sample
         for j in range(per_sample):
             advance = self._advance(run, self.coupling.start + (k * per_sample + j) * H, H)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import base64
 import sys
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -52,6 +53,21 @@ def decode(value: Any) -> Any:
         return value
     ((kind, content),) = value.items()
     return _READERS[kind](content)
+
+
+def private_copy(value: Any) -> Any:
+    """A copy that its owner may change; the value itself where nothing can change it."""
+    return value if _never_changes(value) else deepcopy(value)
+
+
+def _never_changes(value: Any) -> bool:
+    kind = type(value)
+    if value is None or kind in (bool, int, float, str, bytes):
+        return True
+    if isinstance(value, tuple):
+        return all(map(_never_changes, value))
+    frozen = getattr(getattr(kind, "__dataclass_params__", None), "frozen", False)
+    return frozen and all(map(_never_changes, vars(value).values()))
 
 
 def _fields(kind: type[Any]) -> tuple[str, ...] | None:

@@ -8,8 +8,8 @@ from typing import Any
 
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant
-from hoist_demo.cosimulation.schemes.interface import Memory, Pair
-from hoist_demo.drive.plant import PlantInput, PlantOutput, PlantState
+from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Vector
+from hoist_demo.drive.plant import PlantOutput, PlantState
 from hoist_demo.recording.time_series import Recorder
 
 _log = logging.getLogger(__name__)
@@ -20,7 +20,7 @@ class _Kept:
     """A run's state at one sample; that of the rope as a snapshot in memory."""
 
     k: int
-    drive: tuple[PlantState, PlantInput]
+    drive: tuple[PlantState, Vector]
     controller: Any
     memory: Memory
     rope: Any
@@ -59,7 +59,6 @@ class RunState:
     def go_on_from(self, checkpoint: Checkpoint, steps: int) -> None:
         """Take over a checkpoint, made after so many communication steps."""
         self.drive.restore((checkpoint.plant, checkpoint.input))
-        self.drive.held = checkpoint.input
         self.rope.restore_bytes(checkpoint.rope)
         self.recorder.resume(checkpoint.recording, checkpoint.sample)
         self.controller, self.memory, self.at_rest = checkpoint.controller, checkpoint.memory, checkpoint.at_rest

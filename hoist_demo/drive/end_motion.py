@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True)
-class EndMotion:
+class EndMotion(NamedTuple):
     """Motion of one suspension: x, z from the nominal hanging point, y the height in the shaft."""
 
     x: float = 0.0  # m

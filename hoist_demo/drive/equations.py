@@ -28,11 +28,15 @@ and slips after P. R. Dahl (Aerospace Corp. TOR-0158, 1968), z' = v - |v| z / z_
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
+from itertools import repeat
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Play
@@ -45,7 +49,15 @@ INPUT_NAMES = (
     *("torque_command", "force_left", "force_right", "brake"),
     *(f"{name}_{side}" for side in SIDES for name in ("fx", "fz", "my")),
 )
-POWER_NAMES = ("motor", "ropes", "left", "right", "rim", "guides", "brake", "shaft")
+WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
+LOSS_NAMES = ("rim", "guides", "brake", "shaft")
+"""The parts of the losses."""
+
+
+FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)
+"""Places of the two vertical forces in an input."""
+ACCELERATIONS = tuple(STATE_NAMES.index(f"v_{side}") for side in SIDES)
+"""Places of the two vertical accelerations in the rates."""
 
 
 def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
@@ -79,12 +91,16 @@ class _Leg:
 
 @dataclass(frozen=True)
 class Equations:
-    """CasADi functions of a hoist; x is the state, u the input in the order of INPUT_NAMES, l0 the free lengths."""
+    """CasADi functions of hoists with the same parts.
 
-    dae: dict[str, Any]  # for the integrator over scaled time
-    rates: Any  # (x, u, l0_left, l0_right) -> dx/dt
+    x is the state, u the input in the order of INPUT_NAMES, l0 the free lengths, p the hoist's numbers (`numbers_of`).
+    """
+
+    rates: Any  # (x, u, l0, p) -> dx/dt
+    powers: Any  # the same arguments -> W, in the order of WORK_NAMES and LOSS_NAMES
     outputs: Any  # the same arguments -> PlantOutput's numbers in their order
-    hold: Any  # (x, l0_left, l0_right) -> motor torque that holds the state at rest
+    mobility: Any  # the same arguments -> change of the conveyances' accelerations per force on either, (2, 2) [1/kg]
+    hold: Any  # (x, l0, p) -> motor torque that holds the state at rest
 
 
 class _Coordinates:
@@ -102,11 +118,42 @@ class _Coordinates:
         return self.q[k], self.v[k]
 
 
-def equations(hoist: Hoist) -> Equations:
-    """The equations of motion of this hoist."""
+def parts_of(hoist: Hoist) -> Hoist:
+    """The hoist with all its numbers 0 but the count of modes: what it shares with those of the same equations."""
+    alike: Hoist = _with_numbers(hoist, repeat(0.0))
+    return alike
+
+
+def numbers_of(hoist: Any) -> list[float]:
+    """The numbers that `parts_of` leaves out, those of the parts in their places."""
+    found: list[float] = []
+    for _, value in _items(hoist):
+        found += numbers_of(value) if is_dataclass(value) else [float(value)]
+    return found
+
+
+def _with_numbers(data: Any, numbers: Iterator[Any]) -> Any:
+    """A hoist or a part of it with other numbers, or symbols, in their places; none of them is checked."""
+    made = object.__new__(type(data))
+    changed = {name: _with_numbers(v, numbers) if is_dataclass(v) else next(numbers) for name, v in _items(data)}
+    made.__dict__.update({**vars(data), **changed})
+    return made
+
+
+def _items(data: Any) -> list[tuple[str, Any]]:
+    """Numbers and parts of a hoist or of a part of it, by name; counts of equations and what is None are none."""
+    pairs = ((field.name, getattr(data, field.name)) for field in fields(data))
+    return [(name, value) for name, value in pairs if value is not None and name != "head_rope_modes"]
+
+
+@cache
+def equations(parts: Hoist) -> Equations:
+    """The equations of motion of all hoists with these parts, `parts_of` one of them."""
+    p = ca.SX.sym("p", len(numbers_of(parts)))
+    hoist: Hoist = _with_numbers(parts, iter(ca.vertsplit(p)))
     at = _Coordinates(hoist)
     q, v, R = at.q, at.v, hoist.sheave_radius
-    torque, l0, H = ca.SX.sym("M"), ca.SX.sym("l0", 2), ca.SX.sym("H")
+    torque, l0 = ca.SX.sym("M"), ca.SX.sym("l0", 2)
     u = ca.SX.sym("u", len(INPUT_NAMES))
     given = dict(zip(INPUT_NAMES, ca.vertsplit(u), strict=True))
     (phi, rate), (_, twist_rate) = at("phi"), at("twist")
@@ -138,30 +185,35 @@ def equations(hoist: Hoist) -> Equations:
     momentum = ca.gradient(K, v)
     mass_matrix = ca.jacobian(momentum, v)
     carried = ca.jtimes(momentum, q, v)
-    a = ca.solve(mass_matrix, Q - carried + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v))
+    forces = Q - carried + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v)
+    a = ca.ldl_solve(forces, *ca.ldl(mass_matrix))
 
     x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *brake.states)
     rates = ca.vertcat((command - torque) / hoist.torque_lag, v[:3], a[:3], v[3:], a[3:], *brake.rates)
     ends = [ca.dot(leg.side_force, ca.vertcat(*(at(f"{n}_{s}")[1] for n in ("y", "x", "z", "yaw"))))
             for s, leg in zip(SIDES, legs, strict=True)]  # fmt: skip
     guides = sum(leg.friction * at(f"y_{side}")[1] for side, leg in zip(SIDES, legs, strict=True)) + 2 * play_damping
-    powers = ca.vertcat(
-        motor * (rate + twist_rate), 2 * rope_damping, *ends, rim * rim_speed, guides, brake.torque * rate,
-        2 * shaft_damping,
-    )  # fmt: skip
+    losses = ca.vertcat(rim * rim_speed, guides, brake.torque * rate, 2 * shaft_damping)
+    powers = ca.vertcat(motor * (rate + twist_rate), ca.sum1(losses), 2 * rope_damping, *ends, losses)
 
     tensions = [_tension(hoist, at, sign, leg, a, rim_speed) for sign, leg in zip((1.0, -1.0), legs, strict=True)]
     shown = ca.vertcat(
         *_upright(at, a), phi, rate, motor, *tensions, K, V,
         rate + twist_rate, brake.torque, *(leg.static_tension for leg in legs), *_lateral_motion(at, a),
     )  # fmt: skip
-    arguments = [x, u, l0[0], l0[1]]
+    mobility = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
+    arguments = [x, u, l0, p]
     return Equations(
-        dae={"x": x, "p": ca.vertcat(H, u, l0), "ode": H * rates, "quad": H * powers},
-        rates=ca.Function("rates", arguments, [rates]),
-        outputs=ca.Function("outputs", arguments, [shown]),
-        hold=ca.Function("hold", [x, l0[0], l0[1]], [ca.gradient(V, q)[0]]),
+        rates=_function("rates", arguments, rates),
+        powers=_function("powers", arguments, powers),
+        outputs=_function("outputs", arguments, shown),
+        mobility=_function("mobility", arguments, mobility),
+        hold=_function("hold", [x, l0, p], ca.gradient(V, q)[0]),
     )
+
+
+def _function(name: str, arguments: list[Any], value: Any) -> Any:
+    return ca.Function(name, arguments, [ca.cse(value)])
 
 
 def _tension(hoist: Hoist, at: _Coordinates, sign: float, leg: _Leg, a: Any, rim_speed: Any) -> Any:
@@ -216,14 +268,12 @@ def _leg(hoist: Hoist, at: _Coordinates, side: str, l0: Any, given: dict[str, An
     modes = [(j * np.pi, *at(f"eta{j}_{side}")) for j in range(1, n + 1)]
     length, height, w = l0 - sign * R * phi, hoist.sheave_height - y, sign * R * rate
 
-    # head ropes, with Gauss points for the square of their velocity: exact without modes
+    # head ropes: the square of their velocity, integrated over zeta for each pair of its shapes
+    flow = w / length
+    speeds = [vy, height * flow, *(rate for _, _, rate in modes), *(eta * flow for _, eta, _ in modes)]
     kinetic, potential = mass * vy**2 / 2, mass * g * y - mu * g * length * height / 2
-    points, weights = np.polynomial.legendre.leggauss(2 if n == 0 else 2 * n + 4)
-    for zeta, weight in zip((points + 1) / 2, weights / 2, strict=True):
-        speed = (1 - zeta) * vy + zeta * height / length * w
-        for k, eta, eta_rate in modes:
-            speed += eta_rate * np.sin(k * zeta) + eta * k * np.cos(k * zeta) * zeta * w / length
-        kinetic += mu * length * weight * speed**2 / 2
+    speed_vector = ca.vertcat(*speeds)
+    kinetic += mu * length / 2 * ca.bilin(ca.DM(_shape_products(n)), speed_vector, speed_vector)
     stretched, contact, play_damping, normal = height, 0.0, 0.0, 0.0
     if hoist.play is not None:
         lateral = _lateral(hoist.play, at, side, mass, mu * length)
@@ -253,6 +303,15 @@ def _leg(hoist: Hoist, at: _Coordinates, side: str, l0: Any, given: dict[str, An
         side_force=hoist.tail_rope_number * ca.vertcat(*pulls),
         static_tension=g * (mass + mu * length + hoist.tail_mass * hanging),
     )
+
+
+def _shape_products(modes: int) -> NDArray[np.float64]:
+    """int_0^1 f_i f_j dzeta of 1 - zeta, zeta, sin k_j zeta ..., k_j zeta cos k_j zeta ..., with k_j = j pi."""
+    points, weights = np.polynomial.legendre.leggauss(4 * modes + 12)  # exact to rounding
+    zeta, k = (points + 1) / 2, np.pi * np.arange(1, modes + 1)[:, None]
+    shapes = np.vstack([1 - zeta, zeta, np.sin(k * zeta), k * zeta * np.cos(k * zeta)])
+    products: NDArray[np.float64] = (shapes * weights / 2) @ shapes.T
+    return products
 
 
 @dataclass(frozen=True)

@@ -2,24 +2,39 @@
 
 The equations are in `equations.py`. Without further parts of the hoist the state has seven numbers: motor torque,
 sheave angle and suspension heights with their rates. Shaft, head rope modes, play and brake append theirs.
+The integrator is in `kernels.py`. Its steps are chosen here so that none errs by more than the tolerance,
+
+    h_new = 0.9 h (tolerance / error)^(1/5) ,   from half of h to half as much again ,
+
+and not beyond h after one that was taken back: a step at the bound of stability errs little, and a longer one much.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from operator import attrgetter
-from typing import Any
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.drive.end_motion import EndMotion
-from hoist_demo.drive.equations import INPUT_NAMES, POWER_NAMES, STATE_NAMES, equations, state_names
-from hoist_demo.drive.loads import under_changing_load
+from hoist_demo.drive.equations import (
+    INPUT_NAMES,
+    LOSS_NAMES,
+    SIDES,
+    STATE_NAMES,
+    WORK_NAMES,
+    equations,
+    numbers_of,
+    parts_of,
+    state_names,
+)
+from hoist_demo.drive.kernels import CHUNK, WORKS, drive_kernels
+from hoist_demo.drive.runge_kutta import ORDER
 from hoist_demo.parameters import GRAVITY, Hoist
+from rope_model.numerics.kernels import Kernel, KernelForm
 
 __all__ = [
     "LOSS_NAMES",
@@ -39,14 +54,12 @@ __all__ = [
 
 Vector = NDArray[np.float64]
 
-WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
-LOSS_NAMES = ("rim", "guides", "brake", "shaft")
-SIDE_FORCES = tuple(f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fz", "my"))
+SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
 """The rope's signals that act on conveyances with play."""
-FORCES = tuple(INPUT_NAMES.index(name) for name in ("force_left", "force_right"))
-"""Places of the two vertical forces in a packed input."""
-ACCELERATIONS = (STATE_NAMES.index("v_left"), STATE_NAMES.index("v_right"))
-"""Places of the two vertical accelerations in the rates."""
+SHORTEST = 1e-7
+"""Step of the integrator [s] below which it gives up."""
+SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5
+"""Of its steps: factor from the error, and its bounds."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +70,7 @@ class PlantState:
     work: Vector  # J, (5,): by the motor, into losses, into rope damping, by all balance ropes' left, right ends
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
     losses: Vector = field(default_factory=lambda: np.zeros(len(LOSS_NAMES)))  # J, the parts of work[1]
+    step_next: float = 0.0  # s, of the integrator; 0: not known yet
 
 
 @dataclass(frozen=True)
@@ -127,13 +141,13 @@ class PlantOutput:
 
     @property
     def tension_ratio(self) -> float:
-        """Larger tension over smaller one (Euler-Eytelwein), infinite when a side is slack [-]."""
-        return _ratio(self.tension_left, self.tension_right)
+        """Of the two tensions [-]."""
+        return tension_ratio(self.tension_left, self.tension_right)
 
     @property
     def static_tension_ratio(self) -> float:
         """The same, were everything at rest here [-]."""
-        return _ratio(self.static_tension_left, self.static_tension_right)
+        return tension_ratio(self.static_tension_left, self.static_tension_right)
 
     @property
     def power(self) -> float:
@@ -143,13 +157,7 @@ class PlantOutput:
     @property
     def ends(self) -> tuple[EndMotion, EndMotion]:
         """Motion of the balance rope's left and right end."""
-        return self._end("left"), self._end("right")
-
-    def _end(self, side: str) -> EndMotion:
-        names = ("x", "z", "vx", "vz", "ax", "az", "yaw", "yaw_rate")
-        lateral = {name: getattr(self, f"{name}_{side}") for name in names}
-        upright = {f"{name}y": getattr(self, f"{name or 'y'}_{side}") for name in ("", "v", "a")}
-        return EndMotion(**lateral, **upright)
+        return rope_ends(np.array([*vars(self).values()]))
 
 
 @dataclass(frozen=True)
@@ -159,29 +167,28 @@ class PlantStep:
     valid: bool
     message: str
     state: PlantState
+    acting: Vector = field(default_factory=lambda: np.zeros(0))  # input at the step's end, in the order of INPUT_NAMES
+    shown: Vector = field(default_factory=lambda: np.zeros(0))  # what PlantOutput has under it, as numbers
 
 
 class HoistPlant:
-    """Symbolic model and its integrator, built once; states are explicit and never changed in place."""
+    """The drive of one hoist; states are explicit and never changed in place. Not to be shared between threads."""
 
-    def __init__(self, hoist: Hoist, tolerance: float = 1e-9) -> None:
+    def __init__(self, hoist: Hoist, form: KernelForm = "auto") -> None:
         self.hoist = hoist
         self.state_names = state_names(hoist)
-        self.equations = equations(hoist)
-        self._under_path: Any = None
-        self._options: dict[str, Any] = {
-            "reltol": tolerance,
-            "abstol": tolerance,
-            "quad_err_con": True,
-            "max_num_steps": 20000,
-            # oscillations, hardly damped, that are to be resolved: no need of Newton's method and its Jacobians
-            "linear_multistep_method": "adams",
-            "nonlinear_solver_iteration": "functional",
-            "show_eval_warnings": False,
-            "disable_internal_warnings": True,
-        }
-        # time scaled to [0, 1], so that one integrator serves every step length
-        self._integrator: Any = ca.integrator("drive", "cvodes", self.equations.dae, 0.0, 1.0, self._options)
+        parts, numbers = parts_of(hoist), np.array(numbers_of(hoist))
+        self._equations, self._numbers = equations(parts), numbers
+        kernels = drive_kernels(parts, form)
+        self._layout = kernels.layout
+        given, result = kernels.layout.given, kernels.layout.result
+        self._given, self._result, self._error = given, result, result["error"].start
+        self._advance = Kernel(kernels.advance, [(result["shown"].stop,)])
+        self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
+        self._z[given["p"]] = numbers
+        self.evaluations = 0  # of `advance`, so far
+        self._rates = Kernel(kernels.rates, [(kernels.layout.states,)])
+        self._mobility = Kernel(kernels.mobility, [(2, 2)])
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.
@@ -211,72 +218,88 @@ class HoistPlant:
             sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
             for side, length in zip(("left", "right"), lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
-        x[0] = float(self.equations.hold(x, *lengths))
+        x[0] = float(self._equations.hold(x, lengths, self._numbers))
         if hoist.shaft is not None:
             x[self.state_names.index("twist")] = x[0] / hoist.shaft.stiffness
         return PlantState(x=x, work=np.zeros(len(WORK_NAMES)), free_lengths=lengths)
 
     def step(self, state: PlantState, h: float, u: PlantInput | PlantInputPath) -> PlantStep:
-        """State h [s] later under the input, held or along its path; a failure of CVODES is a status."""
-        if isinstance(u, PlantInput):
-            integrator, given = self._integrator, _pack(u)
-        else:
-            integrator, given = self._along_path(), [*_pack(u.start), *_pack(u.rise), *_pack(u.bend), *u.added_mass]
-        parameters = [h, *given, *state.free_lengths]
-        if not np.all(np.isfinite(parameters)):
-            return PlantStep(False, f"drive: input is not finite: {u}", state)
-        try:
-            result = integrator(x0=state.x, p=parameters)
-        except RuntimeError as error:
-            cause = str(error).strip().splitlines()[-1]
-            return PlantStep(False, f"drive: CVODES failed ({cause}): shorten the communication step", state)
-        x = np.asarray(result["xf"], dtype=np.float64).ravel()
-        done = dict(zip(POWER_NAMES, np.asarray(result["qf"], dtype=np.float64).ravel(), strict=True))
-        lost = np.array([done[name] for name in LOSS_NAMES])
-        done["losses"] = lost.sum()
-        work = state.work + np.array([done[name] for name in WORK_NAMES])
-        if not (np.all(np.isfinite(x)) and np.all(np.isfinite(work))):
+        """State h [s] later under the input, held or along its path; a failure is a status."""
+        return self.advance(state, h, *_pack_path(u))
+
+    def advance(self, state: PlantState, h: float, path: Vector, added_mass: Vector) -> PlantStep:
+        """The same with the path's three inputs, of INPUT_NAMES each, in one vector."""
+        self._give(state, h, path, added_mass)
+        if not math.isfinite(path.dot(path) + added_mass.dot(added_mass) + h):
+            return PlantStep(False, f"drive: input is not finite: {unpack(path[: len(INPUT_NAMES)])}", state)
+        found = self._integrate(h, (state.step_next or h) / h)
+        if found is None:
             return PlantStep(False, "drive: state is not finite: check rope forces and torque command", state)
-        new = PlantState(x=x, work=work, free_lengths=state.free_lengths, losses=state.losses + lost)
+        y, work, size = found
+        result, n = self._result, len(WORK_NAMES)
+        new = PlantState(y[result["x"]], state.work + work[:n], state.free_lengths, state.losses + work[n:], size * h)
         free = free_lengths_at(self.hoist, new)
         if min(free) <= 0.1:
             return PlantStep(False, f"drive: head rope of {min(free):.3g} m left at the sheave: overwind", state)
-        return PlantStep(True, "", new)
+        return PlantStep(True, "", new, y[result["acting"]], y[result["shown"]])
+
+    def _integrate(self, h: float, size: float) -> tuple[Vector, Vector, float] | None:
+        """What `advance` shows at s = 1, all work, next step in s; it begins with steps of this size. None: no way."""
+        z, given, result = self._z, self._given, self._result
+        s, work, growth = 0.0, np.zeros(WORKS), GROWS
+        while size * h > SHORTEST:
+            calls = max(1, math.ceil((1.0 - s) / (CHUNK * size) - 1e-9))
+            used = (1.0 - s) / (CHUNK * calls)
+            z[given["s"]], z[given["h"]] = s, used
+            self._advance.evaluate()
+            self.evaluations += 1
+            y = self._y.copy()
+            error = float(y[self._error])
+            size = min(used * _change(error), size * growth)
+            if error <= 1.0 and math.isfinite(y.dot(y)):
+                work = work + y[result["work"]]
+                if calls == 1:
+                    return y, work, size
+                z[given["x"]] = y[result["x"]]
+                s += CHUNK * used
+            else:
+                growth = 1.0
+        return None
 
     def mobility(self, state: PlantState) -> Vector:
         """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]; exact, they are linear."""
-        rows = list(ACCELERATIONS)
-        at_rest = self.rates(state, PlantInput(0.0, 0.0, 0.0))[rows]
-        unit = 1.0e4  # N
-        columns = [self.rates(state, PlantInput(0.0, *forces))[rows] for forces in ((unit, 0.0), (0.0, unit))]
-        return np.array([column - at_rest for column in columns]).T / unit
+        # symmetric, so that the order of rows and columns does not matter
+        return self._at(self._mobility, state, np.zeros(len(INPUT_NAMES)))
 
     def loads_at(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
         """What acts at s = 0 .. 1 of a path when the drive is in this state there."""
-        values = [a + s * (b + s * c) for a, b, c in zip(*map(_pack, (path.start, path.rise, path.bend)), strict=True)]
-        added = np.array(path.added_mass)
-        if added.any():
-            a = self.rates(state, PlantInput(*values))[list(ACCELERATIONS)]
-            matrix = np.eye(2) + added[:, None] * self.mobility(state)
-            for place, force in zip(FORCES, np.linalg.solve(matrix, added * a), strict=True):
-                values[place] -= float(force)
-        return PlantInput(*values)
-
-    def rates(self, state: PlantState, u: PlantInput) -> Vector:
-        """dx/dt, in the order of state_names."""
-        return np.asarray(self.equations.rates(state.x, _pack(u), *state.free_lengths), dtype=np.float64).ravel()
+        return unpack(self.loads_and_outputs(state, *_pack_path(path), s)[0])
 
     def outputs(self, state: PlantState, u: PlantInput) -> PlantOutput:
         """Measured quantities; accelerations and tensions belong to the held input u."""
-        values = self.equations.outputs(state.x, _pack(u), *state.free_lengths)
-        return PlantOutput(*np.asarray(values).ravel().tolist())
+        return PlantOutput(*self.loads_and_outputs(state, *_pack_path(u), 0.0)[1].tolist())
 
-    def _along_path(self) -> Any:
-        """The integrator for inputs that change within a step, made when the first is met."""
-        if self._under_path is None:
-            dae = under_changing_load(self.equations.dae, len(INPUT_NAMES), FORCES, ACCELERATIONS)
-            self._under_path = ca.integrator("drive_path", "cvodes", dae, 0.0, 1.0, self._options)
-        return self._under_path
+    def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
+        """The input that acts at s, and what PlantOutput has, as numbers."""
+        self._give(state, 0.0, path, added_mass)
+        given, result = self._given, self._result
+        self._z[given["s"]], self._z[given["h"]] = s, 0.0
+        self._advance.evaluate()
+        y = self._y.copy()
+        return y[result["acting"]], y[result["shown"]]
+
+    def rates(self, state: PlantState, u: PlantInput) -> Vector:
+        """dx/dt, in the order of state_names."""
+        return self._at(self._rates, state, np.array(_pack(u)))
+
+    def _give(self, state: PlantState, h: float, path: Vector, added_mass: Vector) -> None:
+        z, given = self._z, self._given
+        z[given["H"]], z[given["path"]], z[given["added_mass"]] = h, path, added_mass
+        z[given["x"]], z[given["l0"]] = state.x, state.free_lengths
+
+    def _at(self, function: Kernel, state: PlantState, u: Vector) -> Vector:
+        (value,) = function(state.x, u, np.array(state.free_lengths), self._numbers)
+        return value
 
     def _free_length(self, name: str, y: float, mass: float, force: float) -> float:
         """Positive root of s = l (1 + (m g - n F + mu g l / 2) / EA) [m]."""
@@ -299,8 +322,14 @@ def free_lengths_at(hoist: Hoist, state: PlantState) -> tuple[float, float]:
 def energy_residual(start: PlantOutput, now: PlantOutput, work: Vector) -> float:
     """Motor and balance rope work minus losses minus the hoist's energy gained [J]; 0 for an exact integration."""
     gained = now.energy_kinetic + now.energy_potential - start.energy_kinetic - start.energy_potential
-    motor, losses, ropes, left, right = (float(value) for value in work)
-    return motor + left + right - losses - ropes - gained
+    motor, losses, ropes, left, right = work.tolist()
+    return float(motor + left + right - losses - ropes - gained)
+
+
+def rope_ends(shown: Vector) -> tuple[EndMotion, EndMotion]:
+    """Motion of the balance rope's left and right end in the numbers of PlantOutput."""
+    left, right = shown[_ENDS].tolist()
+    return EndMotion(*left), EndMotion(*right)
 
 
 def side_forces(signals: Mapping[str, float]) -> dict[str, float]:
@@ -309,7 +338,8 @@ def side_forces(signals: Mapping[str, float]) -> dict[str, float]:
     return {f"{force}_{side}": signals.get(f"{side}.{force}", 0.0) for side, _, force in sided}
 
 
-def _ratio(one: float, other: float) -> float:
+def tension_ratio(one: float, other: float) -> float:
+    """Larger tension over smaller one (Euler-Eytelwein), infinite when a side is slack [-]."""
     low, high = sorted((one, other))
     return high / low if low > 0.0 else math.inf
 
@@ -319,3 +349,32 @@ _inputs_of = attrgetter(*INPUT_NAMES)
 
 def _pack(u: PlantInput) -> list[float]:
     return [*_inputs_of(u)]
+
+
+def _pack_path(u: PlantInput | PlantInputPath) -> tuple[Vector, Vector]:
+    """A path as one vector, and its added masses."""
+    if isinstance(u, PlantInput):
+        return np.array([*_pack(u), *_NO_CHANGE]), np.zeros(2)
+    return np.array([*_pack(u.start), *_pack(u.rise), *_pack(u.bend)]), np.array(u.added_mass)
+
+
+def unpack(u: Vector) -> PlantInput:
+    """An input from its numbers in the order of INPUT_NAMES."""
+    return PlantInput(**dict(zip(INPUT_NAMES, u.tolist(), strict=True)))
+
+
+_NO_CHANGE = (0.0,) * (2 * len(INPUT_NAMES))
+
+
+def _change(error: float) -> float:
+    """Factor to the next step of the integrator, after one of this error over the tolerance."""
+    if not math.isfinite(error):
+        return SHRINKS
+    factor: float = SAFETY * max(error, 1e-20) ** (-1.0 / ORDER)
+    return max(SHRINKS, factor)
+
+
+SHOWN = {field.name: k for k, field in enumerate(fields(PlantOutput))}
+"""Places of PlantOutput's numbers."""
+_SPELT = {"y": "y", "vy": "v", "ay": "a"}
+_ENDS = np.array([[SHOWN[f"{_SPELT.get(name, name)}_{side}"] for name in EndMotion._fields] for side in SIDES])

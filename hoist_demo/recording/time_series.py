@@ -60,29 +60,33 @@ class Recording:
 
 
 class Recorder:
-    """Collects rows; the first row fixes the names, a signal missing later becomes NaN."""
+    """Collects rows of numbers in a table that grows."""
 
-    def __init__(self, units: Mapping[str, str]) -> None:
-        self._units = dict(units)
-        self._names: list[str] = []
-        self._rows: list[list[float]] = []
+    def __init__(self, names: Sequence[str], units: Mapping[str, str]) -> None:
+        self._names, self._units = tuple(names), dict(units)
+        self._table, self._rows = np.empty((256, len(self._names))), 0
 
-    def add(self, row: Mapping[str, float]) -> None:
-        """Append one row."""
-        if not self._names:
-            self._names = list(row)
-        self._rows.append([row.get(name, float("nan")) for name in self._names])
+    def add(self, *parts: Sequence[float] | Array) -> None:
+        """Append one row, given in parts one after the other."""
+        if self._rows == len(self._table):
+            self._table = np.concatenate([self._table, np.empty_like(self._table)])
+        row, start = self._table[self._rows], 0
+        for part in parts:
+            row[start : start + len(part)] = part
+            start += len(part)
+        self._rows += 1
 
     def resume(self, recording: Recording, rows: int) -> None:
         """Begin with the first rows of a recording."""
-        self._names = list(recording.signals)
-        self._rows = [[float(recording[name][k]) for name in self._names] for k in range(rows)]
+        self._table = np.array([recording[name][:rows] for name in self._names]).T.copy()
+        self._rows = rows
 
     def recording(self) -> Recording:
         """All rows so far."""
-        table = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), len(self._names))
-        signals = {name: table[:, k].copy() for k, name in enumerate(self._names)}
-        return Recording(signals, {name: self._units.get(name, "") for name in self._names})
+        columns = self._table[: self._rows].T.copy()
+        return Recording(
+            dict(zip(self._names, columns, strict=True)), {name: self._units.get(name, "") for name in self._names}
+        )
 
 
 def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:

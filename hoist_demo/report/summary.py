@@ -281,7 +281,6 @@ def _clock(result: Result, coupling: Coupling) -> list[SummaryRow]:
     rows = [
         SummaryRow(group, "rope, initialization, wall", result.start_clock.wall, "s"),
         SummaryRow(group, "rope, wall", result.rope_clock.wall, "s"),
-        SummaryRow(group, "rope, processor", result.rope_clock.cpu, "s"),
         SummaryRow(group, "drive, wall", result.drive_clock.wall, "s"),
     ]
     if result.rope_clock.wall > 0.0:

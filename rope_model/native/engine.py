@@ -5,16 +5,17 @@ from __future__ import annotations
 import ctypes
 import os
 import struct
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_void_p
 from functools import cache, lru_cache
 from typing import Any, cast, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..numerics.generalized_alpha import Motion
 from ..parameters import FidelityChoice, Scene
-from ..simulation.balance_rope import BalanceRope, Status
+from ..simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from ..simulation.ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, Phase, SwivelState
 from ..simulation.fidelity import Fidelity
 from ..simulation.mesh import Partition
@@ -192,6 +193,19 @@ class NativeRope(BalanceRope):
         self._lib.rope_signals(self._rope, len(wanted), _numbers(wanted), values)
         return dict(zip(wanted, values[:], strict=True))
 
+    def reader(self, names: Sequence[str]) -> Callable[[], NDArray[np.float64]]:
+        wanted = checked_names(names)
+        values = (c_double * len(wanted))()
+        view: NDArray[np.float64] = np.ctypeslib.as_array(values)
+        read, arguments = self._lib.rope_signals, (self._rope, len(wanted), _numbers(wanted), values)
+
+        def read_now() -> NDArray[np.float64]:
+            self._require_state()
+            read(*arguments)
+            return view.copy()
+
+        return read_now
+
     def added_mass(self) -> tuple[float, float]:
         left, right = self.signals(("left.added_mass", "right.added_mass")).values()
         return left, right
@@ -205,9 +219,12 @@ class NativeRope(BalanceRope):
                 told[warning.__name__] = text.value.decode()
         return told
 
-    def restore(self, data: bytes | RopeState) -> None:
-        state = RopeState.from_bytes(data) if isinstance(data, bytes) else data
-        if not (status := self.restore_native(_pack(state))).valid:
+    def snapshot(self) -> Snapshot:
+        return Snapshot(self.native_state(), _unpack)
+
+    def restore(self, data: bytes | RopeState | Snapshot) -> None:
+        kept = data.kept if isinstance(data, Snapshot) else None
+        if not (status := self.restore_native(kept if isinstance(kept, bytes) else _pack(state_in(data)))).valid:
             raise ValueError(status.message)
 
     def retune(self, scene: Scene) -> None:

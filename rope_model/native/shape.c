@@ -115,15 +115,19 @@ static int part_above(const double *first, int stride, double height, double par
     return n;
 }
 
-/* smallest distance of the points from the pieces of a polygon */
+/* smallest distance of the points from the pieces of a polygon; what is higher or lower by more is passed over */
 static double smallest_distance(int points, double point[LEG][3], int corners, double corner[LEG][3]) {
-    double least = HUGE_VAL;
+    double least = HUGE_VAL, lowest_from[LEG + 1];
+    lowest_from[points] = HUGE_VAL;
+    for (int n = points - 1; n >= 0; n--) lowest_from[n] = fmin(point[n][1], lowest_from[n + 1]);
     for (int m = 0; m + 1 < corners; m++) {
-        double along[3];
+        double along[3], low = fmin(corner[m][1], corner[m + 1][1]), high = fmax(corner[m][1], corner[m + 1][1]);
         for (int axis = 0; axis < 3; axis++) along[axis] = corner[m + 1][axis] - corner[m][axis];
-        for (int n = 0; n < points; n++) least = fmin(least, squared_distance(point[n], corner[m], along));
+        for (int n = 0; n < points && lowest_from[n] < high + least; n++) {
+            if (point[n][1] > low - least) least = fmin(least, sqrt(squared_distance(point[n], corner[m], along)));
+        }
     }
-    return sqrt(least);
+    return least;
 }
 
 double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,

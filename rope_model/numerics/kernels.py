@@ -40,26 +40,28 @@ class Kernel:
 
     Arrays are C-ordered with one row per CasADi column: shape (nodes, 7) for a (7, nodes) argument.  The returned
     arrays belong to the caller.  Not to be shared between threads.
+
+    ``inputs`` and ``outputs`` are the arrays that the function itself reads and writes when it is ``evaluate``d.
     """
 
     def __init__(self, function: ca.Function, shapes: Sequence[tuple[int, ...]]) -> None:
         self.function = function
         self._shapes = shapes
         buffer: Any
-        buffer, self._evaluate = function.buffer()  # the stubs of casadi do not know the buffer's methods
+        buffer, self.evaluate = function.buffer()  # the stubs of casadi do not know the buffer's methods
         self._buffer = buffer
-        self._inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
-        self._outputs = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
-        for i, x in enumerate(self._inputs):
+        self.inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
+        self.outputs = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
+        for i, x in enumerate(self.inputs):
             buffer.set_arg(i, x.data)
-        for i, x in enumerate(self._outputs):
+        for i, x in enumerate(self.outputs):
             buffer.set_res(i, x.data)
 
     def __call__(self, *arguments: Array | float) -> list[Array]:
-        for destination, source in zip(self._inputs, arguments, strict=True):
+        for destination, source in zip(self.inputs, arguments, strict=True):
             destination[:] = source.ravel() if isinstance(source, np.ndarray) else source
-        self._evaluate()
-        return [x.reshape(shape).copy() for x, shape in zip(self._outputs, self._shapes, strict=True)]
+        self.evaluate()
+        return [x.reshape(shape).copy() for x, shape in zip(self.outputs, self._shapes, strict=True)]
 
 
 def prepare(

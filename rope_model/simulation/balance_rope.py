@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..parameters import Scene
 from .ends import SHORTEST_AIM, EndMotion
 from .fidelity import Fidelity
+from .signals import checked_names
 from .state import RopeState
 
 
@@ -18,6 +23,19 @@ class Status:
 
     valid: bool
     message: str = ""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A state in memory, as the rope that made it keeps it."""
+
+    kept: Any
+    unpack: Callable[[Any], RopeState]
+
+    @property
+    def state(self) -> RopeState:
+        """For analysis, and for other ropes."""
+        return self.unpack(self.kept)
 
 
 class BalanceRope(ABC):
@@ -85,6 +103,11 @@ class BalanceRope(ABC):
         Without ``names`` all but the added masses, which cost as much as a step: ask for those by name.
         """
 
+    def reader(self, names: Sequence[str]) -> Callable[[], NDArray[np.float64]]:
+        """A function that reads these values again and again, in this order; faster than ``signals``."""
+        wanted = checked_names(names)
+        return lambda: np.array([*self.signals(wanted).values()])
+
     @abstractmethod
     def added_mass(self) -> tuple[float, float]:
         """kg, left and right: how much an end's downward force grows with an upward acceleration of that end.
@@ -100,10 +123,24 @@ class BalanceRope(ABC):
         """The complete state, for ``restore`` of any form of the same scene, also in another process."""
         return self.state.to_bytes()
 
+    def snapshot(self) -> Snapshot:
+        """The complete state, for ``restore``; faster than ``state`` and ``save``."""
+        return Snapshot(self.state, lambda state: state)
+
     @abstractmethod
-    def restore(self, data: bytes | RopeState) -> None:
-        """Go on from what ``save`` or ``state`` gave; ValueError, and no change, when it does not fit this scene."""
+    def restore(self, data: bytes | RopeState | Snapshot) -> None:
+        """Go on from what ``save``, ``state`` or ``snapshot`` gave.
+
+        ValueError, and no change, when it does not fit this scene.
+        """
 
     @abstractmethod
     def retune(self, scene: Scene) -> None:
         """Go on with other solver tolerances or swivel friction; nothing else of the scene may differ."""
+
+
+def state_in(data: bytes | RopeState | Snapshot) -> RopeState:
+    """The state that ``save``, ``state`` or ``snapshot`` gave."""
+    if isinstance(data, Snapshot):
+        return data.state
+    return RopeState.from_bytes(data) if isinstance(data, bytes) else data

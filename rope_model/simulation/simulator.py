@@ -22,7 +22,7 @@ from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
 from ..physics.estimates import bending_length
 from .adaptation import raise_fidelity, transform_if_due, with_loop_yaw
-from .balance_rope import BalanceRope, Status
+from .balance_rope import BalanceRope, Snapshot, Status, state_in
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import (
     SHORTEST_AIM,
@@ -154,8 +154,8 @@ class RopeSimulator(BalanceRope):
         told = {warning.__name__: warning(self.scene, self.state) for warning in WARNINGS}
         return {subject: text for subject, text in told.items() if text}
 
-    def restore(self, data: bytes | RopeState) -> None:
-        state = RopeState.from_bytes(data) if isinstance(data, bytes) else data
+    def restore(self, data: bytes | RopeState | Snapshot) -> None:
+        state = state_in(data)
         self._require_fitting(state)
         self._accept(state)
 

@@ -148,7 +148,7 @@ static void small(unsigned which, double reals[REALS], int integers[INTEGERS]) {
 static size_t damage(Bytes *b, unsigned char *state, size_t bytes) {
     enum { CHECKED_FROM = 24 };
     unsigned changes = byte(b) % 8, cut = byte(b);
-    uint64_t sum = 14695981039346656037u;
+    uint64_t sum = 14695981039346656037u, part;
     size_t i;
     while (changes--) {
         unsigned how = byte(b);
@@ -168,7 +168,11 @@ static size_t damage(Bytes *b, unsigned char *state, size_t bytes) {
     if (bytes > CHECKED_FROM && cut != 249) {
         uint64_t length = bytes;
         memcpy(state + 8, &length, sizeof length);
-        for (i = CHECKED_FROM; i < bytes; i++) sum = (sum ^ state[i]) * 1099511628211u;
+        for (i = CHECKED_FROM; i + sizeof part <= bytes; i += sizeof part) {
+            memcpy(&part, state + i, sizeof part);
+            sum = (sum ^ part) * 1099511628211u;
+        }
+        for (; i < bytes; i++) sum = (sum ^ state[i]) * 1099511628211u;
         memcpy(state + 16, &sum, sizeof sum);
     }
     return bytes;

@@ -10,13 +10,17 @@ import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from ctypes import byref
+from ctypes import byref, c_uint32
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import fmpy
+import fmpy.fmi2
+import fmpy.fmi3
+import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     FMU2Slave,
@@ -28,6 +32,7 @@ from fmpy.fmi2 import (
     free,
 )
 from fmpy.fmi3 import FMU3Slave
+from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.rope_data import Value
 
@@ -102,14 +107,28 @@ def _value(kind: str, text: str) -> Value:
     return text in ("true", "1") if kind == "Boolean" else text
 
 
+def _serves_to_run(file: str) -> bool:
+    """Whether an instance may read this file of the archive."""
+    return not file.startswith(("sources/", "documentation/", "terminalsAndIcons/"))
+
+
+class Buffer(NamedTuple):
+    """Values that are read from or written to an FMU again and again."""
+
+    names: Sequence[str]
+    call: Callable[[], Any]  # fills `values`, or passes them on
+    values: NDArray[Any]
+
+
 class Instance(ABC):
     """One instance for co-simulation, whose files lie in a folder of its own until it is closed."""
 
     def __init__(self, path: Path, description: Any, hear: Hear) -> None:
         """Extract, load and instantiate; RuntimeError when that fails."""
-        self.directory = Path(fmpy.extract(str(path)))
+        self.directory = Path(fmpy.extract(str(path), include=_serves_to_run))
         self._hear = hear
         self._fmu: Any = None
+        self._spare: Any = None
         try:
             self._fmu = self._fmpy_class(
                 guid=description.guid,
@@ -126,6 +145,13 @@ class Instance(ABC):
 
     _fmpy_class: Callable[..., Any]
     """FMPy's, of the version."""
+
+    _fmpy_module: Any
+    _prefix: str
+    """Of the names in C."""
+
+    _state: str
+    """How they spell a state."""
 
     _enumeration: str
     """Type whose functions get and set enumerations."""
@@ -146,6 +172,20 @@ class Instance(ABC):
     def get(self, variables: Sequence[Variable]) -> list[Value]:
         """Values of all elements of variables of one type."""
 
+    def buffer(self, what: Literal["Get", "Set"], variables: Sequence[Variable]) -> Buffer:
+        """For all elements of variables of one type, to be called again and again."""
+        kind, number = variables[0].type, sum(len(v.elements) for v in variables)
+        type_ = self._enumeration if kind == "Enumeration" else kind
+        references = (c_uint32 * len(variables))(*(v.reference for v in variables))
+        values = (getattr(self._fmpy_module, f"{self._prefix}{type_}") * number)()
+        function = getattr(self._fmu, f"{self._prefix}{what}{type_}")
+        call = self._buffer_call(function, references, values)
+        return Buffer([name for v in variables for name in v.elements], call, np.ctypeslib.as_array(values))
+
+    @abstractmethod
+    def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
+        """A getter or setter with its arguments."""
+
     def set(self, variables: Sequence[Variable], values: Sequence[Value]) -> None:
         """Set all elements of variables of one type."""
         self._function("set", variables)([v.reference for v in variables], values)
@@ -159,16 +199,22 @@ class Instance(ABC):
         self._fmu.terminate()
 
     def save(self) -> Any:
-        """A handle of the state."""
-        return self._fmu.getFMUState()
+        """A handle of the state, in the memory of the last one that was given back."""
+        if self._spare is None:
+            return self._fmu.getFMUState()
+        state, self._spare = self._spare, None
+        getattr(self._fmu, f"{self._prefix}GetFMU{self._state}")(self._fmu.component, byref(state))
+        return state
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a handle."""
         self._fmu.setFMUState(snapshot)
 
     def free(self, snapshot: Any) -> None:
-        """Give a handle back."""
-        self._fmu.freeFMUState(snapshot)
+        """Give a handle back; the last one is kept for the next state."""
+        if self._spare is not None:
+            self._fmu.freeFMUState(self._spare)
+        self._spare = snapshot
 
     def to_bytes(self, snapshot: Any) -> bytes:
         """A handle's state as bytes."""
@@ -182,6 +228,9 @@ class Instance(ABC):
         """Free the instance and remove its files; may be called more than once."""
         fmu, self._fmu = self._fmu, None
         if fmu is not None:
+            if self._spare is not None:
+                with suppress(CallError):
+                    fmu.freeFMUState(self._spare)
             fmu.freeInstance()
         self._remove()
 
@@ -195,7 +244,7 @@ class Instance(ABC):
 
 
 class _Instance2(Instance):
-    _fmpy_class, _enumeration = FMU2Slave, "Integer"
+    _fmpy_class, _fmpy_module, _prefix, _state, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "state", "Integer"
 
     def _instantiate(self) -> None:
         # FMPy prints by default; the callbacks must live as long as the instance
@@ -220,6 +269,9 @@ class _Instance2(Instance):
     def step(self, t: float, h: float) -> None:
         self._fmu.doStep(t, h)
 
+    def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
+        return partial(function, self._fmu.component, references, len(references), values)
+
     def get(self, variables: Sequence[Variable]) -> list[Value]:
         values: list[Any] = self._function("get", variables)([v.reference for v in variables])
         if variables[0].kind == "String":
@@ -228,7 +280,7 @@ class _Instance2(Instance):
 
 
 class _Instance3(Instance):
-    _fmpy_class, _enumeration = FMU3Slave, "Int64"
+    _fmpy_class, _fmpy_module, _prefix, _state, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "State", "Int64"
 
     def _instantiate(self) -> None:
         self._fmu.instantiate(loggingOn=True, logMessage=self._pass_on)
@@ -243,6 +295,9 @@ class _Instance3(Instance):
         _, ended, _, _ = self._fmu.doStep(t, h)
         if ended:  # succeeds here, and is a discarded step in FMI 2.0
             raise CallError("fmi3DoStep", _DISCARD)
+
+    def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
+        return partial(function, self._fmu.component, references, len(references), values, len(values))
 
     def get(self, variables: Sequence[Variable]) -> list[Value]:
         number = sum(len(v.elements) for v in variables)

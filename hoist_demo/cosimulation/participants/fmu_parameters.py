@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile, ZipFile
@@ -58,6 +59,13 @@ def read_description(path: Path) -> Any:
     """FMPy's model description of an FMU that this host can drive."""
     if not path.is_file():
         raise ValueError(f"FMU '{path}' is missing: export it with `balance-rope export --out {path}`")
+    seen = path.stat()
+    return _description(path.resolve(), seen.st_mtime_ns, seen.st_size)
+
+
+@lru_cache(maxsize=8)  # a study reads the same file for every run
+def _description(path: Path, changed: int, size: int) -> Any:
+    """Of the file as it was changed last [ns], of so many bytes."""
     try:
         with ZipFile(path) as archive:
             if "modelDescription.xml" not in archive.namelist():

@@ -9,15 +9,18 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.fmi_versions import (
     VERSIONS,
     WARNING,
+    Buffer,
     CallError,
     Instance,
     Variable,
@@ -25,18 +28,37 @@ from hoist_demo.cosimulation.participants.fmi_versions import (
 )
 from hoist_demo.cosimulation.participants.fmu_parameters import parameters_of, read_description
 from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
-from hoist_demo.cosimulation.participants.rope_plant import REQUIRED_SIGNALS, EndMotion, RopeStatus
+from hoist_demo.cosimulation.participants.rope_plant import REQUIRED_SIGNALS, EndMotion, Reader, RopeStatus
 from hoist_demo.recording.fidelity import FIDELITY, code_of
 
 _log = logging.getLogger(__name__)
 
 ParameterValue = Value
 
-INPUTS = tuple(field.name for field in fields(EndMotion))
+INPUTS = EndMotion._fields
 """Names of an end's inputs."""
 
 NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
 """Outputs left alone by default: the host does not use them, and a rope may compute them only when they are read."""
+
+_NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
+_VALID = RopeStatus(True)
+
+
+class _Part(NamedTuple):
+    """What one call of the FMU reads of some names."""
+
+    get: Callable[[], Any]
+    values: NDArray[Any]
+    there: NDArray[np.intp]  # places in `values`
+    here: NDArray[np.intp]  # places among the names
+
+    @staticmethod
+    def of(buffer: Buffer, names: Sequence[str]) -> _Part:
+        """Of a buffer that also reads other elements of arrays."""
+        places = {name: k for k, name in enumerate(buffer.names)}
+        pairs = np.array([(places[name], k) for k, name in enumerate(names) if name in places])
+        return _Part(buffer.call, buffer.values, pairs[:, 0].copy(), pairs[:, 1].copy())
 
 
 class FmuRope:
@@ -60,7 +82,7 @@ class FmuRope:
         variables = variables_of(self._description)
         self._described = parameters_of(variables)
         self._variables = {name: v for v in variables for name in v.elements}
-        self._inputs = [self._variable(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
+        inputs = [self._variable(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
         self._not_read = frozenset(not_read)
         self._outputs = _numeric_outputs(variables, self._not_read)
         self._tells_fidelity = FIDELITY in self._variables and FIDELITY not in not_read
@@ -72,6 +94,9 @@ class FmuRope:
             self._fmu: Instance = VERSIONS[self._description.fmiVersion](self._path, self._description, self._hear)
         except RuntimeError as error:
             raise ValueError(f"the FMU must instantiate, but: {self._explanation(error)}: export it anew") from error
+        self._motions = self._fmu.buffer("Set", inputs)
+        valid = self._variables.get("status.valid")
+        self._valid = self._fmu.buffer("Get", [valid]) if valid is not None else None
         try:
             for variable in dict.fromkeys(self._variable(name) for name in self._chosen):
                 self._set(variable)
@@ -86,28 +111,45 @@ class FmuRope:
             self._set_motions(left, right)
             self._fmu.exit_initialization()
             self._started = True
+            return self._status()
         except CallError as error:
             return self._failure_status(error)
-        return self._status()
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """One doStep(t, h) with the motions of its end."""
         try:
             self._set_motions(left, right)
             self._fmu.step(t, h)
+            return self._status()
         except CallError as error:
             return self._failure_status(error)
-        return self._status()
 
     def signals(self) -> dict[str, float]:
         """Real, Integer and Boolean outputs by name, but those that are not read, and the fidelity by its code."""
-        values: dict[str, float] = {}
-        for variables in self._outputs:
-            read = zip(_elements(variables), self._fmu.get(variables), strict=True)
-            values.update((name, float(value)) for name, value in read if name not in self._not_read)
-        if self._tells_fidelity:
-            values[FIDELITY] = code_of(self._text(FIDELITY))
-        return values
+        names = tuple(self.units())
+        return dict(zip(names, self.reader(names)().tolist(), strict=True))
+
+    def reader(self, names: Sequence[str]) -> Reader:
+        """A function that reads some outputs, and the fidelity by its code; arrays are read whole."""
+        asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
+        groups = [[v for v in asked if v.type == type_] for type_ in {v.type for v in asked if v.kind in _NUMBERS}]
+        parts = [_Part.of(self._fmu.buffer("Get", variables), names) for variables in groups]
+        fidelity = [k for k, name in enumerate(names) if name == FIDELITY and FIDELITY in self._variables]
+        nothing = np.full(len(names), np.nan)
+
+        def read() -> NDArray[np.float64]:
+            found = nothing.copy()
+            try:
+                for get, values, there, here in parts:
+                    get()
+                    found[here] = values[there]
+                if fidelity:
+                    found[fidelity] = code_of(self._text(FIDELITY))
+            except CallError as error:
+                raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
+            return found
+
+        return read
 
     def data(self) -> RopeData:
         """What this rope is: its file, and all parameters with the values they were given."""
@@ -123,22 +165,14 @@ class FmuRope:
         }
         return RopeData(model, self._parameters(), {name: p.unit for name, p in parameters.items()}, self._reason())
 
-    def read(self, names: Iterable[str]) -> dict[str, float]:
-        """Some Real outputs by name, in the order asked for."""
-        wanted = [name for name in names if name in self._variables]
-        if not wanted:
-            return {}
-        variables = list(dict.fromkeys(self._variables[name] for name in wanted))
-        with self._translate_failures():
-            values = dict(zip(_elements(variables), map(float, self._fmu.get(variables)), strict=True))
-        return {name: values[name] for name in wanted}
-
     def save(self) -> Any:
         """A handle of the FMU's state; None when it cannot save."""
         if not self._description.coSimulation.canGetAndSetFMUstate:
             return None
-        with self._translate_failures():
+        try:
             return self._fmu.save()
+        except CallError as error:
+            raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a handle of this instance."""
@@ -148,8 +182,10 @@ class FmuRope:
     def free(self, snapshot: Any) -> None:
         """Give a handle back to the FMU."""
         if snapshot is not None:
-            with suppress(CallError):
+            try:
                 self._fmu.free(snapshot)
+            except CallError as error:
+                _log.debug("a state is not given back: %s", error)
 
     def to_bytes(self, snapshot: Any) -> bytes:
         """The FMU's serialized state."""
@@ -202,14 +238,15 @@ class FmuRope:
             raise ValueError(f"the FMU must take {variable.name}, but: {self._explanation(error)}") from error
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
-        self._fmu.set(self._inputs, [getattr(end, name) for end in (left, right) for name in INPUTS])
+        self._motions.values[:] = [*left, *right]
+        self._motions.call()
 
     def _status(self) -> RopeStatus:
         """What `status.valid` and `status.message` say; an FMU without them is valid."""
-        valid = True
-        if "status.valid" in self._variables:
-            valid = bool(self._fmu.get([self._variables["status.valid"]])[0])
-        return RopeStatus(valid, "" if valid else self._message())
+        if self._valid is None:
+            return _VALID
+        self._valid.call()
+        return _VALID if self._valid.values[0] else RopeStatus(False, self._message())
 
     def _message(self) -> str:
         return self._text("status.message")
@@ -260,20 +297,14 @@ class FmuRope:
             _log.warning("%s", text)
 
     def _units_of_outputs(self) -> dict[str, str]:
-        named = {name: v.unit for variables in self._outputs for v in variables for name in v.elements}
+        named = {name: v.unit for v in self._outputs for name in v.elements}
         return {name: unit for name, unit in named.items() if name not in self._not_read}
 
 
-def _numeric_outputs(variables: Iterable[Variable], not_read: Collection[str]) -> list[list[Variable]]:
-    """Outputs that are numbers, those that are read together by one call in one list."""
+def _numeric_outputs(variables: Iterable[Variable], not_read: Collection[str]) -> list[Variable]:
+    """Outputs that are numbers, by their kind."""
     read = [v for v in variables if v.causality == "output" and not set(v.elements).issubset(not_read)]
-    kinds = ("Real", "Integer", "Enumeration", "Boolean")
-    types = dict.fromkeys(v.type for kind in kinds for v in read if v.kind == kind)
-    return [[v for v in read if v.type == type_] for type_ in types]
-
-
-def _elements(variables: Iterable[Variable]) -> list[str]:
-    return [name for v in variables for name in v.elements]
+    return [v for kind in _NUMBERS for v in read if v.kind == kind]
 
 
 def _typed(variable: Variable, value: ParameterValue) -> ParameterValue:

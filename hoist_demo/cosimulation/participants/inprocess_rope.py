@@ -6,19 +6,22 @@ The only module of the host that knows rope_model; it stands in for the FMU in c
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, fields, replace
+from dataclasses import fields, replace
 from importlib.metadata import version
 from typing import Any, Literal, get_args, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopeStatus
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
 from hoist_demo.parameters.quantity import units_of
 from hoist_demo.recording.fidelity import FIDELITY, code_of
-from rope_model import SIGNALS, Level, RopeState, Scene, Status, at_level, balance_rope
+from rope_model import SIGNALS, Level, RopeState, Scene, Snapshot, Status, at_level, balance_rope
 from rope_model import EndMotion as RopeEndMotion
 
 _log = logging.getLogger(__name__)
@@ -75,24 +78,35 @@ class InProcessRope:
             reason = self._rope.fidelity_reason
         return RopeData(model, values, units, reason)
 
-    def read(self, names: Iterable[str]) -> dict[str, float]:
-        """Some outputs."""
-        return self._rope.signals(name for name in names if name in SIGNALS)
+    def reader(self, names: Sequence[str]) -> Reader:
+        """A function that reads some outputs."""
+        places = [k for k, name in enumerate(names) if name in SIGNALS]
+        fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
+        read = self._rope.reader([names[k] for k in places])
 
-    def save(self) -> RopeState:
+        def values() -> NDArray[np.float64]:
+            found = np.full(len(names), np.nan)
+            found[places] = read()
+            if fidelities:
+                found[fidelities] = code_of(self._rope.fidelity)
+            return found
+
+        return values
+
+    def save(self) -> Snapshot:
         """The state, which nothing changes."""
-        return self._rope.state
+        return self._rope.snapshot()
 
-    def restore(self, snapshot: RopeState) -> None:
+    def restore(self, snapshot: Snapshot | RopeState) -> None:
         """Go on from a state."""
         self._rope.restore(snapshot)
 
-    def free(self, snapshot: RopeState) -> None:
+    def free(self, snapshot: Snapshot | RopeState) -> None:
         """Nothing is held."""
 
-    def to_bytes(self, snapshot: RopeState) -> bytes:
+    def to_bytes(self, snapshot: Snapshot) -> bytes:
         """The state as bytes."""
-        return _TAG + stamp(snapshot.to_bytes(), self.data().parameters)
+        return _TAG + stamp(snapshot.state.to_bytes(), self.data().parameters)
 
     def from_bytes(self, data: bytes) -> RopeState:
         """The state that these bytes hold."""
@@ -162,7 +176,7 @@ def rope_data(parameters: Mapping[str, Value], level: Level = "standard") -> Sce
 
 def _motion(end: EndMotion) -> RopeEndMotion:
     """The same numbers in rope_model's own type."""
-    return RopeEndMotion(**asdict(end))
+    return RopeEndMotion(*end)
 
 
 def _decode(part: Any, name: str, value: Value) -> Any:

@@ -1,133 +1,118 @@
-"""Hoist and rope as the two partners of a coupling scheme, and the table of what they exchange.
+"""Hoist and rope as the two partners of a coupling, and the names of what they exchange.
 
-One row of COORDINATES per motion that the hoist gives and the rope follows; the rope's answer to it is the force of
-the same row. A hoist with lateral play adds rows.
+The coordinates of the exchange are the heights of the left and the right end; the rope's answer to them are its
+vertical forces. Everything else of the ends' motion follows the drive.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from time import perf_counter, process_time
-from typing import NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from time import perf_counter
 
 import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant, RopeStatus
 from hoist_demo.cosimulation.schemes.interface import Load, Motion, Vector
-from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantInputPath, PlantOutput, PlantState
+from hoist_demo.drive.equations import FORCES, INPUT_NAMES
+from hoist_demo.drive.plant import SHOWN, HoistPlant, PlantOutput, PlantState, rope_ends
 
+ENDS = ("left", "right")
+ROPE_FORCES = tuple(f"{end}.{name}" for name in ("fy", "fy_mean") for end in ENDS)
+"""The rope's signals: forces now, and their means over the last step."""
+ADDED_MASSES = tuple(f"{end}.added_mass" for end in ENDS)
 
-class Coordinate(NamedTuple):
-    """One interface coordinate by its names on either side."""
-
-    end: str
-    motion: tuple[str, str, str]  # place, speed and acceleration, of EndMotion
-    output: tuple[str, str, str]  # the same, of PlantOutput
-    force: str  # the rope's signal
-    mean: str  # its mean over the last step
-    added_mass: str
-    input: str  # of PlantInput
-
-
-COORDINATES = tuple(
-    Coordinate(
-        end,
-        ("y", "vy", "ay"),
-        (f"y_{end}", f"v_{end}", f"a_{end}"),
-        f"{end}.fy",
-        f"{end}.fy_mean",
-        f"{end}.added_mass",
-        f"force_{end}",
-    )
-    for end in ("left", "right")
-)
-FORCES = tuple(c.force for c in COORDINATES) + tuple(c.mean for c in COORDINATES)
-ADDED_MASSES = tuple(c.added_mass for c in COORDINATES)
+_PLACE, _SPEED, _ACCELERATION = (slice(SHOWN[f"{name}_left"], SHOWN[f"{name}_right"] + 1) for name in "yva")
+_START, _RISE, _BEND = (slice(k * len(INPUT_NAMES) + FORCES[0], k * len(INPUT_NAMES) + FORCES[1] + 1) for k in range(3))
+"""Places of the forces in a path of the drive's input."""
 
 
 @dataclass
 class Stopwatch:
-    """Wall and processor time of one of the two partners, added up."""
+    """Wall time of one of the two participants, added up."""
 
     wall: float = 0.0  # s
-    cpu: float = 0.0  # s
+    _since: float = field(default=0.0, repr=False, compare=False)
 
-    @contextmanager
-    def count_time(self) -> Iterator[None]:
-        """Counts the time within."""
-        wall, cpu = perf_counter(), process_time()
-        try:
-            yield
-        finally:
-            self.wall += perf_counter() - wall
-            self.cpu += process_time() - cpu
+    def __enter__(self) -> None:
+        self._since = perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        self.wall += perf_counter() - self._since
 
 
 def end_motions(motion: Motion, beside: tuple[EndMotion, EndMotion]) -> tuple[EndMotion, EndMotion]:
     """The coupling's motion as that of the rope's two ends; what it does not hold is that of ``beside``."""
-    ends = dict(zip(("left", "right"), beside, strict=True))
-    for k, c in enumerate(COORDINATES):
-        values = (motion.place[k], motion.speed[k], motion.acceleration[k])
-        ends[c.end] = replace(ends[c.end], **dict(zip(c.motion, map(float, values), strict=True)))
-    return ends["left"], ends["right"]
+    (y_left, y_right), (v_left, v_right) = motion.place.tolist(), motion.speed.tolist()
+    a_left, a_right = motion.acceleration.tolist()
+    left, right = beside
+    return _raise_end(left, y_left, v_left, a_left), _raise_end(right, y_right, v_right, a_right)
+
+
+def _raise_end(end: EndMotion, y: float, vy: float, ay: float) -> EndMotion:
+    x, _, z, vx, _, vz, ax, _, az, yaw, yaw_rate = end
+    return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
 
 
 def mid_guide_motions() -> tuple[EndMotion, EndMotion]:
     """Ends that hang in the middle of their guides."""
-    return EndMotion(), EndMotion()
+    return _CENTRED, _CENTRED
 
 
-def motion_of(output: PlantOutput) -> Motion:
-    """The motion of the drive's ends as the coupling has it."""
-    return Motion(*(np.array([getattr(output, c.output[k]) for c in COORDINATES]) for k in range(3)))
-
-
-def input_of(held: PlantInput, forces: Vector) -> PlantInput:
-    """A plant's input with the rope's forces."""
-    return PlantInput(**vars(held) | dict(zip(_INPUTS, forces.tolist(), strict=True)))
-
-
-_INPUTS = tuple(c.input for c in COORDINATES)
-_NOTHING = PlantInput(0.0, 0.0, 0.0)
+_CENTRED = EndMotion()
 
 
 class HoistParticipant:
-    """The hoist as a coupling's drive; `held` is what the controller commands, to be set between steps."""
+    """The hoist as a coupling's drive; `command` is to be given between steps."""
 
-    def __init__(self, plant: HoistPlant, state: PlantState, held: PlantInput, clock: Stopwatch) -> None:
-        self.plant, self.state, self.held = plant, state, held
+    def __init__(self, plant: HoistPlant, state: PlantState, held: Vector, clock: Stopwatch) -> None:
+        """`held` is the input that acts at the start, in the order of INPUT_NAMES."""
+        self.plant, self.state = plant, state
         self.input = held  # that acts now, forces included
+        self._path = np.concatenate([held, np.zeros(2 * held.size)])  # of the next step
         self._clock = clock
-        # a scheme asks for the same again and again
-        self._known_output: tuple[PlantState, PlantInput, PlantOutput] | None = None
-        self._known_path: tuple[Load, PlantInput, PlantInputPath] | None = None
+        self._shown: Vector | None = None  # under the input
+        self._done: tuple[Load, Motion] | None = None  # load of the last step, and the motion at its end
+
+    def command(self, torque: float, brake: float, sides: Vector) -> None:
+        """What acts from now on beside the vertical forces: the controller's command and the rope's side forces."""
+        self._path[_TORQUE], self._path[_BRAKE], self._path[_SIDES] = torque, brake, sides
+        self._done = None
 
     def step(self, t: float, h: float, load: Load) -> str:
         """One step under the load; a constant one is held to the bit."""
-        with self._clock.count_time():
-            given: PlantInput | PlantInputPath
-            given = path = self._path(load)
-            if not (load.rise.any() or load.bend.any() or load.added_mass.any()):
-                given = path.start
-            moved = self.plant.step(self.state, h, given)
+        with self._clock:
+            moved = self.plant.advance(self.state, h, self._under(load), load.added_mass)
             if not moved.valid:
                 return f"t = {t:.6g} s: {moved.message}"
-            self.state = moved.state
-            self.input = self.plant.loads_at(self.state, path, 1.0)
+            self.state, self.input, self._shown = moved.state, moved.acting, moved.shown
+            self._done = load, _motion(moved.shown)
         return ""
+
+    @property
+    def outputs(self) -> Vector:
+        """What the hoist shows now, the numbers of PlantOutput."""
+        if self._shown is None:
+            path = np.concatenate([self.input, np.zeros(2 * self.input.size)])
+            _, self._shown = self.plant.loads_and_outputs(self.state, path, np.zeros(2), 0.0)
+        return self._shown
 
     def output(self) -> PlantOutput:
         """What the hoist shows now."""
-        return self._output(self.input)
+        return PlantOutput(*self.outputs.tolist())
+
+    def place(self) -> Vector:
+        """Heights of the ends now."""
+        return self.outputs[_PLACE]
 
     def motion(self, load: Load, s: float) -> Motion:
         """Motion of the ends now."""
-        with self._clock.count_time():
-            acting = self.plant.loads_at(self.state, self._path(load), s)
-            return motion_of(self._output(acting))
+        if self._done is not None and self._done[0] is load and s == 1.0:
+            return self._done[1]
+        with self._clock:
+            _, shown = self.plant.loads_and_outputs(self.state, self._under(load), load.added_mass, s)
+        return _motion(shown)
 
     def mobility(self) -> Vector:
         """Of the two vertical accelerations."""
@@ -139,30 +124,26 @@ class HoistParticipant:
 
     def ends(self) -> tuple[EndMotion, EndMotion]:
         """Motion of the conveyances now, lateral and yaw too."""
-        return self.output().ends
+        return rope_ends(self.outputs)
 
-    def save(self) -> tuple[PlantState, PlantInput]:
+    def save(self) -> tuple[PlantState, Vector]:
         return self.state, self.input
 
-    def restore(self, snapshot: tuple[PlantState, PlantInput]) -> None:
+    def restore(self, snapshot: tuple[PlantState, Vector]) -> None:
         self.state, self.input = snapshot
+        self._shown = self._done = None
 
-    def _output(self, acting: PlantInput) -> PlantOutput:
-        known = self._known_output
-        if known is None or known[0] is not self.state or known[1] != acting:
-            self._known_output = known = self.state, acting, self.plant.outputs(self.state, acting)
-        return known[2]
+    def _under(self, load: Load) -> Vector:
+        """The path of a step."""
+        self._path[_START], self._path[_RISE], self._path[_BEND] = load.start, load.rise, load.bend
+        return self._path
 
-    def _path(self, load: Load) -> PlantInputPath:
-        known = self._known_path
-        if known is None or known[0] is not load or known[1] is not self.held:
-            self._known_path = known = load, self.held, self._make_path(load)
-        return known[2]
 
-    def _make_path(self, load: Load) -> PlantInputPath:
-        added = (float(load.added_mass[0]), float(load.added_mass[1]))
-        rise, bend = input_of(_NOTHING, load.rise), input_of(_NOTHING, load.bend)
-        return PlantInputPath(input_of(self.held, load.start), rise, bend, added)
+def _motion(shown: Vector) -> Motion:
+    return Motion(shown[_PLACE], shown[_SPEED], shown[_ACCELERATION])
+
+
+_TORQUE, _BRAKE, _SIDES = INPUT_NAMES.index("torque_command"), INPUT_NAMES.index("brake"), slice(4, 10)
 
 
 class RopeParticipant:
@@ -172,43 +153,41 @@ class RopeParticipant:
         self.rope = rope
         self.beside: Callable[[], tuple[EndMotion, EndMotion]] = mid_guide_motions  # lateral motion of the conveyances
         self._clock = clock
-        self._read: dict[str, float] | None = None
+        self._read, self._read_added_masses = rope.reader(ROPE_FORCES), rope.reader(ADDED_MASSES)
+        self._forces: Vector | None = None
 
     def start(self, t: float, left: EndMotion, right: EndMotion, clock: Stopwatch) -> str:
         """Hang the rope; "" or the cause why it does not."""
-        with clock.count_time():
+        with clock:
             status = self.rope.initialize(t, left, right)
             return self._problem(status, "rope, at the start")
 
     def step(self, t: float, h: float, motion: Motion) -> str:
         """One step of the rope, and its forces."""
-        with self._clock.count_time():
+        with self._clock:
             status = self.rope.step(t, h, *end_motions(motion, self.beside()))
             return self._problem(status, f"rope, step from t = {t:.6g} s")
 
     def forces(self) -> tuple[Vector, Vector]:
         """Forces now and their means."""
-        if self._read is None:
-            self._read = self.rope.read(FORCES)
-        read, n = self._read, len(COORDINATES)
-        values = np.array([read[name] for name in FORCES])
-        return values[:n], values[n:]
+        if self._forces is None:
+            self._forces = self._read()
+        return self._forces[: len(ENDS)], self._forces[len(ENDS) :]
 
     def added_mass(self) -> Vector | None:
         """Of the last step; None where the rope cannot tell."""
-        with self._clock.count_time():
-            read = self.rope.read(ADDED_MASSES)
-        values = [read.get(name, math.nan) for name in ADDED_MASSES]
-        return np.array(values) if all(map(math.isfinite, values)) else None
+        with self._clock:
+            values = self._read_added_masses()
+        return values if np.isfinite(values).all() else None
 
     def save(self) -> object:
-        with self._clock.count_time():
+        with self._clock:
             return self.rope.save()
 
     def restore(self, snapshot: object) -> None:
-        with self._clock.count_time():
+        with self._clock:
             self.rope.restore(snapshot)
-            self._read = None
+            self._forces = None
 
     def free(self, snapshot: object) -> None:
         self.rope.free(snapshot)
@@ -225,12 +204,12 @@ class RopeParticipant:
 
     def _problem(self, status: RopeStatus, where: str) -> str:
         """Why the rope's answer cannot be used; "" when it can."""
-        self._read = None
+        self._forces = None
         if not status.valid:
             return f"{where}: {status.message or 'status.valid is false, without a message'}"
-        read = self.rope.read(FORCES)
-        bad = [name for name in FORCES if not math.isfinite(read.get(name, math.nan))]
-        if bad:
+        forces = self._read()
+        if not math.isfinite(forces.dot(forces)):
+            bad = [name for name, force in zip(ROPE_FORCES, forces, strict=True) if not math.isfinite(force)]
             return f"{where}: {', '.join(bad)} missing or not finite: check the rope plant"
-        self._read = read
+        self._forces = forces
         return ""

@@ -6,13 +6,18 @@ conveyance. Motions are given at the END of a step.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hoist_demo.drive.end_motion import EndMotion
 
-__all__ = ["REQUIRED_SIGNALS", "EndMotion", "RopePlant", "RopeStatus"]
+__all__ = ["REQUIRED_SIGNALS", "EndMotion", "Reader", "RopePlant", "RopeStatus"]
+
+Reader = Callable[[], NDArray[np.float64]]
 
 REQUIRED_SIGNALS = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
 """Without these the loop cannot run; every other signal may be missing."""
@@ -41,8 +46,11 @@ class RopePlant(Protocol):
         """All numeric outputs by FMI name, booleans as 0 and 1."""
         ...
 
-    def read(self, names: Iterable[str]) -> dict[str, float]:
-        """Some numeric outputs by FMI name, costly ones too; what the rope has not got is left out."""
+    def reader(self, names: Sequence[str]) -> Reader:
+        """A function that reads these outputs now, costly ones too, NaN for what the rope has not got.
+
+        It may be made before the rope hangs; its array is the caller's.
+        """
         ...
 
     def save(self) -> Any:

@@ -9,7 +9,7 @@ conservation and power bonds in co-simulations, Engineering with Computers 33 (2
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from .interface import Advance, Memory, Pair, Scheme
 
@@ -66,4 +66,4 @@ class EnergyControlled:
             memory, done = advance.memory, h if parts == 1 else done + step
             # a step that was cut to end at t + h says nothing against a longer one
             wanted = max(step * min(factor, LARGEST_CHANGE), min(wanted, step * factor))
-        return Advance(replace(memory, step_next=min(wanted, h)))
+        return Advance(memory._replace(step_next=min(wanted, h)))

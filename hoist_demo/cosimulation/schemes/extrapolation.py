@@ -24,7 +24,7 @@ def extrapolation_coefficients(
     used = samples[-(order + 1) :]
     values = [np.asarray(getattr(sample, name)) for sample in used]
     last = values[-1]
-    zero = np.zeros_like(last)
+    zero = np.zeros(last.shape)
     if len(used) == 1:
         return last, zero, zero
     # Newton's divided differences, from the last sample backwards

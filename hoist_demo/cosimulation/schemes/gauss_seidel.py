@@ -26,7 +26,7 @@ class GaussSeidel:
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""
         start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
-        return exchange(pair, memory, t, h, Load(start, rise, bend, np.zeros_like(start)))
+        return exchange(pair, memory, t, h, Load(start, rise, bend, np.zeros(start.shape)))
 
 
 @dataclass(frozen=True)

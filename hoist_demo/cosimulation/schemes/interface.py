@@ -5,8 +5,8 @@ load of a step      F(s) = start + rise s + bend s^2 - m_a a ,     a: accelerati
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,7 @@ KEPT = 3
 """Samples that are remembered: enough for a quadratic extrapolation."""
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(NamedTuple):
     """Places, speeds and accelerations of the n interface coordinates at one instant, each (n,)."""
 
     place: Vector  # m
@@ -26,8 +25,7 @@ class Motion:
     acceleration: Vector  # m/s^2
 
 
-@dataclass(frozen=True)
-class Load:
+class Load(NamedTuple):
     """Forces on the drive over one step, each (n,), in N; the added mass in kg."""
 
     start: Vector
@@ -38,14 +36,14 @@ class Load:
     @staticmethod
     def constant(force: Vector) -> Load:
         """The same force throughout."""
-        zero = np.zeros_like(force)
+        zero = np.zeros(force.shape)
         return Load(force, zero, zero, zero)
 
     @staticmethod
     def through(start: Vector, mean: Vector, end: Vector) -> Load:
         """The parabola with these forces at both ends and this mean."""
         bend = 3.0 * (start + end) - 6.0 * mean
-        return Load(start, end - start - bend, bend, np.zeros_like(start))
+        return Load(start, end - start - bend, bend, np.zeros(start.shape))
 
     def at(self, s: float) -> Vector:
         """The part that does not depend on the acceleration."""
@@ -53,8 +51,7 @@ class Load:
         return force
 
 
-@dataclass(frozen=True)
-class Sample:
+class Sample(NamedTuple):
     """What both partners had at one communication point; vectors (n,)."""
 
     t: float  # s
@@ -63,8 +60,7 @@ class Sample:
     acceleration: Vector  # m/s^2, of the drive under the load that it had at t
 
 
-@dataclass(frozen=True)
-class Memory:
+class Memory(NamedTuple):
     """All that a scheme remembers; saving it with the partners' states is enough to go on."""
 
     samples: tuple[Sample, ...]  # the last KEPT, oldest first
@@ -80,20 +76,15 @@ class Memory:
 
     def with_sample(self, sample: Sample, residual: float) -> Memory:
         """One more exchange that is kept, with the energy it made up [J]."""
-        return replace(
-            self,
-            samples=(*self.samples, sample)[-KEPT:],
-            exchanges=self.exchanges + 1,
-            residual=self.residual + residual,
-        )
+        samples = (*self.samples, sample)[-KEPT:]
+        return Memory(samples, self.step_next, self.exchanges + 1, self.taken_back, self.residual + residual)
 
     def with_taken_back(self, count: int = 1) -> Memory:
         """Exchanges that were done and undone."""
-        return replace(self, exchanges=self.exchanges + count, taken_back=self.taken_back + count)
+        return self._replace(exchanges=self.exchanges + count, taken_back=self.taken_back + count)
 
 
-@dataclass(frozen=True)
-class Advance:
+class Advance(NamedTuple):
     """Memory after a step, or that before it with the cause for which the step failed."""
 
     memory: Memory
@@ -105,6 +96,10 @@ class DrivePartner(Protocol):
 
     def step(self, t: float, h: float, load: Load) -> str:
         """Advance from t to t + h [s]; "" or the cause why not."""
+        ...
+
+    def place(self) -> Vector:
+        """Places of the ends now, (n,) [m]."""
         ...
 
     def motion(self, load: Load, s: float) -> Motion:
@@ -183,7 +178,7 @@ class ExchangeBalance:
     place: Vector = field(init=False)
 
     def __post_init__(self) -> None:
-        self.work, self.place = self.pair.drive.work(), self.pair.drive.motion(self.load, 0.0).place
+        self.work, self.place = self.pair.drive.work(), self.pair.drive.place()
 
     def residual(self, mean: Vector) -> float:
         """The step's residual [J]; the rope gave its mean force times the way, to the third order in h."""
