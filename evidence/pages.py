@@ -21,6 +21,8 @@ from evidence.coupling.page import page as coupling_page
 from evidence.discrete_rod.page import page as reference_solver_page
 from evidence.drawing import draw_to
 from evidence.hoist.page import cases
+from evidence.mesh_rule.page import FIGURES as MESH_RULE
+from evidence.mesh_rule.page import page as mesh_rule_page
 from evidence.peer.figures import FIGURES as PEER
 from evidence.peer.page import page as peer_page
 from evidence.rendering import DOCS, filled, write_page
@@ -53,6 +55,7 @@ PAGES: dict[str, Page] = {
     "chart": Page("chart.md", "chart", chart_page, CHART),
     "choice": Page("choice.md", "choice", choice_page),
     "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
+    "mesh_rule": Page("mesh_rule.md", "mesh_rule", mesh_rule_page, MESH_RULE),
     "peer": Page("peer.md", "peer", peer_page, PEER),
     "reference_solver": Page("reference_solver.md", "reference_solver", reference_solver_page),
     "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),
