@@ -25,7 +25,7 @@ from evidence.mesh_rule.page import FIGURES as MESH_RULE
 from evidence.mesh_rule.page import page as mesh_rule_page
 from evidence.peer.figures import FIGURES as PEER
 from evidence.peer.page import page as peer_page
-from evidence.rendering import DOCS, filled, write_page
+from evidence.rendering import DOCS, fill_block, write_page
 from evidence.reproduction.page import FIGURES as REPRODUCTION
 from evidence.reproduction.page import page as reproduction_page
 from evidence.stability.page import anchor, chapter, front
@@ -81,7 +81,7 @@ BLOCKS = {
 }
 
 
-def rendered(page: Page, docs: Path = DOCS) -> str:
+def page_text(page: Page, docs: Path = DOCS) -> str:
     """The text, from the data in ``docs``."""
     return page.text(read(docs / "data" / page.data))
 
@@ -89,7 +89,7 @@ def rendered(page: Page, docs: Path = DOCS) -> str:
 def fill(block: Block, docs: Path = DOCS) -> Path:
     """Write the block into its page, from the data in ``docs``; the page."""
     path = docs.resolve().parent / block.file
-    text = filled(path.read_text(encoding="utf-8"), block.mark, block.text(read(docs / "data" / block.data)))
+    text = fill_block(path.read_text(encoding="utf-8"), block.mark, block.text(read(docs / "data" / block.data)))
     path.write_text(text, encoding="utf-8")
     return path
 

@@ -1,4 +1,4 @@
-"""What a lower rung of the model costs in accuracy and saves in processor time."""
+"""What a lower fidelity of the model costs in accuracy and saves in processor time."""
 
 from __future__ import annotations
 
@@ -24,39 +24,39 @@ ROUNDS = 3
 
 
 @dataclass(frozen=True)
-class Taken:
-    """What 'auto' does with a scene, and how it differs from the torsional rung."""
+class Choice:
+    """What 'auto' does with a scene, and how it differs from the torsional model."""
 
     case: Case
     fidelity: str
     reason: str
-    switches: tuple[str, ...]  # to which rung when, and why
+    switches: tuple[str, ...]  # to which fidelity when, and why
     force: float  # root mean square of the vertical end forces' difference over the largest force
     peak: float  # largest difference over the largest force
     bottom: float  # m, largest distance of the loop's lowest points
-    time: float  # processor time over that of the torsional rung
+    time: float  # processor time over that of the torsional model
 
 
 def first_choice(case: Case) -> tuple[str, str]:
-    """Rung and reason at the start."""
+    """Fidelity and reason at the start."""
     rope = balance_rope(case.scene)
     status = rope.initialize(0.0, *case.ends(case.trip, case.travel, 0.0))
     assert status.valid, status.message
     return rope.fidelity, rope.fidelity_reason
 
 
-def measure_choice(case: Case) -> Taken:
-    """Measure; nothing differs where the torsional rung is taken."""
+def measure_choice(case: Case) -> Choice:
+    """Measure; nothing differs where the torsional model is taken."""
     fidelity, reason = first_choice(case)
     if fidelity == "torsional":
-        return Taken(case, fidelity, reason, (), 0.0, 0.0, 0.0, 1.0)
+        return Choice(case, fidelity, reason, (), 0.0, 0.0, 0.0, 1.0)
     runs = [(valid(case.wind(case.on("torsional"))), valid(case.wind(case.scene))) for _ in range(ROUNDS)]
     full, auto = runs[0]
     last = auto.rope.state.fidelity_reason
     switches = tuple(f"{e.what.split()[1]} at {e.t:.2f} s, because {last}" for e in auto.events if "model" in e.what)
     time = median(lower.cpu for _, lower in runs) / median(whole.cpu for whole, _ in runs)
     bottom = float(np.linalg.norm(np.array(auto.bottom) - full.bottom, axis=1).max())
-    return Taken(case, fidelity, reason, switches, *force_difference(auto, full), bottom, time)
+    return Choice(case, fidelity, reason, switches, *force_difference(auto, full), bottom, time)
 
 
 def valid(run: Winding) -> Winding:
@@ -108,7 +108,7 @@ def calibrations() -> Iterator[Calibration]:
 
 
 def calibration(scene: Scene, trip: Trip, until: float | None = None) -> Calibration:
-    """One winding on three rungs."""
+    """One winding at three fidelities."""
     reference = s_curve(trip)
     settle = 3.0 if until is None else until - reference.duration
     fidelities: tuple[FidelityChoice, ...] = ("torsional", "planar", "rigid")

@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import Motion, Pair, Scheme, Vector
-from hoist_demo.cosimulation.schemes.stability import MARGIN, growth, measure_response
+from hoist_demo.cosimulation.schemes.stability import growth, measure_response
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
@@ -85,11 +85,6 @@ class Point:
     stable: bool
     growth: float  # foretold, per step
     added_mass: float  # kg
-
-    @property
-    def foretold(self) -> bool:
-        """Whether the growth says what happened."""
-        return self.stable == (self.growth < MARGIN)
 
 
 def runs_stably(end: OneEnd, scheme: Scheme, mass: float, H: float) -> bool:
