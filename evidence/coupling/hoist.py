@@ -48,7 +48,7 @@ class Run:
     exchanges: float
     taken_back: float
     power: float  # W, largest mean over a sample that the exchange made up
-    growth: float  # foretold before the start, of a disturbance per step
+    growth: float  # predicted before the start, of a disturbance per step
     cause: str
 
 

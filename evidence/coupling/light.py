@@ -1,7 +1,7 @@
 """A conveyance of any mass on one end of a 20 m rope: which exchange is stable at which step.
 
 The conveyance hangs on a spring of 1 Hz and is pushed by a force of half a metre per second squared; the rope's other
-end is held. Beyond 20 m/s^2, or when the rope refuses the motion, a run is unstable. What is foretold comes from the
+end is held. Beyond 20 m/s^2, or when the rope refuses the motion, a run is unstable. What is predicted comes from the
 same functions that warn the user of the hoist.
 """
 
@@ -83,7 +83,7 @@ class Point:
     mass: float  # kg
     H: float  # s
     stable: bool
-    growth: float  # foretold, per step
+    growth: float  # predicted, per step
     added_mass: float  # kg
 
 

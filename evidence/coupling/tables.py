@@ -101,7 +101,7 @@ def cases() -> Table:
         "H [s]",
         "force error",
         "largest error",
-        "growth foretold",
+        "predicted growth",
         "simulated [s]",
         "cause",
     )
@@ -122,7 +122,7 @@ def energies() -> Table:
 def stability() -> Table:
     """The map of stability."""
     rows = [(p.scheme, p.mass, p.H, float(p.stable), p.growth, p.added_mass) for p in light.points()]
-    return table(("scheme", "mass [kg]", "H [s]", "stable", "growth foretold", "added mass [kg]"), rows)
+    return table(("scheme", "mass [kg]", "H [s]", "stable", "predicted growth", "added mass [kg]"), rows)
 
 
 TABLES: dict[str, Callable[[], Table]] = {
