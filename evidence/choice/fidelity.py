@@ -98,11 +98,11 @@ VARIED = ((300.0, 2.0), (50.0, 2.0), (1000.0, 2.0), (300.0, 1.5), (300.0, 3.0), 
 
 def calibrations() -> Iterator[Calibration]:
     """The windings from which the constants of physics.estimates are taken, and one whose swivels are released."""
-    for preset, speed, (EI, spacing) in itertools.product((P120, P240), LIMITS, VARIED):
+    for rope_case, speed, (EI, spacing) in itertools.product((P120, P240), LIMITS, VARIED):
         acceleration, jerk = LIMITS[speed]
-        trip = Trip(travel=preset.travel, speed=speed, acceleration=acceleration, jerk=jerk)
-        rope = replace(preset.scene.rope, EI=EI)
-        scene = preset.scene.with_(rope=rope, layout=Layout(spacing=spacing), left=Swivel(), right=Swivel())
+        trip = Trip(travel=rope_case.travel, speed=speed, acceleration=acceleration, jerk=jerk)
+        rope = replace(rope_case.scene.rope, EI=EI)
+        scene = rope_case.scene.with_(rope=rope, layout=Layout(spacing=spacing), left=Swivel(), right=Swivel())
         yield calibration(scene, trip)
     yield calibration(P240.scene, Trip(travel=P240.travel, speed=P240.speed), until=25.0)
 

@@ -55,11 +55,11 @@ class Watch:
 
 
 def follow(scene: Scene, name: str, until: float = END) -> tuple[Winding, Watch]:
-    """The preset's winding up to ``until`` (s); RuntimeError when it fails."""
-    preset, watch = rope_240(), Watch(RopeSimulator(scene))
-    reference = s_curve(Trip(travel=preset.travel, speed=preset.speed))
+    """The case's winding up to ``until`` (s); RuntimeError when it fails."""
+    case, watch = rope_240(), Watch(RopeSimulator(scene))
+    reference = s_curve(Trip(travel=case.travel, speed=case.speed))
     with progress_bar(name, until) as advance:
-        run = wind(scene, reference, preset.travel, until - reference.duration, 1, advance, watch)
+        run = wind(scene, reference, case.travel, until - reference.duration, 1, advance, watch)
     if not run.status.valid:
         raise RuntimeError(f"{name}: {run.status.message}")
     return run, watch
