@@ -7,7 +7,7 @@ from typing import Literal
 
 
 @dataclass(frozen=True)
-class Measured:
+class Measurement:
     """One number, what it is, and the claim about it: ``value`` is ``relation`` ``bound``."""
 
     what: str

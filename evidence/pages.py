@@ -21,9 +21,11 @@ from evidence.coupling.page import page as coupling_page
 from evidence.discrete_rod.page import page as reference_solver_page
 from evidence.drawing import draw_to
 from evidence.hoist.page import cases
+from evidence.mesh_rule.page import FIGURES as MESH_RULE
+from evidence.mesh_rule.page import page as mesh_rule_page
 from evidence.peer.figures import FIGURES as PEER
 from evidence.peer.page import page as peer_page
-from evidence.rendering import DOCS, filled, write_page
+from evidence.rendering import DOCS, fill_block, write_page
 from evidence.reproduction.page import FIGURES as REPRODUCTION
 from evidence.reproduction.page import page as reproduction_page
 from evidence.stability.page import anchor, chapter, front
@@ -53,6 +55,7 @@ PAGES: dict[str, Page] = {
     "chart": Page("chart.md", "chart", chart_page, CHART),
     "choice": Page("choice.md", "choice", choice_page),
     "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
+    "mesh_rule": Page("mesh_rule.md", "mesh_rule", mesh_rule_page, MESH_RULE),
     "peer": Page("peer.md", "peer", peer_page, PEER),
     "reference_solver": Page("reference_solver.md", "reference_solver", reference_solver_page),
     "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),
@@ -78,7 +81,7 @@ BLOCKS = {
 }
 
 
-def rendered(page: Page, docs: Path = DOCS) -> str:
+def page_text(page: Page, docs: Path = DOCS) -> str:
     """The text, from the data in ``docs``."""
     return page.text(read(docs / "data" / page.data))
 
@@ -86,7 +89,7 @@ def rendered(page: Page, docs: Path = DOCS) -> str:
 def fill(block: Block, docs: Path = DOCS) -> Path:
     """Write the block into its page, from the data in ``docs``; the page."""
     path = docs.resolve().parent / block.file
-    text = filled(path.read_text(encoding="utf-8"), block.mark, block.text(read(docs / "data" / block.data)))
+    text = fill_block(path.read_text(encoding="utf-8"), block.mark, block.text(read(docs / "data" / block.data)))
     path.write_text(text, encoding="utf-8")
     return path
 

@@ -44,7 +44,7 @@ def markdown(rows: Iterable[Sequence[str]], *head: str) -> str:
     return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
 
 
-def reached(yes: bool) -> str:
+def verdict(yes: bool) -> str:
     """The verdict on an aim."""
     return "reached" if yes else "not reached"
 
@@ -64,7 +64,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters.update(number=number, quantity=quantity, table=markdown, reached=reached, links=links)
+    made.filters.update(number=number, quantity=quantity, table=markdown, verdict=verdict, links=links)
     return made
 
 
@@ -81,7 +81,7 @@ def write_page(name: str, text: str, docs: Path = DOCS) -> Path:
     return path
 
 
-def filled(text: str, mark: str, block: str) -> str:
+def fill_block(text: str, mark: str, block: str) -> str:
     """A hand-written text with a new ``block`` between its marks <!-- mark --> and <!-- /mark -->."""
     begin, end = f"<!-- {mark} -->\n", f"<!-- /{mark} -->"
     if text.count(begin) != 1 or text.count(end) != 1:

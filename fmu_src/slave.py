@@ -98,7 +98,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     @_report_failure
     def initialize(self, t: float) -> None:
-        """Hung up at the time ``t`` between the ends' positions."""
+        """At rest at the time ``t`` between the ends' positions."""
         _require(self._rope.initialize(t, *self._motions()))
 
     @_report_failure

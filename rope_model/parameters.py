@@ -254,7 +254,7 @@ class Mesh:
             "counts",
             self.counts,
             "all five segments, or none in III and V, or none in II and VI too",
-            "the ladder is the same on both sides and leaves out no step",
+            "the pattern is the same on both sides and leaves out no length",
         )
 
 

@@ -18,7 +18,7 @@ from evidence.chart.levels import block
 from evidence.chart.measure import COLUMNS, measure, merge
 from evidence.chart.page import page
 from evidence.chart.points import FAMILIES, SAMPLE, complete, quick
-from evidence.chart.reading import FORCE, limit, remaining
+from evidence.chart.reading import FORCE, finest_error, limit
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import read, rows, table
 
@@ -62,7 +62,7 @@ def test_the_cheapest_point_within_a_bound_is_on_the_front() -> None:
 @pytest.mark.parametrize(("order", "left"), [(1, 1.0), (2, 1.0), (3, 2.33)])
 def test_the_references_own_error_follows_from_its_convergence(order: int, left: float) -> None:
     solutions = np.array([4.0, 2.0, 1.0]) ** order  # errors; a third order is taken as a second one, with caution
-    assert_allclose(remaining(solutions[:2] - solutions[2]), left, rtol=2e-3)
+    assert_allclose(finest_error(solutions[:2] - solutions[2]), left, rtol=2e-3)
 
 
 def test_a_family_measured_anew_replaces_its_rows_only() -> None:
@@ -151,7 +151,7 @@ def test_levels_are_as_accurate_as_they_say(coupling: str, level: str, bound: fl
 
 
 def test_the_exact_fidelities_agree_where_nothing_couples() -> None:
-    r = rows(POINTS, family="rungs", coupling="uncoupled", name=("torsional", "spatial", "planar"))
+    r = rows(POINTS, family="fidelities", coupling="uncoupled", name=("torsional", "spatial", "planar"))
     assert_allclose(r[FORCE], r[FORCE][0], rtol=1e-3)
 
 

@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from evidence.coupling.figures import FIGURES
 from evidence.coupling.oscillator import Data, error, start
-from evidence.coupling.reading import PROMISED, foretold, order_on_hoist, theory
+from evidence.coupling.reading import PROMISED, correct_predictions, order_on_hoist, theory
 from evidence.rendering import DOCS
 from evidence.tables import read, rows
 from hoist_demo.cases.table import CASES
@@ -354,7 +354,7 @@ def test_the_default_errs_by_less_than_promised_on_every_case() -> None:
     assert set(t["scheme"]) == {Coupling().scheme}
     assert_array_equal(t["H [s]"], 0.01)
     assert np.all(t["force error"] < PROMISED)
-    assert np.all(t["growth foretold"] < MARGIN)
+    assert np.all(t["predicted growth"] < MARGIN)
     assert not any(t["cause"])
 
 
@@ -369,8 +369,8 @@ def test_the_observed_order_on_the_hoist_is_no_higher_where_waves_and_kinks_do_n
     assert order_on_hoist(TABLES["schemes"], name) < theory(name) + 0.3
 
 
-def test_stability_happens_as_foretold() -> None:
-    agree, count = foretold(TABLES["stability"], MARGIN)
+def test_stability_happens_as_predicted() -> None:
+    agree, count = correct_predictions(TABLES["stability"], MARGIN)
     assert agree >= 0.9 * count
     for name in ("semi-implicit-0", "semi-implicit-1", "implicit-impulse"):
         stable = rows(TABLES["stability"], scheme=name)["stable"]

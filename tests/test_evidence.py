@@ -8,13 +8,13 @@ from pathlib import Path
 import jinja2
 import pytest
 
-from evidence.pages import BLOCKS, PAGES, fill, rendered
-from evidence.rendering import DOCS, filled, markdown, number, quantity, render
+from evidence.pages import BLOCKS, PAGES, fill, page_text
+from evidence.rendering import DOCS, fill_block, markdown, number, quantity, render
 
 
 @pytest.mark.parametrize("name", PAGES)
 def test_every_page_is_the_one_that_the_recorded_data_make(name: str) -> None:
-    assert (DOCS / PAGES[name].file).read_text(encoding="utf-8") == rendered(PAGES[name])
+    assert (DOCS / PAGES[name].file).read_text(encoding="utf-8") == page_text(PAGES[name])
 
 
 @pytest.mark.parametrize("name", BLOCKS)
@@ -58,6 +58,6 @@ def test_a_number_that_the_data_do_not_have_is_an_error() -> None:
 
 
 def test_a_block_is_filled_in_between_its_marks_only() -> None:
-    assert filled("x\n<!-- a -->\nold\n<!-- /a -->\ny\n", "a", "new\n") == "x\n<!-- a -->\nnew\n<!-- /a -->\ny\n"
+    assert fill_block("x\n<!-- a -->\nold\n<!-- /a -->\ny\n", "a", "new\n") == "x\n<!-- a -->\nnew\n<!-- /a -->\ny\n"
     with pytest.raises(ValueError, match="must have one place for b"):
-        filled("x\n<!-- a -->\n<!-- /a -->\n", "b", "new")
+        fill_block("x\n<!-- a -->\n<!-- /a -->\n", "b", "new")

@@ -1,4 +1,4 @@
-"""The TMN-ETM ladder, its transformation there and back, and what a transfer keeps."""
+"""The TMN-ETM pattern, its transformation there and back, and what a transfer keeps."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from rope_model.simulation.mesh import (
     Partition,
     distance_to_due,
     inner_length,
-    ladder,
     partition,
+    relative_lengths,
     transform,
     transformation_due,
 )
@@ -66,10 +66,10 @@ def momentum_and_energy(x: Array, lengths: Array) -> tuple[Array, float]:
     return momentum, energy
 
 
-# the ladder
+# the pattern
 
 
-def test_the_segments_are_a_two_to_one_ladder_about_the_lowest_point() -> None:
+def test_the_segments_are_a_two_to_one_pattern_about_the_lowest_point() -> None:
     p = partition(Mesh(end_levels=0), 120.0, 60.0)
     assert len(p.counts) == 7
     shares = np.array([1, 1 / 2, 1 / 4, 1 / 8, 1 / 4, 1 / 2, 1])
@@ -82,7 +82,7 @@ def test_the_segments_are_a_two_to_one_ladder_about_the_lowest_point() -> None:
     ("counts", "fine"), [((2, 4, 40, 4, 2), 1 / 8), ((2, 0, 20, 0, 2), 1 / 4), ((0, 0, 10, 0, 0), 1 / 2)]
 )
 def test_the_loop_has_elements_of_half_their_neighbours(counts: tuple[int, int, int, int, int], fine: float) -> None:
-    assert ladder(counts)[2] == fine
+    assert relative_lengths(counts)[2] == fine
     p = partition(Mesh(counts=counts, end_levels=0), 120.0, 60.0)
     np.testing.assert_allclose(
         np.unique(np.maximum(p.lengths[1:], p.lengths[:-1]) / p.lengths[:-1]), [1, 2], rtol=1e-12
@@ -91,7 +91,7 @@ def test_the_loop_has_elements_of_half_their_neighbours(counts: tuple[int, int, 
 
 
 @pytest.mark.parametrize("counts", [(2, 4, 40, 0, 2), (0, 4, 40, 4, 0), (2, 0, 20, 0, 0), (0, 0, 10, 0, 2)])
-def test_a_ladder_with_a_missing_step_is_refused(counts: tuple[int, int, int, int, int]) -> None:
+def test_a_pattern_with_a_missing_length_is_refused(counts: tuple[int, int, int, int, int]) -> None:
     with pytest.raises(ValueError, match="none in III and V"):
         Mesh(counts=counts)
 
@@ -112,7 +112,7 @@ def test_eem_is_equal_lengths_and_calls_for_no_transformation() -> None:
     assert distance_to_due(p, 10.0) == -np.inf
 
 
-def test_a_rope_too_short_for_its_ladder_is_refused_with_the_cure() -> None:
+def test_a_rope_too_short_for_its_pattern_is_refused_with_the_cure() -> None:
     with pytest.raises(ValueError, match="lower coarse_length or the counts"):
         partition(Mesh(coarse_length=6.0), 60.0, 30.0)
 
@@ -137,7 +137,7 @@ MESHES = st.builds(
 
 @settings(max_examples=100, deadline=None)
 @given(mesh=MESHES, length=LENGTHS, place=PLACES)
-def test_the_ladder_adds_up_to_the_rope_and_is_centred_as_well_as_it_can_be(
+def test_the_pattern_adds_up_to_the_rope_and_is_centred_as_well_as_it_can_be(
     mesh: Mesh, length: float, place: float
 ) -> None:
     inner = inner_length(mesh.counts) * mesh.coarse_length

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from evidence.mesh_rule import laws, statics
 from evidence.mesh_rule.judging import distribution
-from evidence.mesh_rule.page import off, page
+from evidence.mesh_rule.page import off
 from evidence.mesh_rule.rule import judges, shares, slip
 from evidence.mesh_rule.scenes import BENDING, FIT, JUDGE, KINDS, LENGTH, MASS, draw
 from evidence.tables import read, table
@@ -32,10 +32,6 @@ from rope_model.simulation.mesh import (
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 TABLES = read(DOCS / "data" / "mesh_rule")
 FOUND = laws.fit(TABLES)
-
-
-def test_the_page_is_what_data_and_constants_make_of_it() -> None:
-    assert page(TABLES) == (DOCS / "mesh_rule.md").read_text(encoding="utf-8")
 
 
 # constants and recorded data

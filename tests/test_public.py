@@ -224,7 +224,7 @@ def test_auto_takes_the_python_form_where_the_native_one_cannot_be_had(
 def test_a_copy_of_the_native_rope_goes_on_by_itself(copied: Callable[[Any], Any]) -> None:
     low, high = EndMotion(), EndMotion(y=20.0)
     rope = balance_rope(replace(SMALL, solver=Solver()), "native")
-    copied(rope)  # not hung up yet
+    copied(rope)  # not initialised yet
     assert rope.initialize(0.0, low, high).valid
     other = copied(rope)
     assert other.advance_to(0.1, EndMotion(y=0.01, vy=0.2, ay=2.0), high).valid

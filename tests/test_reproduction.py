@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.kinematic import wind
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.rendering import DOCS
 from evidence.reproduction import costs, energies, frequencies, release, swing, windings
 from evidence.reproduction.page import FIGURES, SECTIONS
@@ -48,7 +48,7 @@ def test_files_are_there_and_small() -> None:
 
 
 def test_a_claim_that_is_not_a_number_is_not_reproduced() -> None:
-    claim = Claim("x", Measured("y", float("nan"), "m", "<", 1.0), "of z")
+    claim = Claim("x", Measurement("y", float("nan"), "m", "<", 1.0), "of z")
     assert not claim.holds
     assert claim.verdict == "not reproduced: x: y nan m (asked: below 1 m), because of z"
 

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.rendering import DOCS
 from evidence.stability.entry import Entry, Finding
 from evidence.stability.page import COUNTEREXAMPLE, OURS, SECTIONS, anchor, chapter, claim, claims_of, tables_of
@@ -34,7 +34,7 @@ def test_keys_and_titles_name_one_entry_each() -> None:
 
 def test_not_a_number_holds_no_claim() -> None:
     for relation in ("<", ">"):
-        assert not Measured("", float("nan"), "1", relation, 0.0).holds  # type: ignore[arg-type]
+        assert not Measurement("", float("nan"), "1", relation, 0.0).holds  # type: ignore[arg-type]
 
 
 def test_every_scene_has_its_place_on_its_chapters_page_in_the_suites_order() -> None:
@@ -44,7 +44,7 @@ def test_every_scene_has_its_place_on_its_chapters_page_in_the_suites_order() ->
 
 
 def test_a_scene_measured_anew_replaces_its_rows_only() -> None:
-    claim_of = Measured("what", 1.0, "m", "<", 2.0)
+    claim_of = Measurement("what", 1.0, "m", "<", 2.0)
     tables = tables_of({"locking": Finding((claim_of,), (claim_of,), message="told")}, TABLES)
     assert claims_of(tables["claims"], "locking") == [(COUNTEREXAMPLE, claim_of), (OURS, claim_of)]
     assert claims_of(tables["claims"], "hourglass") == claims_of(TABLES["claims"], "hourglass")

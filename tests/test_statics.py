@@ -25,7 +25,7 @@ def kernels(elements: int) -> RopeKernels:
 
 
 def tmn_lengths(height: float) -> Array:
-    """120 m with the ladder 2, 1, 0.5, 0.25 m around the lowest point: 90 elements."""
+    """120 m with the pattern 2, 1, 0.5, 0.25 m around the lowest point: 90 elements."""
     fine = np.repeat([1.0, 0.5, 0.25, 0.5, 1.0], [2, 4, 40, 4, 2])
     left = round((60 + height / 2 - fine.sum() / 2) / 2)
     return np.concatenate((np.full(left, 2.0), fine, np.full(round((120 - fine.sum()) / 2) - left, 2.0)))

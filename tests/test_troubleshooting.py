@@ -34,7 +34,7 @@ NO_ENTRY = {
     "contact is not computed": "the end of 'have passed through each other'",
     "a transformation moves whole": "the end of 'element count of segment'",
     "all five segments, or none": "a bound in 'is out of range'",
-    "the ladder is the same": "the end of 'is out of range'",
+    "the pattern is the same": "the end of 'is out of range'",
     "the strain energy is not positive": "the end of 'is out of range'",
     "an input's number is 0 to 21": "a programmer's: no host can cause it",
     "drive: … states": "what the log tells of the drive",

@@ -95,7 +95,7 @@ def measure(what: Depth) -> Table:
 
 
 @dataclass(frozen=True)
-class Saved:
+class Saving:
     """TMN-ETM against equal elements with the same error of the loop's place."""
 
     rope: str
@@ -111,7 +111,7 @@ class Saved:
     saved: float  # % of the equal elements' time
 
 
-def savings(t: Table) -> list[Saved]:
+def savings(t: Table) -> list[Saving]:
     """Every mesh of TMN-ETM that equal elements are known to reach; time interpolated in the logarithms."""
     found = []
     for i in np.flatnonzero(t["mesh"] == "TMN-ETM"):
@@ -126,7 +126,7 @@ def savings(t: Table) -> list[Saved]:
         )
         part = 100 * (1 - float(t["processor time [s/s]"][i]) / time)
         found.append(
-            Saved(
+            Saving(
                 str(t["rope"][i]),
                 float(t["length [m]"][i]),
                 float(t["travel [m]"][i]),
@@ -178,7 +178,7 @@ def reading(t: Table) -> dict[str, Any]:
     return {"rows": [_row(s) for s in found], "sources": [_verdict_of(found, c) for c in COUPLINGS]}
 
 
-def _row(s: Saved) -> tuple[str, ...]:
+def _row(s: Saving) -> tuple[str, ...]:
     known = bool(np.isfinite(s.saved))
     return (
         f"{s.rope}, {quantity(s.length, 'm', 'g')}",
@@ -193,12 +193,12 @@ def _row(s: Saved) -> tuple[str, ...]:
     )
 
 
-def trip_of(s: Saved) -> str:
+def trip_of(s: Saving) -> str:
     """The way and its speed."""
     return f"{quantity(s.travel, 'm', 'g')} at {quantity(s.speed, 'm/s', 'g')}"
 
 
-def _verdict_of(found: Sequence[Saved], coupling: str) -> dict[str, Any]:
+def _verdict_of(found: Sequence[Saving], coupling: str) -> dict[str, Any]:
     """Where at least the source's part of the time is saved, and the most that is, by the rope's length."""
     asked = SOURCE_SAVED[coupling]
     mine = [s for s in found if s.coupling == coupling and np.isfinite(s.saved)]

@@ -46,7 +46,7 @@ EEM = Look("EEM", REFERENCE, "s")
 TMN = Look("TMN-ETM, chosen by the loop's error", COLOURS["left"], "o")
 PUBLISHED = Look("TMN-ETM, published pattern, l = 2 m", COLOURS["right"], "D")
 FORMER = Look("TMN-ETM, l = 2 m, ends halved", ACCENTS[0], "^")
-FIDELITY_NAMES = Look("rungs of the model, standard mesh", ACCENTS[1], "P")
+FIDELITIES = Look("fidelities of the model, standard mesh", ACCENTS[1], "P")
 PORTABLE = Look("interpreted", ACCENTS[2], "v")
 
 
@@ -59,7 +59,7 @@ def kinds(t: Table) -> list[tuple[Look, Table]]:
         (TMN, _where(tmn, ~published & ~former)),
         (PUBLISHED, _where(tmn, published)),
         (FORMER, _where(tmn, former)),
-        (FIDELITY_NAMES, rows(t, family="rungs")),
+        (FIDELITIES, rows(t, family="fidelities")),
         (PORTABLE, rows(t, family="kernels", kernels="portable")),
     ]
 
@@ -80,7 +80,7 @@ def work_precision(tables: Tables, coupling: str, error: str) -> Figure:
     handles += _fronts(ax, t, error)
     ax.set(xscale="log", yscale="log", xlabel=TIME, ylabel=LABELS[error])
     ax.set_title(f"{coupling.capitalize()} winding: error of the {SHORT[error]} over processor time")
-    _name_fidelities(ax, rows(t, family="rungs"), error)
+    _name_fidelities(ax, rows(t, family="fidelities"), error)
     _levels(ax, rows(t, family="levels"), error)
     _marks(ax, bound)
     sizes = [
@@ -131,7 +131,7 @@ def _name_fidelities(ax: Axes, t: Table, error: str) -> None:
     for name, x, y in zip(t["name"], t[COST], t[error], strict=True):
         if np.isfinite(y) and y > 0 and not (name == "torsional" and t["coupling"][0] == "coupled"):  # is the standard
             ax.annotate(
-                name, (x, y), (0, 8), textcoords="offset points", ha="center", fontsize=9, color=FIDELITY_NAMES.colour
+                name, (x, y), (0, 8), textcoords="offset points", ha="center", fontsize=9, color=FIDELITIES.colour
             )
 
 

@@ -25,7 +25,7 @@ from .points import FAMILIES, SAMPLE, Point, Study
 Array = NDArray[np.float64]
 
 #: families of which every point is repeated
-ALWAYS = ("levels", "rungs", "tolerance", "newton", "rho_inf")
+ALWAYS = ("levels", "fidelities", "tolerance", "newton", "rho_inf")
 #: s of processor time; a longer run is not repeated
 SLOW = 3.0
 ERRORS = ("force error", "loop error [m]", "twist error [rad]")
@@ -35,7 +35,7 @@ COLUMNS = (
         "family",
         "name",
         "coupling",
-        "rung",
+        "fidelity",
         "kernels",
         "mesh",
         "elements",

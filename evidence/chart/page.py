@@ -15,7 +15,7 @@ from . import depth
 from .front import cheapest
 from .levels import levels
 from .measure import COST
-from .reading import FORCE, LOOP, TWIST, finest, limit, needed, saved, the
+from .reading import FORCE, LOOP, TWIST, elements_for, finest, limit, the, time_saving
 
 COUPLINGS = ("coupled", "uncoupled")
 #: asked for in the tables: fraction of the largest force, m
@@ -44,7 +44,9 @@ def page(tables: Tables) -> str:
         "exact": _against_complete(t, "uncoupled", ("spatial", "planar")),
         "approximate": _against_complete(t, "coupled", ("planar", "rigid")),
         "interpreted": interpreted[0] / compiled[0] if interpreted.size else None,
-        "needed": [(words, *(x for c in COUPLINGS for x in _needed(t, c, e, bound))) for e, bound, words in ASKED],
+        "tmn_against_eem": [
+            (words, *(x for c in COUPLINGS for x in _tmn_against_eem(t, c, e, bound))) for e, bound, words in ASKED
+        ],
         "stated": [_statement(t, c) for c in COUPLINGS],
         "finest": depth.FINEST,
         "depth": depth.reading(tables["depth"]),
@@ -122,7 +124,7 @@ def _steps_and_sizes(t: Table) -> dict[str, Any] | None:
 
 def _against_complete(t: Table, coupling: str, names: tuple[str, ...]) -> list[dict[str, Any]]:
     """How much faster a fidelity is than the complete model, and its errors."""
-    r = rows(t, family="rungs", coupling=coupling)
+    r = rows(t, family="fidelities", coupling=coupling)
     full = the(r, "torsional", COST)
     return [
         {"name": n, "ratio": full / the(r, n, COST), "force": the(r, n, FORCE), "loop": the(r, n, LOOP)}
@@ -131,10 +133,10 @@ def _against_complete(t: Table, coupling: str, names: tuple[str, ...]) -> list[d
     ]
 
 
-def _needed(t: Table, coupling: str, error: str, bound: float) -> tuple[str, str, str]:
+def _tmn_against_eem(t: Table, coupling: str, error: str, bound: float) -> tuple[str, str, str]:
     """Elements of either mesh, and the time saved."""
-    tmn, eem = (needed(t, family, coupling, "elements", error, bound) for family in ("tmn", "eem"))
-    part = saved(t, coupling, error, bound)
+    tmn, eem = (elements_for(t, family, coupling, error, bound) for family in ("tmn", "eem"))
+    part = time_saving(t, coupling, error, bound)
     return tmn, eem, f"{part:.0f} %" if np.isfinite(part) else ""
 
 

@@ -25,7 +25,7 @@ RADII = (0.0, 0.3, 0.6, 0.9, 1.0)
 #: the last of each is the reference solution
 REFERENCE_ELEMENTS = (200, 400, 800)
 REFERENCE_STEPS = (10e-3, 5e-3, 2.5e-3)  # s
-FAMILIES = ("reference", "levels", "eem", "tmn", "rungs", "tolerance", "newton", "rho_inf", "kernels")
+FAMILIES = ("reference", "levels", "eem", "tmn", "fidelities", "tolerance", "newton", "rho_inf", "kernels")
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def _fidelities(coupling: str) -> Iterator[Point]:
     exact: tuple[FidelityChoice, ...] = ("torsional", "spatial", "planar", "rigid")
     approximate: tuple[FidelityChoice, ...] = ("torsional", "planar", "rigid")
     for fidelity in exact if coupling == "uncoupled" else approximate:
-        yield Point("rungs", fidelity, coupling, model=Model(fidelity))
+        yield Point("fidelities", fidelity, coupling, model=Model(fidelity))
 
 
 def _solvers(coupling: str) -> Iterator[Point]:

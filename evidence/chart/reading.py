@@ -26,7 +26,7 @@ def finest(t: Table, coupling: str) -> tuple[float, float]:
     return float(r["elements"].max()), float(r["largest step [s]"].min())
 
 
-def remaining(differences: Array) -> float:
+def finest_error(differences: Array) -> float:
     """Error left in the finest of solutions, each twice as fine as the one before, from their differences to it.
 
     An error that goes with h^p makes the two last differences stand as 2^p + 1 to 1 and leaves the last one over
@@ -45,22 +45,22 @@ def limit(t: Table, coupling: str, error: str) -> float:
     parts = []
     for line, size in ((in_mesh, -r["elements"]), (in_step, r["largest step [s]"])):
         order = np.argsort(-size[line])[:-1]  # the last is the reference itself
-        parts.append(remaining(r[error][line][order]) if order.size else 0.0)
+        parts.append(finest_error(r[error][line][order]) if order.size else 0.0)
     return sum(parts)
 
 
-def needed(t: Table, family: str, coupling: str, abscissa: str, error: str, bound: float) -> str:
-    """Elements or cost that a family needs for ``bound``, interpolated on its own front, as text."""
+def elements_for(t: Table, family: str, coupling: str, error: str, bound: float) -> str:
+    """Elements with which a family keeps ``bound``, interpolated on its own front, as text."""
     r = rows(t, family=family, coupling=coupling)
-    cost = cost_at(r[abscissa], r[error], bound)
-    if not np.isfinite(cost):
+    elements = cost_at(r["elements"], r[error], bound)
+    if not np.isfinite(elements):
         return "not reached"
-    front = pareto(r[abscissa], r[error])
+    front = pareto(r["elements"], r[error])
     least = "at most " if bound >= r[error][front].max() else ""
-    return f"{least}{cost:.0f}" if abscissa == "elements" else f"{least}{1e3 * cost:.3g} ms"
+    return f"{least}{elements:.0f}"
 
 
-def saved(t: Table, coupling: str, error: str, bound: float) -> float:
+def time_saving(t: Table, coupling: str, error: str, bound: float) -> float:
     """% of EEM's time that TMN-ETM saves at the same error; NaN where either does not reach it."""
     tmn, eem = (rows(t, family=f, coupling=coupling) for f in ("tmn", "eem"))
     return 100 * (1 - cost_at(tmn[COST], tmn[error], bound) / cost_at(eem[COST], eem[error], bound))

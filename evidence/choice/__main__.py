@@ -15,7 +15,7 @@ from evidence.pages import PAGES, publish
 from evidence.rendering import DOCS
 from evidence.tables import Table, table, write
 
-from .fidelity import VARIED, Calibration, Taken, calibrations, measure_choice
+from .fidelity import VARIED, Calibration, Choice, calibrations, measure_choice
 from .scenes import CASES
 from .terms import SCENES, VARIANTS, Base, Change, measure
 
@@ -40,13 +40,13 @@ def main() -> None:
             bar.update()
 
         bases, changes = measure(advance)
-    write({"rungs": choices_table(results), "bases": bases_table(bases), "terms": terms_table(changes)}, DATA)
+    write({"fidelity": choices_table(results), "bases": bases_table(bases), "terms": terms_table(changes)}, DATA)
     publish(PAGES["choice"])
 
 
-def choices_table(results: Sequence[Taken]) -> Table:
+def choices_table(results: Sequence[Choice]) -> Table:
     """What 'auto' took, why, and what that changed."""
-    names = ("scene", "rung", "reason", "raised", "force_rms", "force_largest", "loop_m", "time")
+    names = ("scene", "fidelity", "reason", "raised", "force_rms", "force_largest", "loop_m", "time")
     rows = [
         (x.case.title, x.fidelity, x.reason, "; ".join(x.switches), x.force, x.peak, x.bottom, x.time) for x in results
     ]

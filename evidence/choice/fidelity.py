@@ -1,4 +1,4 @@
-"""What a lower rung of the model costs in accuracy and saves in processor time."""
+"""What a lower fidelity of the model costs in accuracy and saves in processor time."""
 
 from __future__ import annotations
 
@@ -24,39 +24,39 @@ ROUNDS = 3
 
 
 @dataclass(frozen=True)
-class Taken:
-    """What 'auto' does with a scene, and how it differs from the torsional rung."""
+class Choice:
+    """What 'auto' does with a scene, and how it differs from the torsional model."""
 
     case: Case
     fidelity: str
     reason: str
-    switches: tuple[str, ...]  # to which rung when, and why
+    switches: tuple[str, ...]  # to which fidelity when, and why
     force: float  # root mean square of the vertical end forces' difference over the largest force
     peak: float  # largest difference over the largest force
     bottom: float  # m, largest distance of the loop's lowest points
-    time: float  # processor time over that of the torsional rung
+    time: float  # processor time over that of the torsional model
 
 
 def first_choice(case: Case) -> tuple[str, str]:
-    """Rung and reason at the start."""
+    """Fidelity and reason at the start."""
     rope = balance_rope(case.scene)
     status = rope.initialize(0.0, *case.ends(case.trip, case.travel, 0.0))
     assert status.valid, status.message
     return rope.fidelity, rope.fidelity_reason
 
 
-def measure_choice(case: Case) -> Taken:
-    """Measure; nothing differs where the torsional rung is taken."""
+def measure_choice(case: Case) -> Choice:
+    """Measure; nothing differs where the torsional model is taken."""
     fidelity, reason = first_choice(case)
     if fidelity == "torsional":
-        return Taken(case, fidelity, reason, (), 0.0, 0.0, 0.0, 1.0)
+        return Choice(case, fidelity, reason, (), 0.0, 0.0, 0.0, 1.0)
     runs = [(valid(case.wind(case.on("torsional"))), valid(case.wind(case.scene))) for _ in range(ROUNDS)]
     full, auto = runs[0]
     last = auto.rope.state.fidelity_reason
     switches = tuple(f"{e.what.split()[1]} at {e.t:.2f} s, because {last}" for e in auto.events if "model" in e.what)
     time = median(lower.cpu for _, lower in runs) / median(whole.cpu for whole, _ in runs)
     bottom = float(np.linalg.norm(np.array(auto.bottom) - full.bottom, axis=1).max())
-    return Taken(case, fidelity, reason, switches, *force_difference(auto, full), bottom, time)
+    return Choice(case, fidelity, reason, switches, *force_difference(auto, full), bottom, time)
 
 
 def valid(run: Winding) -> Winding:
@@ -98,17 +98,17 @@ VARIED = ((300.0, 2.0), (50.0, 2.0), (1000.0, 2.0), (300.0, 1.5), (300.0, 3.0), 
 
 def calibrations() -> Iterator[Calibration]:
     """The windings from which the constants of physics.estimates are taken, and one whose swivels are released."""
-    for preset, speed, (EI, spacing) in itertools.product((P120, P240), LIMITS, VARIED):
+    for rope_case, speed, (EI, spacing) in itertools.product((P120, P240), LIMITS, VARIED):
         acceleration, jerk = LIMITS[speed]
-        trip = Trip(travel=preset.travel, speed=speed, acceleration=acceleration, jerk=jerk)
-        rope = replace(preset.scene.rope, EI=EI)
-        scene = preset.scene.with_(rope=rope, layout=Layout(spacing=spacing), left=Swivel(), right=Swivel())
+        trip = Trip(travel=rope_case.travel, speed=speed, acceleration=acceleration, jerk=jerk)
+        rope = replace(rope_case.scene.rope, EI=EI)
+        scene = rope_case.scene.with_(rope=rope, layout=Layout(spacing=spacing), left=Swivel(), right=Swivel())
         yield calibration(scene, trip)
     yield calibration(P240.scene, Trip(travel=P240.travel, speed=P240.speed), until=25.0)
 
 
 def calibration(scene: Scene, trip: Trip, until: float | None = None) -> Calibration:
-    """One winding on three rungs."""
+    """One winding at three fidelities."""
     reference = s_curve(trip)
     settle = 3.0 if until is None else until - reference.duration
     fidelities: tuple[FidelityChoice, ...] = ("torsional", "planar", "rigid")

@@ -21,7 +21,7 @@ CALM, SUDDEN = ("winding",), ("emergency stop", "release")
 
 def page(tables: Tables) -> str:
     """The whole page."""
-    choices, changes = tables["rungs"], tables["terms"]
+    choices, changes = tables["fidelity"], tables["terms"]
     data = {
         "expected": ASSUMED,
         "rounds": ROUNDS,
@@ -51,7 +51,7 @@ def _switches(cell: str) -> list[str]:
 
 def _scene(t: Table, i: int) -> tuple[str, ...]:
     """What 'auto' takes, and what that changes and costs."""
-    taken, switches = str(t["rung"][i]), _switches(t["raised"][i])
+    taken, switches = str(t["fidelity"][i]), _switches(t["raised"][i])
     then = "".join(f", then {what.split()[0]}" for what in switches)
     start = (str(i + 1), str(t["scene"][i]), taken + then, str(t["reason"][i]))
     if taken == "torsional":

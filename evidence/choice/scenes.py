@@ -1,4 +1,4 @@
-"""Ten scenes with the rung that 'auto' takes; the page and the test of the choice share them."""
+"""Ten scenes with the fidelity that 'auto' takes; the page and the test of the choice share them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LOOSE = UNCOUPLED.with_(left=FREE, right=FREE)
 
 @dataclass(frozen=True)
 class Case:
-    """A winding, the rung that 'auto' must start it on, and the one that it must end on."""
+    """A winding, the fidelity that 'auto' must start it at, and the one that it must end at."""
 
     title: str
     scene: Scene
@@ -34,7 +34,7 @@ class Case:
     trip: Trajectory = TRIP
     travel: float = P120.travel  # m
     until: float = TRIP.duration + 3.0  # s
-    last: Fidelity | None = None  # the rung at the end where it is another
+    last: Fidelity | None = None  # the fidelity at the end where it is another
     z: float = 0.0  # m, by which the left conveyance moves out of plane between 1 s and 4 s
     yaw: float = 0.0  # rad, by which it turns
 
@@ -51,7 +51,7 @@ class Case:
         return wind(scene, self.trip, self.travel, settle, sample=2, ends_at=self.ends)
 
     def on(self, fidelity: FidelityChoice) -> Scene:
-        """The scene on a rung by name, or on the one 'auto' takes."""
+        """The scene at a fidelity by name, or at the one 'auto' takes."""
         return self.scene.with_(model=replace(self.scene.model, fidelity=fidelity))
 
 
@@ -65,7 +65,7 @@ def smooth_step(t: float, start: float = 1.0, duration: float = 3.0) -> tuple[fl
     )
 
 
-def tolerant(scene: Scene, force_tolerance: float) -> Scene:
+def with_force_tolerance(scene: Scene, force_tolerance: float) -> Scene:
     return scene.with_(model=Model(force_tolerance=force_tolerance))
 
 
@@ -85,11 +85,11 @@ CASES = (
     ),
     Case("same, uncoupled rope, left conveyance turns by 0.1 rad", UNCOUPLED, "planar", last="torsional", yaw=0.1),
     Case("same, uncoupled rope, swivels free, left conveyance turns by 0.1 rad", LOOSE, "planar", yaw=0.1),
-    Case("120 m winding, swivels locked, force tolerance 0.1 %", tolerant(COUPLED, 1e-3), "planar"),
-    Case("120 m winding, swivels locked, force tolerance 0.5 %", tolerant(COUPLED, 5e-3), "rigid"),
+    Case("120 m winding, swivels locked, force tolerance 0.1 %", with_force_tolerance(COUPLED, 1e-3), "planar"),
+    Case("120 m winding, swivels locked, force tolerance 0.5 %", with_force_tolerance(COUPLED, 5e-3), "rigid"),
     Case(
         "120 m winding, emergency stop at 12 s, force tolerance 0.5 %",
-        tolerant(COUPLED, 5e-3),
+        with_force_tolerance(COUPLED, 5e-3),
         "rigid",
         last="planar",
         trip=STOP,
@@ -97,7 +97,7 @@ CASES = (
     ),
     Case(
         "240 m winding, swivels released at 20 s, until 25 s, force tolerance 1 %",
-        tolerant(P240.scene, 1e-2),
+        with_force_tolerance(P240.scene, 1e-2),
         "planar",
         last="torsional",
         trip=LONG_TRIP,

@@ -85,8 +85,8 @@ def stability(tables: Tables) -> Figure:
         H, mass, stable = 1e3 * r["H [s]"], r["mass [kg]"] / LEG, r["stable"] > 0
         ax.plot(H[stable], mass[stable], "o", color=ACCENTS[0], ms=5, label="stable")
         ax.plot(H[~stable], mass[~stable], "x", color=ACCENTS[2], ms=6, label="unstable")
-        told = r["growth foretold"] >= MARGIN
-        ax.plot(H[told], mass[told], "s", color=COLOURS["left"], mfc="none", ms=10, lw=0.5, label="foretold unstable")
+        told = r["predicted growth"] >= MARGIN
+        ax.plot(H[told], mass[told], "s", color=COLOURS["left"], mfc="none", ms=10, lw=0.5, label="predicted unstable")
         steps, first = np.unique(r["H [s]"], return_index=True)
         ax.plot(1e3 * steps, r["added mass [kg]"][first] / LEG, "-", color=REFERENCE, label="M = added mass")
         ax.plot(1e3 * steps, 0.5 * IMPEDANCE * steps / LEG, "--", color=REFERENCE, label="M = Z H / 2")

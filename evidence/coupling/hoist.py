@@ -29,9 +29,9 @@ CONVERGED = Iterative("secant", tolerance=1e-3)
 
 @dataclass(frozen=True)
 class Case:
-    """A trip of a preset."""
+    """A trip of a case of the hoist."""
 
-    preset: str
+    name: str  # in CASES
     winding: Winding
     level: Level = "standard"
     rope_step: float | None = None  # s, the rope's own steps at most; None: those of the level
@@ -48,13 +48,13 @@ class Run:
     exchanges: float
     taken_back: float
     power: float  # W, largest mean over a sample that the exchange made up
-    growth: float  # foretold before the start, of a disturbance per step
+    growth: float  # predicted before the start, of a disturbance per step
     cause: str
 
 
 def wind(case: Case, scheme: str | Scheme, H: float) -> Run:
     """One run; a scheme may be given that has no name."""
-    scene = CASES[case.preset]
+    scene = CASES[case.name]
     data = rope_data(scene.rope, case.level)
     if case.rope_step is not None:
         data = data.with_(solver=replace(data.solver, step_max=case.rope_step))

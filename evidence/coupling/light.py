@@ -1,7 +1,7 @@
 """A conveyance of any mass on one end of a 20 m rope: which exchange is stable at which step.
 
 The conveyance hangs on a spring of 1 Hz and is pushed by a force of half a metre per second squared; the rope's other
-end is held. Beyond 20 m/s^2, or when the rope refuses the motion, a run is unstable. What is foretold comes from the
+end is held. Beyond 20 m/s^2, or when the rope refuses the motion, a run is unstable. What is predicted comes from the
 same functions that warn the user of the hoist.
 """
 
@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import Motion, Pair, Scheme, Vector
-from hoist_demo.cosimulation.schemes.stability import MARGIN, growth, measure_response
+from hoist_demo.cosimulation.schemes.stability import growth, measure_response
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
@@ -83,13 +83,8 @@ class Point:
     mass: float  # kg
     H: float  # s
     stable: bool
-    growth: float  # foretold, per step
+    growth: float  # predicted, per step
     added_mass: float  # kg
-
-    @property
-    def foretold(self) -> bool:
-        """Whether the growth says what happened."""
-        return self.stable == (self.growth < MARGIN)
 
 
 def runs_stably(end: OneEnd, scheme: Scheme, mass: float, H: float) -> bool:

@@ -13,7 +13,7 @@ from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.stability import MARGIN
 from hoist_demo.parameters import Coupling
 
-from .reading import PROMISED, foretold, order, order_on_hoist, theory
+from .reading import PROMISED, correct_predictions, order, order_on_hoist, theory
 
 
 def page(tables: Tables) -> str:
@@ -45,10 +45,10 @@ def _cases(t: Table) -> dict[str, Any]:
             "yes" if rms < PROMISED else "**no**",
         )
         for name, ratio, travel, growth, rms, largest in _columns(
-            t, "case", "ropes over conveyance", "travel [m]", "growth foretold", "force error", "largest error"
+            t, "case", "ropes over conveyance", "travel [m]", "predicted growth", "force error", "largest error"
         )
     ]
-    accurate, stable = all(t["force error"] < PROMISED), all(t["growth foretold"] < MARGIN)
+    accurate, stable = all(t["force error"] < PROMISED), all(t["predicted growth"] < MARGIN)
     return {"rows": lines, "accurate": accurate, "stable": stable}
 
 
@@ -75,13 +75,13 @@ def _costs(schemes: Table) -> list[tuple[str, ...]]:
 
 
 def _stability(t: Table) -> dict[str, Any]:
-    """How many points of the map are stable, and how many happened as foretold."""
+    """How many points of the map are stable, and how many happened as predicted."""
     lines = []
     for name in dict.fromkeys(t["scheme"].tolist()):
         r = rows(t, scheme=name)
-        told, n = foretold(r, MARGIN)
+        told, n = correct_predictions(r, MARGIN)
         lines.append((name, f"{int(np.sum(r['stable']))} of {n}", f"{told} of {n}"))
-    agree, count = foretold(t, MARGIN)
+    agree, count = correct_predictions(t, MARGIN)
     return {"rows": lines, "agree": agree, "count": count}
 
 

@@ -1,4 +1,4 @@
-"""Observed orders of the schemes against theory, and how often stability happened as the growth foretells."""
+"""Observed orders of the schemes against theory, and how often stability happened as the growth predicts."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def order_on_hoist(t: Table, scheme: str) -> float:
     return order(t, scheme, longer, shorter)
 
 
-def foretold(t: Table, margin: float) -> tuple[int, int]:
+def correct_predictions(t: Table, margin: float) -> tuple[int, int]:
     """How many points of the map happened as the growth says, and how many there are."""
-    agree = (t["growth foretold"] < margin) == (t["stable"] > 0)
+    agree = (t["predicted growth"] < margin) == (t["stable"] > 0)
     return int(np.sum(agree)), agree.size

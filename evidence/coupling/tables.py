@@ -26,7 +26,7 @@ STEPS = (0.04, 0.02, 0.01, 0.005)
 ROPE_STEP = 0.0025
 SHORT = Case("rope-120", Winding(travel=0.5, settle=0.4, start_delay=0.1), "draft", ROPE_STEP)
 #: s, of the cases' runs
-PRESET_STEP, PRESET_REFERENCE = 0.01, 0.005
+CASE_STEP, CASE_REFERENCE = 0.01, 0.005
 #: m, of the installed cases, whose whole trips take long: from the landing with the heaviest leg, full acceleration
 SHORTENED = 60.0
 #: W, bounds of the energy control
@@ -71,14 +71,14 @@ def schemes() -> Table:
 
 
 def cases() -> Table:
-    """The default scheme at 10 ms on every preset's trip."""
+    """The default scheme at 10 ms on every case's trip."""
     rows = []
     for name, setup in tqdm(CASES.items(), desc="cases", unit="case", leave=False):
         travel = SHORTENED if name in INSTALLED else setup.winding.travel
         winding = replace(setup.winding, travel=travel, settle=2.0)
-        case = Case(name, winding, rope_step=PRESET_REFERENCE, sample=PRESET_STEP)
-        exact = wind(case, CONVERGED, PRESET_REFERENCE)
-        run = wind(replace(case, rope_step=None), Coupling().scheme, PRESET_STEP)
+        case = Case(name, winding, rope_step=CASE_REFERENCE, sample=CASE_STEP)
+        exact = wind(case, CONVERGED, CASE_REFERENCE)
+        run = wind(replace(case, rope_step=None), Coupling().scheme, CASE_STEP)
         ratio = setup.hoist.tail_mass * setup.hoist.tail_rope_length / setup.hoist.conveyance_mass
         rows.append(
             (
@@ -86,7 +86,7 @@ def cases() -> Table:
                 ratio,
                 travel,
                 Coupling().scheme,
-                PRESET_STEP,
+                CASE_STEP,
                 *errors(run, exact),
                 run.growth,
                 run.simulated,
@@ -101,7 +101,7 @@ def cases() -> Table:
         "H [s]",
         "force error",
         "largest error",
-        "growth foretold",
+        "predicted growth",
         "simulated [s]",
         "cause",
     )
@@ -122,7 +122,7 @@ def energies() -> Table:
 def stability() -> Table:
     """The map of stability."""
     rows = [(p.scheme, p.mass, p.H, float(p.stable), p.growth, p.added_mass) for p in light.points()]
-    return table(("scheme", "mass [kg]", "H [s]", "stable", "growth foretold", "added mass [kg]"), rows)
+    return table(("scheme", "mass [kg]", "H [s]", "stable", "predicted growth", "added mass [kg]"), rows)
 
 
 TABLES: dict[str, Callable[[], Table]] = {

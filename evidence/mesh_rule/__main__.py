@@ -1,7 +1,4 @@
-"""Measure what the constants of the 'auto' mesh rest on, fit, and write docs/mesh_rule.md; some eight minutes.
-
-Prints the fits with their spread and, on the judging seed, achieved over asked errors.
-"""
+"""Measure what the constants of the 'auto' mesh rest on, and write docs/mesh_rule.md with its figure; eight minutes."""
 
 from __future__ import annotations
 
@@ -11,16 +8,14 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from evidence.drawing import draw_to
-from evidence.tables import read, write
+from evidence.pages import PAGES, publish
+from evidence.rendering import DOCS
+from evidence.tables import write
 
 from . import statics, trips
-from .figures import draw
-from .page import page, summary
-from .scenes import FIT, JUDGE
-from .scenes import draw as drawn
+from .scenes import FIT, JUDGE, draw
 
-DOCS, DATA, IMAGE = Path("docs"), Path("data") / "mesh_rule", Path("images") / "mesh_rule.png"
+PAGE = PAGES["mesh_rule"]
 #: what is measured, on how many ropes of which seed
 TABLES = {
     "loop": (statics.loop, FIT, 16),
@@ -34,18 +29,16 @@ TABLES = {
 def main(arguments: Sequence[str] | None = None) -> None:
     """The command line."""
     parser = argparse.ArgumentParser("python -m evidence.mesh_rule", description=__doc__)
-    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (%(default)s)")
-    parser.add_argument("--only", choices=[*TABLES, "draw"], help="measure one table anew; draw: none")
+    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (docs)")
+    parser.add_argument("--only", choices=[*TABLES], help="measure one table anew")
     parser.add_argument("--ropes", type=int, metavar="N", help="fewer or more ropes than the page's")
     options = parser.parse_args(arguments)
     for name, (measure, seed, number) in TABLES.items():
         if options.only in (None, name):
-            ropes = list(drawn(seed, options.ropes or number))
-            write({name: measure(tqdm(ropes, desc=name, unit="rope", leave=False))}, options.out / DATA)
-    tables = read(options.out / DATA)
-    draw_to(options.out / IMAGE, draw, tables)
-    (options.out / "mesh_rule.md").write_text(page(tables), encoding="utf-8")
-    print(summary(tables))
+            ropes = list(draw(seed, options.ropes or number))
+            write({name: measure(tqdm(ropes, desc=name, unit="rope", leave=False))}, options.out / "data" / PAGE.data)
+    for path in publish(PAGE, options.out):
+        print(path)
 
 
 if __name__ == "__main__":

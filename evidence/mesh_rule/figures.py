@@ -23,7 +23,7 @@ def draw(tables: Tables) -> Figure:
     _loop(axes[0, 0], tables["loop"], found)
     _cover(axes[0, 1], tables["cover"], found)
     _ends(axes[1, 0], tables["ends"], found)
-    _judged(axes[1, 1], tables["judge"])
+    _errors_of_trips(axes[1, 1], tables["judge"])
     return made
 
 
@@ -62,7 +62,7 @@ def _ends(ax: Axes, t: Table, found: Laws) -> None:
     ax.set(xlabel="end element / bending layer", ylabel="error of the clamp moment", title="Ends")
 
 
-def _judged(ax: Axes, t: Table) -> None:
+def _errors_of_trips(ax: Axes, t: Table) -> None:
     for kind, colour in zip(KINDS, (COLOURS["left"], ACCENTS[2]), strict=True):
         mine = is_resolved(t) & (t["trip"] == kind)
         ax.loglog(1e3 * t["asked [m]"][mine], 1e3 * t["achieved [m]"][mine], ".", color=colour, ms=4, label=kind)

@@ -90,12 +90,12 @@ def _loop(t: Table) -> Fit:
     used = t["fine [m]"] < SHORT * w
     measured = np.log(t["too high [m]"][used])
 
-    def left(logarithms: Array) -> Array:
+    def residual(logarithms: Array) -> Array:
         values = tuple(np.exp(logarithms))
         return np.asarray(np.log(loop_error(values, t["fine [m]"][used], w[used], S[used])) - measured)
 
-    found = least_squares(left, np.log([0.02, 3e-3]))
-    return _fit(tuple(np.exp(found.x)), left(found.x))
+    found = least_squares(residual, np.log([0.02, 3e-3]))
+    return _fit(tuple(np.exp(found.x)), residual(found.x))
 
 
 def _cover(t: Table) -> Fit:

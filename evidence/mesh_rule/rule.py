@@ -15,7 +15,7 @@ from rope_model.simulation.mesh import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_
 
 from . import laws
 from .laws import Laws
-from .scenes import JUDGE, Drawn, draw
+from .scenes import JUDGE, Sample, draw
 
 Array = NDArray[np.float64]
 #: ropes: the rule itself costs nothing
@@ -32,15 +32,15 @@ class Shares(NamedTuple):
     moment: Array
 
 
-def judges() -> list[Drawn]:
+def judges() -> list[Sample]:
     """Ropes of the judging seed."""
     return list(draw(JUDGE, MANY))
 
 
-def shares(found: Laws, drawn: Sequence[Drawn], asked: float) -> Shares:
+def shares(found: Laws, samples: Sequence[Sample], asked: float) -> Shares:
     """Of the rule's lengths for the error ``asked`` (m)."""
     loop, cover, moment = [], [], []
-    for d in drawn:
+    for d in samples:
         S = laws.stiffness(np.array(d.rope.Qa), np.array(d.rope.EI), np.array(d.w))
         of = fit_lengths(d.rope, d.layout, asked, math.log10(FADE_ERROR / asked))
         fine, half = np.array(of.fine), np.array(0.5 * math.pi * of.radius + of.fade)

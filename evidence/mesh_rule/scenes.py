@@ -29,7 +29,7 @@ KINDS = ("smooth", "emergency stop")
 
 
 @dataclass(frozen=True)
-class Drawn:
+class Sample:
     """An uncoupled rope between locked ends, and its trip, without and with an emergency stop."""
 
     number: int
@@ -49,7 +49,7 @@ class Drawn:
         return Scene(self.rope, self.layout, mesh=mesh, solver=solver, model=Model("planar"))
 
 
-def draw(seed: int, number: int) -> Iterator[Drawn]:
+def draw(seed: int, number: int) -> Iterator[Sample]:
     """The first ``number`` of a seed."""
     rng = np.random.default_rng(seed)
 
@@ -74,4 +74,4 @@ def draw(seed: int, number: int) -> Iterator[Drawn]:
         speed, acceleration, jerk = evenly(SPEED), evenly(ACCELERATION), in_logarithms(JERK)
         smooth = Trip(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
         stopped = replace(smooth, emergency_at=evenly(STOP) * s_curve(smooth).duration)
-        yield Drawn(k, rope, layout, smooth, stopped)
+        yield Sample(k, rope, layout, smooth, stopped)

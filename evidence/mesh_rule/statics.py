@@ -15,7 +15,7 @@ from rope_model.parameters import Mesh
 from rope_model.simulation.diagnostics import loop_bottom
 from rope_model.simulation.mesh import LEG_WAVES, Partition
 
-from .scenes import Drawn
+from .scenes import Sample
 
 Array = NDArray[np.float64]
 #: over (EI / rho g)^(1/3): loop elements tried, those of the reference, and those where something else is tried
@@ -31,7 +31,7 @@ FAR_OFF = 0.45
 
 
 @dataclass(frozen=True)
-class Hung:
+class RestShape:
     """A rope at rest: place of the loop's lowest point (x, y), m; clamp moment, N m, and pull, N, of the left end."""
 
     place: Array
@@ -47,18 +47,18 @@ class Hung:
         return half - abs(self.bottom - self.mesh.centre)
 
 
-def pattern(drawn: Drawn, fine: float, cover: float = AMPLE, levels: int = 4) -> Mesh:
+def pattern(sample: Sample, fine: float, cover: float = AMPLE, levels: int = 4) -> Mesh:
     """Loop elements of ``fine`` and half a segment IV of at least ``cover``, both in (EI / rho g)^(1/3)."""
-    coarse = 4 * fine * drawn.w
-    count = 4 * math.ceil(2 * cover * drawn.w / coarse)
-    growth = LEG_WAVES / drawn.rope.length  # at rest the legs' elements change nothing
+    coarse = 4 * fine * sample.w
+    count = 4 * math.ceil(2 * cover * sample.w / coarse)
+    growth = LEG_WAVES / sample.rope.length  # at rest the legs' elements change nothing
     return Mesh("tmn", coarse_length=coarse, counts=(2, 0, count, 0, 2), end_levels=levels, grading_length=growth)
 
 
-def hang(drawn: Drawn, mesh: Mesh, height: float) -> Hung:
+def hang(sample: Sample, mesh: Mesh, height: float) -> RestShape:
     """The rope with its right end ``height`` (m) above the left."""
     for shift in range(8):
-        rope = balance_rope(drawn.scene(mesh))
+        rope = balance_rope(sample.scene(mesh))
         status = rope.initialize(0.0, EndMotion(), EndMotion(y=height + 1e-6 * shift))
         if status.valid:
             break
@@ -67,31 +67,31 @@ def hang(drawn: Drawn, mesh: Mesh, height: float) -> Hung:
     state = rope.state
     bottom = loop_bottom(state.motion.q, state.partition.lengths)
     moment, tension = rope.signals(("left.mz", "left.fy")).values()
-    return Hung(bottom.position[:2], bottom.s, moment, abs(tension), state.partition)
+    return RestShape(bottom.position[:2], bottom.s, moment, abs(tension), state.partition)
 
 
-def height(drawn: Drawn, mesh: Mesh, off: float) -> float:
+def height(sample: Sample, mesh: Mesh, off: float) -> float:
     """Of the right end, m, with which the loop hangs ``off`` times l from the middle of its mesh, at 0.4 L."""
     coarse = mesh.coarse_length
-    whole = round(0.4 * drawn.rope.length / coarse)
-    return drawn.rope.length - 2 * coarse * (whole + off)
+    whole = round(0.4 * sample.rope.length / coarse)
+    return sample.rope.length - 2 * coarse * (whole + off)
 
 
-def shift(drawn: Drawn, mesh: Mesh, other: Mesh, off: float) -> Array:
+def shift(sample: Sample, mesh: Mesh, other: Mesh, off: float) -> Array:
     """Between the loop's places on two meshes, m."""
-    at = height(drawn, mesh, off)
-    return hang(drawn, mesh, at).place - hang(drawn, other, at).place
+    at = height(sample, mesh, off)
+    return hang(sample, mesh, at).place - hang(sample, other, at).place
 
 
-def long_enough(drawn: Iterable[Drawn]) -> Iterator[Drawn]:
+def long_enough(samples: Iterable[Sample]) -> Iterator[Sample]:
     """Those on which the patterns above have room."""
-    return (d for d in drawn if d.rope.length > 45 * d.w)
+    return (d for d in samples if d.rope.length > 45 * d.w)
 
 
-def loop(drawn: Iterable[Drawn]) -> Table:
+def loop(samples: Iterable[Sample]) -> Table:
     """How far the loop hangs too high, on average, and how far aside at most, over the length of its elements."""
     rows = []
-    for d in long_enough(drawn):
+    for d in long_enough(samples):
         finest = pattern(d, FINEST)
         for length in LOOP_LENGTHS:
             found = np.array([shift(d, pattern(d, length), finest, off) for off in OFF_CENTRE])
@@ -99,10 +99,10 @@ def loop(drawn: Iterable[Drawn]) -> Table:
     return table((*ROPE, "fine [m]", "too high [m]", "aside [m]"), rows)
 
 
-def cover(drawn: Iterable[Drawn]) -> Table:
+def cover(samples: Iterable[Sample]) -> Table:
     """How far the loop's place is off because fine elements end ``cover`` above its lowest point."""
     rows = []
-    for d in long_enough(drawn):
+    for d in long_enough(samples):
         for length in COVER_LENGTHS:
             ample = pattern(d, length)
             for wanted in COVERS:
@@ -114,10 +114,10 @@ def cover(drawn: Iterable[Drawn]) -> Table:
     return table((*ROPE, "fine [m]", "cover [m]", "off [m]"), rows)
 
 
-def ends(drawn: Iterable[Drawn]) -> Table:
+def ends(samples: Iterable[Sample]) -> Table:
     """Relative error of the clamp moment over the length of the element at the clamp and the bending layer's."""
     rows = []
-    for d in long_enough(drawn):
+    for d in long_enough(samples):
         exact = hang(d, pattern(d, FINE, levels=MOST_LEVELS), 0.0)
         for levels in LEVELS:
             mesh = pattern(d, FINE, levels=levels)
@@ -130,6 +130,6 @@ def ends(drawn: Iterable[Drawn]) -> Table:
 ROPE = ("scene", "length [m]", "mass [kg/m]", "EI [N m2]", "EA [N]", "spacing [m]", "w [m]")
 
 
-def _rope(d: Drawn) -> tuple[object, ...]:
+def _rope(d: Sample) -> tuple[object, ...]:
     r = d.rope
     return d.number, r.length, r.mass_per_length, r.EI, r.Qa, d.layout.spacing, d.w

@@ -15,7 +15,7 @@ from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh
 from rope_model.simulation.mesh import fit_mesh, partition
 
-from .scenes import KINDS, STEP, Drawn
+from .scenes import KINDS, STEP, Sample
 from .statics import pattern
 
 Array = NDArray[np.float64]
@@ -31,54 +31,54 @@ REFERENCES = ((0.07, 3.0, 60.0), (0.1, 2.7, 120.0))
 
 
 @dataclass(frozen=True)
-class Wound:
+class LoopPath:
     """Places of the loop (instants, 2), m, and the number of elements."""
 
     places: Array
     elements: int
 
 
-def trip_of(drawn: Drawn, kind: str) -> Trip:
+def trip_of(sample: Sample, kind: str) -> Trip:
     """The smooth one or the one with an emergency stop."""
-    return drawn.smooth if kind == "smooth" else drawn.stopped
+    return sample.smooth if kind == "smooth" else sample.stopped
 
 
-def run_trip(drawn: Drawn, kind: str, mesh: Mesh, step: float = STEP) -> Wound:
+def run_trip(sample: Sample, kind: str, mesh: Mesh, step: float = STEP) -> LoopPath:
     """The rope on its trip."""
-    trip = trip_of(drawn, kind)
-    run = wind(drawn.scene(mesh, step), s_curve(trip), trip.travel, SETTLE, round(EVERY / step), interval=step)
+    trip = trip_of(sample, kind)
+    run = wind(sample.scene(mesh, step), s_curve(trip), trip.travel, SETTLE, round(EVERY / step), interval=step)
     if not run.status.valid:
-        raise RuntimeError(f"scene {drawn.number}, {kind}, {mesh}: {run.status.message}")
-    return Wound(np.array(run.bottom)[:, :2], run.rope.elements)
+        raise RuntimeError(f"scene {sample.number}, {kind}, {mesh}: {run.status.message}")
+    return LoopPath(np.array(run.bottom)[:, :2], run.rope.elements)
 
 
-def distance(a: Wound, b: Wound) -> float:
+def distance(a: LoopPath, b: LoopPath) -> float:
     """Largest distance of the loop's places, m."""
     return float(np.linalg.norm(a.places - b.places, axis=1).max())
 
 
-def auto_mesh(drawn: Drawn, loop_error: float) -> Mesh:
+def auto_mesh(sample: Sample, loop_error: float) -> Mesh:
     """The mesh of 'auto' for ``loop_error`` (m)."""
-    return fit_mesh(Mesh("auto", loop_error=loop_error), drawn.rope, drawn.layout)
+    return fit_mesh(Mesh("auto", loop_error=loop_error), sample.rope, sample.layout)
 
 
-def reference(drawn: Drawn, fine: float, cover: float, growth: float) -> Mesh:
+def reference(sample: Sample, fine: float, cover: float, growth: float) -> Mesh:
     """As pattern; equal elements where the rope is too short for it."""
-    mesh = replace(pattern(drawn, fine, cover), grading_length=growth / drawn.rope.length)
-    travel = drawn.smooth.travel
+    mesh = replace(pattern(sample, fine, cover), grading_length=growth / sample.rope.length)
+    travel = sample.smooth.travel
     try:
-        cells = partition(mesh, drawn.rope.length, 0.5 * (drawn.rope.length - travel))
+        cells = partition(mesh, sample.rope.length, 0.5 * (sample.rope.length - travel))
     except ValueError:
         cells = None
-    if cells is None or abs(cells.centre - 0.5 * (drawn.rope.length - travel)) > 0.5 * cells.coarse:
-        return Mesh("eem", elements=round(drawn.rope.length / (fine * drawn.w)))
+    if cells is None or abs(cells.centre - 0.5 * (sample.rope.length - travel)) > 0.5 * cells.coarse:
+        return Mesh("eem", elements=round(sample.rope.length / (fine * sample.w)))
     return mesh
 
 
-def parts(drawn: Iterable[Drawn]) -> Table:
+def parts(samples: Iterable[Sample]) -> Table:
     """How far the loop's place is off by joined legs, by the ends' elements, and by steps of 10 ms."""
     rows: list[tuple[object, ...]] = []
-    for d, kind in ((d, kind) for d in drawn for kind in KINDS):
+    for d, kind in ((d, kind) for d in samples for kind in KINDS):
         auto = auto_mesh(d, ASKED)
         if auto.kind == "eem":
             continue
@@ -96,10 +96,10 @@ def parts(drawn: Iterable[Drawn]) -> Table:
     return table(("scene", "length [m]", "trip", "what", "part", "grading_length [m]", "elements", "off [m]"), rows)
 
 
-def judge(drawn: Iterable[Drawn], accuracies: Sequence[float] = ACCURACIES) -> Table:
+def judge(samples: Iterable[Sample], accuracies: Sequence[float] = ACCURACIES) -> Table:
     """Asked and achieved errors of the loop's place; that at rest before the trip; how sure the reference is."""
     rows: list[tuple[object, ...]] = []
-    for d, kind in ((d, kind) for d in drawn for kind in KINDS):
+    for d, kind in ((d, kind) for d in samples for kind in KINDS):
         exact, other = (run_trip(d, kind, reference(d, *lengths)) for lengths in REFERENCES)
         sure, speed = distance(exact, other), s_curve(trip_of(d, kind)).peak_speed
         for asked in accuracies:

@@ -22,14 +22,14 @@ from .exudyn_rope import Method, PeerError, PeerRope
 Array = NDArray[np.float64]
 Ends = Callable[[float], tuple[EndMotion, EndMotion]]
 
-PRESET = rope_120()
-TRAVEL = PRESET.travel  # m
+CASE = rope_120()
+TRAVEL = CASE.travel  # m
 REFERENCE = s_curve(Trip())
 SAMPLE = 0.04  # s; steps of 5, 10, 20 and 40 ms end on it
 DURATION = SAMPLE * round((REFERENCE.duration + 3.0) / SAMPLE)  # s
 
 #: the rope without coupling of tension and torsion, which Exudyn's elements do not have
-UNCOUPLED = PRESET.scene.with_(rope=replace(PRESET.scene.rope, Qb=0.0, Qc=0.0))
+UNCOUPLED = CASE.scene.with_(rope=replace(CASE.scene.rope, Qb=0.0, Qc=0.0))
 #: and without torque, as Exudyn's cable in space
 TORSION_FREE = UNCOUPLED.with_(right=Swivel(mode="free"))
 SIDEWAYS = (0.1, 4.0)  # m, s: swing of the left end out of plane in the runs in space

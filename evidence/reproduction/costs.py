@@ -10,7 +10,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import Winding
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
 from evidence.rendering import number, quantity
 from evidence.tables import Table, Tables, table
@@ -68,7 +68,7 @@ def median_times(tables: Tables) -> dict[tuple[str, str], float]:
     return {k: float(np.median(t["processor time [s]"][(t["coupling"] == k[0]) & (t["mesh"] == k[1])])) for k in keys}
 
 
-def saved(tables: Tables, coupling: str) -> float:
+def time_saving(tables: Tables, coupling: str) -> float:
     """% of the computation time of EEM 600."""
     times = median_times(tables)
     return 100 * (1 - times[coupling, "TMN-ETM"] / times[coupling, "EEM"])
@@ -134,7 +134,7 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             f"TMN-ETM saves {SOURCE_SAVED[c]} % of the computation time ({c})",
-            Measured(counts, saved(tables, c), "%", ">", SOURCE_SAVED[c]),
+            Measurement(counts, time_saving(tables, c), "%", ">", SOURCE_SAVED[c]),
             because,
         )
         for c in COUPLINGS
@@ -202,7 +202,7 @@ def _times(tables: Tables) -> list[tuple[str, ...]]:
             elements = int(t["elements"][t["mesh"] == mesh][0])
             spread.append(f"{elements} elements, {times[c, mesh]:.2f} s ({mine.min():.2f} to {mine.max():.2f})")
         counts = f"{SOURCE_ELEMENTS[1]} / {SOURCE_ELEMENTS[0]}"
-        rows.append((c, *spread, f"{saved(tables, c):.1f} %", counts, f"{SOURCE_SAVED[c]} %"))
+        rows.append((c, *spread, f"{time_saving(tables, c):.1f} %", counts, f"{SOURCE_SAVED[c]} %"))
     return rows
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.drawing import COLOURS, REFERENCE, figure
 from evidence.rendering import number
 from evidence.tables import Tables
@@ -50,17 +50,19 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "left and right out-of-plane displacement keep opposite signs through the whole travel",
-            Measured("smallest displacement of either leg to its own side", margin(tables), "mm", ">", 0.0),
+            Measurement("smallest displacement of either leg to its own side", margin(tables), "mm", ">", 0.0),
         ),
         Claim(
             "TMN-ETM agrees with EEM in displacement",
-            Measured(
+            Measurement(
                 "largest difference over largest displacement", worst_difference(tables, QUANTITIES[:2]), "%", "<", 1.0
             ),
         ),
         Claim(
             "TMN-ETM agrees with EEM in twist",
-            Measured("largest difference over largest theta", worst_difference(tables, QUANTITIES[2:]), "%", "<", 1.0),
+            Measurement(
+                "largest difference over largest theta", worst_difference(tables, QUANTITIES[2:]), "%", "<", 1.0
+            ),
         ),
     ]
 

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.drawing import COLOURS, REFERENCE, figure
 from evidence.tables import Tables
 
@@ -49,15 +49,15 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "energy before and after a transformation agrees",
-            Measured("largest relative change of the kinetic energy", relative_change(tables), "1", "<", 1e-6),
+            Measurement("largest relative change of the kinetic energy", relative_change(tables), "1", "<", 1e-6),
         ),
         Claim(
             "the kinetic energy changes by less than 1e-4 J per transformation",
-            Measured("largest change", largest_change(tables), "J", "<", SOURCE_CHANGE),
+            Measurement("largest change", largest_change(tables), "J", "<", SOURCE_CHANGE),
         ),
         Claim(
             "the kinetic energy differs from EEM by less than 1 J of 1e4 J",
-            Measured("largest difference", float(difference), "J", "<", SOURCE_DIFFERENCE),
+            Measurement("largest difference", float(difference), "J", "<", SOURCE_DIFFERENCE),
         ),
     ]
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.drawing import CURVES, figure
 from evidence.rendering import number
 from evidence.tables import Table, Tables, table
@@ -178,17 +178,17 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "frequencies agree with an independent code",
-            Measured(
+            Measurement(
                 "largest deviation of the 16 frequencies at H = 0 and 80 m", reference_error(tables), "%", "<", 0.5
             ),
         ),
         Claim(
             "out-of-plane frequencies veer with the height difference",
-            Measured("closest approaches at which two neighbouring modes exchange shapes", number, "1", ">", 0),
+            Measurement("closest approaches at which two neighbouring modes exchange shapes", number, "1", ">", 0),
         ),
         Claim(
             "in-plane frequencies change little",
-            Measured("largest relative range in plane over the largest out of plane", ratio, "1", "<", 1 / 3),
+            Measurement("largest relative range in plane over the largest out of plane", ratio, "1", "<", 1 / 3),
         ),
     ]
 

@@ -55,11 +55,11 @@ class Watch:
 
 
 def follow(scene: Scene, name: str, until: float = END) -> tuple[Winding, Watch]:
-    """The preset's winding up to ``until`` (s); RuntimeError when it fails."""
-    preset, watch = rope_240(), Watch(RopeSimulator(scene))
-    reference = s_curve(Trip(travel=preset.travel, speed=preset.speed))
+    """The case's winding up to ``until`` (s); RuntimeError when it fails."""
+    case, watch = rope_240(), Watch(RopeSimulator(scene))
+    reference = s_curve(Trip(travel=case.travel, speed=case.speed))
     with progress_bar(name, until) as advance:
-        run = wind(scene, reference, preset.travel, until - reference.duration, 1, advance, watch)
+        run = wind(scene, reference, case.travel, until - reference.duration, 1, advance, watch)
     if not run.status.valid:
         raise RuntimeError(f"{name}: {run.status.message}")
     return run, watch
@@ -69,7 +69,7 @@ def measure() -> Tables:
     """Both runs as tables."""
     scene = rope_240().scene
     run, watch = follow(scene, "240 m, swivels released")
-    twin, still = follow(scene.with_(left=Swivel(), right=Swivel()), "240 m, swivels locked")
+    locked, still = follow(scene.with_(left=Swivel(), right=Swivel()), "240 m, swivels locked")
     t = np.array(run.t)
     late = t >= FROM
     columns = {
@@ -77,7 +77,7 @@ def measure() -> Tables:
     }
     loop = {"t [s]": t[EVERY - 1 :: EVERY]}
     half = 0.5 * scene.layout.spacing
-    for kind, each, seen in (("released", run, watch), ("locked", twin, still)):
+    for kind, each, seen in (("released", run, watch), ("locked", locked, still)):
         observed, bottom = np.array(each.observed)[EVERY - 1 :: EVERY], np.array(each.bottom)[EVERY - 1 :: EVERY]
         for i, side in enumerate(SIDES):
             loop[f"{kind} {side} in plane [m]"] = observed[:, i, 0] + (half, -half)[i]

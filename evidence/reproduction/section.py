@@ -8,7 +8,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.rendering import number
 from evidence.tables import Tables
 
@@ -21,7 +21,7 @@ class Claim:
     """
 
     source: str
-    measured: Measured
+    measured: Measurement
     because: str = ""
 
     @property

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.drawing import figure
 from evidence.rendering import number
 from evidence.tables import Tables
@@ -73,21 +73,23 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "only a few areas carry large bending stress",
-            Measured(share, above_half(tables, "bending"), "%", "<", FEW),
+            Measurement(share, above_half(tables, "bending"), "%", "<", FEW),
         ),
         Claim(
             "only a few areas carry large torsional stress",
-            Measured(share, above_half(tables, "torsion"), "%", "<", FEW),
+            Measurement(share, above_half(tables, "torsion"), "%", "<", FEW),
             even,
         ),
         Claim(
             "the areas follow the conveyances (bending)",
-            Measured("largest distance along the rope from the loop's lowest point", distance(tables), "m", "<", 1.0),
+            Measurement(
+                "largest distance along the rope from the loop's lowest point", distance(tables), "m", "<", 1.0
+            ),
         ),
         *(
             Claim(
                 f"TMN-ETM agrees with EEM in the {words[kind]} stress norm",
-                Measured("largest difference of the maxima", mesh_difference(tables, kind), "%", "<", 2.0),
+                Measurement("largest difference of the maxima", mesh_difference(tables, kind), "%", "<", 2.0),
                 _because(tables),
             )
             for kind in STRESSES

@@ -9,7 +9,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.drawing import COLOURS, REFERENCE, figure, mark_instants
 from evidence.rendering import number
 from evidence.tables import Tables
@@ -88,35 +88,41 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "in-plane motion changes little on release",
-            Measured("RMS change over RMS motion in plane", in_plane_change(tables), "%", "<", 10.0),
+            Measurement("RMS change over RMS motion in plane", in_plane_change(tables), "%", "<", 10.0),
             f"the change grows while the loop turns (by {np.degrees(turn):.0f} degrees against the locked one): it is "
             f"{in_plane_change(tables, SOON):.1f} % up to {SOON:g} s; the bound and the length of the run are ours, "
             f"and the RMS change out of plane is {ratio:.0f} times larger",
         ),
         Claim(
             "out-of-plane motion is violent after the release",
-            Measured("RMS change out of plane over that in plane", ratio, "1", ">", 3.0),
+            Measurement("RMS change out of plane over that in plane", ratio, "1", ">", 3.0),
         ),
         Claim(
             "torsional motion is violent after the release",
-            Measured("smallest range of theta over that with locked swivels", torsional, "1", ">", 1.5),
+            Measurement("smallest range of theta over that with locked swivels", torsional, "1", ">", 1.5),
         ),
         Claim(
             "the loop swings from side to side",
-            Measured("lowest point, reach to the side it reaches less", min(reach(tables, "released")), "m", ">", 0.1),
+            Measurement(
+                "lowest point, reach to the side it reaches less", min(reach(tables, "released")), "m", ">", 0.1
+            ),
         ),
         Claim(
             "stick-slip switching near 20 s",
-            Measured("first switching of the right swivel, away by", abs(first - SOURCE_SWITCHING[0]), "s", "<", NEAR),
+            Measurement(
+                "first switching of the right swivel, away by", abs(first - SOURCE_SWITCHING[0]), "s", "<", NEAR
+            ),
         ),
         Claim(
             "stick-slip switching near 20.8 s",
-            Measured("first sticking of the right swivel, away by", abs(stick - SOURCE_SWITCHING[1]), "s", "<", NEAR),
+            Measurement(
+                "first sticking of the right swivel, away by", abs(stick - SOURCE_SWITCHING[1]), "s", "<", NEAR
+            ),
         ),
         *(
             Claim(
                 f"switching is visible as jumps in {words}",
-                Measured("median change across a switching over others", jump(tables, quantity), "1", ">", 10.0),
+                Measurement("median change across a switching over others", jump(tables, quantity), "1", ">", 10.0),
             )
             for words, quantity in (("friction torque", SWIVEL[3]), ("angular acceleration", SWIVEL[0]))
         ),

@@ -21,9 +21,9 @@ from rope_model.simulation.signals import nominal_stresses
 Array = NDArray[np.float64]
 
 COUPLINGS = ("uncoupled", "coupled")
-PRESET = rope_120().scene
+SCENE = rope_120().scene
 #: the default mesh in numbers
-DEFAULT_MESH = fit_mesh(PRESET.mesh, PRESET.rope, PRESET.layout)
+DEFAULT_MESH = fit_mesh(SCENE.mesh, SCENE.rope, SCENE.layout)
 MESHES = {"TMN-ETM": DEFAULT_MESH, "EEM": Mesh(kind="eem", elements=600)}
 TRAVEL, SETTLE = 90.0, 3.0  # m, s after the conveyances have stopped
 ROUNDS = 3
@@ -36,7 +36,7 @@ SIDES = ("left", "right")
 
 def scene_of(coupling: str, mesh: Mesh) -> Scene:
     """The 120 m scene; uncoupled without Qb and Qc, but the complete model as in the source."""
-    scene = PRESET.with_(mesh=mesh, model=Model("torsional"))
+    scene = SCENE.with_(mesh=mesh, model=Model("torsional"))
     return scene if coupling == "coupled" else scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0))
 
 

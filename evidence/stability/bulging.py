@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.parameters import Layout, Mesh, Rope
 from rope_model.simulation.ends import nominal_points
 from rope_model.simulation.mesh import partition
 from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
-from .chain import Held, is_stable, plain_newton
+from .chain import StaticBoundary, is_stable, plain_newton
 from .entry import Array, Curve, Entry, Figure, Finding
 
 GRAVITY = Layout().gravity
@@ -31,7 +31,7 @@ def hanging_loops() -> dict[tuple[float, float], tuple[RopeSystem, Array]]:
             ends = nominal_points(spacing)
             values = np.zeros((lengths.size + 1, 7))
             values[[0, -1], POSITION] = ends
-            boundary = Held.nothing(values)
+            boundary = StaticBoundary.without_supports(values)
             boundary.held[[0, -1]] = True
             boundary.held[[0, -1], 4] = False
             P = parameter_vector(replace(rope, EI=EI), GRAVITY)
@@ -59,13 +59,13 @@ def measure_bulging() -> Finding:
     return Finding(
         # a method is of no use to a user who meets a failure in every tenth data set
         counterexample=(
-            Measured(f"share of {len(loops)} data sets without the shape", failed / len(loops), "1", ">", 0.1),
+            Measurement(f"share of {len(loops)} data sets without the shape", failed / len(loops), "1", ">", 0.1),
         ),
         ours=(
-            Measured("shapes that are not stable", unstable, "1", "<", 1),
+            Measurement("shapes that are not stable", unstable, "1", "<", 1),
             # 60 m of rounding in the strain of elements of 0.25 m: Qa 60 eps / l = 6e-6 N, ten times that at most
-            Measured("largest force left unbalanced", unbalanced, "N", "<", 1e-4),
-            Measured("largest spacing, part of the natural width", widest, "1", "<", 0.5),
+            Measurement("largest force left unbalanced", unbalanced, "N", "<", 1e-4),
+            Measurement("largest spacing, part of the natural width", widest, "1", "<", 0.5),
         ),
         figure=Figure(
             "Plain Newton on a bulging loop, three failures",

@@ -21,15 +21,15 @@ Solve = Callable[[RopeSystem, Array], Array | None]
 
 
 @dataclass(frozen=True)
-class Held:
+class StaticBoundary:
     """A rope_system.Boundary at rest: what is held, and at which values; arrays (nodes, 7)."""
 
     held: NDArray[np.bool_]
     values: Array
 
     @staticmethod
-    def nothing(values: Array) -> Held:
-        return Held(np.zeros(values.shape, dtype=bool), values)
+    def without_supports(values: Array) -> StaticBoundary:
+        return StaticBoundary(np.zeros(values.shape, dtype=bool), values)
 
     def free(self, nodes: int) -> NDArray[np.bool_]:
         return ~self.held
@@ -45,7 +45,7 @@ class Held:
 
 
 @dataclass(frozen=True)
-class Iterated:
+class NewtonResult:
     """Where plain Newton arrived, whether it converged, and the largest unbalanced force (N, N m) before each step."""
 
     q: Array
@@ -53,7 +53,7 @@ class Iterated:
     unbalanced: Array
 
 
-def plain_newton(system: RopeSystem, guess: Array, tolerance: float = 1e-9, most: int = 100) -> Iterated:
+def plain_newton(system: RopeSystem, guess: Array, tolerance: float = 1e-9, most: int = 100) -> NewtonResult:
     """Full corrections with the tangent stiffness from ``guess``, until one is below ``tolerance``.
 
     The frame is that of the system all the way.
@@ -68,8 +68,8 @@ def plain_newton(system: RopeSystem, guess: Array, tolerance: float = 1e-9, most
                 break
             q = q + x
             if np.max(np.abs(x)) < tolerance:
-                return Iterated(q, True, np.array(unbalanced))
-    return Iterated(q, False, np.array(unbalanced))
+                return NewtonResult(q, True, np.array(unbalanced))
+    return NewtonResult(q, False, np.array(unbalanced))
 
 
 def by_newton(system: RopeSystem, q: Array) -> Array | None:

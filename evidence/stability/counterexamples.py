@@ -1,4 +1,4 @@
-"""The element with one thing done differently: what the entries' failing twins are built of."""
+"""The element with one thing done differently: what the entries' counterexamples are built of."""
 
 from __future__ import annotations
 

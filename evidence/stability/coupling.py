@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
@@ -132,13 +132,15 @@ def measure_map() -> Finding:
 
     return Finding(
         counterexample=(
-            Measured("explicit: unstable points of 64", float(np.sum(counterexample == 0)), "1", ">", 12.0),
-            Measured("points beyond a factor of 2 that M > m_a predicts", predicted, "1", ">", 0.95),
+            Measurement("explicit: unstable points of 64", float(np.sum(counterexample == 0)), "1", ">", 12.0),
+            Measurement("points beyond a factor of 2 that M > m_a predicts", predicted, "1", ">", 0.95),
         ),
         ours=(
-            Measured("semi-implicit: unstable points of 64", float(np.sum(ours == 0)), "1", "<", 0.5),
+            Measurement("semi-implicit: unstable points of 64", float(np.sum(ours == 0)), "1", "<", 0.5),
             # of first order: the force at a step's end is held over the next
-            Measured("semi-implicit, M a tenth of the leg, 10 ms: error over the stroke", accuracy(), "1", "<", 0.05),
+            Measurement(
+                "semi-implicit, M a tenth of the leg, 10 ms: error over the stroke", accuracy(), "1", "<", 0.05
+            ),
         ),
         figure=Figure(
             "Exchange of forces with a conveyance of mass M",
@@ -218,14 +220,14 @@ def measure_steps() -> Finding:
     return Finding(
         counterexample=(
             # a host would not accept a tenth of the rope's load as an error
-            Measured("held: largest error at 50 ms over the leg's weight", errors["held"][2], "1", ">", 0.1),
-            Measured("extrapolated: largest error at 200 ms over ours", ratio, "1", ">", 10.0),
+            Measurement("held: largest error at 50 ms over the leg's weight", errors["held"][2], "1", ">", 0.1),
+            Measurement("extrapolated: largest error at 200 ms over ours", ratio, "1", ">", 10.0),
         ),
         ours=(
             # the quintic errs by h^6/46080 of the sixth derivative, 1e-7 m; the bound is what the rope's own steps of
             # 10 ms may err by
-            Measured("error at 200 ms over the leg's weight", errors["step end"][0], "1", "<", 1e-3),
-            Measured("error at 50 ms over the leg's weight", errors["step end"][2], "1", "<", 1e-3),
+            Measurement("error at 200 ms over the leg's weight", errors["step end"][0], "1", "<", 1e-3),
+            Measurement("error at 50 ms over the leg's weight", errors["step end"][2], "1", "<", 1e-3),
         ),
         figure=Figure(
             "Error of the end's pull during a lift of 0.5 m in 2 s",

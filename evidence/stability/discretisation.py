@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from benchmarks.robustness import Reversal
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 
 from .counterexamples import modified_element
@@ -39,20 +39,20 @@ def shear_locking() -> Finding:
     with modified_element(gauss_points=8):
         full = np.array([100 * abs(side_force(equal(l)) / exact - 1) for l in LENGTHS])
     three = np.array([100 * abs(side_force(equal(l)) / exact - 1) for l in LENGTHS])
-    ladder = Mesh()
-    tmn = 100 * abs(side_force(ladder) / exact - 1)
+    graded = Mesh()
+    tmn = 100 * abs(side_force(graded) / exact - 1)
     x = np.array(LENGTHS)
     return Finding(
         counterexample=(
             # the hanging loop is 3.2 m wide: with 2 m elements two of them make the bend
-            Measured("side force, error, 8 Gauss points, elements of 2 m", full[0], "%", ">", 50.0),
-            Measured("side force, error, 8 Gauss points, elements of 1 m", full[1], "%", ">", 4.0),
-            Measured("side force, error, 3 Gauss points, elements of 2 m", three[0], "%", ">", 4.0),
+            Measurement("side force, error, 8 Gauss points, elements of 2 m", full[0], "%", ">", 50.0),
+            Measurement("side force, error, 8 Gauss points, elements of 1 m", full[1], "%", ">", 4.0),
+            Measurement("side force, error, 3 Gauss points, elements of 2 m", three[0], "%", ">", 4.0),
         ),
         ours=(
             # 0.3 % is the theory's number for 0.5 m; the error falls with the length's square or faster
-            Measured("side force, error, TMN-ETM with l = 2 m, l/8 in the loop", tmn, "%", "<", 0.3),
-            Measured("side force, error, 3 Gauss points, equal elements of 0.25 m", three[3], "%", "<", 0.3),
+            Measurement("side force, error, TMN-ETM with l = 2 m, l/8 in the loop", tmn, "%", "<", 0.3),
+            Measurement("side force, error, 3 Gauss points, equal elements of 0.25 m", three[3], "%", "<", 0.3),
         ),
         figure=Figure(
             "Side force of a hanging loop: elements that are too long make it too stiff",
@@ -62,7 +62,7 @@ def shear_locking() -> Finding:
                 Curve("8 Gauss points (full integration), equal elements", x, full, "s-"),
                 Curve("3 Gauss points, equal elements", x, three, "o-"),
                 Curve(
-                    "ours: TMN-ETM, l = 2 m, drawn at l/8", np.array([ladder.coarse_length / 8]), np.array([tmn]), "*"
+                    "ours: TMN-ETM, l = 2 m, drawn at l/8", np.array([graded.coarse_length / 8]), np.array([tmn]), "*"
                 ),
             ),
             log_x=True,
@@ -98,8 +98,8 @@ def hourglass() -> Finding:
     return Finding(
         counterexample=(
             # a stiff mode has an eigenvalue of order 1
-            Measured("stiffness of the hourglass mode, 2 points, of Qa/l", abs(two[1]), "1", "<", 1e-12),
-            Measured(
+            Measurement("stiffness of the hourglass mode, 2 points, of Qa/l", abs(two[1]), "1", "<", 1e-12),
+            Measurement(
                 "largest stretch of a node over the strain of the weight, 2 points",
                 float(counterexample.stretch.max()) / strain,
                 "1",
@@ -109,15 +109,15 @@ def hourglass() -> Finding:
         ),
         ours=(
             # int (6 xi^2 - 6 xi + 1)^2 = 1/5, on a mode whose norm is of order 1
-            Measured("stiffness of the hourglass mode, 3 points, of Qa/l", three[1], "1", ">", 0.01),
-            Measured(
+            Measurement("stiffness of the hourglass mode, 3 points, of Qa/l", three[1], "1", ">", 0.01),
+            Measurement(
                 "largest stretch of a node over the strain of the weight, 3 points",
                 float(ours.stretch.max()) / strain,
                 "1",
                 "<",
                 10.0,
             ),
-            Measured("part of the trip completed, 3 points", ours.completed, "1", ">", 0.999),
+            Measurement("part of the trip completed, 3 points", ours.completion, "1", ">", 0.999),
         ),
         figure=Figure(
             "Stretch of the nodes at the start of a winding: two Gauss points let it grow freely",
@@ -146,12 +146,14 @@ def long_steps() -> Finding:
     counts = ours.rope.state.counts
     return Finding(
         counterexample=(
-            Measured("part of the trip completed, constant steps of 20 ms", counterexample.completed, "1", "<", 0.99),
+            Measurement(
+                "part of the trip completed, constant steps of 20 ms", counterexample.completion, "1", "<", 0.99
+            ),
         ),
         ours=(
-            Measured("part of the trip completed, with step control", ours.completed, "1", ">", 0.999),
+            Measurement("part of the trip completed, with step control", ours.completion, "1", ">", 0.999),
             # that it was the control that helped
-            Measured("steps rejected, halved and tried again", counts.rejections, "1", ">", 0.5),
+            Measurement("steps rejected, halved and tried again", counts.rejections, "1", ">", 0.5),
         ),
         figure=Figure(
             "Force of the right end at 8 m/s on 2 m elements",
@@ -221,20 +223,20 @@ def travel_errors(kind: str) -> Finding:
     count = ours.rope.state.counts.transformations
     return Finding(
         counterexample=(
-            Measured(
+            Measurement(
                 "loop bottom, largest error, fixed mesh", 1e3 * float(counterexample_distance.max()), "mm", ">", 100.0
             ),
-            Measured("end force, rms error, fixed mesh", 100 * rms(counterexample_force), "%", ">", 5.0),
+            Measurement("end force, rms error, fixed mesh", 100 * rms(counterexample_force), "%", ">", 5.0),
         ),
         ours=(
             # the acceptance of the method is 1 cm for the loop's place and 0.5 % (rms) for the forces
-            Measured("loop bottom, largest error", 1e3 * float(distance.max()), "mm", "<", x.bound),
-            Measured("part of the trip completed", ours.completed, "1", ">", 0.999),
+            Measurement("loop bottom, largest error", 1e3 * float(distance.max()), "mm", "<", x.bound),
+            Measurement("part of the trip completed", ours.completion, "1", ">", 0.999),
             # the loop travels half the way along the rope, by l each time
-            Measured("transformations", count, "1", ">", 20.0),
-            Measured("end force, rms error", 100 * rms(force), "%", "<", 0.5),
-            # the same limit that the twin exceeds
-            Measured(
+            Measurement("transformations", count, "1", ">", 20.0),
+            Measurement("end force, rms error", 100 * rms(force), "%", "<", 0.5),
+            # the same limit that the counterexample exceeds
+            Measurement(
                 "loop bottom, largest error with the default mesh and steps",
                 1e3 * float(errors(usual, exact)[0].max()),
                 "mm",
@@ -278,16 +280,20 @@ def near_end() -> Finding:
     return Finding(
         counterexample=(
             # nobody is told, and 1 cm, the acceptance of the method, is not kept
-            Measured(
-                "part of the trip completed without a message, loop on long elements", silent.completed, "1", ">", 0.999
+            Measurement(
+                "part of the trip completed without a message, loop on long elements",
+                silent.completion,
+                "1",
+                ">",
+                0.999,
             ),
-            Measured("loop bottom, largest error there", 1e3 * counterexample_distance.max(), "mm", ">", 10.0),
+            Measurement("loop bottom, largest error there", 1e3 * counterexample_distance.max(), "mm", ">", 10.0),
         ),
         ours=(
             # not held: stopped, with everything up to there right and the last state kept
-            Measured("part of the trip completed until the message", ours.completed, "1", "<", 0.99),
-            Measured("loop bottom, largest error until then", 1e3 * distance.max(), "mm", "<", 10.0),
-            Measured("last valid state kept (1: yes)", intact, "1", ">", 0.5),
+            Measurement("part of the trip completed until the message", ours.completion, "1", "<", 0.99),
+            Measurement("loop bottom, largest error until then", 1e3 * distance.max(), "mm", "<", 10.0),
+            Measurement("last valid state kept (1: yes)", intact, "1", ">", 0.5),
         ),
         figure=Figure(
             "Loop driven towards the rope's end: error of its lowest point against 160 equal elements",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 
 Array = NDArray[np.float64]
 
@@ -39,8 +39,8 @@ class Figure:
 class Finding:
     """What the failing counterexample did and what ours did in the same scene, and a figure where looking helps."""
 
-    counterexample: tuple[Measured, ...]  # claims that the twin breaks
-    ours: tuple[Measured, ...]  # claims that ours holds
+    counterexample: tuple[Measurement, ...]  # what the counterexample does wrong
+    ours: tuple[Measurement, ...]  # what ours does right
     figure: Figure | None = None
     message: str = ""  # what the user is told where ours stops instead of holding
 

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import quad, solve_ivp
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Layout, Rope
 from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
-from .chain import Held, potential
+from .chain import StaticBoundary, potential
 from .entry import Array, Curve, Entry, Figure, Finding
 
 GRAVITY = Layout().gravity
@@ -42,7 +42,7 @@ def fold(EI: float, elements: int) -> tuple[RopeSystem, Array]:
     kernels, P = RopeKernels(elements), parameter_vector(rope, GRAVITY)
 
     def hold(values: Array, nodes: list[int]) -> RopeSystem:
-        boundary = Held.nothing(values)
+        boundary = StaticBoundary.without_supports(values)
         boundary.held[:, [2, 5, 6]] = True
         boundary.held[nodes, POSITION] = True
         return RopeSystem(kernels, np.diff(s), P, boundary, q)
@@ -120,17 +120,17 @@ def measure_fall() -> Finding:
     return Finding(
         counterexample=(
             # it falls with g: 1 instead of 0.847
-            Measured("inelastic fold: fall time over the exact one", float(free_t[-1] / exact_t[-1]), "1", ">", 1.1),
+            Measurement("inelastic fold: fall time over the exact one", float(free_t[-1] / exact_t[-1]), "1", ">", 1.1),
         ),
         ours=(
-            Measured("exact fall time less the printed one", abs(float(exact_t[-1]) - 0.847213), "1", "<", 1e-6),
+            Measurement("exact fall time less the printed one", abs(float(exact_t[-1]) - 0.847213), "1", "<", 1e-6),
             # with EI = 1 the fold's size (EI/rho g)^(1/3)/L is 1.2 % of the rope; with 0.1 it is half of that, and what
             # the material takes when the tip cracks counts as much
             *(
-                Measured(f"error of the fall time, EI = {EI:g} N m^2", error, "1", "<", 0.012)
+                Measurement(f"error of the fall time, EI = {EI:g} N m^2", error, "1", "<", 0.012)
                 for EI, error in errors.items()
             ),
-            Measured("energy unexplained over rho g L^2, larger of both", unexplained, "1", "<", 0.01),
+            Measurement("energy unexplained over rho g L^2, larger of both", unexplained, "1", "<", 0.01),
         ),
         figure=Figure(
             "The free end of a folded rope falls faster than g",

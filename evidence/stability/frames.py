@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.physics.frame import smallest_rotation_rate
 from rope_model.simulation.ends import EndMotion
@@ -85,13 +85,13 @@ def tait_bryan() -> Finding:
     return Finding(
         # the singularity is at 90 degrees: a wall that the loop, swinging, passes by a tenth at most
         counterexample=(
-            Measured(
+            Measurement(
                 "loop yaw when the ends have turned by 180 deg, Tait-Bryan", yaw(counterexample), "deg", "<", 99.0
             ),
         ),
         ours=(
             # the loop lags on the way and swings past the ends afterwards
-            Measured("loop yaw when the ends have turned by 180 deg", yaw(ours), "deg", ">", 170.0),
+            Measurement("loop yaw when the ends have turned by 180 deg", yaw(ours), "deg", ">", 170.0),
         ),
         figure=Figure(
             "Ends turned by 180 degrees: the loop follows, or hangs at 90 degrees as at a wall",
@@ -131,16 +131,16 @@ def frenet() -> Finding:
     return Finding(
         counterexample=(
             # at an inflection the normal changes its side: half a turn, however short the elements
-            Measured("largest turn of Frenet's frame in an element of 0.5 m", coarse.max(), "deg", ">", 120.0),
-            Measured("the same in an element of 0.125 m", fine.max(), "deg", ">", 120.0),
+            Measurement("largest turn of Frenet's frame in an element of 0.5 m", coarse.max(), "deg", ">", 120.0),
+            Measurement("the same in an element of 0.125 m", fine.max(), "deg", ">", 120.0),
             # the torque that an angle counted from it would feign; the rope carries 1 N m
-            Measured("torque Qd tau that this turn feigns", Qd * math.radians(fine.max()) / 0.125, "N m", ">", 1e3),
+            Measurement("torque Qd tau that this turn feigns", Qd * math.radians(fine.max()) / 0.125, "N m", ">", 1e3),
         ),
         ours=(
             # no more than the tangent itself turns, at most 0.8/m times 0.125 m = 6 deg in the bend
-            Measured("largest turn of our frame in an element of 0.125 m", ours.max(), "deg", "<", 6.0),
-            Measured("the same on the legs", ours[legs].max(), "deg", "<", 0.1),
-            Measured("turn in 0.125 m over that in 0.5 m", ours.max() / ours_coarse.max(), "1", "<", 0.5),
+            Measurement("largest turn of our frame in an element of 0.125 m", ours.max(), "deg", "<", 6.0),
+            Measurement("the same on the legs", ours[legs].max(), "deg", "<", 0.1),
+            Measurement("turn in 0.125 m over that in 0.5 m", ours.max() / ours_coarse.max(), "1", "<", 0.5),
         ),
         figure=Figure(
             "Turn of the section's frame from element to element of a hanging rope, loop at 15 m",
@@ -172,10 +172,10 @@ def theta_prime() -> Finding:
         counterexample = np.array([yaw_and_torque(x) for x in twists])
     rates = [abs(x[0, 0] / x[0, 1]) for x in (ours, counterexample)]
     return Finding(
-        counterexample=(Measured("loop yaw per torque, tau = theta'", rates[1], "deg/(N m)", "<", 1e-6),),
+        counterexample=(Measurement("loop yaw per torque, tau = theta'", rates[1], "deg/(N m)", "<", 1e-6),),
         ours=(
             # 1.23 deg at 1 N m, independently calculated; the theory asks for 2 %
-            Measured(
+            Measurement(
                 "error of the loop yaw per torque of 1.23 deg/(N m)", 100 * abs(rates[0] / 1.23 - 1), "%", "<", 2.0
             ),
         ),

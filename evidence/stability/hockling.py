@@ -8,12 +8,12 @@ from unittest.mock import patch
 
 import numpy as np
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation import modal
 from rope_model.simulation.rope_system import ANGLE, RopeKernels, RopeSystem, arc_lengths
 
-from .chain import Held, Solve, by_continuation, by_newton, is_stable
+from .chain import Solve, StaticBoundary, by_continuation, by_newton, is_stable
 from .counterexamples import no_rate
 from .entry import Array, Curve, Entry, Figure, Finding
 
@@ -27,7 +27,7 @@ def straight_rod(elements: int = 80) -> tuple[RopeSystem, Array]:
     s = np.linspace(0.0, ROD, elements + 1)
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, 3] = s * (1 + TENSION / values["Qa"]), 1 + TENSION / values["Qa"]
-    boundary = Held.nothing(q)
+    boundary = StaticBoundary.without_supports(q)
     boundary.held[[0, -1]] = True
     boundary.held[[0, -1], 3] = False
     return RopeSystem(RopeKernels(elements, "portable"), np.diff(s), P, boundary, q), q
@@ -37,7 +37,7 @@ def with_torque(system: RopeSystem, q: Array, torque: float) -> tuple[RopeSystem
     """The straight rod with its far end turned until it carries ``torque`` (N m)."""
     q = q.copy()
     q[:, ANGLE] = torque / TWIST_STIFFNESS * arc_lengths(system.lengths)
-    boundary = replace(system.boundary, values=q) if isinstance(system.boundary, Held) else system.boundary
+    boundary = replace(system.boundary, values=q) if isinstance(system.boundary, StaticBoundary) else system.boundary
     return RopeSystem(system.kernels, system.lengths, system.P, boundary, q), q
 
 
@@ -71,23 +71,23 @@ def measure_hockling() -> Finding:
     found = np.array([deflection(by_continuation, M, 1e-3) for M in torques])
     return Finding(
         counterexample=(
-            Measured(
+            Measurement(
                 "tau = theta' alone: torque up to which nothing happens, part of 2 sqrt(EI T)",
                 without / theory,
                 "1",
                 ">",
                 5.0,
             ),
-            Measured(
+            Measurement(
                 "plain Newton, 1.2 times the critical torque: largest deflection", float(newton[-1]), "m", "<", 1e-6
             ),
         ),
         ours=(
             # a finite length adds about (2 pi/L)^2/2: 0.5 %
-            Measured("onset against 2 sqrt(EI T)", abs(ours / theory - 1), "1", "<", 0.01),
-            Measured("deflection at 0.95 times the critical torque", float(found[2]), "m", "<", 1e-6),
+            Measurement("onset against 2 sqrt(EI T)", abs(ours / theory - 1), "1", "<", 0.01),
+            Measurement("deflection at 0.95 times the critical torque", float(found[2]), "m", "<", 1e-6),
             # the clamps hold the ends apart, so that only the stretch T/Qa feeds the helix: ten times the disturbance
-            Measured("deflection at 1.1 times the critical torque", float(found[4]), "m", ">", 0.01),
+            Measurement("deflection at 1.1 times the critical torque", float(found[4]), "m", ">", 0.01),
         ),
         figure=Figure(
             "Where a twisted rod comes to rest, disturbed by 1 mm",

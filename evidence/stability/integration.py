@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.numerics.generalized_alpha import Coefficients, Motion, restart, step
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.simulation.ends import EndMotion
@@ -90,14 +90,14 @@ def convergence(stepper: Stepper, pattern: tuple[float, ...]) -> tuple[Array, fl
 
 
 def compare_orders(counterexample: Stepper, pattern: tuple[float, ...], name: str, title: str) -> Finding:
-    """Observed orders with ``twin`` and with ours."""
+    """Observed orders with ``counterexample`` and with ours."""
     ours, order = convergence(take_step, pattern)
     theirs, counterexample_order = convergence(counterexample, pattern)
     h = END / np.array(STEPS)
     return Finding(
         # an observed order is within some 0.1 of the method's at these steps, so 1.4 is neither 1 nor 2 by chance
-        counterexample=(Measured(f"observed order, {name}", counterexample_order, "1", "<", 1.4),),
-        ours=(Measured("observed order, ours", order, "1", ">", 1.9),),
+        counterexample=(Measurement(f"observed order, {name}", counterexample_order, "1", "<", 1.4),),
+        ours=(Measurement("observed order, ours", order, "1", ">", 1.9),),
         figure=Figure(
             title,
             "mean step / s",
@@ -157,10 +157,10 @@ def ringing() -> Finding:
     return Finding(
         counterexample=(
             # |eigenvalue| 1 at infinite frequency: what is in stays in, and every event adds
-            Measured(
+            Measurement(
                 "alternating force after 4 s over that after 0.5 s, rho_inf = 1", counterexample[1], "1", ">", 0.5
             ),
-            Measured(
+            Measurement(
                 "alternating force after 4 s, rho_inf = 1, over that with 0.6",
                 counterexample[0] / ours[0],
                 "1",
@@ -168,7 +168,7 @@ def ringing() -> Finding:
                 10.0,
             ),
         ),
-        ours=(Measured("alternating force after 4 s over that after 0.5 s, rho_inf = 0.6", ours[1], "1", "<", 0.5),),
+        ours=(Measurement("alternating force after 4 s over that after 0.5 s, rho_inf = 0.6", ours[1], "1", "<", 0.5),),
         figure=Figure(
             "Part of the left end's force that alternates from step to step, swivels released at 0.2 s",
             "t / s",
@@ -222,16 +222,16 @@ def explicit() -> Finding:
     return Finding(
         counterexample=(
             # an element of 0.2 m is crossed by an axial wave in 51 us, and r' of the nodes oscillates faster
-            Measured("critical step of central differences", 1e6 * critical, "us", "<", 51.0),
+            Measurement("critical step of central differences", 1e6 * critical, "us", "<", 51.0),
             # 1 % above it rounding grows by 1.33 per step: e^113 in 400
-            Measured("largest displacement after 400 steps 1 % above it", above[-1], "m", ">", 1e6),
-            Measured("steps for one second, 1 % below it", 1 / (0.99 * critical), "1", ">", 1e4),
+            Measurement("largest displacement after 400 steps 1 % above it", above[-1], "m", ">", 1e6),
+            Measurement("steps for one second, 1 % below it", 1 / (0.99 * critical), "1", ">", 1e4),
         ),
         ours=(
             # 0.1 m/s for 4 s, if nothing held the rope
-            Measured("largest displacement within 400 steps of 10 ms", max(moved), "m", "<", speed * steps * h),
+            Measurement("largest displacement within 400 steps of 10 ms", max(moved), "m", "<", speed * steps * h),
             # the first steps, out of a sudden speed, are rejected and halved
-            Measured("its mean step over the critical one", mean / critical, "1", ">", 100.0),
+            Measurement("its mean step over the critical one", mean / critical, "1", ">", 100.0),
         ),
         figure=Figure(
             "A hanging rope pushed sideways with 0.1 m/s, in steps of different length",
@@ -288,9 +288,9 @@ def rollback() -> Finding:
     changed = float(status.valid or rejecting.save() != before)
     ours = (
         *found.ours,
-        Measured("rejections that the comparison is about", spared, "1", ">", 0.5),
-        Measured("states that differ from those of a run without rejections", apart, "1", "<", 0.5),
-        Measured("states changed by a failed step of the host", changed, "1", "<", 0.5),
+        Measurement("rejections that the comparison is about", spared, "1", ">", 0.5),
+        Measurement("states that differ from those of a run without rejections", apart, "1", "<", 0.5),
+        Measurement("states changed by a failed step of the host", changed, "1", "<", 0.5),
     )
     return replace(found, ours=ours, message=status.message)
 

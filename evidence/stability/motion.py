@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.modal import assemble_matrix
@@ -98,21 +98,21 @@ def measure_slack() -> Finding:
     return Finding(
         counterexample=(
             # one wave up and down of the prescribed acceleration against a blow: no bound but "not nearly"
-            Measured(
+            Measurement(
                 "linear: largest pull, part of the largest one", float(pull.max() / fine.pull.max()), "1", "<", 0.5
             ),
         ),
         ours=(
-            Measured(
+            Measurement(
                 "largest push on the conveyance over what buckles the leg",
                 -float(ours.pull.min()) / buckling,
                 "1",
                 ">",
                 10.0,
             ),
-            Measured("time not reached", SHOWN - float(ours.t[-1]), "s", "<", 1e-9),
+            Measurement("time not reached", SHOWN - float(ours.t[-1]), "s", "<", 1e-9),
             # buckles of some metres on elements of 0.5 m; the tolerance of the step allows 2 %
-            Measured(
+            Measurement(
                 f"largest pull of {1e-3 * fine.pull.max():.3g} kN, elements of 0.5 m to 0.25 m",
                 abs(float(ours.pull.max() / fine.pull.max()) - 1),
                 "1",
@@ -120,7 +120,7 @@ def measure_slack() -> Finding:
                 0.05,
             ),
             # generalized-alpha takes what the steps do not resolve; it must be small against what moves
-            Measured(
+            Measurement(
                 "energy that the balance does not explain, part of the largest kinetic energy",
                 float(np.abs(ours.unexplained).max() / ours.kinetic.max()),
                 "1",
@@ -149,27 +149,27 @@ def measure_snatch() -> Finding:
     largest = ours.kinetic.max()
     return Finding(
         counterexample=(
-            Measured("rho_inf = 1, fixed step: time reached", float(counterexample.t[-1]), "s", "<", 0.9 * END),
-            Measured("the same without material damping: time reached", float(undamped.t[-1]), "s", "<", 0.9 * END),
+            Measurement("rho_inf = 1, fixed step: time reached", float(counterexample.t[-1]), "s", "<", 0.9 * END),
+            Measurement("the same without material damping: time reached", float(undamped.t[-1]), "s", "<", 0.9 * END),
         ),
         ours=(
-            Measured("time not reached", END - float(ours.t[-1]), "s", "<", 1e-9),
+            Measurement("time not reached", END - float(ours.t[-1]), "s", "<", 1e-9),
             # the default tolerance is a local error of 1 mm per step
-            Measured(
+            Measurement(
                 f"snatch of {1e-3 * fine.pull.max():.3g} kN against ten times the tolerance",
                 abs(float(ours.pull.max() / fine.pull.max()) - 1),
                 "1",
                 "<",
                 0.05,
             ),
-            Measured(
+            Measurement(
                 "energy that the balance does not explain, part of the largest kinetic energy",
                 float(np.abs(ours.unexplained).max() / largest),
                 "1",
                 "<",
                 0.05,
             ),
-            Measured(
+            Measurement(
                 "the same with a tenth of the tolerance",
                 float(np.abs(fine.unexplained).max() / largest),
                 "1",

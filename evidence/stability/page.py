@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, table, write
 
@@ -28,7 +28,7 @@ SCENES = ("scene", "message", "figure")
 # tables
 
 
-def sides(finding: Finding) -> dict[str, Sequence[Measured]]:
+def sides(finding: Finding) -> dict[str, Sequence[Measurement]]:
     """The claims of a finding by whom they are about."""
     return {COUNTEREXAMPLE: finding.counterexample, OURS: finding.ours}
 
@@ -61,15 +61,15 @@ def _rows(t: Table, columns: Sequence[str]) -> Iterator[tuple[Any, ...]]:
     return zip(*(t[name].tolist() for name in columns), strict=True)
 
 
-def claims_of(t: Table, key: str) -> list[tuple[str, Measured]]:
+def claims_of(t: Table, key: str) -> list[tuple[str, Measurement]]:
     """The claims of an entry, each with the side that it is about."""
-    return [(side, Measured(*claim)) for scene, side, *claim in _rows(t, CLAIMS) if scene == key]
+    return [(side, Measurement(*claim)) for scene, side, *claim in _rows(t, CLAIMS) if scene == key]
 
 
 # pages
 
 
-def claim(m: Measured) -> str:
+def claim(m: Measurement) -> str:
     """The value against its bound."""
     unit = "" if m.unit == "1" else f" {m.unit}"
     return f"{number(m.value, '.4g')}{unit} {m.relation} {number(m.bound, 'g')}{unit}"

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.balance_rope import Status
@@ -91,15 +91,15 @@ def measure_creep() -> Finding:
         bound = 0.5 * min(speed * math.atanh(moment / static) * HOLD, INSTALLED)
         curves.append(Curve(f"tanh law, {speed:g} rad/s", times, crept))
         counterexample.append(
-            Measured(f"angle crept in {HOLD:g} s, tanh law of {speed:g} rad/s", float(crept[-1]), "rad", ">", bound)
+            Measurement(f"angle crept in {HOLD:g} s, tanh law of {speed:g} rad/s", float(crept[-1]), "rad", ">", bound)
         )
     curves.append(Curve("stick as a constraint (ours)", np.array(instants), drift, "--"))
     return Finding(
         counterexample=tuple(counterexample),
         ours=(
-            Measured("largest torque held, part of the static friction", largest / static, "1", "<", 1.0),
+            Measurement("largest torque held, part of the static friction", largest / static, "1", "<", 1.0),
             # exact but for the rounding of theta = offset + yaw + b
-            Measured(f"largest drift of the angle in {HOLD:g} s", float(drift.max()), "rad", "<", 1e-12),
+            Measurement(f"largest drift of the angle in {HOLD:g} s", float(drift.max()), "rad", "<", 1e-12),
         ),
         figure=Figure("A swivel under half its static friction", "time, s", "drift, rad", tuple(curves)),
     )
@@ -160,9 +160,9 @@ def measure_chattering() -> Finding:
     return Finding(
         counterexample=(
             # a pair of steps there and back at the least often enough to notice: one change in four steps
-            Measured("changes of sign while the conveyance stands", changes, "1", ">", 0.25 * (END - TURNED) / H),
+            Measurement("changes of sign while the conveyance stands", changes, "1", ">", 0.25 * (END - TURNED) / H),
             # friction of a whole step, h M / J, is what the rate can jump by; a tenth of it is no rounding
-            Measured(
+            Measurement(
                 "rate in the last second, largest",
                 float(np.abs(chattering[times > END - 1.0]).max()),
                 "rad/s",
@@ -171,9 +171,9 @@ def measure_chattering() -> Finding:
             ),
         ),
         ours=(
-            Measured("times the swivel sticks", sum("sticks" in e for e in events), "1", "<", 2),
-            Measured("switchings in all: slips once, sticks once", len(events), "1", "<", 3),
-            Measured(
+            Measurement("times the swivel sticks", sum("sticks" in e for e in events), "1", "<", 2),
+            Measurement("switchings in all: slips once, sticks once", len(events), "1", "<", 3),
+            Measurement(
                 "rate in the last second, largest", float(np.abs(rates[times > END - 1.0]).max()), "rad/s", "<", 1e-12
             ),
         ),
@@ -228,18 +228,18 @@ def measure_release() -> Finding:
     return Finding(
         counterexample=(
             # M / (rhoJ l / sqrt(12)) for a rod of linear elements: in proportion to their number
-            Measured(
+            Measurement(
                 f"acceleration, elements of 0.19 m to 0.75 m, {INERTIAS[-1]:g} kg m^2",
                 fine[-1] / coarse[-1],
                 "1",
                 ">",
                 3.0,
             ),
-            Measured("acceleration on the fine mesh", fine[-1], "rad/s^2", ">", 100 * moment / INERTIAS[0]),
+            Measurement("acceleration on the fine mesh", fine[-1], "rad/s^2", ">", 100 * moment / INERTIAS[0]),
         ),
         ours=(
             # the rope's share of the end's inertia is 1e-3 of 0.05 kg m^2 on the coarse mesh
-            Measured(
+            Measurement(
                 f"acceleration, elements of 0.19 m to 0.75 m, {INERTIAS[0]:g} kg m^2",
                 abs(fine[0] / coarse[0] - 1),
                 "1",
@@ -247,8 +247,8 @@ def measure_release() -> Finding:
                 0.02,
             ),
             # the loop's curvature lets the rod turn a little more freely than a straight one
-            Measured("spin after 20 ms against the exact rod", abs(rate / expected - 1), "1", "<", 0.03),
-            Measured("messages on inertia 0", float(bool(message)), "1", ">", 0.5),
+            Measurement("spin after 20 ms against the exact rod", abs(rate / expected - 1), "1", "<", 0.03),
+            Measurement("messages on inertia 0", float(bool(message)), "1", ">", 0.5),
         ),
         figure=Figure(
             "Release of a twisted rope: the first acceleration",

@@ -31,7 +31,7 @@ class Record:
     stretch: Array  # largest | |r'| - 1 | of a node
 
     @property
-    def completed(self) -> float:
+    def completion(self) -> float:
         """Part of the run that was done."""
         return float(self.t[-1]) / self.wanted if self.t.size else 0.0
 

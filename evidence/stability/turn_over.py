@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from evidence.claims import Measured
+from evidence.claims import Measurement
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.simulation.adaptation import with_loop_yaw
 from rope_model.simulation.ends import EndMotion, Phase, SwivelState
@@ -127,37 +127,39 @@ def measure_turn_over() -> Finding:
     reached = np.array([state.loop_yaw for state in newton])
     return Finding(
         counterexample=(
-            Measured(
+            Measurement(
                 "Newton: twist from which it finds nothing more",
                 float(TWISTS[len(newton)]),
                 "rad",
                 "<",
                 float(TWISTS[-1]),
             ),
-            Measured(
+            Measurement(
                 "Newton from the disturbed planar loop: distance from the plane",
                 float(np.abs(flat.q[:, 2]).max()),
                 "m",
                 "<",
                 1e-6,
             ),
-            Measured("that planar loop is refused as unstable by natural_modes", float(bool(message)), "1", ">", 0.5),
+            Measurement(
+                "that planar loop is refused as unstable by natural_modes", float(bool(message)), "1", ">", 0.5
+            ),
         ),
         ours=(
-            Measured("yaw at the last twist", float(yaws[-1]), "rad", ">", math.pi),
-            Measured(
+            Measurement("yaw at the last twist", float(yaws[-1]), "rad", ">", math.pi),
+            Measurement(
                 "the same when it is put in at once: difference", abs(at_once.loop_yaw - yaws[-1]), "rad", "<", 1e-3
             ),
-            Measured("unstable shapes on the way", unstable, "1", "<", 1),
+            Measurement("unstable shapes on the way", unstable, "1", "<", 1),
             # the estimate takes the legs for a pendulum of constant stiffness and knows two twists 0.2 rad apart
-            Measured(
+            Measurement(
                 f"critical twist {critical:.3g} rad against the bifilar estimate {bound:.3g} rad",
                 abs(critical / bound - 1),
                 "1",
                 "<",
                 0.1,
             ),
-            Measured(
+            Measurement(
                 "from the disturbed planar loop to the yaw that stepwise twisting gives",
                 abs(left.loop_yaw - same),
                 "rad",

@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import pandas as pd
 
 from evidence.pages import PAGES, publish
-from evidence.rendering import DOCS, filled
+from evidence.rendering import DOCS, fill_block
 from evidence.tables import table, write
 from hoist_demo.control.controller import Gains
 from hoist_demo.study.definition import read_study
@@ -57,7 +57,7 @@ def main() -> None:
         publish(PAGES[name])
     guide = DOCS / "study.md"
     metrics = "\n".join(f"| `{name}` | {unit} | {text} |" for name, (unit, text) in METRICS.items())
-    guide.write_text(filled(guide.read_text(encoding="utf-8"), "metrics", metrics), encoding="utf-8")
+    guide.write_text(fill_block(guide.read_text(encoding="utf-8"), "metrics", metrics), encoding="utf-8")
 
 
 def verify(tuning: pd.DataFrame, file: Path, fmu: Path) -> pd.DataFrame:

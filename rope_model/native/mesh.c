@@ -160,9 +160,9 @@ static void fill_lengths(const Pattern *pattern, int elements, double *lengths) 
 
     double *left = lengths + n, *right = lengths + elements - 1 - n;
     n += fill_legs(first, last, pattern->grading_length / coarse, legs, left, right);
-    const double ladder[SEGMENTS] = {1, HALF, QUARTER, fine_share(counts[1] > 0, counts[2] > 0), QUARTER, HALF, 1};
+    const double relative[SEGMENTS] = {1, HALF, QUARTER, fine_share(counts[1] > 0, counts[2] > 0), QUARTER, HALF, 1};
     for (int segment = 1; segment < SEGMENTS - 1; segment++)
-        for (int k = 0; k < counts[segment]; k++) lengths[n++] = ladder[segment];
+        for (int k = 0; k < counts[segment]; k++) lengths[n++] = relative[segment];
     /* the outermost: l/2, l/4 ... and the last length once more */
     for (int k = 0; k <= levels; k++)
         lengths[k] = lengths[elements - 1 - k] = ldexp(1.0, k == 0 ? -levels : k - 1 - levels);

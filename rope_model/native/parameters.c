@@ -114,7 +114,7 @@ static void check_counts(const Mesh *mesh, const Check *check) {
     snprintf(given, sizeof given, "(%d, %d, %d, %d, %d)", n[0], n[1], n[2], n[3], n[4]);
     require(check, (n[0] > 0) == (n[4] > 0) && (n[1] > 0) == (n[3] > 0) && (n[0] > 0 || n[1] == 0), "counts", given,
             "all five segments, or none in III and V, or none in II and VI too",
-            "the ladder is the same on both sides and leaves out no step");
+            "the pattern is the same on both sides and leaves out no length");
 }
 
 void check_scene(const Scene *scene, char *message) {

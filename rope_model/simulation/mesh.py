@@ -13,7 +13,7 @@ IV has l/4, without II and VI too l/2: shorter ways from one transformation to t
 
 Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
-long, is shorter than l; unresolved, it leans the whole leg.  And the ladder goes on upwards in I and VII, 2 l, 3 l,
+long, is shorter than l; unresolved, it leans the whole leg.  And the pattern goes on upwards in I and VII, 2 l, 3 l,
 4 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
 waves of a swaying leg travel at sqrt(g x), and an element may be as long as sqrt(``grading_length`` x).  Their
 number, the same for every place of the loop, grows with the root of the rope's length for a given ``grading_length``.
@@ -84,7 +84,7 @@ class Partition:
         return self.coarse * (self.counts[0] + 0.5 * inner_length(self.counts[1:6]))
 
 
-def ladder(counts: tuple[int, ...]) -> Array:
+def relative_lengths(counts: tuple[int, ...]) -> Array:
     """Element lengths of the segments II to VI in units of l, for their numbers of elements."""
     fine = 0.5 ** (1 + sum(n > 0 for n in counts[:2]))
     return np.array([0.5, 0.25, fine, 0.25, 0.5])
@@ -92,7 +92,7 @@ def ladder(counts: tuple[int, ...]) -> Array:
 
 def inner_length(counts: tuple[int, ...]) -> float:
     """Length of the segments II to VI in units of l, for their numbers of elements."""
-    return float(np.dot(counts, ladder(counts)))
+    return float(np.dot(counts, relative_lengths(counts)))
 
 
 class FittedLengths(NamedTuple):
@@ -218,7 +218,7 @@ def distance_to_due(mesh: Partition, bottom: float) -> float:
 
 
 def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, grading_length: float) -> Partition:
-    inner = np.repeat(ladder(counts[1:6]), counts[1:6])
+    inner = np.repeat(relative_lengths(counts[1:6]), counts[1:6])
     # l/2, l/4 ... and the last length once more
     end = np.array([*(0.5**k for k in range(1, end_levels + 1)), 0.5**end_levels])
     left, right = _legs(counts[0], counts[6], grading_length / coarse)
