@@ -311,13 +311,15 @@ def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(
     host.start(inputs_at_step_end=at_end)
     forces(host, LOOPS["counting"](LONGEST, t0), at_end)
     begin, worst, steps = host.state(), 0.0, 0
+    # what steps of LONGEST leave in the state: axial vibrations that they do not resolve and short steps show
+    left = error(forces(host, from_time(t0, LOOPS["counting"](5e-4, T)), at_end), exact)
     for seed in range(sequences):
         host.restore(begin)
         found = forces(host, from_time(t0, random_steps(seed, T, 1e-8, LONGEST)), at_end)
         worst, steps = max(worst, error(found, exact)), steps + len(found)
     print(f"{sequences} sequences, {steps} steps: {worst:.2f} N; even steps of {LONGEST} s: {even:.2f} N")
-    # the integration's own error is that of uneven steps, at most twice that of even ones
-    assert worst <= (0.0 if at_end else extrapolation_error()) + 2 * integration
+    # the integration's own error is that of uneven steps, at most twice that of even ones of either length
+    assert worst <= (0.0 if at_end else extrapolation_error()) + 2 * max(integration, left)
 
 
 @native_only
