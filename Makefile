@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 # one process per core, each with one thread; the tests of a file share what they make, and so a process
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist loadfile
 
-.PHONY: demo test test-slow lint docs evidence bench winding robustness stability reproduce chart mesh-rule peer reference choice hoist coupling studies throughput fuzz fmu wheels wheel-test release clean
+.PHONY: demo test test-slow lint docs evidence bench winding robustness stability reproduce chart mesh-rule peer reference choice hoist coupling latency studies throughput fuzz fmu wheels wheel-test release clean
 
 demo: fmu
 	$(BIN)/balance-rope demo
@@ -66,6 +66,9 @@ hoist: $(READY)
 
 coupling: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.coupling
+
+latency: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.latency
 
 fuzz: $(READY)
 	$(BIN)/python -m benchmarks.fuzz --minutes 30 --csv docs/data/fuzz.csv

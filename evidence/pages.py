@@ -23,6 +23,8 @@ from evidence.drawing import draw_to
 from evidence.hoist.page import cases
 from evidence.mesh_rule.page import FIGURES as MESH_RULE
 from evidence.mesh_rule.page import page as mesh_rule_page
+from evidence.latency.figures import FIGURES as LATENCY
+from evidence.latency.page import page as latency_page
 from evidence.peer.figures import FIGURES as PEER
 from evidence.peer.page import page as peer_page
 from evidence.rendering import DOCS, fill_block, write_page
@@ -56,6 +58,7 @@ PAGES: dict[str, Page] = {
     "choice": Page("choice.md", "choice", choice_page),
     "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
     "mesh_rule": Page("mesh_rule.md", "mesh_rule", mesh_rule_page, MESH_RULE),
+    "latency": Page("latency.md", "latency", latency_page, LATENCY),
     "peer": Page("peer.md", "peer", peer_page, PEER),
     "reference_solver": Page("reference_solver.md", "reference_solver", reference_solver_page),
     "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),

@@ -1,0 +1,36 @@
+"""The share of a trip's steps that take longer than a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from matplotlib.figure import Figure
+
+from evidence.drawing import CURVES, REFERENCE, figure
+from evidence.tables import Tables, rows
+
+
+def distribution(tables: Tables) -> Figure:
+    """One curve per scene and trip; the communication step as a line."""
+    made, axes = figure(1, 1, 4.6)
+    t, ax = tables["curves"], axes[0, 0]
+    for scene, colour in zip(dict.fromkeys(t["scene"].tolist()), CURVES, strict=False):
+        for trip, style in zip(dict.fromkeys(t["trip"].tolist()), ("-", "--"), strict=True):
+            r = rows(t, scene=scene, trip=trip)
+            ax.plot(
+                1e6 * r["time [s]"], r["share"], style, color=colour, label=f"{scene}, {trip}", drawstyle="steps-pre"
+            )
+    ax.axvline(1e4, color=REFERENCE, lw=1.0)
+    ax.text(9.4e3, 0.5, "communication step", ha="right", color=REFERENCE)
+    ax.set(
+        xscale="log",
+        yscale="log",
+        xlabel="time of a step [us]",
+        ylabel="share of the steps that take longer",
+        title="Level standard, communication steps of 10 ms, in process: the steps' own times",
+    )
+    ax.legend(loc="lower left")
+    return made
+
+
+FIGURES: dict[str, Callable[[Tables], Figure]] = {"distribution": distribution}
