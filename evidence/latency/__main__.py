@@ -1,6 +1,6 @@
 """Measure the time of communication steps and write docs/latency.md, its figure and data: ``make latency``.
 
-Three minutes on a quiet machine, which benchmarks.latency says how to have.
+Some three minutes on a quiet machine, which benchmarks.latency says how to have.
 """
 
 from __future__ import annotations

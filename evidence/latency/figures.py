@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
+from benchmarks.latency import FMU_STEP
 from evidence.drawing import CURVES, REFERENCE, figure
 from evidence.tables import Tables, rows
 
@@ -20,14 +21,14 @@ def distribution(tables: Tables) -> Figure:
             ax.plot(
                 1e6 * r["time [s]"], r["share"], style, color=colour, label=f"{scene}, {trip}", drawstyle="steps-pre"
             )
-    ax.axvline(1e4, color=REFERENCE, lw=1.0)
-    ax.text(9.4e3, 0.5, "communication step", ha="right", color=REFERENCE)
+    ax.axvline(1e6 * FMU_STEP, color=REFERENCE, lw=1.0)
+    ax.text(0.94e6 * FMU_STEP, 0.5, "communication step", ha="right", color=REFERENCE)
     ax.set(
         xscale="log",
         yscale="log",
         xlabel="time of a step [us]",
         ylabel="share of the steps that take longer",
-        title="Level standard, communication steps of 10 ms, in process: the steps' own times",
+        title=f"Level standard, communication steps of {1e3 * FMU_STEP:g} ms, in process: the steps' own times",
     )
     ax.legend(loc="lower left")
     return made
