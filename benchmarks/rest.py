@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from time import perf_counter_ns
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rope_model import EndMotion, Model, RopeState, Scene, balance_rope, rope_120
 
@@ -71,7 +70,8 @@ class Rested:
     last: float
     flushed: float  # NaN where the processor cannot be told
     met: float  # share of the last steps with a denormal operand; NaN likewise
-    values: int  # in the state
+    at_ends: int  # denormal values of the state, at its two end nodes and at all others
+    inside: int
 
 
 def hanging(t: float) -> tuple[EndMotion, EndMotion]:
@@ -127,17 +127,14 @@ def rested(what: str, scene: Scene, motion: Motion, moving: float) -> Rested:
     last, flushed = np.median(times[:, -WINDOW:], axis=1).tolist()
     known = 1.0 if denormals.known else np.nan
     share = known * float(np.mean(met[-WINDOW:]))
-    return Rested(what, first, last, known * flushed, share, denormal_values(ropes[0].state))
+    return Rested(what, first, last, known * flushed, share, *denormal_values(ropes[0].state))
 
 
-def denormal_values(state: RopeState) -> int:
-    """How many numbers of the motion are denormal."""
+def denormal_values(state: RopeState) -> tuple[int, int]:
+    """How many numbers of the motion are denormal at the ends, and inside."""
     m = state.motion
-
-    def number(x: NDArray[np.float64]) -> int:
-        return int(np.sum((x != 0.0) & (np.abs(x) < np.finfo(float).tiny)))
-
-    return sum(number(x) for x in (m.q, m.v, m.a, m.b, m.a_rate, m.reaction))
+    found = [(x != 0.0) & (np.abs(x) < np.finfo(float).tiny) for x in (m.q, m.v, m.a, m.b, m.a_rate, m.reaction)]
+    return sum(int(np.sum(x[[0, -1]])) for x in found), sum(int(np.sum(x[1:-1])) for x in found)
 
 
 def measure() -> list[Rested]:

@@ -21,10 +21,10 @@ from evidence.coupling.page import page as coupling_page
 from evidence.discrete_rod.page import page as reference_solver_page
 from evidence.drawing import draw_to
 from evidence.hoist.page import cases
-from evidence.mesh_rule.page import FIGURES as MESH_RULE
-from evidence.mesh_rule.page import page as mesh_rule_page
 from evidence.latency.figures import FIGURES as LATENCY
 from evidence.latency.page import page as latency_page
+from evidence.mesh_rule.page import FIGURES as MESH_RULE
+from evidence.mesh_rule.page import page as mesh_rule_page
 from evidence.peer.figures import FIGURES as PEER
 from evidence.peer.page import page as peer_page
 from evidence.rendering import DOCS, fill_block, write_page

@@ -141,7 +141,6 @@ def _memory(t: Table) -> list[tuple[str, ...]]:
 
 
 def _rest(t: Table) -> dict[str, Any]:
-    known = bool(np.all(np.isfinite(t["last, flushed [s]"])))
     lines = [
         (
             r["what"],
@@ -149,8 +148,17 @@ def _rest(t: Table) -> dict[str, Any]:
             _us(r["last [s]"]),
             _us(r["last, flushed [s]"]),
             quantity(r["denormal operands"], "%", ".2g"),
-            number(r["denormal values"], ".0f"),
+            number(r["at the ends"], ".0f"),
+            number(r["inside"], ".0f"),
         )
         for r in _lines(t)
     ]
-    return {"rows": lines, "known": known, "most": float(np.max(t["last [s]"] / t["last, flushed [s]"] - 1.0))}
+    more = t["last [s]"] / t["last, flushed [s]"] - 1.0
+    some, none = more[t["denormal operands"] > 0.0], more[t["denormal operands"] == 0.0]
+    return {
+        "rows": lines,
+        "known": bool(some.size and none.size),
+        "more": float(np.max(some, initial=0.0)),
+        "without": float(np.max(none, initial=0.0)),
+        "inside": int(t["inside"].sum()),
+    }

@@ -105,5 +105,5 @@ def memory(found: Sequence[Measured]) -> Table:
 
 def resting() -> Table:
     """Steps of a rope that rests for long."""
-    names = ("what", "first [s]", "last [s]", "last, flushed [s]", "denormal operands", "denormal values")
+    names = ("what", "first [s]", "last [s]", "last, flushed [s]", "denormal operands", "at the ends", "inside")
     return table(names, [astuple(r) for r in rest.measure()])
