@@ -122,7 +122,7 @@ class Hoarder:
 
 
 def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"the controller's state\['last'\] is a deque.*plain data \(numbers"):
+    with pytest.raises(ValueError, match=r"the controller's state\['last'\] is of type deque.*plain data \(numbers"):
         wind(lambda *_: Hoarder(0), save_to=tmp_path / "kept.npz")
     # nothing is to be written without a file
     assert wind(lambda *_: Hoarder(0), 0.1).checkpoint is not None
@@ -132,7 +132,7 @@ def test_a_state_that_becomes_unsavable_costs_the_checkpoint_and_not_the_record(
     stopped = wind(lambda *_: Hoarder(2), 0.1, tmp_path / "kept.npz")
     assert stopped.saved is None
     assert not (tmp_path / "kept.npz").exists()
-    assert "kept.npz is not written: the controller's state['last'] is a deque" in stopped.cause
+    assert "kept.npz is not written: the controller's state['last'] is of type deque" in stopped.cause
     assert stopped.recording.time.size == 10
 
 
@@ -176,7 +176,7 @@ def test_a_class_that_cannot_be_found_again_is_refused_before_it_is_written() ->
     class Local:
         x: float = 0.0
 
-    with pytest.raises(ValueError, match=r"x\[1\] is a .*Local, .*must stand at the top of their module"):
+    with pytest.raises(ValueError, match=r"x\[1\] is of type .*Local, .*must stand at the top of their module"):
         encode([0.0, Local()], "x")
 
 
