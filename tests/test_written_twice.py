@@ -65,7 +65,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 1950, "C": 3050}
+MOST_LINES = {"Python": 1900, "C": 2800}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks
 TWICE = (
     *(
