@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hoist_demo.control.controller import Command
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
 from hoist_demo.cosimulation.result import Result
+from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import TIME, Recorder, Recording, read_csv, shape_rows, write_csv, write_shapes
@@ -302,3 +304,42 @@ def test_a_stop_by_the_drive_still_follows_its_reference() -> None:
     speed = float(np.interp(9.0, result.recording.time, result.recording["reference.speed"]))
     way = float(rows["emergency stop, way to standstill at the rim"])
     assert speed**2 / 10.0 - 0.1 < way < speed**2 / 10.0 + 0.2 * speed
+
+
+class _Says:
+    """A controller whose every command is one and the same."""
+
+    def __init__(self, said: Any) -> None:
+        self.said = said
+
+    def command(self, *_: object) -> Any:
+        return self.said
+
+
+@pytest.mark.parametrize(
+    ("controller", "words"),
+    [
+        (lambda *_: _Says(1.5), r"command\(\) must return Command\(torque, limited, state\), not float"),
+        (lambda *_: _Says(None), r"command\(\) must return Command\(torque, limited, state\), not NoneType"),
+        (lambda *_: object(), r"needs the method command\(reference, measured, state, h\), and object has none"),
+        (_Says(1.5), "must be a class, or a function of hoist and holding torque, not a _Says made already"),
+    ],
+)
+def test_what_is_no_controller_is_told_so(controller: Any, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        Host(FakeRope(), controller=controller).run()
+
+
+def test_a_torque_that_is_no_number_ends_the_run_with_one_line_that_names_it() -> None:
+    result = Host(FakeRope(), controller=lambda *_: _Says(Command(math.nan, False, None))).run()
+    assert result.cause == (
+        "t = 0 s: the controller's torque = nan N m and brake = 0 must be finite: check its command()"
+    )
+
+
+def test_a_rope_force_that_is_no_number_is_named_by_the_drive() -> None:
+    plant = HoistPlant(Hoist())
+    state = plant.equilibrium(0.0, 90.0, -5e3, -5e3)
+    step = plant.step(state, 0.01, PlantInput(0.0, math.nan, -5e3))
+    assert not step.valid
+    assert step.message == "drive: input is not finite: force_left"

@@ -154,7 +154,7 @@ class Host:
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
         """Sample and exchange until the end; the cause when that is not reached."""
-        controller = self._controller(self.hoist, run.at_rest.torque)
+        controller = _made(self._controller, self.hoist, run.at_rest.torque)
         start, T, last = self.coupling.start, self.coupling.sample_time, self.samples
         for k in range(run.first, last + 1):
             t = start + k * T
@@ -179,6 +179,8 @@ class Host:
         travel, speed = float(shown[_Y_LEFT]) - self._start_height, self.hoist.sheave_radius * float(shown[_RATE])
         remembered, T = private_copy(run.controller), self.coupling.sample_time
         command = controller.command(point, Measurement(travel, speed), remembered, T)
+        if not isinstance(command, Command):
+            raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")
         with self.rope_clock:
             signals = self._read_signals()
         run.recorder.add(drive_signals(t, point, command, run.drive, run.at_rest, run.memory), signals)
@@ -186,6 +188,10 @@ class Host:
 
     def _exchange(self, run: RunState, k: int, command: Command) -> str:
         """Drive and rope from sample k to the next under the command; the cause when they do not get there."""
+        if not (math.isfinite(command.torque) and math.isfinite(command.brake)):
+            t = self.coupling.start + k * self.coupling.sample_time
+            numbers = f"torque = {command.torque:g} N m and brake = {command.brake:g}"
+            return f"t = {t:.6g} s: the controller's {numbers} must be finite: check its command()"
         # what the rope does to conveyances that have play is held until the next sample
         sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
         run.drive.command(command.torque, command.brake, sides)
@@ -221,3 +227,19 @@ class Host:
             start_clock=self.start_clock,
             warning=seen.warning(self.coupling.scheme, self.coupling.step) if seen is not None else "",
         )
+
+
+def _made(make: Callable[[Hoist, float], Controller], hoist: Hoist, holding_torque: float) -> Controller:
+    """The controller of a run; ValueError where there is nothing to make it, or it gives no commands."""
+    if not callable(make):
+        raise ValueError(
+            f"controller must be a class, or a function of hoist and holding torque, not a {type(make).__name__} made "
+            f"already: give the class, or lambda hoist, torque: {type(make).__name__}(...)"
+        )
+    controller = make(hoist, holding_torque)
+    if not callable(getattr(controller, "command", None)):
+        raise ValueError(
+            f"a controller needs the method command(reference, measured, state, h), and {type(controller).__name__} "
+            "has none: see hoist_demo.control.controller.Controller"
+        )
+    return controller

@@ -231,7 +231,7 @@ class HoistPlant:
         """The same with the path's three inputs, of INPUT_NAMES each, in one vector."""
         self._give(state, h, path, added_mass)
         if not math.isfinite(path.dot(path) + added_mass.dot(added_mass) + h):
-            return PlantStep(False, f"drive: input is not finite: {unpack(path[: len(INPUT_NAMES)])}", state)
+            return PlantStep(False, f"drive: input is not finite: {_not_finite(path)}", state)
         found = self._integrate(h, (state.step_next or h) / h)
         if found is None:
             return PlantStep(False, "drive: state is not finite: check rope forces and torque command", state)
@@ -361,6 +361,13 @@ def _pack_path(u: PlantInput | PlantInputPath) -> tuple[Vector, Vector]:
 def unpack(u: Vector) -> PlantInput:
     """An input from its numbers in the order of INPUT_NAMES."""
     return PlantInput(**dict(zip(INPUT_NAMES, u.tolist(), strict=True)))
+
+
+def _not_finite(path: Vector) -> str:
+    """Names of the inputs of a path that are no numbers, now or later in the step."""
+    numbers = path.reshape(3, -1).T.tolist()
+    bad = [name for name, moving in zip(INPUT_NAMES, numbers, strict=True) if not all(map(math.isfinite, moving))]
+    return ", ".join(bad) or "step or added mass"
 
 
 _NO_CHANGE = (0.0,) * (2 * len(INPUT_NAMES))
