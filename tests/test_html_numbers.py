@@ -269,6 +269,42 @@ def test_a_study_whose_names_do_not_fit_is_an_error(tmp_path: Path, meta: dict, 
     assert not (tmp_path / "study.html").exists()
 
 
+def outcome_of(table: pd.DataFrame, tmp_path: Path, **meta: object) -> str:
+    path = study_report(table, {"cycle_time": "s"}, meta, tmp_path / "study.html")
+    found = re.search(r'<p id="outcome">(.*?)</p>', path.read_text(encoding="utf-8"))
+    assert found
+    return found[1]
+
+
+@pytest.mark.parametrize(
+    ("times", "words"),
+    [
+        ([14.5, 14.08, 15.0], "Best run: 2, with the smallest cycle_time of 14.08 s."),
+        ([14.08, 14.0800001, 14.5], "Best run: 1, with the smallest cycle_time of 14.08 s."),
+        (
+            [14.08, 14.08 * (1.0 + 1e-15), 14.08],
+            "Best run: 1, with the smallest cycle_time of 14.08 s, the first of 3 with this value: also runs 2, 3.",
+        ),
+    ],
+)
+def test_the_best_run_has_a_unit_and_names_those_it_ties_with(tmp_path: Path, times: list[float], words: str) -> None:
+    table = study().assign(cycle_time=times, cause="", status="completed")
+    assert outcome_of(table, tmp_path, best={"metric": "cycle_time", "sense": "min"}).endswith(words)
+
+
+def test_a_failed_run_ties_with_none(tmp_path: Path) -> None:
+    table = study().assign(cycle_time=14.08, cause=["", "head rope gone", ""])
+    said = outcome_of(table, tmp_path, best={"metric": "cycle_time", "sense": "min"})
+    assert said.endswith("the first of 2 with this value: also run 3.")
+
+
+def test_a_cycle_shorter_than_its_trajectory_is_explained(tmp_path: Path) -> None:
+    table = study().assign(cycle_time=[14.08, 14.3, math.nan], trajectory_time=[14.2, 14.2, 14.2])
+    said = outcome_of(table, tmp_path)
+    assert "cycle_time is shorter than trajectory_time in run 1: the conveyances were within the band of" in said
+    assert "trajectory_time" not in outcome_of(table.iloc[1:], tmp_path)
+
+
 def test_the_same_study_gives_the_same_bytes(tmp_path: Path) -> None:
     first, second = (study_report(study(), {}, {}, tmp_path / name).read_bytes() for name in "ab")
     assert first == second

@@ -8,6 +8,7 @@ Only what differs between runs has an axis. A run has failed when its `cause` is
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from hoist_demo.report.html import page
 
 STATUS, CAUSE = "status", "cause"
 RUN, KEY = "run", "key"  # the page counts the runs itself; a hash is no axis
+ROUNDING = 1e-9  # values that differ by less are one
 _OWN = ("title", "parameters", "best")
 
 
@@ -62,7 +64,7 @@ def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[st
         data,
         title=page.escape(title),
         assumed=page.escape(ASSUMED_DATA),
-        outcome=page.escape(_outcome(causes, chosen, best, table)),
+        outcome=page.escape(_outcome(causes, chosen, best, table, units) + _early(table)),
         given=page.table("Study", rest)
         + page.table(
             "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
@@ -105,7 +107,13 @@ def _best(table: pd.DataFrame, causes: Sequence[str], best: tuple[str, str] | No
     return min(candidates, key=lambda pair: (sign * pair[0], pair[1]))[1]
 
 
-def _outcome(causes: Sequence[str], chosen: int | None, best: tuple[str, str] | None, table: pd.DataFrame) -> str:
+def _outcome(
+    causes: Sequence[str],
+    chosen: int | None,
+    best: tuple[str, str] | None,
+    table: pd.DataFrame,
+    units: Mapping[str, str],
+) -> str:
     failed = sum(cause != "" for cause in causes)
     text = f"{len(causes)} runs, {failed} failed."
     if best is None:
@@ -113,8 +121,35 @@ def _outcome(causes: Sequence[str], chosen: int | None, best: tuple[str, str] | 
     if chosen is None:
         return f"{text} No run that can be compared by {best[0]}."
     smallest = "smallest" if best[1] == "min" else "largest"
-    value = page.number(float(table[best[0]].iloc[chosen]))
-    return f"{text} Best run: {chosen + 1}, with the {smallest} {best[0]} of {value}."
+    values = pd.to_numeric(table[best[0]])
+    value = f"{page.number(float(values.iloc[chosen]))} {page.unit_text(units.get(best[0], ''))}".rstrip()
+    text += f" Best run: {chosen + 1}, with the {smallest} {best[0]} of {value}"
+    equal = [
+        k + 1
+        for k, other in enumerate(values)
+        if k != chosen and causes[k] == "" and math.isclose(other, values.iloc[chosen], rel_tol=ROUNDING)
+    ]
+    return f"{text}, the first of {len(equal) + 1} with this value: also {_listed(equal)}." if equal else f"{text}."
+
+
+def _listed(runs: Sequence[int], most: int = 8) -> str:
+    """Numbers of runs, the first of many."""
+    more = f" and {len(runs) - most} more" if len(runs) > most else ""
+    return ("run " if len(runs) == 1 else "runs ") + ", ".join(map(str, runs[:most])) + more
+
+
+def _early(table: pd.DataFrame) -> str:
+    """A sentence where conveyances have arrived before their reference; "" where none has."""
+    if not {"cycle_time", "trajectory_time"} <= set(table.columns):
+        return ""
+    cycle, trajectory = (pd.to_numeric(table[name]) for name in ("cycle_time", "trajectory_time"))
+    early = [k + 1 for k, sooner in enumerate(cycle < trajectory) if sooner]
+    if not early:
+        return ""
+    return (
+        f" cycle_time is shorter than trajectory_time in {_listed(early)}: the conveyances were within the band of "
+        "arrival, and stayed there, before the reference was at rest."
+    )
 
 
 def _plain(value: Any) -> float | str | None:
