@@ -19,6 +19,7 @@ from balance_rope import _levels
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.demo import _case_of, _patient
 from hoist_demo.control.trajectory import s_curve
+from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
@@ -316,6 +317,11 @@ def test_a_checkpoint_leads_back_to_its_case_and_names_what_differs() -> None:
     with pytest.raises(ValueError, match=r"travel is 0\.5 there, travel is 0\.7 here: give the case") as refused:
         other.run(resume=stopped.checkpoint)
     assert len(str(refused.value)) < 300
+
+
+def test_a_checkpoint_that_is_not_there_is_said_to_be_missing(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"nope\.npz': no such file or directory: give a run's last_good\.npz"):
+        Checkpoint.read(tmp_path / "nope.npz")
 
 
 def test_an_interrupt_lets_the_writing_finish(capsys: pytest.CaptureFixture[str]) -> None:

@@ -787,13 +787,12 @@ def test_compilation_is_announced_once(
 ) -> None:
     monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path))
     monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
-    for announced in (1, 0):
+    announced = [f"compiling BalanceRope for {host_platform()}, FMI {fmi}.0, some 10 s" for fmi in (2, 3)]
+    for expected in (announced, []):
         caplog.clear()
-        assert main(["export", "--native", "--platform", "host", "--out", str(tmp_path / "rope.fmu")]) == 0
-        lines = [
-            r.getMessage() for r in caplog.records if f"compiling BalanceRope for {host_platform()}" in r.getMessage()
-        ]
-        assert len(lines) == announced
+        assert main(["export", "--native", "--fmi", "2", "3", "--platform", "host", "--out", str(tmp_path)]) == 0
+        lines = [r.getMessage() for r in caplog.records]
+        assert [line for line in lines if line.startswith("compiling BalanceRope")] == expected
 
 
 def test_verbose_is_understood_on_either_side_of_the_command(monkeypatch: pytest.MonkeyPatch) -> None:

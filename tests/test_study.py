@@ -34,7 +34,7 @@ from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study, StudyError, read_study
 from hoist_demo.study.metrics import UNITS, Arrival, measure
 from hoist_demo.study.nested import Leaf, leaves, with_values
-from hoist_demo.study.perform import perform
+from hoist_demo.study.perform import perform, write_what_is_there
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.run import Outcome, build
 from hoist_demo.study.sampling import Range, latin_hypercube
@@ -459,6 +459,24 @@ def test_search_is_resumed_without_a_run(read, tmp_path: Path) -> None:  # type:
     ran.clear()
     assert perform(study, store, counting(study, store, ran)) == first
     assert ran == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[vary]\ngains.speed = [1e5]",
+        "[vary]\ngains.speed = { low = 1e5, high = 4e5 }\n[tune]\nminimise = { cycle_time = 1 }",
+    ],
+)
+def test_an_interrupted_study_tells_what_it_keeps_and_nothing_where_nothing_was_run(  # type: ignore[no-untyped-def]
+    read, tmp_path: Path, text: str
+) -> None:
+    study, store = read(text), Store(tmp_path / "out")
+    assert write_what_is_there(study, store) is None
+    assert not (tmp_path / "out" / "results.parquet").exists()
+    counting(study, store, [])(study.samples[:1])
+    kept = write_what_is_there(study, store)
+    assert kept == (tmp_path / "out" if study.tuning else tmp_path / "out" / "results.parquet")
 
 
 # on workers

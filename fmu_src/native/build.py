@@ -63,7 +63,7 @@ def missing_platforms() -> str:
 
 def binaries(sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]) -> dict[str, bytes]:
     """Path in the FMU -> library, of the C files and headers in ``sources``."""
-    built = {name: library(sources, identifier, name).read_bytes() for name in platforms}
+    built = {name: library(sources, identifier, name, f", FMI {fmi}.0").read_bytes() for name in platforms}
     paths: dict[str, bytes] = {}
     for name, code in built.items():
         folder = PLATFORMS[name].folder2 if fmi == 2 else name
@@ -72,32 +72,34 @@ def binaries(sources: Mapping[str, str], identifier: str, fmi: int, platforms: S
     return paths
 
 
-def library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
+def library(sources: Mapping[str, str], identifier: str, name: str, version: str = "") -> Path:
     """The library of an FMU for the platform ``name``: the package's, the cache's, or compiled.
+
+    ``version`` is added to the message that it is being compiled.
 
     ValueError when it cannot be had here.
     """
     brought = prebuilt_file(_PACKAGE, sources, identifier, name)
-    return brought if brought.exists() else _build(sources, identifier, name, _HIDDEN)
+    return brought if brought.exists() else _build(sources, identifier, name, version, _HIDDEN)
 
 
 def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
     """As ``library``, but for ctypes: all functions of the sources are seen."""
-    return _build(sources, identifier, name)
+    return _build(sources, identifier, name, "")
 
 
-def _build(sources: Mapping[str, str], identifier: str, name: str, *flags: str) -> Path:
+def _build(sources: Mapping[str, str], identifier: str, name: str, version: str, *flags: str) -> Path:
     if name not in PLATFORMS or name not in _compilable():
         could = ", ".join(available_platforms()) or "none, without a C compiler"
         raise ValueError(f"the platform {name!r} cannot be built here; can be: {could}. {CURE}")
     command = _command(name, *flags)
-    version = subprocess.run([*command[:3], "--version"], capture_output=True, text=True, check=False).stdout
-    parts = [identifier, version, *command[1:], *(f"{key}\0{text}" for key, text in sorted(sources.items()))]
+    compiler = subprocess.run([*command[:3], "--version"], capture_output=True, text=True, check=False).stdout
+    parts = [identifier, compiler, *command[1:], *(f"{key}\0{text}" for key, text in sorted(sources.items()))]
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
     made = cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
     if not made.exists():
         made.parent.mkdir(parents=True, exist_ok=True)
-        progress.warning("compiling %s for %s, some 10 s", identifier, name)
+        progress.warning("compiling %s for %s%s, some 10 s", identifier, name, version)
         with tempfile.TemporaryDirectory(dir=made.parent) as folder:
             _compile(Path(folder), command, sources, f"{identifier}{PLATFORMS[name].suffix}").replace(made)
     return made

@@ -83,8 +83,9 @@ def _study(options: argparse.Namespace) -> int:
                 partial(run_samples, client, study, store=store, finished=lambda *_: bar.update()),
             )
     except KeyboardInterrupt:
-        kept = f"{store.directory}" if study.tuning else f"{write_what_is_there(study, store).table}"
-        print(f"\ninterrupted: what is finished is kept in {kept}; the same command goes on", file=sys.stderr)
+        kept = write_what_is_there(study, store)
+        left = "no run was finished" if kept is None else f"what is finished is kept in {kept}"
+        print(f"\ninterrupted: {left}; the same command goes on", file=sys.stderr)
         return 130
     for text, numbers in performed.warnings.items():
         more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""

@@ -113,7 +113,11 @@ class Checkpoint:
                 data=x["data"],
                 cause=x["cause"],
             )
-        except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
+        except OSError as error:
+            raise ValueError(
+                f"'{path}': {(error.strerror or str(error)).lower()}: give a run's last_good.npz"
+            ) from error
+        except (KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
             raise ValueError(f"'{path}' must be a checkpoint of a run, but: {error}: give another file") from error
         return replace(kept, controller=decode(kept.controller))
 

@@ -48,11 +48,13 @@ def perform(study: Study, store: Store, run: Run) -> Performed:
     return _write(study, store, *_search(study, store, run))
 
 
-def write_what_is_there(study: Study, store: Store) -> Performed:
-    """The table of an interrupted study: the runs that are recorded; a search has its table when it is complete."""
+def write_what_is_there(study: Study, store: Store) -> Path | None:
+    """Table of an interrupted study's recorded runs, of a search their folder; None where nothing is recorded."""
+    if study.tuning is not None:
+        return store.directory if store.holds_runs else None
     pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
     there = [(s, key) for s, key in pairs if store.read(key)]
-    return _write(study, store, [s for s, _ in there], [key for _, key in there])
+    return _write(study, store, [s for s, _ in there], [key for _, key in there]).table if there else None
 
 
 def _search(

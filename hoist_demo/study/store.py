@@ -50,6 +50,11 @@ class Store:
         """Those of the keys that need no run any more."""
         return {key for key in keys if (record := self.read(key)) and record["outcome"]["status"] in FINISHED}
 
+    @property
+    def holds_runs(self) -> bool:
+        """Whether any run is recorded."""
+        return any((self.directory / "runs").glob("*.json"))
+
     def read(self, key: str) -> dict[str, Any] | None:
         """Record of a run, None where there is none."""
         path = self._path(key)
