@@ -30,6 +30,7 @@ from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.events import marks
+from hoist_demo.report.figures import swivels
 from hoist_demo.report.html.page import number
 from hoist_demo.report.html.parameter_tables import rope_tables
 from hoist_demo.report.html.run import run_report
@@ -317,6 +318,23 @@ def test_a_checkpoint_leads_back_to_its_case_and_names_what_differs() -> None:
     with pytest.raises(ValueError, match=r"travel is 0\.5 there, travel is 0\.7 here: give the case") as refused:
         other.run(resume=stopped.checkpoint)
     assert len(str(refused.value)) < 300
+
+
+def test_a_rope_tells_which_of_its_swivels_are_locked() -> None:
+    in_process = rope_in_process("rope-120", level="draft").data()
+    assert in_process.locked == ("left", "right")
+    codes = replace(in_process, parameters={"left.swivel.mode": 2, "right.swivel.mode": 0})
+    assert codes.locked == ("right",)
+    assert replace(in_process, parameters={}).locked == ()
+
+
+@pytest.mark.parametrize(("locked", "said"), [((), 0), (("left",), 0), (("left", "right"), 2)])
+def test_the_picture_of_the_swivels_says_where_nothing_can_turn(locked: tuple[str, ...], said: int) -> None:
+    ends = [f"{end}.swivel.{name}" for end in ("left", "right") for name in ("angle", "rate", "torque")]
+    still = Recording({"time": np.arange(3.0)} | {name: np.zeros(3) for name in ends}, {})
+    figure = swivels(still, Hoist(), locked)
+    assert figure is not None
+    assert [text.get_text() for ax in figure.axes for text in ax.texts] == ["locked"] * said
 
 
 def test_a_checkpoint_that_is_not_there_is_said_to_be_missing(tmp_path: Path) -> None:

@@ -94,6 +94,9 @@ seen.slips = plot.querySelectorAll(".slip").length;
 seen.instants = document.querySelectorAll("#instants .rope").length;
 set(6);
 seen.reading = document.querySelector("#readout .value").textContent;
+seen.swivels = [...document.querySelectorAll("#readout td[colspan]")].map((cell) => cell.textContent);
+seen.limit = document.querySelector("figcaption .limit-label").textContent;
+seen.round = [[0.9, 9.7, 4], [4.2, 5.6, 1], [0, 1, 4]].map(([lo, hi, count]) => ticks(lo, hi, count).values);
 set(0);
 // frames by the browser's own clock, which runs ahead of those of the screen here
 window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 20);
@@ -183,6 +186,7 @@ def run(tmp_path: Path, known: bool = True, **more: np.ndarray) -> Path:
         "drive.tension_ratio": 1.2 + 0.1 * np.sin(t),
         "left.fy": -1e3 * (5.0 + t),
         "left.swivel.slipping": ((t > 2.0) & (t < 3.0)).astype(float),
+        "right.swivel.slipping": np.zeros(STEPS),
         "count.transformations": np.floor(t / 2.0),
         "stress.bending_max": 3.6e7 + 1e5 * np.sin(t),
         "loop.clearance": np.full(STEPS, 2.0),
@@ -202,7 +206,7 @@ def run(tmp_path: Path, known: bool = True, **more: np.ndarray) -> Path:
     )
     winding = Winding(emergency_at=5.0)
     path = tmp_path / "run.html"
-    return run_report(result, Hoist(), winding, Coupling(), [], "A <trip> & its rope", path)
+    return run_report(result, Hoist(), winding, Coupling(), [], "A <trip> & its rope", path, locked=("right",))
 
 
 @pytest.fixture(scope="module", params=[1280, 390])
@@ -326,6 +330,22 @@ def test_the_loop_is_drawn_at_eight_instants(seen_run: Seen) -> None:
 
 def test_numbers_at_the_cursor_are_those_recorded(seen_run: Seen) -> None:
     assert float(seen_run.said["reading"]) == pytest.approx(42.0, abs=0.01)
+
+
+def test_a_swivel_that_cannot_turn_is_locked_and_does_not_stick(seen_run: Seen) -> None:
+    assert seen_run.said["swivels"] == ["sticks", "locked"]
+
+
+def test_the_limit_is_named_above_the_plot_and_no_name_lies_in_it(seen_run: Seen) -> None:
+    limit = Hoist().tension_ratio_limit
+    assert seen_run.said["limit"].startswith(f"ropes slip at exp(µα) = {limit:.2f}")
+
+
+def test_no_axis_has_a_single_tick(seen_run: Seen) -> None:
+    coarse, narrow, usual = seen_run.said["round"]
+    np.testing.assert_allclose(coarse, [2.0, 4.0, 6.0, 8.0])
+    np.testing.assert_allclose(narrow, [4.5, 5.0, 5.5])
+    np.testing.assert_allclose(usual, [0.0, 0.5, 1.0])
 
 
 def test_a_short_window_shows_a_second_around_the_cursor(seen_run: Seen) -> None:

@@ -391,7 +391,7 @@ def _write(
         if result.recording.shape_at(0) is not None:
             written.append(directory / "shapes.csv")
             write_shapes(result.recording, shape_rows(result.recording), written[1])
-        pictures = write_figures(result.recording, hoist, directory, marks(result, winding))
+        pictures = write_figures(result.recording, hoist, directory, marks(result, winding), rope[0].locked)
     reports = [
         write_report(
             directory / "report.md",
@@ -400,6 +400,6 @@ def _write(
             pictures,
             [*tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more],
         ),
-        run_report(result, hoist, winding, coupling, rows, title, directory / "report.html", more),
+        run_report(result, hoist, winding, coupling, rows, title, directory / "report.html", more, rope[0].locked),
     ]
     return written + pictures + reports

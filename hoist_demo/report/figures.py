@@ -7,7 +7,8 @@ A figure whose signals were not recorded is left out.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,8 @@ from hoist_demo.recording.time_series import Array, Recording, shape_rows
 from hoist_demo.report.events import Mark
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
+DASHES: dict[str, Any] = {"left": "-", "right": (0, (4, 2.5))}
+"""The right end's gaps show the left one where both coincide."""
 REFERENCE = "#8a8a8a"
 ACCENTS = ("#2f8f5b", "#8e44ad", "#b03a2e", "#5d6d7e")
 
@@ -61,14 +64,19 @@ _ROPE_LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_
 _RESIDUALS = {"drive.energy_residual": "drive", "energy.residual": "balance rope"}
 
 
-def write_figures(recording: Recording, hoist: Hoist, directory: Path, marks: Sequence[Mark] = ()) -> list[Path]:
-    """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order."""
+def write_figures(
+    recording: Recording, hoist: Hoist, directory: Path, marks: Sequence[Mark] = (), locked: Collection[str] = ()
+) -> list[Path]:
+    """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order.
+
+    `locked` are the ends whose swivel cannot turn.
+    """
     figures: tuple[tuple[str, Callable[[Recording, Hoist], Figure | None]], ...] = (
         ("tracking", tracking),
         ("forces", forces),
         ("loop", loop),
         ("shapes", shapes),
-        ("swivels", swivels),
+        ("swivels", partial(swivels, locked=locked)),
         ("energies", energies),
     )
     paths: list[Path] = []
@@ -90,7 +98,7 @@ def tracking(recording: Recording, hoist: Hoist) -> Figure | None:
     for ax, quantity, offset in zip(axes, ("position", "speed", "acceleration"), (start, 0.0, 0.0), strict=False):
         component = {"position": "y", "speed": "vy", "acceleration": "ay"}[quantity]
         for end in ("left", "right"):
-            ax.plot(recording.time, recording[f"conveyance.{end}.{component}"], color=COLOURS[end], label=end)
+            ax.plot(recording.time, recording[f"conveyance.{end}.{component}"], **_line(end))
         asked = offset + recording[f"reference.{quantity}"]
         ax.plot(recording.time, asked, color="black", lw=0.8, ls=(0, (4, 3)), label="reference, left")
     error = recording["reference.position"] - (recording["conveyance.left.y"] - start)
@@ -112,8 +120,8 @@ def forces(recording: Recording, hoist: Hoist) -> Figure | None:
     figure, axes = _stack(recording, titles)
     t = recording.time
     for end in ("left", "right"):
-        axes[0].plot(t, -1e-3 * recording[f"{end}.fy"], color=COLOURS[end], label=end)
-        axes[1].plot(t, 1e-3 * recording[f"drive.tension_{end}"], color=COLOURS[end], label=end)
+        axes[0].plot(t, -1e-3 * recording[f"{end}.fy"], **_line(end))
+        axes[1].plot(t, 1e-3 * recording[f"drive.tension_{end}"], **_line(end))
     axes[2].plot(t, 1e-3 * recording["drive.torque"], color=ACCENTS[0], label="motor")
     axes[2].plot(t, 1e-3 * recording["drive.torque_command"], color="black", lw=0.8, ls=(0, (4, 3)), label="command")
     axes[3].plot(t, recording["drive.tension_ratio"], color=ACCENTS[1], label="larger / smaller tension")
@@ -194,8 +202,8 @@ def shapes(recording: Recording, hoist: Hoist) -> Figure | None:
     return figure
 
 
-def swivels(recording: Recording, hoist: Hoist) -> Figure | None:
-    """Angle, rate and torque of both swivels, slip shaded."""
+def swivels(recording: Recording, hoist: Hoist, locked: Collection[str] = ()) -> Figure | None:
+    """Angle, rate and torque of both swivels, slip shaded; where both are locked, that is said of angle and rate."""
     quantities = ("angle", "rate", "torque")
     if not _shows(recording, *(f"{end}.swivel.{name}" for end in ("left", "right") for name in quantities)):
         return None
@@ -204,12 +212,14 @@ def swivels(recording: Recording, hoist: Hoist) -> Figure | None:
         for end, width in (("left", 2.0), ("right", 1.0)):
             values = recording[f"{end}.swivel.{name}"]
             scaled = np.degrees(values) if name == "angle" else values
-            ax.plot(recording.time, scaled, color=COLOURS[end], lw=width, label=end)
+            ax.plot(recording.time, scaled, lw=width, **_line(end))
             if f"{end}.swivel.slipping" in recording:
                 _shade(ax, recording.time, recording[f"{end}.swivel.slipping"], end)
     for ax, label in zip(axes, ("angle [deg]", "rate [rad/s]", "torque [N m]"), strict=True):
         ax.set_ylabel(label)
         _widen(ax, 0.01)
+    for ax in axes[:2] if len(locked) == 2 else ():
+        ax.text(0.5, 0.6, "locked", transform=ax.transAxes, ha="center")
     _legend(axes[0])
     return figure
 
@@ -279,6 +289,11 @@ def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
             va="bottom",
             fontsize=7.0,
         )
+
+
+def _line(end: str) -> dict[str, Any]:
+    """How a curve of this end looks, and its name."""
+    return {"color": COLOURS[end], "ls": DASHES[end], "label": end}
 
 
 def _legend(ax: Axes) -> None:

@@ -67,6 +67,12 @@ class RopeData:
         """Whether the rope carries no torque as long as its ends do not turn; unknown parameters count as torque."""
         return all(self.parameters.get(name) == 0.0 for name in _TORQUE)
 
+    @property
+    def locked(self) -> tuple[str, ...]:
+        """Ends whose swivel is locked."""
+        modes = {end: f"{end}.swivel.mode" for end in ("left", "right")}
+        return tuple(end for end, mode in modes.items() if self._code(mode) == code(mode, "locked"))
+
     def display(self, name: str) -> Value:
         """A parameter's value, a code with its word."""
         value, words = self.parameters[name], words_of(name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -34,8 +34,9 @@ def run_report(
     title: str,
     path: Path,
     more: Sequence[parameter_tables.Table] = (),
+    locked: Collection[str] = (),
 ) -> Path:
-    """Write the report of a run to `path`; `rows` are its summary, `more` what else was parameter_tables.
+    """Write the report of a run to `path`; `rows` are its summary, `more` further tables, `locked` ends cannot turn.
 
     Same run, same bytes but the clock's.
     """
@@ -50,7 +51,7 @@ def run_report(
     text = page.render(
         "run.html",
         ("player.js", "plots.js", "rope.js", "run.js"),
-        _data(result, hoist, winding),
+        _data(result, hoist, winding, locked),
         title=page.escape(title),
         assumed=page.escape(ASSUMED_DATA),
         note=note,
@@ -60,7 +61,7 @@ def run_report(
     return page.write(path, text)
 
 
-def _data(result: Result, hoist: Hoist, winding: Winding) -> dict[str, object]:
+def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str]) -> dict[str, object]:
     """All that the scripts read; a run without a recorded row leaves the numbers of its end only."""
     recording = result.recording
     if not recording.signals:
@@ -81,6 +82,7 @@ def _data(result: Result, hoist: Hoist, winding: Winding) -> dict[str, object]:
         "transformations": events.transformations(recording),
         "slips": {end: events.slips(recording, end) for end in ("left", "right")},
         "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
+        "locked": list(locked),
         "sheave": {"height": hoist.sheave_height, "radius": hoist.sheave_radius},
         **_curve(recording),
     }

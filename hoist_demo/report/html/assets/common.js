@@ -42,13 +42,13 @@ function short(value) {
   return text.replace("-", "−");
 }
 
-// round numbers between lo and hi, about `count` of them
+// round numbers between lo and hi, about `count` of them and never a single one, which would tell no scale
 function ticks(lo, hi, count) {
   const raw = (hi - lo) / count, power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].find((k) => k * power >= raw * 0.999) * power;
   const found = [];
   for (let k = Math.ceil(lo / step - 1e-9); k * step <= hi + 1e-9 * step; k++) found.push(k * step);
-  return { step, values: found };
+  return found.length > 1 || !(hi > lo) ? { step, values: found } : ticks(lo, hi, 2 * count);
 }
 
 function tickText(value, step) {

@@ -15,12 +15,11 @@ class TimePlot {
     add(caption, "strong", {}, panel.title);
     add(caption, "span", { class: "unit" }, panel.unit && panel.unit !== "1" ? `[${panel.unit}]` : "");
     this.readings = lines.map((line) => {
-      const key = add(caption, "span", { class: "key" });
-      const sample = add(add(key, "svg", { width: 20, height: 8 }), "line", { x1: 0, y1: 4, x2: 20, y2: 4 });
-      sample.setAttribute("class", `line ${line.style}`);
+      const key = this.addKey(caption, line.style);
       add(key, "span", {}, line.label);
       return add(key, "span", { class: "reading" });
     });
+    if (panel.limit) this.limit = add(this.addKey(caption, "limit"), "span", { class: "limit-label" });
     this.svg = add(this.figure, "svg", { class: "chart", role: "img", "aria-label": panel.title });
     const move = (event) => {
       if (event.type === "pointermove" && !(event.buttons & 1)) return;
@@ -29,6 +28,13 @@ class TimePlot {
     };
     this.svg.addEventListener("pointerdown", move);
     this.svg.addEventListener("pointermove", move);
+  }
+
+  // a sample of a line's style, for its name
+  addKey(caption, style) {
+    const key = add(caption, "span", { class: "key" });
+    add(add(key, "svg", { width: 20, height: 8 }), "line", { class: `line ${style}`, x1: 0, y1: 4, x2: 20, y2: 4 });
+    return key;
   }
 
   inSight() {
@@ -78,7 +84,7 @@ class TimePlot {
     }
     if (!(lo <= hi)) return [0, 1];
     const limit = this.panel.limit;
-    // a limit far away would flatten the curves: it is named beside the plot instead
+    // a limit far away would flatten the curves: it is only named above the plot
     if (limit && limit.value > lo - 2 * (hi - lo) && limit.value < hi + 2 * (hi - lo)) {
       lo = Math.min(lo, limit.value);
       hi = Math.max(hi, limit.value);
@@ -136,13 +142,8 @@ class TimePlot {
     const limit = this.panel.limit;
     if (limit) {
       const y = this.y(limit.value);
-      if (y > 0) {
-        add(group, "line", { class: "line limit", x1: MARGIN.left, x2: this.width, y1: y, y2: y });
-        add(group, "text", { class: "limit-label", x: this.width - MARGIN.right - 4, y: y + 12, "text-anchor": "end" }, limit.label);
-      } else {
-        const place = { x: this.width - MARGIN.right - 4, y: MARGIN.top + 2 * BAND + 8, "text-anchor": "end" };
-        add(group, "text", { class: "limit-label", ...place }, `${limit.label} ↑`);
-      }
+      add(group, "line", { class: "line limit", x1: MARGIN.left, x2: this.width, y1: y, y2: y });
+      this.limit.textContent = y > 0 ? limit.label : `${limit.label} ↑`;
     }
     for (const line of this.lines) {
       let path = "", open = false;

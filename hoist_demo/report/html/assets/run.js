@@ -185,7 +185,7 @@ function makeReadout(player, times, values) {
     wanted.forEach(([name, , , factor], i) => (cells[i].textContent = short(factor * values(name)[k])));
     for (const [end, cell] of states) {
       const slips = DATA.slips[end].some(([a, b]) => a <= t && t < b);
-      cell.textContent = slips ? "slips" : "sticks";
+      cell.textContent = slips ? "slips" : DATA.locked.includes(end) ? "locked" : "sticks";
       cell.className = slips ? `value slips ${end}` : "value";
     }
   });
@@ -194,6 +194,7 @@ function makeReadout(player, times, values) {
 function explainMarks() {
   const parts = [], slipping = DATA.slips.left.length + DATA.slips.right.length;
   if (slipping) parts.push("Bands on top: a swivel slips, left blue, right orange.");
+  else if (DATA.locked.length === 2) parts.push("The swivels are locked.");
   else if (DATA.swivels.left || DATA.swivels.right) parts.push("No swivel slipped.");
   if (DATA.transformations.length) parts.push(`Ticks at the bottom: the mesh was transformed (${DATA.transformations.length} times).`);
   if (DATA.marks.length) parts.push(`Dashed: ${DATA.marks.map((mark) => `${mark.label} at ${mark.t.toFixed(2)} s`).join(", ")}.`);
