@@ -180,7 +180,7 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
             "native",
         ):
             assert word in text, (name, word)
-        assert "sheave mass" in text
+        assert "hoist.sheave_mass" in text
     # the table holds the rope's own fidelity, and no zero where nothing was computed
     header, first = (out / "signals.csv").read_text(encoding="utf-8").splitlines()[:2]
     assert dict(zip(header.split(","), first.split(","), strict=True))["loop.yaw [rad]"] == "nan"

@@ -123,7 +123,7 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path
         pulls.append(recording["right.fy"][0])
         text = (out / "report.md").read_text(encoding="utf-8")
         assert f"rope.mass_per_length={8 * factor}" in text.splitlines()[0]
-        assert "| payload left | 4000 | kg |" in text
+        assert "| hoist.payload_left | 4000 | kg |" in text
     assert pulls[1] == pytest.approx(2.0 * pulls[0], rel=1e-3)
 
 

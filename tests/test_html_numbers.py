@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
@@ -21,6 +22,7 @@ from hoist_demo.recording.time_series import Recording
 from hoist_demo.report import events
 from hoist_demo.report.html import along, packing, page, panels, parameter_tables
 from hoist_demo.report.html.study import study_report
+from hoist_demo.study.catalogue import Catalogue
 
 
 def unpack(packed: dict) -> np.ndarray:
@@ -155,16 +157,16 @@ def test_panels_hold_recorded_signals_only() -> None:
 
 
 def test_parameters_show_the_unit_that_stands_behind_them() -> None:
-    rows = {name.split(",")[0]: (value, unit) for name, value, unit in parameter_tables.rows(Hoist())}
-    assert rows["conveyance mass"] == ("10000", "kg")
-    assert rows["loss viscous"] == ("200", "N s/m")
-    assert rows["friction coefficient"] == ("0.25", "")
-    assert rows["payload right"] == ("0", "kg")
+    rows = {name.split(",")[0]: (value, unit) for name, value, unit in parameter_tables.rows(Hoist(), "hoist.")}
+    assert rows["hoist.conveyance_mass"] == ("10000", "kg")
+    assert rows["hoist.loss_viscous"] == ("200", "N s/m")
+    assert rows["hoist.friction_coefficient"] == ("0.25", "")
+    assert rows["hoist.payload_right"] == ("0", "kg")
 
 
 def test_every_parameter_has_a_unit_or_is_a_pure_number() -> None:
     for data in (Hoist(), Winding(), Coupling()):
-        rows = {name.split(",")[0].replace(" ", "_"): unit for name, _, unit in parameter_tables.rows(data)}
+        rows = {name.split(",")[0]: unit for name, _, unit in parameter_tables.rows(data, "")}
         assert set(rows) == {field.name for field in fields(data)}
         numbers = {name for name, unit in rows.items() if not unit and isinstance(getattr(data, name), (int, float))}
         assert numbers <= {
@@ -189,10 +191,16 @@ class Outer:
 
 
 def test_parameters_of_parameters_are_shown_too() -> None:
-    assert parameter_tables.rows(Outer()) == [
-        ("guide: gap, play of a guide", "2", "mm"),
-        ("on, whether it brakes", "yes", ""),
+    assert parameter_tables.tables({"Car": Outer()}) == [
+        ("Car", [("car.guide.gap, play of a guide", "2", "mm"), ("car.on, whether it brakes", "yes", "")])
     ]
+
+
+def test_parameters_are_shown_by_the_names_that_set_them() -> None:
+    shown = parameter_tables.tables({"Hoist": Hoist(), "Winding": Winding(), "Coupling": Coupling(), "Gains": Gains()})
+    names = {name.split(",")[0] for _, rows in shown for name, value, _ in rows if value != "none"}
+    assert "hoist.payload_left" in names
+    assert [name for name in names if name not in Catalogue({})] == []
 
 
 @pytest.mark.parametrize(

@@ -380,7 +380,7 @@ def _write(
     from hoist_demo.report.markdown import write_report
 
     hoist, winding, coupling = run.hoist, run.winding, run.coupling
-    more = [*tables({"Controller": run.gains}), *rope_tables(*rope, fidelities_of(result.recording))]
+    more = [*tables({"Gains": run.gains}), *rope_tables(*rope, fidelities_of(result.recording))]
     directory: Path = options.out
     directory.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []

@@ -1,4 +1,4 @@
-"""The data a run was given, as table rows: each field of a frozen dataclass with the unit and the meaning it states."""
+"""The data a run was given, as table rows: each parameter by the name that sets it, with its unit and its meaning."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ Table = tuple[str, list[Row]]
 
 
 def tables(data: Mapping[str, object]) -> list[Table]:
-    """A table for each dataclass, by its title."""
-    return [(title, rows(part)) for title, part in data.items()]
+    """A table for each dataclass; its title is that of the section to which its parameters belong."""
+    return [(title, rows(part, f"{title.lower()}.")) for title, part in data.items()]
 
 
 def rope_tables(rope: RopeData, level: str, fidelities: Sequence[str]) -> list[Table]:
@@ -40,7 +40,7 @@ def _word(value: object) -> str:
     return number(value) if isinstance(value, int | float) else str(value)
 
 
-def rows(data: object) -> list[Row]:
+def rows(data: object, section: str) -> list[Row]:
     """One row per number, flag or word of a dataclass, those of dataclasses within it included."""
     if not is_dataclass(data) or isinstance(data, type):
         raise TypeError(f"data = {data!r} must be a dataclass instance: give the parameters themselves")
@@ -48,9 +48,9 @@ def rows(data: object) -> list[Row]:
     for field in fields(data):
         value = getattr(data, field.name)
         unit, meaning = unit_of(field), meaning_of(field)
-        name = field.name.replace("_", " ") + (f", {meaning}" if meaning else "")
+        name = f"{section}{field.name}" + (f", {meaning}" if meaning else "")
         if is_dataclass(value):
-            found += [(f"{field.name.replace('_', ' ')}: {inner}", text, u) for inner, text, u in rows(value)]
+            found += rows(value, f"{section}{field.name}.")
         elif isinstance(value, bool):
             found.append((name, "yes" if value else "no", ""))
         elif isinstance(value, str) or value is None:
