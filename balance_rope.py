@@ -9,19 +9,23 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from fmu_src.export import export_fmu
-from fmu_src.interface import Variable, variables
-from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
-from fmu_src.native.export import export_native
-from fmu_src.native.model_fmu import export_model
-from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
-from fmu_src.ssp import Component, export_ssp
-from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.demo import add_demo
-from hoist_demo.command_line.study import add_study
-from hoist_demo.drive_fmu.description import drive_model, duration
-from rope_model import __version__
-from rope_model.parameters import LEVELS, rope_120
+try:  # NumPy and CasADi take a second to load, in which a user may change his mind
+    from fmu_src.export import export_fmu
+    from fmu_src.interface import Variable, variables
+    from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
+    from fmu_src.native.export import export_native
+    from fmu_src.native.model_fmu import export_model
+    from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
+    from fmu_src.ssp import Component, export_ssp
+    from hoist_demo.cases.table import CASES
+    from hoist_demo.command_line.demo import add_demo
+    from hoist_demo.command_line.study import add_study
+    from hoist_demo.drive_fmu.description import drive_model, duration
+    from rope_model import __version__
+    from rope_model.parameters import LEVELS, rope_120
+except KeyboardInterrupt:
+    print("balance-rope: interrupted", file=sys.stderr)
+    sys.exit(130)
 
 BUILD = Path("build")
 #: flavour and FMI version -> file name

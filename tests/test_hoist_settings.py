@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import re
 import subprocess
 import sys
@@ -202,3 +203,11 @@ def test_warnings_that_are_collected_are_not_shown_and_those_after_are(caplog: p
     log.warning("three")
     assert heard == ["one", "two"]
     assert [record.getMessage() for record in caplog.records] == ["three"]
+
+
+def test_an_interrupt_while_libraries_load_is_told_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "casadi.py").write_text("raise KeyboardInterrupt")
+    found = os.pathsep.join([str(tmp_path), str(ROOT)])
+    command = [sys.executable, "-m", "balance_rope", "--version"]
+    done = subprocess.run(command, env={**os.environ, "PYTHONPATH": found}, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "balance-rope: interrupted\n")
