@@ -7,8 +7,8 @@ from the section's tangent p in the reference to t.  Along the rope it then turn
 
     twist = - (p x t) . (p' + t') / (1 + p . t)           (per reference length)
 
-which is zero in the reference and regular but where t = -p; with p' = 0 and t_t for t' it is the spin in time.  Each
-accepted state is the next one's reference: no section turns by half a turn in a step.
+which is zero in the reference and regular but where t = -p; with p' = 0 and t_t for t' it is the spin in time.  So a
+reference serves all states in which no section's tangent is turned around from it.
 
 Formulas take vectors with the components first: tuples, numpy arrays (3, n) or CasADi expressions.
 
