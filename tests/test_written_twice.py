@@ -21,13 +21,15 @@ ROPE = Path(__file__).resolve().parent.parent / "rope_model"
 NATIVE = ROPE / "native"
 #: the method in C; in Python it is CasADi text, numerics.block_chain and newton, that is generated for each mesh size
 CHAIN = ("chain", "lanes")
+#: what Python does not write at all: it has memory, and its own numbers as text
+C_ALONE = ("memory.c", "text.c", "text.h")
 #: products and quotients that a function of control flow may have; libm's functions none
 FEW = 3
 #: function: products and quotients of real numbers, calls of libm; and what they are
 ARITHMETIC = {
     # places of arrays in memory
     "state_arrays": (5, 0),
-    "rope_create": (8, 0),
+    "with_memory": (9, 0),
     # sums over nodes, and what is held at the ends
     "trial_step": (16, 0),
     "system_of": (4, 0),
@@ -35,7 +37,7 @@ ARITHMETIC = {
     "commit": (9, 0),
     "flexible_start": (4, 0),
     "added_masses": (5, 0),
-    "rope_derivative": (8, 0),
+    "rope_derivative": (7, 0),
     "find_equilibrium": (9, 1),
     "solve_equilibrium": (0, 1),
     # in rope.h, which hosts read without the formulas
@@ -65,7 +67,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 1900, "C": 2800}
+MOST_LINES = {"Python": 1900, "C": 2660}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks
 TWICE = (
     *(
@@ -151,7 +153,7 @@ def test_no_formula_is_defined_by_hand_as_well() -> None:
 
 def c_lines() -> int:
     """Of code, by hand, that Python has too."""
-    files = [path for path in c_files() if not path.name.startswith(CHAIN)]
+    files = [path for path in c_files() if not path.name.startswith(CHAIN) and path.name not in C_ALONE]
     return sum(bool(line.strip()) for path in files for line in without_comments(path.read_text("utf-8")).splitlines())
 
 

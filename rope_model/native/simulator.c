@@ -10,28 +10,19 @@
 #define GROW_BELOW 0.1
 #define TWIST_STEP 1.
 #define FARTHEST_START 1e10
-enum { MOST_STEPS = 20000, ALIGNMENT = 64 };
+enum { MOST_STEPS = 20000 };
 
-static int fails(Simulator *rope, const char *message) {
+int fails(Simulator *rope, const char *message) {
     if (message != rope->message) snprintf(rope->message, MESSAGE, "%s", message);
     return 0;
 }
 
-static size_t align(size_t bytes) {
-    return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-}
-
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) {
-    Simulator *rope;
-    Mesh mesh;
-    size_t nodes, size, state_bytes, bytes;
-    char *at;
-    int elements, k;
     message[0] = '\0';
     check_scene(scene, message);
     if (message[0]) return NULL;
-    mesh = mesh_fit(&scene->mesh, &scene->rope, &scene->layout);
-    elements = mesh_elements(&mesh, scene->rope.length, message);
+    const Mesh mesh = mesh_fit(&scene->mesh, &scene->rope, &scene->layout);
+    const int elements = mesh_elements(&mesh, scene->rope.length, message);
     if (elements == 0) {
         const size_t used = strlen(message);
         if (scene->mesh.kind == AUTO_MESH)
@@ -39,55 +30,11 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
                      " (mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error)");
         return NULL;
     }
-    nodes = (size_t)elements + 1;
-    size = nodes * DOF;
-    state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);
-    bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) +
-            align(sizeof(double) * STRAINS * (size_t)elements) + align(chain_frames_bytes(elements)) +
-            align(chain_work_bytes(elements));
-    rope = memory->take(1, sizeof *rope);
-    if (rope != NULL) {
-        memset(rope, 0, sizeof *rope);
-        rope->block = memory->take(1, bytes + ALIGNMENT);
-    }
-    if (rope == NULL || rope->block == NULL) {
-        if (rope != NULL) memory->give_back(rope);
-        snprintf(message, MESSAGE, "no memory for %d elements (%s MB); use fewer", elements,
-                 ROUNDED(1e-6 * (double)bytes, 3));
-        return NULL;
-    }
+    Simulator *rope = with_memory(elements, memory, message);
+    if (rope == NULL) return NULL;
     rope->scene = *scene;
-    rope->memory = *memory;
     rope->mesh = mesh;
-    rope->elements = elements;
-    rope->state_bytes = state_bytes;
-    memset(rope->block, 0, bytes + ALIGNMENT);
-    at = (char *)rope->block + (ALIGNMENT - (uintptr_t)rope->block % ALIGNMENT);
-    rope->state = (State *)at;
-    rope->next = (State *)(at += align(state_bytes));
-    rope->spare = (State *)(at += align(state_bytes));
-    at += align(state_bytes);
-    {
-        double **const arrays[7] = {&rope->trial.q,      &rope->trial.v,        &rope->trial.a, &rope->trial.b,
-                                    &rope->trial.a_rate, &rope->trial.reaction, &rope->x};
-        for (k = 0; k < 7; ++k) *arrays[k] = (double *)at + (size_t)k * size;
-    }
-    rope->trial.elements = elements;
-    rope->trial.nodes = (int)nodes;
-    at += align(sizeof(double) * 7 * size);
-    rope->strains = (double (*)[STRAINS])(void *)at;
-    at += align(sizeof(double) * STRAINS * (size_t)elements);
-    rope->frames = (double *)(void *)at;
-    rope->work = at + align(chain_frames_bytes(elements));
     return rope;
-}
-
-void rope_destroy(Simulator *rope) {
-    if (rope != NULL) {
-        const Memory memory = rope->memory;
-        memory.give_back(rope->block);
-        memory.give_back(rope);
-    }
 }
 
 const char *rope_message(const Simulator *rope) {
@@ -465,162 +412,4 @@ int rope_restore(Simulator *rope, const void *from, size_t bytes) {
         return fails(rope, "these bytes are not a state of this rope; save one anew, or restore it into its own rope");
     refer(rope, state, state_arrays(state).q);
     return accept_next(rope);
-}
-
-/* The unperturbed step as long as the last: its correction to trial.q; c are its coefficients. */
-static void unperturbed_step(Simulator *rope, double c[3]) {
-    State *state = rope->state;
-    const Arrays m = state_arrays(state);
-    const System s = system_of(rope, state);
-    const Coefficients method = {rope->scene.solver.rho_inf};
-    newton_coefficients(&method, state->last_interval, c);
-    chain_of_state(state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
-}
-
-/* The state `spare` with one degree of freedom of an end moved by d[0], d[1], d[2] in q, v, a at the end of that step,
-   to which the rope answers: how its equations are linear.  Its residual goes to trial.a. */
-static void perturbed_step(Simulator *rope, int side, int dof, const double d[3], const double c[3]) {
-    State *moved = rope->spare;
-    Arrays m;
-    System s;
-    size_t size, at, i;
-    double *x = rope->x, *R = rope->trial.a, balance[BALANCE];
-    state_copy(rope, moved, rope->state);
-    m = state_arrays(moved);
-    s = system_of(rope, moved);
-    size = (size_t)m.nodes * DOF;
-    at = (side ? size - DOF : 0) + (size_t)dof;
-    m.q[at] += d[0];
-    m.v[at] += d[1];
-    m.a[at] += d[2];
-    chain_of_state(moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, x, R);
-    for (i = 0; i < size; ++i) {
-        const double y = x[i] - rope->trial.q[i];
-        m.q[i] += y;
-        m.v[i] += c[1] * y;
-        m.a[i] += c[2] * y;
-    }
-    chain_of_state(moved)->evaluate(&s, m.q, m.v, m.a, m.reaction, R, balance);
-}
-
-/* kg: how much each end's downward force grows with an upward acceleration held over the last interval */
-static void added_masses(Simulator *rope, double masses[2]) {
-    const double h = rope->state->last_interval, size = 1e-3;
-    const double d[3] = {0.5 * h * h * size, h * size, size};
-    double c[3];
-    int side;
-    if (rope->state->fidelity == RIGID) {
-        for (side = 0; side < 2; ++side) {
-            double dx[2][3] = {{0}}, dv[2] = {0}, da[2] = {0}, before[2], after[2];
-            rigid_tensions(&rope->scene, rope->state->paths, rope->state->t, dx, dv, da, before);
-            dx[side][1] = d[0];
-            dv[side] = d[1];
-            da[side] = d[2];
-            rigid_tensions(&rope->scene, rope->state->paths, rope->state->t, dx, dv, da, after);
-            masses[side] = (after[side] - before[side]) / size;
-        }
-        return;
-    }
-    unperturbed_step(rope, c);
-    for (side = 0; side < 2; ++side) {
-        perturbed_step(rope, side, 1, d, c);
-        masses[side] =
-            (end_row(rope->trial.a, rope->trial.nodes, side)[1] - end_row(rope->trial.v, rope->trial.nodes, side)[1]) /
-            size;
-    }
-}
-
-/* forces and moments of the rope on both conveyances */
-static void loads(const Simulator *rope, const State *state, const double *q, const double *R, double loads[12]) {
-    const int nodes = rope->trial.nodes;
-    int side, k;
-    for (side = 0; side < 2; ++side) {
-        const double *r = end_row(R, nodes, side);
-        const double torque = swivel_moment(&rope->scene, state, side, r);
-        double *to = loads + 6 * side;
-        end_moment(end_row(q, nodes, side) + SLOPE, r + SLOPE, torque, to + 3);
-        for (k = 0; k < 3; ++k) {
-            to[k] = -r[k];
-            to[3 + k] = -to[3 + k];
-        }
-    }
-}
-
-int rope_derivative(Simulator *rope, int input, double derivative[12]) {
-    /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
-    static const double sizes[3] = {1e-7, 1e-5, 1e-3};
-    const int side = input / 11, place = input % 11;
-    const int kind = place < 9 ? place / 3 : place - 9, dof = place < 9 ? place % 3 : ANGLE;
-    double d[3] = {0, 0, 0}, c[3], before[12];
-    State *state = rope->state;
-    Arrays m;
-    int k;
-    if (input < 0 || input >= 22) return fails(rope, "an input's number is 0 to 21");
-    if (!rope->initialized) return fails(rope, "the rope has no state yet; call initialize first");
-    memset(derivative, 0, sizeof(double) * 12);
-    if (dof == ANGLE && state->swivels[side].phase == SLIP) return 1; /* the friction does not know the yaw */
-    if (state->fidelity == RIGID) { /* no side forces, no moments, and only heights have speeds */
-        double dx[2][3] = {{0}}, dv[2] = {0}, da[2] = {0}, rest[2], moved[2];
-        rigid_tensions(&rope->scene, state->paths, state->t, dx, dv, da, rest);
-        if (kind == 0 && dof < SLOPE)
-            dx[side][dof] = sizes[0];
-        else if (kind == 1 && dof == 1)
-            dv[side] = sizes[1];
-        else if (kind == 2 && dof == 1)
-            da[side] = sizes[2];
-        rigid_tensions(&rope->scene, state->paths, state->t, dx, dv, da, moved);
-        derivative[1] = -(moved[LEFT] - rest[LEFT]) / sizes[kind];
-        derivative[7] = -(moved[RIGHT] - rest[RIGHT]) / sizes[kind];
-        return 1;
-    }
-    m = state_arrays(state);
-    d[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
-    if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
-        d[2] = d[1] / state->last_interval;
-    unperturbed_step(rope, c);
-    loads(rope, state, m.q, rope->trial.v, before);
-    perturbed_step(rope, side, dof, d, c);
-    loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, derivative);
-    for (k = 0; k < 12; ++k) derivative[k] = (derivative[k] - before[k]) / sizes[kind];
-    for (k = 0; k < 12; ++k)
-        if (!isfinite(derivative[k]))
-            return fails(rope, "the equations of this state have no finite derivative; take a smaller step_max");
-    return 1;
-}
-
-static const LoopBottom *bottom_now(Simulator *rope) {
-    if (!rope->bottom_known) {
-        const Arrays m = state_arrays(rope->state);
-        rope->bottom = shape_loop_bottom(m.nodes, m.q, m.s);
-        rope->bottom_known = 1;
-    }
-    return &rope->bottom;
-}
-
-double rope_signal(Simulator *rope, int signal) {
-    const int group = signal_group(signal);
-    if (!rope->initialized || group < 0) return NAN;
-    if (!(rope->known & 1u << group)) {
-        const Arrays m = state_arrays(rope->state);
-        if (group == ADDED_MASS_SIGNALS) {
-            double masses[2];
-            added_masses(rope, masses);
-            rope->values[SIGNAL_LEFT_ADDED_MASS] = masses[LEFT];
-            rope->values[SIGNAL_RIGHT_ADDED_MASS] = masses[RIGHT];
-        } else {
-            if (group == STRESS_SIGNALS || group == ALONG_SIGNALS) {
-                const System s = system_of(rope, rope->state);
-                chain_of_state(rope->state)->strains(&s, m.q, rope->strains);
-            }
-            signals_of(group, &rope->scene, rope->state, &m, (const double (*)[STRAINS])rope->strains,
-                       group == END_SIGNALS || group == ENERGY_SIGNALS ? NULL : bottom_now(rope), rope->values);
-        }
-        rope->known |= 1u << group;
-    }
-    return rope->values[signal];
-}
-
-void rope_signals(Simulator *rope, size_t number, const int *signals, double *values) {
-    size_t k;
-    for (k = 0; k < number; ++k) values[k] = rope_signal(rope, signals[k]);
 }

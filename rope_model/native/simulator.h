@@ -35,6 +35,12 @@ struct Simulator {
     char message[MESSAGE];
 };
 
+/* memory.c: a simulator without a scene, all its memory zero; NULL and a message when there is none */
+Simulator *with_memory(int elements, const Memory *memory, char *message);
+
+/* simulator.c: gives 0, and the rope this message */
+int fails(Simulator *rope, const char *message);
+
 /* state.c */
 Arrays state_arrays(State *state);
 /* whether what was read from elsewhere can be a state of this rope; trial is scratch */

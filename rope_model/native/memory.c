@@ -1,0 +1,60 @@
+/* The memory of a simulator: all that it needs for its number of elements, taken at once. */
+
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "simulator.h"
+#include "text.h"
+
+enum { ALIGNMENT = 64 };
+
+static size_t align(size_t bytes) {
+    return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+}
+
+Simulator *with_memory(int elements, const Memory *memory, char *message) {
+    const size_t nodes = (size_t)elements + 1, size = nodes * DOF;
+    const size_t state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);
+    const size_t bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) +
+                         align(sizeof(double) * STRAINS * (size_t)elements) + align(chain_frames_bytes(elements)) +
+                         align(chain_work_bytes(elements));
+    Simulator *rope = memory->take(1, sizeof *rope);
+    if (rope != NULL) {
+        memset(rope, 0, sizeof *rope);
+        rope->block = memory->take(1, bytes + ALIGNMENT);
+    }
+    if (rope == NULL || rope->block == NULL) {
+        if (rope != NULL) memory->give_back(rope);
+        snprintf(message, MESSAGE, "no memory for %d elements (%s MB); use fewer", elements,
+                 ROUNDED(1e-6 * (double)bytes, 3));
+        return NULL;
+    }
+    memset(rope->block, 0, bytes + ALIGNMENT);
+    rope->memory = *memory;
+    rope->elements = elements;
+    rope->state_bytes = state_bytes;
+    char *at = (char *)rope->block + (ALIGNMENT - (uintptr_t)rope->block % ALIGNMENT);
+    rope->state = (State *)at;
+    rope->next = (State *)(at += align(state_bytes));
+    rope->spare = (State *)(at += align(state_bytes));
+    at += align(state_bytes);
+    double **const arrays[7] = {&rope->trial.q,      &rope->trial.v,        &rope->trial.a, &rope->trial.b,
+                                &rope->trial.a_rate, &rope->trial.reaction, &rope->x};
+    for (size_t k = 0; k < 7; k++) *arrays[k] = (double *)at + k * size;
+    rope->trial.elements = elements;
+    rope->trial.nodes = (int)nodes;
+    at += align(sizeof(double) * 7 * size);
+    rope->strains = (double (*)[STRAINS])(void *)at;
+    at += align(sizeof(double) * STRAINS * (size_t)elements);
+    rope->frames = (double *)(void *)at;
+    rope->work = at + align(chain_frames_bytes(elements));
+    return rope;
+}
+
+void rope_destroy(Simulator *rope) {
+    if (rope == NULL) return;
+    const Memory memory = rope->memory;
+    memory.give_back(rope->block);
+    memory.give_back(rope);
+}
