@@ -26,7 +26,6 @@ from rope_model.native.formulas import (
     symbols_of,
 )
 from rope_model.native.structures import GROUPS, SceneStructure
-from rope_model.native.tables import parameter_structures
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Scene
 
@@ -52,8 +51,8 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Any:
         passed = ", ".join(argument_of(text).name for text in arguments.split(", "))
         returned = "" if result == "void" else "return "
         code += [f"{result} {name}_({arguments});", f"{result} {name}_({arguments}) {{ {returned}{name}({passed}); }}"]
-    (folder / "formulas.h").write_text(formulas_code(), encoding="ascii")
-    (folder / "parameters.h").write_text(parameter_structures(), encoding="ascii")
+    for name, text in generate().items():
+        (folder / name).write_text(text, encoding="ascii")
     (folder / "all.c").write_text("\n".join(code) + "\n", encoding="ascii")
     made = folder / f"formulas{LIBRARY_SUFFIX}"
     command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", str(folder / "all.c"), "-o", str(made), "-lm"]

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from evidence.choice.scenes import CASES, Case
 from fmu_src.interface import scene_of, variables
-from rope_model.native.formulas import formulas_code
+from rope_model.native.build import generate
 from rope_model.native.structures import (
     EndStructure,
     PathStructure,
@@ -33,7 +33,6 @@ from rope_model.native.structures import (
     path_structure,
     scene_structure,
 )
-from rope_model.native.tables import parameter_bounds, parameter_structures
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import CHOICES, FidelityChoice, Mesh, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.simulation.ends import SIDES, EndMotion, EndPath, HangingEnds, nominal_points, refusal
@@ -69,9 +68,8 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
         pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("native")
     made = folder / f"data{LIBRARY_SUFFIX}"
-    (folder / "formulas.h").write_text(formulas_code(), encoding="ascii")
-    (folder / "parameters.h").write_text(parameter_structures(), encoding="ascii")
-    (folder / "parameters.inc").write_text(parameter_bounds(), encoding="ascii")
+    for name, text in generate().items():
+        (folder / name).write_text(text, encoding="ascii")
     sources = [str(NATIVE / part) for part in PARTS]
     command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(made), "-lm"]
     result = subprocess.run(command, capture_output=True, text=True)

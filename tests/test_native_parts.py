@@ -21,9 +21,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
-from rope_model.native.formulas import formulas_code
+from rope_model.native.build import generate
 from rope_model.native.structures import GROUPS, PathStructure, path_structure, scene_structure
-from rope_model.native.tables import parameter_bounds, parameter_structures, signal_numbers
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
@@ -135,10 +134,8 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("native")
     path = folder / f"parts{LIBRARY_SUFFIX}"
-    (folder / "formulas.h").write_text(formulas_code(), encoding="ascii")
-    (folder / "signal_numbers.h").write_text(signal_numbers(), encoding="ascii")
-    (folder / "parameters.h").write_text(parameter_structures(), encoding="ascii")
-    (folder / "parameters.inc").write_text(parameter_bounds(), encoding="ascii")
+    for name, text in generate().items():
+        (folder / name).write_text(text, encoding="ascii")
     (folder / "by_members.c").write_text(SIGNALS_BY_MEMBERS, encoding="ascii")
     sources = [*(str(NATIVE / name) for name in PARTS), str(folder / "by_members.c")]
     subprocess.run([*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(path), "-lm"], check=True)

@@ -31,14 +31,14 @@ ARITHMETIC = {
     "state_arrays": (5, 0),
     "with_memory": (9, 0),
     # sums over nodes, and what is held at the ends
-    "trial_step": (16, 0),
+    "trial_step": (15, 0),
     "system_of": (4, 0),
     "restart": (5, 0),
     "commit": (9, 0),
     "flexible_start": (4, 0),
     "added_masses": (5, 0),
     "rope_derivative": (7, 0),
-    "find_equilibrium": (9, 1),
+    "find_equilibrium": (7, 1),
     "solve_equilibrium": (0, 1),
     # in rope.h, which hosts read without the formulas
     "end_extrapolate": (6, 0),
@@ -67,7 +67,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 1900, "C": 2660}
+MOST_LINES = {"Python": 1821, "C": 2414}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks
 TWICE = (
     *(

@@ -2,9 +2,9 @@
    rope_model.simulation.adaptation and rigid, which see. */
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
+#include "messages.h"
 #include "simulator.h"
 
 #define RELAXATION_TIME 0.1
@@ -15,22 +15,16 @@
 
 /* a transformed rope with its energy change in the energy_balance */
 static void record_energy_change(Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
-    const System s = system_of(rope, state);
-    const double before = energy_total(&state->energy_balance), kinetic = state->energy_balance.kinetic;
-    double balance[BALANCE], change;
-    chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
-    set_energies(&state->energy_balance, balance, &s, m.v);
-    change = energy_total(&state->energy_balance) - before;
+    const double kinetic = state->energy_balance.kinetic, change = update_energies(rope, state);
     state->energy_balance.transformations += change;
     record_event(state, TRANSFORMED, 0, state->energy_balance.kinetic - kinetic,
                  change - (state->energy_balance.kinetic - kinetic));
     state->counts.transformations += 1;
 }
 
-/* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow; 0 when
-   there is none, and the state is as it was */
-static int solve_equilibrium(Simulator *rope, State *state, double time, double tolerance, int with_reaction) {
+/* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow, into
+   trial; 0 when there is none, and the state is as it was */
+static int solve_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
@@ -40,13 +34,11 @@ static int solve_equilibrium(Simulator *rope, State *state, double time, double 
     memcpy(now->v, m.v, bytes);
     memcpy(now->a, m.a, bytes);
     memcpy(now->reaction, m.reaction, bytes);
-    if (chain_of_state(state)
-            ->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance)
-            .status != CONVERGED)
-        return 0;
+    const Progress newton =
+        chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
+    if (newton.status != CONVERGED) return 0;
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, m.v, m.a, m.b);
     memcpy(m.q, now->q, bytes);
-    if (with_reaction) memcpy(m.reaction, now->reaction, bytes);
     return 1;
 }
 
@@ -61,7 +53,7 @@ static void on_partition(Simulator *rope, State *state, int direction) {
     transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work); /* the chain's, free between solutions */
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     refer(rope, state, m.q);
-    solve_equilibrium(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance, 0);
+    solve_equilibrium(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance);
     record_energy_change(rope, state);
 }
 
@@ -71,24 +63,16 @@ void transform_if_due(Simulator *rope, State *state) {
         on_partition(rope, state, direction);
 }
 
-int lowest_node(const Arrays *x) {
-    int node, lowest = 0;
-    for (node = 1; node < x->nodes; ++node)
-        if (x->q[(size_t)node * DOF + 1] < x->q[(size_t)lowest * DOF + 1]) lowest = node;
-    return lowest;
-}
-
 void with_loop_yaw(State *state) {
     const Arrays x = state_arrays(state);
-    const double *d = x.q + (size_t)lowest_node(&x) * DOF + SLOPE;
+    const double *d = x.q + (size_t)shape_lowest_node(x.nodes, x.q) * DOF + SLOPE;
     state->loop_yaw = shape_nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
 int rigid_state(Simulator *rope, State *state, double t, char *message) {
-    Arrays m;
     state->t = t;
     transform_if_due(rope, state);
-    m = state_arrays(state);
+    const Arrays m = state_arrays(state);
     rigid_rope(&rope->scene, state->paths, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->energy_balance.kinetic,
                &state->energy_balance.gravity, message);
     memcpy(m.b, m.a, sizeof(double) * (size_t)m.nodes * DOF);
@@ -101,12 +85,11 @@ int rigid_state(Simulator *rope, State *state, double t, char *message) {
 static void count_from_rigid(Simulator *rope, State *state, const double *rigid, double *q) {
     const size_t size = (size_t)(state->elements + 1) * DOF;
     double *own = rope->trial.q, *rest = rope->trial.v;
-    size_t at;
     memcpy(own, q, sizeof(double) * size);
     memset(rest, 0, sizeof(double) * size);
     refer(rope, state, rigid);
     transport_angles(rope, state, own, rest, rest, rest);
-    for (at = ANGLE; at < size; at += DOF) q[at] -= own[at] - q[at];
+    for (size_t at = ANGLE; at < size; at += DOF) q[at] -= own[at] - q[at];
 }
 
 /* q, v, a and the reaction as the equilibria between the moving ends have them, all counted from the rigid rope; 0 and
@@ -116,35 +99,30 @@ static int flexible_start(Simulator *rope, State *state, char *message) {
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     const double t = state->t, offset = state->offsets[RIGHT];
     /* b and a_rate are free until the restart */
-    double *q = m.b, *reaction = m.a_rate, *to[2] = {m.v, m.a}, *all[3], *rigid, turned;
+    double *q = m.b, *reaction = m.a_rate, *const all[3] = {m.q, m.v, m.a};
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
-    int side, k, found;
-    size_t i;
     state_copy(rope, rope->spare, state);
-    rigid = state_arrays(rope->spare).q;
-    for (side = 0; side < 2; ++side) state->paths[side] = path_coasting(&paths[side], t);
-    found = find_equilibrium(rope, state, message);
-    turned = state->offsets[RIGHT];
+    const double *rigid = state_arrays(rope->spare).q;
+    for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
+    int found = find_equilibrium(rope, state, message);
+    const double turned = state->offsets[RIGHT];
     memcpy(q, m.q, bytes);
     memcpy(reaction, m.reaction, bytes);
-    for (k = 0; k < 2 && found; ++k) {
-        state->t = k ? t + DIFFERENCE : t - DIFFERENCE;
+    for (int k = 1; k < 3 && found; k++) { /* before, and after */
+        state->t = k == 1 ? t - DIFFERENCE : t + DIFFERENCE;
         state->offsets[RIGHT] = turned;
         memcpy(m.q, q, bytes);
         found = find_equilibrium(rope, state, message);
-        memcpy(to[k], m.q, bytes);
+        memcpy(all[k], m.q, bytes);
     }
     state->t = t;
     state->offsets[RIGHT] = offset;
     memcpy(state->paths, paths, sizeof paths);
     memcpy(m.q, q, bytes);
     memcpy(m.reaction, reaction, bytes);
-    all[0] = m.q;
-    all[1] = to[0];
-    all[2] = to[1];
-    for (k = 0; k < 3 && found; ++k) count_from_rigid(rope, state, rigid, all[k]);
+    for (int k = 0; k < 3 && found; k++) count_from_rigid(rope, state, rigid, all[k]);
     refer(rope, state, rigid);
-    for (i = 0; i < size; ++i) {
+    for (size_t i = 0; i < size; i++) {
         const double before = m.v[i], after = m.a[i];
         m.v[i] = (after - before) / (2 * DIFFERENCE);
         m.a[i] = (after - 2 * m.q[i] + before) / (DIFFERENCE * DIFFERENCE);
@@ -154,14 +132,9 @@ static int flexible_start(Simulator *rope, State *state, char *message) {
 
 int raise_fidelity(Simulator *rope, State *state, const char *why, char *message) {
     const Arrays m = state_arrays(state);
-    const double before = energy_total(&state->energy_balance);
     const int was = state->fidelity;
-    EndMotion ends[2];
-    double balance[BALANCE];
-    System s;
-    ends[LEFT] = path_end(&state->paths[LEFT]);
-    ends[RIGHT] = path_end(&state->paths[RIGHT]);
-    snprintf(state->fidelity_reason, MESSAGE, "the %s model cannot follow %s", fidelity_name(was), why);
+    const EndMotion ends[2] = {path_end(&state->paths[LEFT]), path_end(&state->paths[RIGHT])};
+    say_cannot_follow(state->fidelity_reason, fidelity_name(was), why);
     state->fidelity = fidelity_lowest_sufficient(&rope->scene, ends);
     state->offsets[LEFT] = 0;
     state->offsets[RIGHT] = right_offset(m.q, end_row(m.q, m.nodes, RIGHT));
@@ -172,12 +145,11 @@ int raise_fidelity(Simulator *rope, State *state, const char *why, char *message
         return 1;
     }
     if (was == RIGID && !flexible_start(rope, state, message)) return 0;
-    if (!solve_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE, 1))
+    if (solve_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE))
+        memcpy(m.reaction, rope->trial.reaction, sizeof(double) * (size_t)m.nodes * DOF);
+    else
         state->offsets[RIGHT] += transport_angles(rope, state, m.q, m.v, m.a, m.b);
     restart(rope, state);
-    s = system_of(rope, state);
-    chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
-    set_energies(&state->energy_balance, balance, &s, m.v);
-    state->energy_balance.transformations += energy_total(&state->energy_balance) - before;
+    state->energy_balance.transformations += update_energies(rope, state);
     return 1;
 }

@@ -13,6 +13,7 @@ from pathlib import Path
 from ..numerics.kernels import cache_folder, compile_library, find_compiler
 from .elements import element_code
 from .formulas import formulas_code
+from .messages import messages_code
 from .platforms import host_platform, prebuilt_file, text_hash
 from .tables import parameter_bounds, parameter_structures, signal_numbers
 
@@ -35,6 +36,7 @@ def generate() -> dict[str, str]:
     return {
         "elements.inc": element_code(),
         "formulas.h": formulas_code(),
+        "messages.h": messages_code(),
         "signal_numbers.h": signal_numbers(),
         "parameters.h": parameter_structures(),
         "parameters.inc": parameter_bounds(),

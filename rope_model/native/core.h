@@ -10,6 +10,7 @@
 
 enum { LOCKED, STICK, SLIP };
 enum { SEGMENTS = 7, CHATTER_EVENTS = 50, LOGGED_EVENTS = 128 };
+static const char *const SIDE_NAMES[2] = {"left", "right"};
 /* what happened: rope_model.simulation.state.Event */
 enum { TRANSFORMED, STICKS, SLIPS_FORWARD, SLIPS_BACK, RAISED };
 
@@ -100,6 +101,7 @@ typedef struct {
 } LoopBottom;
 /* the angle with the full turns that bring it closest to the last one: adaptation.nearest_turn */
 double shape_nearest_turn(double angle, double last);
+int shape_lowest_node(int nodes, const double *q);
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s);
 /* scratch: 3 * 161 doubles and more are on the stack */
 double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
@@ -142,6 +144,9 @@ int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason);
 int fidelity_lowest_sufficient(const Scene *scene, const EndMotion ends[2]);
 void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], char *what);
 int scene_carries_torque(const Scene *scene);
+
+/* where the end is that is x away from its nominal point */
+void suspension_point(const Scene *scene, int side, const double x[3], double point[3]);
 
 /* rigid.c: rope_model.simulation.rigid; q, v, a, reaction (nodes x DOF); message "" when all is well */
 double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]);

@@ -1,9 +1,8 @@
 /* rope_model.simulation.ends: quintic paths between the host's instants, their checks, and the swivels' friction. */
 #include <math.h>
-#include <stdio.h>
 
 #include "formulas.h"
-#include "text.h"
+#include "messages.h"
 
 enum { YAW = 3, AXES = 4 };
 /* steps that differ by less than this part of themselves are alike */
@@ -80,7 +79,6 @@ static double peak_acceleration(const Path *path, int axis) {
 }
 
 void end_refusal(const EndMotion *target, const Path *path, int side, char *message) {
-    static const char *const sides[] = {"left", "right"};
     static const char *const names[] = END_MOTION_NAMES;
     static const double bounds[] = END_MOTION_REACH;
     const double *x = target->x, *v = target->v, *a = target->a;
@@ -90,13 +88,11 @@ void end_refusal(const EndMotion *target, const Path *path, int side, char *mess
     message[0] = '\0';
     for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) {
         if (!isfinite(values[i])) {
-            snprintf(message, MESSAGE, "input %s.%s = %s is not finite; check the signal connected to it", sides[side],
-                     names[i], EXACT(values[i]));
+            say_input_not_finite(message, SIDE_NAMES[side], names[i], values[i]);
             return;
         }
         if (fabs(values[i]) > bounds[i]) {
-            snprintf(message, MESSAGE, "input %s.%s = %s is beyond +-%s (SI units); check its unit and connection",
-                     sides[side], names[i], ROUNDED(values[i], 6), ROUNDED(bounds[i], 6));
+            say_input_out_of_range(message, SIDE_NAMES[side], names[i], values[i], bounds[i]);
             return;
         }
     }
@@ -105,11 +101,8 @@ void end_refusal(const EndMotion *target, const Path *path, int side, char *mess
         if (peaks[axis] > peaks[worst]) worst = axis;
     }
     if (!(peaks[worst] <= HARDEST))
-        snprintf(message, MESSAGE,
-                 "inputs %s.%s and its derivatives do not fit together: reaching them within the step would take %s "
-                 "%s (bound %s); give position, speed and acceleration of one smooth motion",
-                 sides[side], worst == YAW ? "yaw" : names[worst], ROUNDED(peaks[worst], 3),
-                 worst == YAW ? "rad/s^2" : "m/s^2", ROUNDED(HARDEST, 6));
+        say_inputs_do_not_fit(message, SIDE_NAMES[side], worst == YAW ? "yaw" : names[worst], peaks[worst],
+                              worst == YAW ? "rad/s^2" : "m/s^2", HARDEST);
 }
 
 double swivel_friction(const Swivel *swivel, double mu, double tension) {

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..numerics.generalized_alpha import Motion
 from ..parameters import FidelityChoice, Scene
+from ..simulation import messages
 from ..simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from ..simulation.ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, Phase, SwivelState
 from ..simulation.fidelity import Fidelity
@@ -253,7 +254,7 @@ class NativeRope(BalanceRope):
 
     def _require_state(self) -> None:
         if not self._lib.rope_is_initialized(self._rope):
-            raise RuntimeError("the rope has no state yet; call initialize first")
+            raise RuntimeError(messages.no_state())
 
     def _done(self, well: int) -> Status:
         if well:

@@ -1,9 +1,9 @@
 /* rope_model.simulation.fidelity: which fidelity of the model serves, and why.  The estimates are explained there. */
 #include <math.h>
-#include <stdio.h>
+#include <string.h>
 
 #include "formulas.h"
-#include "text.h"
+#include "messages.h"
 
 enum { OUT_OF_PLANE = 1, TURNED = 2, ALONG = 4 };
 
@@ -28,8 +28,7 @@ static int nonzero_input(const EndMotion ends[2], int kinds, char *what) {
         };
         for (size_t i = 0; i < sizeof inputs / sizeof inputs[0]; i++)
             if ((inputs[i].kind & kinds) && inputs[i].value != 0) {
-                snprintf(what, MESSAGE, "%s.%s = %s", side == LEFT ? "left" : "right", inputs[i].name,
-                         ROUNDED(inputs[i].value, 6));
+                say_nonzero_input(what, SIDE_NAMES[side], inputs[i].name, inputs[i].value);
                 return 1;
             }
     }
@@ -48,10 +47,9 @@ int scene_carries_torque(const Scene *scene) {
 /* why (MESSAGE) a rope that carries torque does */
 static void torque(const Rope *rope, char *why) {
     if (has_coupling(rope))
-        snprintf(why, MESSAGE, "tension and torsion are coupled (Qb = %s, Qc = %s N m)", ROUNDED(rope->Qb, 6),
-                 ROUNDED(rope->Qc, 6));
+        say_coupled(why, rope->Qb, rope->Qc);
     else
-        snprintf(why, MESSAGE, "the rope is twisted by %s rad", ROUNDED(rope->installed_twist, 6));
+        say_twisted(why, rope->installed_twist);
 }
 
 static int turns_freely(const Scene *scene) {
@@ -90,18 +88,17 @@ void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMoti
     if (fidelity == RIGID && nonzero_input(ends, ALONG, what)) return;
     if (scene->model.fidelity != AUTO_FIDELITY) return;
     if (fidelity == SPATIAL && !turns_freely(scene) && nonzero_input(ends, OUT_OF_PLANE, what)) {
-        char why[MESSAGE / 2];
-        snprintf(why, sizeof why, "%s", what);
-        snprintf(what, MESSAGE, "%s while its swivels hold", why);
+        char why[MESSAGE];
+        memcpy(why, what, sizeof why);
+        say_while_swivels_hold(what, why);
         return;
     }
     Travel travel = expected_travel(ends);
     error = force_error(scene, fidelity, &travel);
     if (error > tolerance)
-        snprintf(what, MESSAGE, "the ends within the tolerance of %s %%: it errs by an estimated %s %%",
-                 ROUNDED(100 * tolerance, 3), ROUNDED(100 * error, 2));
+        say_errs_too_much(what, 100 * tolerance, 100 * error);
     else if (fidelity == RIGID && (tension = rigid_lowest_tension(scene, ends)) < 0)
-        snprintf(what, MESSAGE, "a rope that goes slack (tension %s N)", ROUNDED(tension, 4));
+        say_would_go_slack(what, tension);
 }
 
 int fidelity_lowest_sufficient(const Scene *scene, const EndMotion ends[2]) {
@@ -117,30 +114,29 @@ int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason) {
     char why[MESSAGE], below[MESSAGE] = "";
     double tolerance = scene->model.force_tolerance;
     if (scene->model.fidelity != AUTO_FIDELITY) {
-        snprintf(reason, MESSAGE, "as asked for");
+        say_as_asked(reason);
         return scene->model.fidelity;
     }
     if (nonzero_input(ends, OUT_OF_PLANE | TURNED, why)) {
-        snprintf(reason, MESSAGE, "%.300s where the rope is initialised with its swivels held", why);
+        say_held_where_initialised(reason, why);
         return TORSIONAL;
     }
     int fidelity = tolerance > 0 ? fidelity_lowest_sufficient(scene, ends) : TORSIONAL;
     if (!scene_carries_torque(scene) && fidelity != RIGID) {
-        snprintf(reason, MESSAGE, "no torque acts and nothing acts out of plane");
+        say_no_torque(reason);
         return PLANAR;
     }
     if (fidelity == TORSIONAL) {
-        torque(&scene->rope, why);
+        torque(&scene->rope, reason);
         if (tolerance > 0) fidelity_unsupported_motion(scene, SPATIAL, ends, below);
-        snprintf(reason, MESSAGE, "%.200s%s%.200s", why, below[0] ? "; the spatial model cannot follow " : "", below);
+        if (below[0]) {
+            memcpy(why, reason, sizeof why);
+            say_torque_and_more(reason, why, below);
+        }
         return fidelity;
     }
     Travel travel = expected_travel(ends);
-    snprintf(reason, MESSAGE,
-             "the %s model errs by an estimated %s %%, within the tolerance of %s %%, for ends at up to %s m/s, %s "
-             "m/s^2 and %s m/s^3",
-             fidelity_name(fidelity), ROUNDED(100 * force_error(scene, fidelity, &travel), 2),
-             ROUNDED(100 * tolerance, 3), ROUNDED(travel.speed, 6), ROUNDED(travel.acceleration, 6),
-             ROUNDED(travel.jerk, 6));
+    say_errs_little(reason, fidelity_name(fidelity), 100 * force_error(scene, fidelity, &travel), 100 * tolerance,
+                    travel.speed, travel.acceleration, travel.jerk);
     return fidelity;
 }

@@ -1,11 +1,10 @@
 /* The memory of a simulator: all that it needs for its number of elements, taken at once. */
 
 #include <stdint.h>
-#include <stdio.h>
 #include <string.h>
 
+#include "messages.h"
 #include "simulator.h"
-#include "text.h"
 
 enum { ALIGNMENT = 64 };
 
@@ -26,8 +25,7 @@ Simulator *with_memory(int elements, const Memory *memory, char *message) {
     }
     if (rope == NULL || rope->block == NULL) {
         if (rope != NULL) memory->give_back(rope);
-        snprintf(message, MESSAGE, "no memory for %d elements (%s MB); use fewer", elements,
-                 ROUNDED(1e-6 * (double)bytes, 3));
+        say_no_memory(message, elements, 1e-6 * (double)bytes);
         return NULL;
     }
     memset(rope->block, 0, bytes + ALIGNMENT);

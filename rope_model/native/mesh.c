@@ -1,11 +1,10 @@
 /* Partitions of the rope into elements: the port of rope_model.simulation.mesh, which says what is done and why. */
 #include <limits.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "formulas.h"
-#include "text.h"
+#include "messages.h"
 
 static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
@@ -127,27 +126,13 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
         return message[0] ? 0 : mesh->elements;
     }
     double outer = outer_of(mesh, length);
-    if (outer > (double)MOST_ELEMENTS) {
-        snprintf(message, MESSAGE,
-                 "coarse_length = %s m divides a rope of %s m into %.0f lengths, more than %d; use longer elements",
-                 ROUNDED(mesh->coarse_length, 6), ROUNDED(length, 6), outer, MOST_ELEMENTS);
-        return 0;
-    }
-    if (!(outer >= 2)) {
-        snprintf(message, MESSAGE,
-                 "the mesh's segments II to VI need %s m of a rope of %s m and leave nothing for I and VII; lower "
-                 "coarse_length or the counts",
-                 ROUNDED(inner_of(mesh) * mesh->coarse_length, 6), ROUNDED(length, 6));
-        return 0;
-    }
+    if (outer > (double)MOST_ELEMENTS)
+        return say_too_many_lengths(message, mesh->coarse_length, length, outer, MOST_ELEMENTS);
+    if (!(outer >= 2)) return say_too_few_lengths(message, inner_of(mesh) * mesh->coarse_length, length);
     double growth = mesh->grading_length / (length / (outer + inner_of(mesh)));
     double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++) elements += mesh->counts[k];
-    if (elements > (double)MOST_ELEMENTS) {
-        snprintf(message, MESSAGE, "coarse_length and counts make %.0f elements, more than %d; use fewer", elements,
-                 MOST_ELEMENTS);
-        return 0;
-    }
+    if (elements > (double)MOST_ELEMENTS) return say_too_many_elements(message, elements, MOST_ELEMENTS);
     return (int)elements;
 }
 
@@ -214,12 +199,9 @@ int mesh_transformation_due(const Pattern *pattern, double bottom, double slack)
 
 void mesh_placement_problem(const Pattern *pattern, double length, double bottom, char *message) {
     message[0] = '\0';
-    if (pattern->counts[0] == 0 || fabs(bottom - mesh_centre(pattern)) <= (DUE + 1.0) * pattern->coarse) return;
-    snprintf(message, MESSAGE,
-             "the loop at %s m of the rope's %s m is too close to an end: the mesh's fine middle reaches no further "
-             "than %s m; use a smaller coarse_length or fewer elements in segments II to VI, or keep the ends closer "
-             "in height",
-             ROUNDED(bottom, 3), ROUNDED(length, 4), ROUNDED(mesh_centre(pattern), 3));
+    const double centre = mesh_centre(pattern);
+    if (pattern->counts[0] != 0 && !(fabs(bottom - centre) <= (DUE + 1.0) * pattern->coarse))
+        say_loop_near_end(message, bottom, length, centre);
 }
 
 void mesh_arc_lengths(int elements, const double *lengths, double *s) {

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "messages.h"
 #include "simulator.h"
 
 /* The unperturbed step as long as the last: its correction to trial.q; c are its coefficients. */
@@ -83,8 +84,8 @@ static void loads(const Simulator *rope, const State *state, const double *q, co
 int rope_derivative(Simulator *rope, int input, double derivative[12]) {
     /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
     static const double sizes[3] = {1e-7, 1e-5, 1e-3};
-    if (input < 0 || input >= 22) return fails(rope, "an input's number is 0 to 21");
-    if (!rope->initialized) return fails(rope, "the rope has no state yet; call initialize first");
+    if (input < 0 || input >= 22) return say_no_such_input(rope->message);
+    if (!rope->initialized) return say_no_state(rope->message);
     const int side = input / 11, place = input % 11;
     const int kind = place < 9 ? place / 3 : place - 9, dof = place < 9 ? place % 3 : ANGLE;
     State *state = rope->state;
@@ -110,8 +111,7 @@ int rope_derivative(Simulator *rope, int input, double derivative[12]) {
     loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, derivative);
     for (int k = 0; k < 12; k++) {
         derivative[k] = (derivative[k] - before[k]) / sizes[kind];
-        if (!isfinite(derivative[k]))
-            return fails(rope, "the equations of this state have no finite derivative; take a smaller step_max");
+        if (!isfinite(derivative[k])) return say_no_finite_derivative(rope->message);
     }
     return 1;
 }

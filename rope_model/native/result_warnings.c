@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "simulator.h"
-#include "text.h"
+#include "messages.h"
 
 #define TURNED_FAR (0.5 * PI)
 #define YAWED_FAR (PI / 6)
@@ -28,21 +28,12 @@ static void neglected_effects(Simulator *rope, char *message) {
 }
 
 static void leg_contact(Simulator *rope, char *message) {
-    static const char cure[] =
-        "contact is not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free the "
-        "swivels, or widen the spacing";
     const double yaw = yaw_of(rope->state);
     if (fabs(yaw) > PI)
-        snprintf(message, MESSAGE,
-                 "the rope's legs have passed through each other: the loop has yawed by %s rad against its ends, and "
-                 "legs cross at half a turn; %s",
-                 ROUNDED(yaw, 3), cure);
+        say_legs_passed(message, yaw);
     else if (fabs(yaw) > TURNED_FAR) {
         const double clearance = rope_signal(rope, SIGNAL_LOOP_CLEARANCE);
-        if (clearance <= 0)
-            snprintf(message, MESSAGE,
-                     "the rope's legs touch (loop.clearance = %s m) with the loop yawed by %s rad; %s",
-                     ROUNDED(clearance, 3), ROUNDED(yaw, 3), cure);
+        if (clearance <= 0) say_legs_touch(message, clearance, yaw);
     }
 }
 
@@ -59,14 +50,11 @@ static void torque_source(Simulator *rope, char *why) {
     const double turned = end_twist(rope->state), coupling = coupling_torque(data, rope->scene.layout.gravity);
     const double installed = twist_torque(data, data->installed_twist), ends = twist_torque(data, turned);
     if (coupling >= installed && coupling >= ends)
-        snprintf(why, MESSAGE,
-                 "the coupling Qb = %s, Qc = %s N m: give what was measured on this very rope, free the swivels",
-                 ROUNDED(data->Qb, 6), ROUNDED(data->Qc, 6));
+        say_torque_of_coupling(why, data->Qb, data->Qc);
     else if (installed >= ends)
-        snprintf(why, MESSAGE, "installed_twist = %s rad: lower it, free the swivels",
-                 ROUNDED(data->installed_twist, 6));
+        say_torque_of_twist(why, data->installed_twist);
     else
-        snprintf(why, MESSAGE, "the ends, which twist the rope by %s rad: turn them back", ROUNDED(turned, 6));
+        say_torque_of_ends(why, turned);
 }
 
 static void yaw_at_rest(Simulator *rope, char *message) {
@@ -81,11 +69,7 @@ static void yaw_at_rest(Simulator *rope, char *message) {
         return;
     }
     torque_source(rope, why);
-    snprintf(
-        message, MESSAGE,
-        "the loop hangs yawed by %s rad against its ends at rest (bound %s rad), turned mostly by %.300s, or widen "
-        "the spacing",
-        ROUNDED(yaw, 3), ROUNDED(YAWED_FAR, 3), why);
+    say_yawed_at_rest(message, yaw, YAWED_FAR, why);
 }
 
 void rope_warning(Simulator *rope, int number, char *message) {

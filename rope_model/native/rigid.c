@@ -1,12 +1,10 @@
 /* rope_model.simulation.rigid: an inextensible rope without bending stiffness, two straight legs and a half circle. */
 #include <math.h>
-#include <stdio.h>
 
 #include "formulas.h"
-#include "text.h"
+#include "messages.h"
 
-/* x: from the nominal point */
-static void suspension_point(const Scene *scene, int side, const double x[3], double point[3]) {
+void suspension_point(const Scene *scene, int side, const double x[3], double point[3]) {
     point[0] = (side == LEFT ? -0.5 : 0.5) * scene->layout.spacing + x[0];
     point[1] = x[1];
     point[2] = x[2];
@@ -63,10 +61,7 @@ void rigid_rope(const Scene *scene, const Path paths[2], double t, int nodes, co
     }
     Pull pull = rigid_pull(&scene->rope, &scene->layout, points, up_t, up_tt);
     if (rigid_lowest(&pull) < 0) {
-        snprintf(message, MESSAGE,
-                 "the rope goes slack: tension %s N at t = %s s, which the rigid model cannot follow; use a flexible "
-                 "one (model.fidelity = auto, planar or torsional) or a gentler motion",
-                 ROUNDED(rigid_lowest(&pull), 4), ROUNDED(t, 6));
+        say_rope_goes_slack(message, rigid_lowest(&pull), t);
         return;
     }
     rigid_energies(&scene->rope, &scene->layout, &pull, up, up_t, energies);

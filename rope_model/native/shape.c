@@ -1,11 +1,10 @@
 /* What is read off the rope's shape, and the shape it is given to start from: the port of
    rope_model.simulation.diagnostics and rope_model.simulation.statics.hanging_guess. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "formulas.h"
-#include "text.h"
+#include "messages.h"
 
 /* points between two elements' ends, of the shape for the clearance, and of one leg of that */
 enum { FINE = 41, OUTLINE = 161, LEG = OUTLINE / 2 + 1 };
@@ -23,11 +22,15 @@ double shape_nearest_turn(double angle, double last) {
     return angle + 2 * PI * rint((last - angle) / (2 * PI));
 }
 
-LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
+int shape_lowest_node(int nodes, const double *q) {
     int lowest = 0;
     for (int k = 1; k < nodes; k++)
         if (q[(ptrdiff_t)DOF * k + 1] < q[(ptrdiff_t)DOF * lowest + 1]) lowest = k;
-    int i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
+    return lowest;
+}
+
+LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
+    int lowest = shape_lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
 
     double fine[FINE], y[FINE], row[DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
     int j = 0;
@@ -155,20 +158,14 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
     double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
     double width = hypot(across[0], across[2]);
     if (width == 0) {
-        snprintf(
-            message, MESSAGE,
-            "the ends hang exactly above each other, %s m apart, which leaves the loop no plane; move one sideways",
-            ROUNDED(fabs(left[1] - right[1]), 6));
+        say_ends_above_each_other(message, fabs(left[1] - right[1]));
         return;
     }
     for (int axis = 0; axis < 3; axis++) across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
     Hanging legs = hanging_shape(length, middle, width, cell_at(nodes, s, middle));
     if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
-        snprintf(message, MESSAGE,
-                 "the rope of %s m cannot hang between ends %s m apart with a height difference of %s m; give a longer "
-                 "rope or bring the ends together",
-                 ROUNDED(length, 6), ROUNDED(width, 6), ROUNDED(left[1] - right[1], 6));
+        say_rope_too_short(message, length, width, left[1] - right[1]);
         return;
     }
     for (int k = 0; k < nodes; k++, q += DOF) {

@@ -38,9 +38,6 @@ struct Simulator {
 /* memory.c: a simulator without a scene, all its memory zero; NULL and a message when there is none */
 Simulator *with_memory(int elements, const Memory *memory, char *message);
 
-/* simulator.c: gives 0, and the rope this message */
-int fails(Simulator *rope, const char *message);
-
 /* state.c */
 Arrays state_arrays(State *state);
 /* whether what was read from elsewhere can be a state of this rope; trial is scratch */
@@ -52,11 +49,14 @@ void record_event(State *state, int what, int which, double kinetic, double pote
 System system_of(const Simulator *rope, State *state);
 const Chain *chain_of_state(const State *state);
 void prescribed_motion(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]);
+/* q, v and a in x, or the first `orders` of them, where they are prescribed at t */
+void prescribe(const Simulator *rope, const State *state, const System *s, double t, int orders, double *const x[]);
 Trial trial_step(Simulator *rope, State *state, double h);
 void restart(Simulator *rope, State *state);
 void commit(Simulator *rope, State *state, const Trial *trial);
 void set_powers(const Simulator *rope, State *state);
-void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *system, const double *v);
+/* energies of the state as it is; returns by how much their total changes */
+double update_energies(Simulator *rope, State *state);
 double bottom_of(const Simulator *rope, const State *state, double t);
 const double *end_row(const double *x, int nodes, int side);
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
@@ -84,6 +84,5 @@ void transform_if_due(Simulator *rope, State *state);
 void with_loop_yaw(State *state);
 int raise_fidelity(Simulator *rope, State *state, const char *why, char *message);
 int rigid_state(Simulator *rope, State *state, double t, char *message);
-int lowest_node(const Arrays *arrays);
 
 #endif

@@ -8,19 +8,17 @@
 
 Arrays state_arrays(State *state) {
     const size_t nodes = (size_t)state->elements + 1, size = nodes * DOF;
-    double *at = (double *)(state + 1);
-    Arrays x;
-    x.elements = state->elements;
-    x.nodes = (int)nodes;
-    x.q = at;
-    x.v = at + size;
-    x.a = at + 2 * size;
-    x.b = at + 3 * size;
-    x.a_rate = at + 4 * size;
-    x.reaction = at + 5 * size;
-    x.lengths = at + 6 * size;
-    x.s = x.lengths + state->elements;
-    return x;
+    double *at = (double *)(state + 1), *lengths = at + 6 * size;
+    return (Arrays){.q = at,
+                    .v = at + size,
+                    .a = at + 2 * size,
+                    .b = at + 3 * size,
+                    .a_rate = at + 4 * size,
+                    .reaction = at + 5 * size,
+                    .lengths = lengths,
+                    .s = lengths + state->elements,
+                    .elements = state->elements,
+                    .nodes = (int)nodes};
 }
 
 void state_copy(const Simulator *rope, State *to, const State *from) {
@@ -28,19 +26,12 @@ void state_copy(const Simulator *rope, State *to, const State *from) {
 }
 
 void record_event(State *state, int what, int which, double kinetic, double potential) {
-    if (state->event_count < LOGGED_EVENTS) {
-        Event *event = &state->events[state->event_count++];
-        event->t = state->t;
-        event->kinetic = kinetic;
-        event->potential = potential;
-        event->what = what;
-        event->which = which;
-    }
+    if (state->event_count < LOGGED_EVENTS)
+        state->events[state->event_count++] = (Event){state->t, kinetic, potential, what, which};
 }
 
 static int all_finite(const double *x, size_t number) {
-    size_t i;
-    for (i = 0; i < number; ++i)
+    for (size_t i = 0; i < number; i++)
         if (!isfinite(x[i])) return 0;
     return 1;
 }
@@ -55,12 +46,11 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     const Pattern *pattern = &state->pattern;
     double *lengths = rope->trial.q, *s = rope->trial.v;
     Pattern expected;
-    int k;
     mesh_partition(&rope->mesh, length, 0.5 * length, m->elements, &expected, lengths);
     if (pattern->end_levels != expected.end_levels || pattern->grading_length != expected.grading_length ||
         pattern->coarse != expected.coarse)
         return 0;
-    for (k = 1; k < SEGMENTS - 1; ++k)
+    for (int k = 1; k < SEGMENTS - 1; k++)
         if (pattern->counts[k] != expected.counts[k]) return 0;
     if (expected.counts[0] == 0) {
         if (pattern->counts[0] != 0 || pattern->counts[SEGMENTS - 1] != 0) return 0;
@@ -71,21 +61,20 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
         mesh_transform(&expected, pattern->counts[0] - expected.counts[0], m->elements, lengths);
     }
     mesh_arc_lengths(m->elements, lengths, s);
-    for (k = 0; k < m->elements; ++k)
+    for (int k = 0; k < m->elements; k++)
         if (!(fabs(m->lengths[k] - lengths[k]) <= rounding && fabs(m->s[k] - s[k]) <= rounding)) return 0;
-    return fabs(m->s[k] - s[k]) <= rounding;
+    return fabs(m->s[m->elements] - s[m->elements]) <= rounding;
 }
 
 /* it ends now, in a motion that an end may have */
 static int path_plausible(const Path *path, double t) {
     const double distant = 1e5;
-    double rates[3];
-    int axis, k;
     if (!(path->start <= path->stop && isfinite(path->aim) && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t))))
         return 0;
-    for (axis = 0; axis < 4; ++axis) {
+    for (int axis = 0; axis < 4; axis++) {
+        double rates[3];
         path_rates(path, path->stop, axis, rates);
-        for (k = 0; k < 3; ++k)
+        for (int k = 0; k < 3; k++)
             if (!(fabs(rates[k]) <= distant)) return 0;
     }
     return 1;
@@ -93,32 +82,29 @@ static int path_plausible(const Path *path, double t) {
 
 static int happenings_plausible(const State *state) {
     const int64_t *counts = &state->counts.steps;
-    int k;
     if (!within(state->switched, 0, CHATTER_EVENTS) || !within(state->event_count, 0, LOGGED_EVENTS)) return 0;
-    for (k = 0; k < state->event_count; ++k)
+    for (int k = 0; k < state->event_count; k++)
         if (!within(state->events[k].what, TRANSFORMED, RAISED) || !within(state->events[k].which, 0, RIGID) ||
             !all_finite(&state->events[k].t, 3))
             return 0;
-    for (k = 0; k < (int)(sizeof(Counts) / sizeof(int64_t)); ++k)
+    for (size_t k = 0; k < sizeof(Counts) / sizeof(int64_t); k++)
         if (!within(counts[k], 0, (int64_t)1 << 50)) return 0;
     return 1;
 }
 
 int state_plausible(const Simulator *rope, State *state) {
-    Arrays m;
-    int side;
     if (state->elements != rope->elements || !within(state->fidelity, TORSIONAL, RIGID) ||
         memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
         return 0;
     if (rope->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != rope->scene.model.fidelity) return 0;
-    m = state_arrays(state);
+    const Arrays m = state_arrays(state);
     /* the real numbers before the swivels lie in a row, and so do all arrays */
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
         !all_finite(m.q, (size_t)(m.s + m.nodes - m.q)) ||
         !all_finite(&state->energy_balance.kinetic, sizeof(EnergyBalance) / sizeof(double)))
         return 0;
     if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0)) return 0;
-    for (side = 0; side < 2; ++side) {
+    for (int side = LEFT; side <= RIGHT; side++) {
         const SwivelState *swivel = &state->swivels[side];
         if (!within(swivel->phase, LOCKED, SLIP) || !isfinite(swivel->angle) || !(fabs(swivel->sign) <= 1) ||
             !path_plausible(&state->paths[side], state->t))

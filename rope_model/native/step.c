@@ -11,10 +11,6 @@ const double *end_row(const double *x, int nodes, int side) {
     return x + (side ? (size_t)(nodes - 1) * DOF : 0);
 }
 
-static double *row(double *x, int nodes, int side) {
-    return x + (side ? (size_t)(nodes - 1) * DOF : 0);
-}
-
 const Chain *chain_of_state(const State *state) {
     return chain_of(state->fidelity == RIGID ? PLANAR : state->fidelity);
 }
@@ -22,24 +18,14 @@ const Chain *chain_of_state(const State *state) {
 System system_of(const Simulator *rope, State *state) {
     const Rope *data = &rope->scene.rope;
     const Arrays x = state_arrays(state);
-    System s;
-    int side, k;
-    memset(&s, 0, sizeof s);
-    s.elements = x.elements;
-    s.lengths = x.lengths;
-    s.frames = rope->frames;
-    s.P[0] = data->mass_per_length;
-    s.P[1] = rope->scene.layout.gravity;
-    s.P[2] = data->Qa;
-    s.P[3] = 0.5 * (data->Qb + data->Qc);
-    s.P[4] = 0.5 * (data->Qb - data->Qc);
-    s.P[5] = data->Qd;
-    s.P[6] = data->EI;
-    s.P[7] = data->rhoJ;
-    s.P[8] = data->beta_K;
-    s.shortest = x.lengths[0];
-    for (k = 1; k < x.elements; ++k) s.shortest = fmin(s.shortest, x.lengths[k]);
-    for (side = 0; side < 2; ++side) {
+    System s = {.elements = x.elements,
+                .lengths = x.lengths,
+                .frames = rope->frames,
+                .P = {data->mass_per_length, rope->scene.layout.gravity, data->Qa, 0.5 * (data->Qb + data->Qc),
+                      0.5 * (data->Qb - data->Qc), data->Qd, data->EI, data->rhoJ, data->beta_K},
+                .shortest = x.lengths[0]};
+    for (int k = 1; k < x.elements; k++) s.shortest = fmin(s.shortest, x.lengths[k]);
+    for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &rope->scene.swivels[side];
         const SwivelState *now = &state->swivels[side];
         s.free[side][SLOPE + 1] = 1;
@@ -61,9 +47,8 @@ void refer(Simulator *rope, State *state, const double *q) {
 double transport_angles(Simulator *rope, State *state, double *q, double *v, double *a, double *b) {
     const System s = system_of(rope, state);
     double (*gained)[3] = rope->strains, turn = 0;
-    int k;
     chain_of_state(state)->transport(&s, q, v, a, gained);
-    for (k = 0; k < s.elements; ++k) {
+    for (int k = 0; k < s.elements; k++) {
         const size_t at = (size_t)(k + 1) * DOF + ANGLE;
         turn += gained[k][0];
         q[at] += turn;
@@ -75,16 +60,38 @@ double transport_angles(Simulator *rope, State *state, double *q, double *v, dou
 }
 
 void prescribed_motion(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]) {
-    const int place[4] = {0, 1, 2, ANGLE};
-    int axis, k;
     memset(rows, 0, sizeof(double) * 3 * DOF);
-    for (axis = 0; axis < 4; ++axis) {
+    for (int axis = 0; axis < 4; axis++) {
         double rates[3];
         path_rates(&state->paths[side], t, axis, rates);
-        for (k = 0; k < 3; ++k) rows[k][place[axis]] = axis == 3 ? YAW_SENSE[side] * rates[k] : rates[k];
+        for (int k = 0; k < 3; k++) rows[k][axis < 3 ? axis : ANGLE] = axis < 3 ? rates[k] : YAW_SENSE[side] * rates[k];
     }
-    rows[0][0] += (side ? 0.5 : -0.5) * rope->scene.layout.spacing;
+    suspension_point(&rope->scene, side, rows[0], rows[0]);
     rows[0][ANGLE] += state->offsets[side] + state->swivels[side].angle;
+}
+
+void prescribe(const Simulator *rope, const State *state, const System *s, double t, int orders, double *const x[]) {
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const size_t row = side ? (size_t)s->elements * DOF : 0;
+        double rows[3][DOF];
+        prescribed_motion(rope, state, side, t, rows);
+        for (int k = 0; k < orders; k++)
+            for (int dof = 0; dof < DOF; dof++)
+                if (!s->free[side][dof]) x[k][row + (size_t)dof] = rows[k][dof];
+    }
+}
+
+/* the largest change of a free acceleration, m/s^2 */
+static double largest_change(const System *s, const double *before, const double *a) {
+    double largest = 0;
+    for (int k = 0; k <= s->elements; k++, a += DOF, before += DOF) {
+        const int *held = k == 0 ? s->free[LEFT] : k == s->elements ? s->free[RIGHT] : NULL;
+        for (int dof = 0; dof < DOF; dof++) {
+            const double change = fabs(a[dof] - before[dof]) * (dof >= SLOPE && dof < ANGLE ? s->shortest : 1.);
+            if (change > largest && (held == NULL || held[dof])) largest = change;
+        }
+    }
+    return largest;
 }
 
 Trial trial_step(Simulator *rope, State *state, double h) {
@@ -93,49 +100,29 @@ Trial trial_step(Simulator *rope, State *state, double h) {
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
     const double moved_by = 0 < h && h <= LARGEST_GROWTH * state->h ? recentring_time(&method, h, state->h) : 0;
-    double c[3], of[4], aux[4], largest = 0, sum = 0;
-    Trial trial;
-    size_t i;
-    int side, dof, k;
-
-    trial.t = state->t + h;
-    trial.h = h;
+    double c[3], of[4], aux[4], sum = 0;
+    Trial trial = {.t = state->t + h, .h = h, .error = INFINITY};
     prediction_weights(&method, h, of);
     auxiliary_weights(&method, moved_by, aux);
-    for (i = 0; i < size; ++i) {
+    newton_coefficients(&method, h, c);
+    for (size_t i = 0; i < size; i++) {
         now->q[i] = old.q[i] + h * old.v[i] + of[0] * old.a[i] + of[2] * old.b[i] + of[2] * moved_by * old.a_rate[i];
         now->v[i] = old.v[i] + of[1] * old.a[i] + of[3] * old.b[i] + of[3] * moved_by * old.a_rate[i];
         now->a[i] = old.a[i];
     }
-    for (side = 0; side < 2; ++side) {
-        double rows[3][DOF], *to[3] = {now->q, now->v, now->a};
-        prescribed_motion(rope, state, side, trial.t, rows);
-        for (k = 0; k < 3; ++k)
-            for (dof = 0; dof < DOF; ++dof)
-                if (!s.free[side][dof]) row(to[k], old.nodes, side)[dof] = rows[k][dof];
-    }
+    prescribe(rope, state, &s, trial.t, 3, (double *[]){now->q, now->v, now->a});
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
-    newton_coefficients(&method, h, c);
     trial.newton = chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c,
                                                 rope->scene.solver.newton_tolerance, trial.balance);
-    trial.error = INFINITY;
-    for (i = 0; i < size; ++i) sum += fabs(now->reaction[i]);
+    for (size_t i = 0; i < size; i++) sum += fabs(now->reaction[i]);
     if (trial.newton.status == CONVERGED && !isfinite(sum)) trial.newton.status = NOT_FINITE;
     trial.reached = trial.newton.status == CONVERGED;
     if (!trial.reached) return trial;
-    for (i = 0; i < size; ++i) {
+    for (size_t i = 0; i < size; i++) {
         now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
-    for (k = 0; k < old.nodes; ++k) {
-        const double *a = now->a + (size_t)k * DOF, *before = old.a + (size_t)k * DOF;
-        const int *held = k == 0 ? s.free[LEFT] : k == old.nodes - 1 ? s.free[RIGHT] : NULL;
-        for (dof = 0; dof < DOF; ++dof) {
-            const double change = fabs(a[dof] - before[dof]) * (dof >= SLOPE && dof < ANGLE ? s.shortest : 1.);
-            if (change > largest && (held == NULL || held[dof])) largest = change;
-        }
-    }
-    trial.error = local_error(&method, h, largest);
+    trial.error = local_error(&method, h, largest_change(&s, old.a, now->a));
     return trial;
 }
 
@@ -145,23 +132,12 @@ void restart(Simulator *rope, State *state) {
     const size_t size = (size_t)m.nodes * DOF;
     const double c[3] = {0, 0, 1};
     double unused[BALANCE], *known = rope->trial.reaction;
-    size_t i;
-    int side, dof, again;
     memset(m.a, 0, sizeof(double) * size);
-    for (side = 0; side < 2; ++side) {
-        double rows[3][DOF];
-        prescribed_motion(rope, state, side, state->t, rows);
-        for (dof = 0; dof < DOF; ++dof)
-            if (!s.free[side][dof]) {
-                row(m.q, m.nodes, side)[dof] = rows[0][dof];
-                row(m.v, m.nodes, side)[dof] = rows[1][dof];
-                row(m.a, m.nodes, side)[dof] = rows[2][dof];
-            }
-    }
-    for (again = 0; again < 2; ++again) { /* the second time with friction from the right reactions */
+    prescribe(rope, state, &s, state->t, 3, (double *[]){m.q, m.v, m.a});
+    for (int again = 0; again < 2; again++) { /* the second time with friction from the right reactions */
         memcpy(known, m.reaction, sizeof(double) * size);
         chain_of_state(state)->newton_step(&s, rope->work, m.q, m.v, m.a, known, c, rope->x, m.reaction);
-        for (i = 0; i < size; ++i) m.a[i] += rope->x[i];
+        for (size_t i = 0; i < size; i++) m.a[i] += rope->x[i];
     }
     memcpy(known, m.reaction, sizeof(double) * size);
     chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, known, m.reaction, unused);
@@ -181,13 +157,12 @@ double bottom_of(const Simulator *rope, const State *state, double t) {
 /* what flows in and out at this instant */
 void set_powers(const Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
-    int side, k;
     state->power_ends = state->power_swivel = 0;
-    for (side = 0; side < 2; ++side) {
+    for (int side = LEFT; side <= RIGHT; side++) {
         const double *R = end_row(m.reaction, m.nodes, side), *v = end_row(m.v, m.nodes, side);
         const double moment = swivel_moment(&rope->scene, state, side, R);
         double spin = v[ANGLE];
-        for (k = 0; k < 3; ++k) state->power_ends += R[k] * v[k];
+        for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
         if (state->swivels[side].phase == SLIP) {
             double relative[2];
             swivel_relative(state, side, state->t, 0, spin, relative);
@@ -198,12 +173,12 @@ void set_powers(const Simulator *rope, State *state) {
     }
 }
 
-/* the inertia of the swivels counts as kinetic energy of the rope */
-void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *s, const double *v) {
+/* from the sums over the elements; the inertia of the swivels counts as kinetic energy of the rope */
+static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *s,
+                         const double *v) {
     double sums[BALANCE], energies[3];
-    int side;
     memcpy(sums, balance, sizeof sums);
-    for (side = 0; side < 2; ++side) {
+    for (int side = LEFT; side <= RIGHT; side++) {
         const double rate = end_row(v, s->elements + 1, side)[ANGLE];
         sums[KINETIC] += 0.5 * s->inertia[side] * rate * rate;
     }
@@ -213,36 +188,43 @@ void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], 
     energy_balance->gravity = energies[2];
 }
 
+double update_energies(Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    const System s = system_of(rope, state);
+    const double before = energy_total(&state->energy_balance);
+    double balance[BALANCE];
+    chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+    set_energies(&state->energy_balance, balance, &s, m.v);
+    return energy_total(&state->energy_balance) - before;
+}
+
 void commit(Simulator *rope, State *state, const Trial *trial) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
-    const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
+    const size_t size = (size_t)m.nodes * DOF;
     const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
+    EnergyBalance *energy = &state->energy_balance;
     double losses[2];
-    size_t i;
     /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
        integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
-    for (i = 0; i < size; ++i) {
+    for (size_t i = 0; i < size; i++) {
         const double q = m.q[i];
         m.q[i] = 0.5 * (q + now->q[i]);
         m.v[i] = (now->q[i] - q) / h;
     }
     chain_of_state(state)->losses(&s, m.q, m.v, losses);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);
-    memcpy(m.q, now->q, bytes);
-    memcpy(m.v, now->v, bytes);
-    memcpy(m.a, now->a, bytes);
-    memcpy(m.b, now->b, bytes);
-    memcpy(m.a_rate, now->a_rate, bytes);
-    memcpy(m.reaction, now->reaction, bytes);
+    double *const to[] = {m.q, m.v, m.a, m.b, m.a_rate, m.reaction};
+    double *const from[] = {now->q, now->v, now->a, now->b, now->a_rate, now->reaction};
+    for (int k = 0; k < 6; k++) memcpy(to[k], from[k], sizeof(double) * size);
     state->t = trial->t;
     state->h = trial->h;
     set_powers(rope, state);
-    set_energies(&state->energy_balance, trial->balance, &s, m.v);
-    state->energy_balance.work_ends += 0.5 * h * (before[0] + state->power_ends);
-    state->energy_balance.dissipated_swivel += 0.5 * h * (before[1] + state->power_swivel);
-    state->energy_balance.dissipated_material += h * losses[0];
-    state->energy_balance.nonconservative += h * losses[1];
+    set_energies(energy, trial->balance, &s, m.v);
+    energy->work_ends += 0.5 * h * (before[0] + state->power_ends);
+    energy->dissipated_swivel += 0.5 * h * (before[1] + state->power_swivel);
+    energy->dissipated_material += h * losses[0];
+    energy->nonconservative += h * losses[1];
 }
 
 /* numerics.events.locate */
@@ -251,18 +233,17 @@ double locate(double (*f)(void *, double), void *with, double low, double high, 
     int side = 0, stalled = 0;
     while (high - low > width) {
         const double before = high - low;
-        double x, value;
-        if (stalled >= 2 || !isfinite(f_low - f_high) || f_high <= f_low) {
-            x = 0.5 * (low + high);
+        double x = 0.5 * (low + high);
+        if (stalled >= 2 || !isfinite(f_low - f_high) || f_high <= f_low)
             stalled = 0;
-        } else {
+        else {
             x = low + (high - low) * f_low / (f_low - f_high);
             x = fmin(fmax(x, low + 0.4 * width), high - 0.4 * width);
         }
         if (!(low < x && x < high)) x = 0.5 * (low + high);
         if (!(low < x && x < high)) /* there is no number between them */
             break;
-        value = f(with, x);
+        const double value = f(with, x);
         if (value < 0) {
             low = x;
             f_low = value;

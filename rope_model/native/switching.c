@@ -36,9 +36,8 @@ static double excess(const Simulator *rope, const State *state, double t, const 
 }
 
 void release_swivels(Simulator *rope, State *state) {
-    int side, changed = 0;
-    Arrays m;
-    for (side = 0; side < 2; ++side) {
+    int changed = 0;
+    for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &rope->scene.swivels[side];
         SwivelState *now = &state->swivels[side];
         if (swivel->mode != LOCKED_MODE && state->t >= swivel->release_time && now->phase == LOCKED) {
@@ -49,14 +48,13 @@ void release_swivels(Simulator *rope, State *state) {
     }
     if (!changed) return;
     restart(rope, state);
-    m = state_arrays(state);
+    const Arrays m = state_arrays(state);
     if (excess(rope, state, state->t, &m) >= 0) switch_swivels(rope, state);
 }
 
 double next_release(const Simulator *rope, const State *state) {
     double next = INFINITY;
-    int side;
-    for (side = 0; side < 2; ++side) {
+    for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &rope->scene.swivels[side];
         if (state->swivels[side].phase == LOCKED && swivel->mode != LOCKED_MODE && swivel->release_time > state->t)
             next = fmin(next, swivel->release_time);
@@ -79,16 +77,13 @@ static double excess_after(void *with, double h) {
 
 int switching_step(Simulator *rope, State *state, Trial *trial) {
     const double at_end = excess(rope, state, trial->t, &rope->trial);
-    const Arrays m = state_arrays(state);
-    Search search = {0};
-    double at_start, h;
     if (at_end < 0) return 0;
-    search.rope = rope;
-    search.state = state;
-    at_start = excess(rope, state, state->t, &m);
+    const Arrays m = state_arrays(state);
+    Search search = {rope, state, 0};
+    double at_start = excess(rope, state, state->t, &m);
     if (at_start >= 0) /* a slip that has just begun has no rate yet */
         at_start = -1e-12;
-    h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
+    const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
     *trial = trial_step(rope, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
     return trial->reached ? 1 : -1;
@@ -97,18 +92,14 @@ int switching_step(Simulator *rope, State *state, Trial *trial) {
 /* what a swivel that cannot stay in its phase does next: stick if its friction can hold, else slip */
 static SwivelState next_phase(Simulator *rope, const State *state, const SwivelState swivels[2], int side) {
     State *trial = rope->spare;
-    SwivelState now = swivels[side];
-    Arrays m;
     state_copy(rope, trial, state);
     memcpy(trial->swivels, swivels, sizeof trial->swivels);
-    m = state_arrays(trial);
+    const Arrays m = state_arrays(trial);
+    SwivelState now = swivels[side];
     if (now.phase == SLIP) {
         double relative[2];
         swivel_relative(trial, side, trial->t, end_row(m.q, m.nodes, side)[ANGLE], 0, relative);
-        now.phase = STICK;
-        now.angle = relative[0];
-        now.sign = 0;
-        trial->swivels[side] = now;
+        now = trial->swivels[side] = (SwivelState){.angle = relative[0], .phase = STICK};
         restart(rope, trial);
         if (excess_of(rope, trial, side, trial->t, &m) < 0) return now;
     }
@@ -120,20 +111,16 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
 void switch_swivels(Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     SwivelState swivels[2];
-    int side;
     memcpy(swivels, state->swivels, sizeof swivels);
-    for (side = 0; side < 2; ++side) {
+    for (int side = LEFT; side <= RIGHT; side++) {
         if (excess_of(rope, state, side, state->t, &m) < 0) continue;
         swivels[side] = next_phase(rope, state, swivels, side);
         memmove(state->switchings + 1, state->switchings, sizeof(double) * (CHATTER_EVENTS - 1));
         state->switchings[0] = state->t;
         if (state->switched < CHATTER_EVENTS) state->switched += 1;
         state->counts.swivel_events += 1;
-        record_event(state,
-                     swivels[side].phase == STICK ? STICKS
-                     : swivels[side].sign > 0     ? SLIPS_FORWARD
-                                                  : SLIPS_BACK,
-                     side, 0, 0);
+        const int slips = swivels[side].sign > 0 ? SLIPS_FORWARD : SLIPS_BACK;
+        record_event(state, swivels[side].phase == STICK ? STICKS : slips, side, 0, 0);
     }
     memcpy(state->swivels, swivels, sizeof swivels);
     restart(rope, state);

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.generalized_alpha import Solution
+from . import messages
 from .ends import right_offset
 from .fidelity import carries_torque, ends_after, lowest_sufficient
 from .mesh import Partition, transform, transformation_due
@@ -68,7 +69,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.
     """
     fidelity = lowest_sufficient(model.scene, ends_after(state.paths))
-    reason = f"the {state.fidelity} model cannot follow {why}"
+    reason = messages.cannot_follow(state.fidelity, why)
     log.info("t = %.6f s: model: %s, because %s", state.motion.t, fidelity, reason)
     event = Event(state.motion.t, f"model {fidelity}")
     ends = state.motion.q[[0, -1], POSITION].tolist()

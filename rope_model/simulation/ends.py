@@ -31,6 +31,7 @@ from ..parameter_table import numeric_bounds, parameter, parameters_of
 from ..parameters import Swivel
 from ..physics.elementary import atan2, larger, sqrt
 from ..physics.swivel import friction_moment
+from . import messages
 from .rope_system import ANGLE, POSITION, Array
 
 SIDES = ("left", "right")
@@ -281,16 +282,12 @@ def refusal(target: EndMotion, path: EndPath, side: str) -> str:
     for name, bound in REACH.items():
         value = getattr(target, name)
         if not math.isfinite(value):
-            return f"input {side}.{name} = {value} is not finite; check the signal connected to it"
+            return messages.input_not_finite(side, name, value)
         if not -bound <= value <= bound:
-            return f"input {side}.{name} = {value:g} is beyond +-{bound:g} (SI units); check its unit and connection"
+            return messages.input_out_of_range(side, name, value, bound)
     peak = path.peak_acceleration()
     worst = max(range(4), key=peak.__getitem__)
     if not peak[worst] <= HARDEST:
         unit = "rad/s^2" if worst == 3 else "m/s^2"
-        return (
-            f"inputs {side}.{PATH[worst]} and its derivatives do not fit together: reaching them within the step "
-            f"would take {peak[worst]:.3g} {unit} (bound {HARDEST:g}); give position, speed and acceleration of one "
-            "smooth motion"
-        )
+        return messages.inputs_do_not_fit(side, PATH[worst], peak[worst], unit, HARDEST)
     return ""

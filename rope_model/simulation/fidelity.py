@@ -30,6 +30,7 @@ from ..physics.estimates import (
     release_error,
     travel_estimate,
 )
+from . import messages
 from .ends import SIDES, EndMotion, EndPath
 from .rigid import lowest_tension
 
@@ -58,7 +59,7 @@ def flexible(fidelity: Fidelity) -> ElementFidelity:
 def choose_fidelity(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
     """The fidelity that the scene asks for, or the lowest that serves."""
     if scene.model.fidelity != "auto":
-        return Choice(scene.model.fidelity, "as asked for")
+        return Choice(scene.model.fidelity, messages.as_asked())
     choice = _lowest(scene, ends)
     log.info("model: %s, because %s", *choice)
     return choice
@@ -93,12 +94,12 @@ def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: tuple[EndMotion, 
     if why or scene.model.fidelity != "auto":
         return why
     if fidelity == "spatial" and not _turns_freely(scene) and (why := _nonzero_input(ends, OUT_OF_PLANE)):
-        return f"{why} while its swivels hold"
+        return messages.while_swivels_hold(why)
     error, tolerance = force_error(scene, fidelity, expected_travel(ends)), scene.model.force_tolerance
     if error > tolerance:
-        return f"the ends within the tolerance of {100 * tolerance:.3g} %: it errs by an estimated {100 * error:.2g} %"
+        return messages.errs_too_much(100 * tolerance, 100 * error)
     if fidelity == "rigid" and (tension := lowest_tension(scene, ends)) < 0:
-        return f"a rope that goes slack (tension {tension:.4g} N)"
+        return messages.would_go_slack(tension)
     return ""
 
 
@@ -124,29 +125,25 @@ def force_error(scene: Scene, fidelity: Fidelity, travel: Travel) -> float:
 
 def _lowest(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
     if why := _nonzero_input(ends, OUT_OF_PLANE + TURNED):
-        return Choice("torsional", f"{why} where the rope is initialised with its swivels held")
+        return Choice("torsional", messages.held_where_initialised(why))
     fidelity = lowest_sufficient(scene, ends) if scene.model.force_tolerance > 0 else "torsional"
     if not (torque := _torque(scene)) and fidelity != "rigid":
-        return Choice("planar", "no torque acts and nothing acts out of plane")
+        return Choice("planar", messages.no_torque())
     if fidelity == "torsional":
         below = unsupported_motion(scene, "spatial", ends) if scene.model.force_tolerance > 0 else ""
-        return Choice(fidelity, torque + (f"; the spatial model cannot follow {below}" if below else ""))
+        return Choice(fidelity, messages.torque_and_more(torque, below) if below else torque)
     travel, tolerance = expected_travel(ends), scene.model.force_tolerance
-    return Choice(
-        fidelity,
-        f"the {fidelity} model errs by an estimated {100 * force_error(scene, fidelity, travel):.2g} %, within the "
-        f"tolerance of {100 * tolerance:.3g} %, for ends at up to {travel.speed:g} m/s, {travel.acceleration:g} m/s^2 "
-        f"and {travel.jerk:g} m/s^3",
-    )
+    error = force_error(scene, fidelity, travel)
+    return Choice(fidelity, messages.errs_little(fidelity, 100 * error, 100 * tolerance, *travel[1:]))
 
 
 def _torque(scene: Scene) -> str:
     """'' for a rope that carries no torque in the plane while its ends do not turn; otherwise why it does."""
     rope = scene.rope
     if rope.Qs or rope.Qk:
-        return f"tension and torsion are coupled (Qb = {rope.Qb:g}, Qc = {rope.Qc:g} N m)"
+        return messages.coupled(rope.Qb, rope.Qc)
     if rope.installed_twist:
-        return f"the rope is twisted by {rope.installed_twist:g} rad"
+        return messages.twisted(rope.installed_twist)
     return ""
 
 
@@ -163,5 +160,5 @@ def _nonzero_input(ends: tuple[EndMotion, EndMotion], names: tuple[str, ...]) ->
     for side, end in zip(SIDES, ends, strict=True):
         for name in names:
             if value := getattr(end, name):
-                return f"{side}.{name} = {value:g}"
+                return messages.nonzero_input(side, name, value)
     return ""

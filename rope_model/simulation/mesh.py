@@ -30,6 +30,7 @@ import numpy as np
 
 from ..parameters import MOST_ELEMENTS, Layout, Mesh, Rope
 from ..physics.elementary import larger, smaller, sqrt
+from . import messages
 from .rope_system import Array, arc_lengths
 
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
@@ -165,19 +166,13 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
     inner = inner_length(mesh.counts)
     outer = float(np.rint(length / mesh.coarse_length - inner))
     if outer > MOST_ELEMENTS:
-        raise ValueError(
-            f"coarse_length = {mesh.coarse_length:g} m divides a rope of {length:g} m into {outer:.0f} lengths, more "
-            f"than {MOST_ELEMENTS}; use longer elements"
-        )
+        raise ValueError(messages.too_many_lengths(mesh.coarse_length, length, outer, MOST_ELEMENTS))
     if outer < 2:
-        raise ValueError(
-            f"the mesh's segments II to VI need {inner * mesh.coarse_length:g} m of a rope of {length:g} m and leave "
-            "nothing for I and VII; lower coarse_length or the counts"
-        )
+        raise ValueError(messages.too_few_lengths(inner * mesh.coarse_length, length))
     coarse = length / (outer + inner)
     elements = _leg_elements(int(outer), mesh.grading_length / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
     if elements > MOST_ELEMENTS:
-        raise ValueError(f"coarse_length and counts make {elements:.0f} elements, more than {MOST_ELEMENTS}; use fewer")
+        raise ValueError(messages.too_many_elements(elements, MOST_ELEMENTS))
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), 1, outer - 1))
     return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.grading_length)
 
@@ -186,11 +181,7 @@ def placement_problem(mesh: Partition, bottom: float) -> str:
     """'' while the loop at arc length ``bottom`` hangs in the mesh's fine middle; otherwise what is wrong."""
     if not mesh.counts or abs(bottom - mesh.centre) <= (DUE + 1.0) * mesh.coarse:
         return ""
-    return (
-        f"the loop at {bottom:.3g} m of the rope's {np.sum(mesh.lengths):.4g} m is too close to an end: the mesh's "
-        f"fine middle reaches no further than {mesh.centre:.3g} m; use a smaller coarse_length or fewer elements in "
-        "segments II to VI, or keep the ends closer in height"
-    )
+    return messages.loop_near_end(bottom, float(np.sum(mesh.lengths)), mesh.centre)
 
 
 def transform(old: Partition, direction: int) -> Partition:

@@ -16,6 +16,7 @@ from collections.abc import Callable
 
 from ..parameters import Scene
 from ..physics.estimates import coupling_torque, loop_width, twist_torque
+from . import messages
 from .diagnostics import leg_clearance, loop_bottom
 from .fidelity import carries_torque
 from .neglected_effects import neglected_text
@@ -38,21 +39,13 @@ def neglected_effects(scene: Scene, state: RopeState) -> str:
 def leg_contact(scene: Scene, state: RopeState) -> str:
     """'' while the legs hang free of each other; otherwise how they do not."""
     q, lengths, yaw = state.motion.q, state.partition.lengths, _yaw(state)
-    cure = "contact is not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free"
-    cure += " the swivels, or widen the spacing"
     if abs(yaw) > math.pi:
-        return (
-            f"the rope's legs have passed through each other: the loop has yawed by {yaw:.3g} rad against its ends, "
-            f"and legs cross at half a turn; {cure}"
-        )
+        return messages.legs_passed(yaw)
     if abs(yaw) > TURNED_FAR:
         bottom, loop = loop_bottom(q, lengths), loop_width(scene)
         clearance = leg_clearance(q, lengths, bottom, loop, scene.rope.diameter, scene.layout.spacing)
         if clearance <= 0:
-            return (
-                f"the rope's legs touch (loop.clearance = {clearance:.3g} m) with the loop yawed by {yaw:.3g} rad; "
-                f"{cure}"
-            )
+            return messages.legs_touch(clearance, yaw)
     return ""
 
 
@@ -62,22 +55,16 @@ def yaw_at_rest(scene: Scene, state: RopeState) -> str:
     rests = state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * REST_SPEED**2
     if not rests or state.fidelity != "torsional" or abs(_yaw(state)) <= YAWED_FAR or leg_contact(scene, state):
         return ""
-    return (
-        f"the loop hangs yawed by {_yaw(state):.3g} rad against its ends at rest (bound {YAWED_FAR:.3g} rad), turned "
-        f"mostly by {_torque_source(scene, state)}, or widen the spacing"
-    )
+    return messages.yawed_at_rest(_yaw(state), YAWED_FAR, _torque_source(scene, state))
 
 
 def _torque_source(scene: Scene, state: RopeState) -> str:
     """What makes the largest torque, and its cure."""
     rope, turned = scene.rope, _end_twist(state)
     causes = {
-        f"the coupling Qb = {rope.Qb:g}, Qc = {rope.Qc:g} N m: give what was measured on this very rope, free the "
-        "swivels": coupling_torque(rope, scene.layout.gravity),
-        f"installed_twist = {rope.installed_twist:g} rad: lower it, free the swivels": twist_torque(
-            rope, rope.installed_twist
-        ),
-        f"the ends, which twist the rope by {turned:g} rad: turn them back": twist_torque(rope, turned),
+        messages.torque_of_coupling(rope.Qb, rope.Qc): coupling_torque(rope, scene.layout.gravity),
+        messages.torque_of_twist(rope.installed_twist): twist_torque(rope, rope.installed_twist),
+        messages.torque_of_ends(turned): twist_torque(rope, turned),
     }
     return max(causes, key=causes.__getitem__)
 

@@ -14,6 +14,7 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
 from ..physics.inextensible import Flow, Pull, energies, flow, lowest, pull, tension
+from . import messages
 from .ends import EndMotion, EndPath, HangingEnds, nominal_points
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 from .statics import find_equilibrium, hanging_guess
@@ -54,10 +55,7 @@ def rigid_rope(scene: Scene, paths: tuple[EndPath, EndPath], t: float, nodes_s: 
     speeds = float(v1[1]), float(v2[1])
     now = _pull(scene, ends, speeds, (float(a1[1]), float(a2[1])))
     if (least := lowest(now)) < 0:
-        raise ValueError(
-            f"the rope goes slack: tension {least:.4g} N at t = {t:g} s, which the rigid model cannot "
-            "follow; use a flexible one (model.fidelity = auto, planar or torsional) or a gentler motion"
-        )
+        raise ValueError(messages.rope_goes_slack(least, t))
     kinetic, gravity = energies(scene.rope, scene.layout, now, (float(x1[1]), float(x2[1])), speeds)
 
     q = hanging_guess(nodes_s, ends[0], ends[1])

@@ -11,6 +11,7 @@ import dataclasses
 import numpy as np
 
 from ..physics.frame import end_moment
+from . import messages
 from .ends import SIDES, YAW_SENSE, EndMotion, Phase
 from .rigid import perturbed_tensions
 from .rope_system import ANGLE, POSITION, SLOPE, Array
@@ -39,7 +40,7 @@ def load_derivative(rope: RopeSimulator, side: int, name: str) -> Array:
     before, after = (end_loads(rope, *rope.answer(side, dof, part * change)) for part in (0.0, 1.0))
     derivative: Array = (after - before) / size
     if not np.isfinite(derivative).all():
-        raise ValueError("the equations of this state have no finite derivative; take a smaller step_max")
+        raise ValueError(messages.no_finite_derivative())
     return derivative
 
 

@@ -21,6 +21,7 @@ from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
 from ..physics.estimates import bending_length
+from . import messages
 from .adaptation import raise_fidelity, transform_if_due, with_loop_yaw
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
 from .diagnostics import LoopBottom, loop_bottom
@@ -85,8 +86,7 @@ class RopeSimulator(BalanceRope):
         except ValueError as error:
             if scene.mesh.kind != "auto":
                 raise
-            source = "mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error"
-            raise ValueError(f"{error} ({source})") from error
+            raise ValueError(messages.fitted_mesh_fails(str(error))) from error
         self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
@@ -101,7 +101,7 @@ class RopeSimulator(BalanceRope):
     @property
     def state(self) -> RopeState:
         if self._state is None:
-            raise RuntimeError("the rope has no state yet; call initialize first")
+            raise RuntimeError(messages.no_state())
         return self._state
 
     @property
@@ -181,17 +181,13 @@ class RopeSimulator(BalanceRope):
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         scene, rope = self.scene, self.scene.rope
         if not abs(t) <= FARTHEST_START:
-            return Status(
-                False,
-                f"the start time t = {t} s is out of range: it must be within {FARTHEST_START:g} s of 0, or steps are "
-                "lost in rounding; count from another instant",
-            )
+            return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
         paths = (EndPath.at_rest(t, left), EndPath.at_rest(t, right))
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := refusal(target, path, side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
-                return Status(False, f"the {side} end moves at the start; a run starts from rest: give zero speeds")
+                return Status(False, messages.moves_at_start(side))
         ends = nominal_points(scene.layout.spacing) + np.array([left.position, right.position])
         fidelity, reason = choose_fidelity(scene, (left, right))
         try:
@@ -227,12 +223,7 @@ class RopeSimulator(BalanceRope):
         message, rope, stiff = placement_problem(cells, bottom), self.scene.rope, bending_length(self.scene)
         if not message or self.scene.mesh.kind != "auto":
             return message
-        return (
-            f"the loop at {bottom:.3g} m of the rope's {rope.length:.4g} m is too close to an end: mesh.kind = auto "
-            f"covers what EI = {rope.EI:.4g} N m^2 bends, some (EI / rho g)^(1/3) = {stiff:.3g} m to either side, and "
-            f"reaches no further than {cells.centre:.3g} m; check EI and length, take equal elements (mesh.kind = eem, "
-            "code 1), or keep the ends closer in height"
-        )
+        return messages.loop_near_end_of_fitted_mesh(bottom, rope.length, rope.EI, stiff, cells.centre)
 
     def _initial_equilibrium(self, state: RopeState) -> RopeState:
         """``state`` at rest in equilibrium, its twist put in bit by bit: that decides how the loop yaws."""
@@ -271,14 +262,10 @@ class RopeSimulator(BalanceRope):
         if abs(t - start) < SHORTEST_INTERVAL:
             return Status(True)
         if not (math.isfinite(t) and t > start):
-            return Status(False, f"cannot advance from t = {start:g} s to {t} s; time must go forward")
+            return Status(False, messages.time_goes_back(start, t))
         step_max, steps_before = self.scene.solver.step_max, state.counts.steps + state.counts.rejections
         if t - start > MOST_STEPS * step_max:
-            return Status(
-                False,
-                f"cannot advance from t = {start:g} s to {t} s at once: that takes more than {MOST_STEPS} steps of "
-                f"step_max = {step_max:g} s; communicate every {MOST_STEPS * step_max:g} s or more often",
-            )
+            return Status(False, messages.too_far_at_once(start, t, MOST_STEPS, step_max, MOST_STEPS * step_max))
         paths = tuple(path.to(t, target, within) for path, target in zip(state.paths, (left, right), strict=True))
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := refusal(target, path, side):
@@ -286,9 +273,7 @@ class RopeSimulator(BalanceRope):
         state = state._replace(paths=(paths[0], paths[1]), events=())
         if why := unsupported_motion(self.scene, state.fidelity, (left, right)):
             if self.scene.model.fidelity != "auto":
-                return Status(
-                    False, f"the {state.fidelity} model cannot follow {why}; set model.fidelity = auto (or torsional)"
-                )
+                return Status(False, messages.fixed_model_cannot_follow(state.fidelity, why))
             try:
                 state = raise_fidelity(self.model, state, why)
             except StaticsError as error:
@@ -297,14 +282,10 @@ class RopeSimulator(BalanceRope):
         while state.motion.t < t:
             before = state.motion
             if state.counts.steps + state.counts.rejections - steps_before >= MOST_STEPS:
-                return Status(
-                    False,
-                    f"t = {before.t:.6g} s: {MOST_STEPS} steps did not lead from t = {start:g} s to {t} s; communicate "
-                    "more often, or allow longer steps by step_max, step_min and tolerance",
-                )
+                return Status(False, messages.too_many_steps(before.t, MOST_STEPS, start, t))
             advanced = self._step_towards(state, t)
             if isinstance(advanced, str):
-                return Status(False, f"t = {before.t:.6g} s: {advanced}")
+                return Status(False, messages.fails_at(before.t, advanced))
             state = advanced
             now = state.motion
             for node in (0, -1):
@@ -371,7 +352,7 @@ class RopeSimulator(BalanceRope):
             # a shorter one may not reach the event, or find it more easily
             shorter = max(0.5 * whole, self.scene.solver.step_min)
             if shorter > 0.75 * whole:
-                return f"the step to a swivel event fails: {result.newton.status.text}"
+                return messages.step_to_event_fails(result.newton.status.text)
             log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
             state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
         after = model.commit(state, system, result)
@@ -379,7 +360,7 @@ class RopeSimulator(BalanceRope):
         if switching is not None:
             after = switch_swivels(model, after)
             if chatters(after):
-                return "a swivel chatters between stick and slip; check its friction, and whether the end is slack"
+                return messages.swivel_chatters()
         elif reaches_stop:
             after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
         return with_loop_yaw(after)
@@ -411,15 +392,12 @@ class RopeSimulator(BalanceRope):
             cause = (
                 result.newton.status.text
                 if result.motion is None
-                else f"the local error {result.error:.3g} exceeds the tolerance {solver.tolerance:.3g}"
+                else messages.error_too_large(result.error, solver.tolerance)
             )
             log.debug("t = %.6f s: step %.3g s rejected: %s", t, h, cause)
             rejections += 1
             if h <= solver.step_min:
-                return (
-                    f"a step of {h:.3g} s, step_min = {solver.step_min:g} s, fails too: {cause}. "
-                    "Use shorter elements (coarse_length), a smaller step_min, or a gentler motion"
-                )
+                return messages.step_fails(h, solver.step_min, cause)
             h, parts = max(0.5 * h, solver.step_min), 2 * parts
             step_next = h
         if not cause and result.error < GROW_BELOW * solver.tolerance:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..physics.hanging import hanging_shape, place, turn_angle
+from . import messages
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 
 
@@ -77,11 +78,7 @@ def find_equilibrium(
         tau *= min(10.0, max(1.5, previous / max(force, 1e-300)))
         tau = min(tau, 1e12)
         previous = force
-    raise StaticsError(
-        f"no equilibrium within {max_iterations} iterations: {previous:.3g} N are left unbalanced; "
-        "the rope may have none in this configuration (too much twist), the elements may be too long for EI, or a unit "
-        "may be wrong"
-    )
+    raise StaticsError(messages.no_equilibrium(max_iterations, previous))
 
 
 def _at_rest(system: RopeSystem, q: Array, reaction: Array, turn: Array) -> tuple[Array, float]:
@@ -110,19 +107,13 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
     width = float(np.hypot(across[0], across[2]))
     if width == 0:
-        raise StaticsError(
-            f"the ends hang exactly above each other, {abs(left[1] - right[1]):g} m apart, which leaves the loop no "
-            "plane; move one sideways"
-        )
+        raise StaticsError(messages.ends_above_each_other(abs(left[1] - right[1])))
     across = across / width
     middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
     legs = hanging_shape(length, middle, width, cell)
     if min(legs.left_leg, legs.right_leg) <= legs.lean:
-        raise StaticsError(
-            f"the rope of {length:g} m cannot hang between ends {width:g} m apart with a height difference of "
-            f"{left[1] - right[1]:g} m; give a longer rope or bring the ends together"
-        )
+        raise StaticsError(messages.rope_too_short(length, width, left[1] - right[1]))
     phi = turn_angle(legs, s)
     along, down, slope, rise = place(legs, s, phi)
     slope -= np.where(phi <= 0, legs.lean / legs.left_leg, np.where(phi >= np.pi, legs.lean / legs.right_leg, 0.0))

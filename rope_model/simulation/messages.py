@@ -1,0 +1,279 @@
+"""What the rope says when something is refused, fails, is chosen or deserves a warning: the texts of both forms.
+
+Each function is a text and nothing else: native.messages makes the C of it.  Numbers are written as ``{x}``, ``{x:g}``
+or with a number of digits as ``{x:.3g}``.
+"""
+
+from __future__ import annotations
+
+# the rope's start
+
+
+def start_time_out_of_range(t: float, bound: float) -> str:
+    return (
+        f"the start time t = {t} s is out of range: it must be within {bound:g} s of 0, or steps are lost in rounding; "
+        "count from another instant"
+    )
+
+
+def moves_at_start(side: str) -> str:
+    return f"the {side} end moves at the start; a run starts from rest: give zero speeds"
+
+
+def ends_above_each_other(apart: float) -> str:
+    return (
+        f"the ends hang exactly above each other, {apart:g} m apart, which leaves the loop no plane; move one sideways"
+    )
+
+
+def rope_too_short(length: float, width: float, height: float) -> str:
+    return (
+        f"the rope of {length:g} m cannot hang between ends {width:g} m apart with a height difference of "
+        f"{height:g} m; give a longer rope or bring the ends together"
+    )
+
+
+def no_equilibrium(iterations: int, force: float) -> str:
+    return (
+        f"no equilibrium within {iterations} iterations: {force:.3g} N are left unbalanced; the rope may have none in "
+        "this configuration (too much twist), the elements may be too long for EI, or a unit may be wrong"
+    )
+
+
+# its mesh
+
+
+def fitted_mesh_fails(why: str) -> str:
+    return f"{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error)"
+
+
+def too_many_lengths(coarse: float, length: float, outer: float, most: int) -> str:
+    return (
+        f"coarse_length = {coarse:g} m divides a rope of {length:g} m into {outer:.0f} lengths, more than {most}; use "
+        "longer elements"
+    )
+
+
+def too_few_lengths(inner: float, length: float) -> str:
+    return (
+        f"the mesh's segments II to VI need {inner:g} m of a rope of {length:g} m and leave nothing for I and VII; "
+        "lower coarse_length or the counts"
+    )
+
+
+def too_many_elements(elements: float, most: int) -> str:
+    return f"coarse_length and counts make {elements:.0f} elements, more than {most}; use fewer"
+
+
+def loop_near_end(bottom: float, length: float, centre: float) -> str:
+    return (
+        f"the loop at {bottom:.3g} m of the rope's {length:.4g} m is too close to an end: the mesh's fine middle "
+        f"reaches no further than {centre:.3g} m; use a smaller coarse_length or fewer elements in segments II to VI, "
+        "or keep the ends closer in height"
+    )
+
+
+def loop_near_end_of_fitted_mesh(bottom: float, length: float, EI: float, stiff: float, centre: float) -> str:
+    return (
+        f"the loop at {bottom:.3g} m of the rope's {length:.4g} m is too close to an end: mesh.kind = auto covers what "
+        f"EI = {EI:.4g} N m^2 bends, some (EI / rho g)^(1/3) = {stiff:.3g} m to either side, and reaches no further "
+        f"than {centre:.3g} m; check EI and length, take equal elements (mesh.kind = eem, code 1), or keep the ends "
+        "closer in height"
+    )
+
+
+# motions of its ends
+
+
+def input_not_finite(side: str, name: str, value: float) -> str:
+    return f"input {side}.{name} = {value} is not finite; check the signal connected to it"
+
+
+def input_out_of_range(side: str, name: str, value: float, bound: float) -> str:
+    return f"input {side}.{name} = {value:g} is beyond +-{bound:g} (SI units); check its unit and connection"
+
+
+def inputs_do_not_fit(side: str, name: str, acceleration: float, unit: str, bound: float) -> str:
+    return (
+        f"inputs {side}.{name} and its derivatives do not fit together: reaching them within the step would take "
+        f"{acceleration:.3g} {unit} (bound {bound:g}); give position, speed and acceleration of one smooth motion"
+    )
+
+
+def nonzero_input(side: str, name: str, value: float) -> str:
+    return f"{side}.{name} = {value:g}"
+
+
+# steps
+
+
+def time_goes_back(start: float, t: float) -> str:
+    return f"cannot advance from t = {start:g} s to {t} s; time must go forward"
+
+
+def too_far_at_once(start: float, t: float, most: int, step_max: float, longest: float) -> str:
+    return (
+        f"cannot advance from t = {start:g} s to {t} s at once: that takes more than {most} steps of step_max = "
+        f"{step_max:g} s; communicate every {longest:g} s or more often"
+    )
+
+
+def too_many_steps(now: float, most: int, start: float, t: float) -> str:
+    return (
+        f"t = {now:.6g} s: {most} steps did not lead from t = {start:g} s to {t} s; communicate more often, or allow "
+        "longer steps by step_max, step_min and tolerance"
+    )
+
+
+def fails_at(t: float, why: str) -> str:
+    return f"t = {t:.6g} s: {why:.480}"
+
+
+def error_too_large(error: float, tolerance: float) -> str:
+    return f"the local error {error:.3g} exceeds the tolerance {tolerance:.3g}"
+
+
+def step_fails(h: float, step_min: float, why: str) -> str:
+    return (
+        f"a step of {h:.3g} s, step_min = {step_min:g} s, fails too: {why}. Use shorter elements (coarse_length), a "
+        "smaller step_min, or a gentler motion"
+    )
+
+
+def step_to_event_fails(why: str) -> str:
+    return f"the step to a swivel event fails: {why}"
+
+
+def swivel_chatters() -> str:
+    return "a swivel chatters between stick and slip; check its friction, and whether the end is slack"
+
+
+def rope_goes_slack(tension: float, t: float) -> str:
+    return (
+        f"the rope goes slack: tension {tension:.4g} N at t = {t:g} s, which the rigid model cannot follow; use a "
+        "flexible one (model.fidelity = auto, planar or torsional) or a gentler motion"
+    )
+
+
+# the choice of the model
+
+
+def cannot_follow(fidelity: str, why: str) -> str:
+    return f"the {fidelity} model cannot follow {why:.300}"
+
+
+def fixed_model_cannot_follow(fidelity: str, why: str) -> str:
+    return f"the {fidelity} model cannot follow {why:.300}; set model.fidelity = auto (or torsional)"
+
+
+def while_swivels_hold(why: str) -> str:
+    return f"{why:.300} while its swivels hold"
+
+
+def errs_too_much(tolerance_percent: float, error_percent: float) -> str:
+    return f"the ends within the tolerance of {tolerance_percent:.3g} %: it errs by an estimated {error_percent:.2g} %"
+
+
+def would_go_slack(tension: float) -> str:
+    return f"a rope that goes slack (tension {tension:.4g} N)"
+
+
+def as_asked() -> str:
+    return "as asked for"
+
+
+def held_where_initialised(why: str) -> str:
+    return f"{why:.300} where the rope is initialised with its swivels held"
+
+
+def no_torque() -> str:
+    return "no torque acts and nothing acts out of plane"
+
+
+def coupled(Qb: float, Qc: float) -> str:
+    return f"tension and torsion are coupled (Qb = {Qb:g}, Qc = {Qc:g} N m)"
+
+
+def twisted(angle: float) -> str:
+    return f"the rope is twisted by {angle:g} rad"
+
+
+def torque_and_more(torque: str, why: str) -> str:
+    return f"{torque:.200}; the spatial model cannot follow {why:.200}"
+
+
+def errs_little(
+    fidelity: str, error_percent: float, tolerance_percent: float, speed: float, acceleration: float, jerk: float
+) -> str:
+    return (
+        f"the {fidelity} model errs by an estimated {error_percent:.2g} %, within the tolerance of "
+        f"{tolerance_percent:.3g} %, for ends at up to {speed:g} m/s, {acceleration:g} m/s^2 and {jerk:g} m/s^3"
+    )
+
+
+# warnings
+
+
+def legs_passed(yaw: float) -> str:
+    return (
+        f"the rope's legs have passed through each other: the loop has yawed by {yaw:.3g} rad against its ends, and "
+        "legs cross at half a turn; contact is not computed, and a real rope would lie against itself; lower Qb, Qc or "
+        "installed_twist, free the swivels, or widen the spacing"
+    )
+
+
+def legs_touch(clearance: float, yaw: float) -> str:
+    return (
+        f"the rope's legs touch (loop.clearance = {clearance:.3g} m) with the loop yawed by {yaw:.3g} rad; contact is "
+        "not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free the swivels, or "
+        "widen the spacing"
+    )
+
+
+def yawed_at_rest(yaw: float, bound: float, source: str) -> str:
+    return (
+        f"the loop hangs yawed by {yaw:.3g} rad against its ends at rest (bound {bound:.3g} rad), turned mostly by "
+        f"{source:.300}, or widen the spacing"
+    )
+
+
+def torque_of_coupling(Qb: float, Qc: float) -> str:
+    return f"the coupling Qb = {Qb:g}, Qc = {Qc:g} N m: give what was measured on this very rope, free the swivels"
+
+
+def torque_of_twist(angle: float) -> str:
+    return f"installed_twist = {angle:g} rad: lower it, free the swivels"
+
+
+def torque_of_ends(angle: float) -> str:
+    return f"the ends, which twist the rope by {angle:g} rad: turn them back"
+
+
+# use
+
+
+def no_state() -> str:
+    return "the rope has no state yet; call initialize first"
+
+
+def no_finite_derivative() -> str:
+    return "the equations of this state have no finite derivative; take a smaller step_max"
+
+
+# use of the native form alone
+
+
+def no_memory(elements: int, megabytes: float) -> str:
+    return f"no memory for {elements} elements ({megabytes:.3g} MB); use fewer"
+
+
+def wrong_number_of_bytes(found: int, own: int) -> str:
+    return f"the saved state has {found} bytes, one of this rope {own}; restore it into a rope with the same parameters"
+
+
+def bytes_are_no_state() -> str:
+    return "these bytes are not a state of this rope; save one anew, or restore it into its own rope"
+
+
+def no_such_input() -> str:
+    return "an input's number is 0 to 21"
