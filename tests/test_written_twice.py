@@ -28,7 +28,6 @@ FEW = 3
 #: function: products and quotients of real numbers, calls of libm; and what they are
 ARITHMETIC = {
     # places of arrays in memory
-    "state_arrays": (5, 0),
     "with_memory": (9, 0),
     # sums over nodes, and what is held at the ends
     "trial_step": (15, 0),
@@ -67,7 +66,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 1821, "C": 2414}
+MOST_LINES = {"Python": 1821, "C": 2329}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks
 TWICE = (
     *(

@@ -13,9 +13,10 @@ from pathlib import Path
 from ..numerics.kernels import cache_folder, compile_library, find_compiler
 from .elements import element_code
 from .formulas import formulas_code
+from .layout import state_structures
 from .messages import messages_code
 from .platforms import host_platform, prebuilt_file, text_hash
-from .tables import parameter_bounds, parameter_structures, signal_numbers
+from .tables import energy_values, parameter_bounds, parameter_structures, signal_numbers
 
 _FOLDER = Path(__file__).resolve().parent
 NAME = "rope"
@@ -37,7 +38,9 @@ def generate() -> dict[str, str]:
         "elements.inc": element_code(),
         "formulas.h": formulas_code(),
         "messages.h": messages_code(),
+        "state.h": state_structures(),
         "signal_numbers.h": signal_numbers(),
+        "energy_values.h": energy_values(),
         "parameters.h": parameter_structures(),
         "parameters.inc": parameter_bounds(),
     }

@@ -2,72 +2,12 @@
 #ifndef CORE_H
 #define CORE_H
 
-#include <stdint.h>
-
 #include "rope.h"
+#include "state.h"
 
 #define PI 3.14159265358979323846
 
-enum { LOCKED, STICK, SLIP };
-enum { SEGMENTS = 7, CHATTER_EVENTS = 50, LOGGED_EVENTS = 128 };
 static const char *const SIDE_NAMES[2] = {"left", "right"};
-/* what happened: rope_model.simulation.state.Event */
-enum { TRANSFORMED, STICKS, SLIPS_FORWARD, SLIPS_BACK, RAISED };
-
-/* a quintic in s = t - start for each of x, y, z and yaw, aimed at the instant aim; left, and held, at stop */
-typedef struct {
-    double start, stop, aim, c[4][6];
-} Path;
-
-/* angle: relative angle b while it holds; sign: of b_t while it slips */
-typedef struct {
-    double angle, sign;
-    int32_t phase, unused;
-} SwivelState;
-
-typedef struct {
-    double kinetic, strain, gravity, work_ends, dissipated_material, dissipated_swivel, nonconservative,
-        transformations, start;
-} EnergyBalance;
-
-typedef struct {
-    int64_t steps, rejections, newton, transformations, swivel_events;
-} Counts;
-
-/* the pattern of TMN-ETM; counts[0] = 0 for EEM */
-typedef struct {
-    double coarse, grading_length;
-    int32_t counts[SEGMENTS], end_levels;
-} Pattern;
-
-/* which: side of the swivel, or the new fidelity */
-typedef struct {
-    double t, kinetic, potential;
-    int32_t what, which;
-} Event;
-
-/* Everything that influences the future, and what happened in the last advance.  Behind it lie the arrays q, v, a, b,
-   a_rate, reaction (nodes x DOF each), element lengths (elements) and arc lengths of the nodes (nodes): see
-   state_arrays. */
-typedef struct {
-    double t, h, step_next, last_interval, loop_yaw;
-    double offsets[2], force_mean[2];
-    double power_ends, power_swivel;
-    double switchings[CHATTER_EVENTS]; /* instants of the last swivel events of this advance, newest first */
-    SwivelState swivels[2];
-    Path paths[2];
-    Pattern pattern;
-    Event events[LOGGED_EVENTS];
-    EnergyBalance energy_balance;
-    Counts counts;
-    int32_t elements, fidelity, switched, event_count; /* numbers of switchings and events, up to the room for them */
-    char fidelity_reason[MESSAGE];
-} State;
-
-typedef struct {
-    double *q, *v, *a, *b, *a_rate, *reaction, *lengths, *s;
-    int elements, nodes;
-} Arrays;
 
 /* mesh.c; messages have room for MESSAGE bytes and are "" when all is well.  `bottom` is the arc length of the loop's
    lowest point by the ends' heights. */

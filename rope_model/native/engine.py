@@ -6,7 +6,7 @@ import ctypes
 import os
 import struct
 from collections.abc import Callable, Iterable, Sequence
-from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_void_p
+from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache, lru_cache
 from typing import Any, cast, get_args
 
@@ -24,65 +24,30 @@ from ..simulation.result_warnings import WARNINGS
 from ..simulation.signals import SIGNALS, checked_names
 from ..simulation.state import Counts, EnergyBalance, Event, Powers, RopeState
 from .build import library
-from .structures import PathStructure, scene_structure
+from .layout import (
+    ARRAYS,
+    MESSAGE,
+    SEGMENTS,
+    CountsStructure,
+    EnergyStructure,
+    EventStructure,
+    PathStructure,
+    PatternStructure,
+    StateStructure,
+    SwivelStructure,
+)
+from .structures import scene_structure
 
-_MESSAGE, _CHATTER_EVENTS, _LOGGED_EVENTS, _SEGMENTS = 512, 50, 128, 7
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")
 _FIDELITY_NAMES = get_args(FidelityChoice)
-_ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
 
 
-class _Swivel(Structure):
-    _fields_ = (("angle", c_double), ("sign", c_double), ("phase", c_int32), ("unused", c_int32))
-
-
-class _Pattern(Structure):
-    _fields_ = (
-        ("coarse", c_double),
-        ("grading_length", c_double),
-        ("counts", c_int32 * _SEGMENTS),
-        ("end_levels", c_int32),
-    )
-
-
-class _Event(Structure):
-    _fields_ = (("t", c_double), ("kinetic", c_double), ("potential", c_double), ("what", c_int32), ("which", c_int32))
-
-    def to_event(self) -> Event:
-        """As RopeSimulator tells it."""
-        side, fidelity = SIDES[self.which % 2], _FIDELITY_NAMES[self.which]
-        words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
-        return Event(self.t, words[self.what], self.kinetic, self.potential)
-
-
-class _EnergyBalance(Structure):
-    _fields_ = tuple((name, c_double) for name in EnergyBalance._fields)
-
-
-class _Counts(Structure):
-    _fields_ = tuple((name, c_int64) for name in Counts._fields)
-
-
-class _State(Structure):
-    """The fixed part of the state, in the order of core.h; the arrays lie behind it."""
-
-    _fields_ = (
-        *((name, c_double) for name in ("t", "h", "step_next", "last_interval", "loop_yaw")),
-        ("offsets", c_double * 2),
-        ("force_mean", c_double * 2),
-        ("power_ends", c_double),
-        ("power_swivel", c_double),
-        ("switchings", c_double * _CHATTER_EVENTS),
-        ("swivels", _Swivel * 2),
-        ("paths", PathStructure * 2),
-        ("pattern", _Pattern),
-        ("events", _Event * _LOGGED_EVENTS),
-        ("energy_balance", _EnergyBalance),
-        ("counts", _Counts),
-        *((name, c_int32) for name in ("elements", "fidelity", "switched", "event_count")),
-        ("fidelity_reason", c_char * _MESSAGE),
-    )
+def _event(event: EventStructure) -> Event:
+    """As RopeSimulator tells it."""
+    side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
+    words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
+    return Event(event.t, words[event.what], event.kinetic, event.potential)
 
 
 class _Memory(Structure):
@@ -131,7 +96,7 @@ class NativeRope(BalanceRope):
     def __init__(self, scene: Scene) -> None:
         self._lib = _load()
         memory = _memory()
-        message = ctypes.create_string_buffer(_MESSAGE)
+        message = ctypes.create_string_buffer(MESSAGE)
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), message)
         if not self._rope:
             raise ValueError(message.value.decode())
@@ -213,7 +178,7 @@ class NativeRope(BalanceRope):
 
     def warnings(self) -> dict[str, str]:
         self._require_state()
-        told, text = {}, ctypes.create_string_buffer(_MESSAGE)
+        told, text = {}, ctypes.create_string_buffer(MESSAGE)
         for number, warning in enumerate(WARNINGS):
             self._lib.rope_warning(self._rope, number, text)
             if text.value:
@@ -293,11 +258,11 @@ def _ends(left: EndMotion, right: EndMotion) -> bytes:
 
 
 def _unpack(data: bytes) -> RopeState:
-    s = _State.from_buffer_copy(data)
+    s = StateStructure.from_buffer_copy(data)
     n = s.elements
-    values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(_State))
+    values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(StateStructure))
     size = 7 * (n + 1)
-    x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(_ARRAYS)}
+    x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(ARRAYS)}
     counts = tuple(s.pattern.counts) if s.pattern.counts[0] else ()
     return RopeState(
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
@@ -317,7 +282,7 @@ def _unpack(data: bytes) -> RopeState:
         loop_yaw=s.loop_yaw,
         fidelity=_FIDELITY_NAMES[s.fidelity],
         fidelity_reason=s.fidelity_reason.decode(),
-        events=tuple(event.to_event() for event in s.events[: s.event_count]),
+        events=tuple(_event(event) for event in s.events[: s.event_count]),
         energy_balance=EnergyBalance(*(getattr(s.energy_balance, name) for name in EnergyBalance._fields)),
         powers=Powers(s.power_ends, s.power_swivel),
         counts=Counts(*(getattr(s.counts, name) for name in Counts._fields)),
@@ -326,7 +291,7 @@ def _unpack(data: bytes) -> RopeState:
 
 def _pack(state: RopeState) -> bytes:
     m, p = state.motion, state.partition
-    s = _State(
+    s = StateStructure(
         t=m.t,
         h=m.h,
         step_next=state.step_next,
@@ -336,14 +301,14 @@ def _pack(state: RopeState) -> bytes:
         force_mean=state.force_mean,
         power_ends=state.powers.ends,
         power_swivel=state.powers.swivel,
-        swivels=tuple(_Swivel(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
+        swivels=tuple(SwivelStructure(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
         paths=tuple(PathStructure(q.start, q.stop, q.aim, q.coefficients) for q in state.paths),
-        pattern=_Pattern(p.coarse, p.grading_length, p.counts or (0,) * _SEGMENTS, p.end_levels),
-        energy_balance=_EnergyBalance(*state.energy_balance),
-        counts=_Counts(*state.counts),
+        pattern=PatternStructure(p.coarse, p.grading_length, p.counts or (0,) * SEGMENTS, p.end_levels),
+        energy_balance=EnergyStructure(*state.energy_balance),
+        counts=CountsStructure(*state.counts),
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),
-        fidelity_reason=state.fidelity_reason.encode()[: _MESSAGE - 1],
+        fidelity_reason=state.fidelity_reason.encode()[: MESSAGE - 1],
     )
-    arrays = [getattr(m, name).tobytes() for name in _ARRAYS]
+    arrays = [getattr(m, name).tobytes() for name in ARRAYS]
     return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes()])

@@ -138,7 +138,7 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
 
 static void fill_lengths(const Pattern *pattern, int elements, double *lengths) {
     double coarse = pattern->coarse;
-    const int32_t *counts = pattern->counts;
+    const int *counts = pattern->counts;
     int first = counts[0], last = counts[SEGMENTS - 1], levels = pattern->end_levels, n = levels;
     int legs = elements - 2 * levels;
     for (int k = 1; k < SEGMENTS - 1; k++) legs -= counts[k];
@@ -180,7 +180,7 @@ void mesh_transform(Pattern *pattern, int direction, int elements, double *lengt
 }
 
 double mesh_centre(const Pattern *pattern) {
-    const int32_t *n = pattern->counts;
+    const int *n = pattern->counts;
     return pattern->coarse * (n[0] + 0.5 * inner_length(n[1], n[2], n[3], n[4], n[5]));
 }
 

@@ -8,27 +8,13 @@
 
 #include <stddef.h>
 
-#include "parameters.h" /* codes of choices; Rope, Layout, Swivel, Mesh, Solver and Model: generated */
+#include "parameters.h" /* codes of choices; Rope, Layout, Swivel, Mesh, Solver, Model, Scene and EndMotion: generated */
 
 enum { LEFT, RIGHT };
 /* degrees of freedom of a node: r (3), r' (3), theta */
 enum { SLOPE = 3, ANGLE = 6, DOF = 7 };
 /* room for a message, its end included */
 enum { MESSAGE = 512 };
-
-typedef struct {
-    Rope rope;
-    Layout layout;
-    Swivel swivels[2];
-    Mesh mesh;
-    Solver solver;
-    Model model;
-} Scene;
-
-/* motion of a suspension point: x and z from the nominal point, y the height in the shaft, yaw about Y */
-typedef struct {
-    double x[3], v[3], a[3], yaw, yaw_rate;
-} EndMotion;
 
 /* the motion h later if the accelerations stay as they are */
 static inline EndMotion end_extrapolate(EndMotion end, double h) {

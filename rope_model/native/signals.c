@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formulas.h"
+#include "energy_values.h" /* energy_signals: generated */
 
 int signal_group(int signal) {
     static const signed char groups[] = {SIGNAL_GROUPS};
@@ -58,24 +59,6 @@ static void stress_signals(const Rope *rope, int fidelity, const Arrays *arrays,
     values[SIGNAL_LOOP_TWIST] = strains[lowest][1];
     values[SIGNAL_STRESS_BENDING_MAX] = bending;
     values[SIGNAL_STRESS_TORSION_MAX] = torsion;
-}
-
-static void energy_signals(const EnergyBalance *energy, const Counts *count, double *values) {
-    values[SIGNAL_ENERGY_KINETIC] = energy->kinetic;
-    values[SIGNAL_ENERGY_STRAIN] = energy->strain;
-    values[SIGNAL_ENERGY_GRAVITY] = energy->gravity;
-    values[SIGNAL_ENERGY_TOTAL] = energy_total(energy);
-    values[SIGNAL_ENERGY_WORK_ENDS] = energy->work_ends;
-    values[SIGNAL_ENERGY_DISSIPATED_MATERIAL] = energy->dissipated_material;
-    values[SIGNAL_ENERGY_DISSIPATED_SWIVEL] = energy->dissipated_swivel;
-    values[SIGNAL_ENERGY_NONCONSERVATIVE] = energy->nonconservative;
-    values[SIGNAL_ENERGY_TRANSFORMATIONS] = energy->transformations;
-    values[SIGNAL_ENERGY_RESIDUAL] = energy_residual(energy);
-    values[SIGNAL_COUNT_STEPS] = (double)count->steps;
-    values[SIGNAL_COUNT_REJECTIONS] = (double)count->rejections;
-    values[SIGNAL_COUNT_NEWTON] = (double)count->newton;
-    values[SIGNAL_COUNT_TRANSFORMATIONS] = (double)count->transformations;
-    values[SIGNAL_COUNT_SWIVEL_EVENTS] = (double)count->swivel_events;
 }
 
 static void shape_signals(const Scene *scene, const Arrays *arrays, const LoopBottom *bottom, double *values) {

@@ -39,7 +39,6 @@ struct Simulator {
 Simulator *with_memory(int elements, const Memory *memory, char *message);
 
 /* state.c */
-Arrays state_arrays(State *state);
 /* whether what was read from elsewhere can be a state of this rope; trial is scratch */
 int state_plausible(const Simulator *rope, State *state);
 void state_copy(const Simulator *rope, State *to, const State *from);

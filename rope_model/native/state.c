@@ -6,21 +6,6 @@
 
 #include "simulator.h"
 
-Arrays state_arrays(State *state) {
-    const size_t nodes = (size_t)state->elements + 1, size = nodes * DOF;
-    double *at = (double *)(state + 1), *lengths = at + 6 * size;
-    return (Arrays){.q = at,
-                    .v = at + size,
-                    .a = at + 2 * size,
-                    .b = at + 3 * size,
-                    .a_rate = at + 4 * size,
-                    .reaction = at + 5 * size,
-                    .lengths = lengths,
-                    .s = lengths + state->elements,
-                    .elements = state->elements,
-                    .nodes = (int)nodes};
-}
-
 void state_copy(const Simulator *rope, State *to, const State *from) {
     memcpy(to, from, rope->state_bytes);
 }

@@ -1,4 +1,4 @@
-"""The structures of rope.h and core.h for ctypes, made from the dataclasses that they mirror.
+"""The structures of a scene and of motions for ctypes, made from the dataclasses that they mirror.
 
 In C the real numbers of a group come first, then its integers, each in the order of the dataclass; a word is its place
 in the list of choices.  The kernels' form is Python's own business.
@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 
 from ..parameters import Layout, Mesh, Model, Rope, Scene, Solver, Swivel
 from ..simulation.ends import PATH, EndMotion, EndPath
+from .layout import PathStructure
 
 NOT_IN_C = {"kernels"}
 
@@ -46,7 +47,7 @@ GROUPS = {kind: _structure(kind) for kind in (Rope, Layout, Swivel, Mesh, Solver
 
 
 class SceneStructure(ctypes.Structure):
-    """Scene of rope.h."""
+    """all that a rope is made of"""
 
     _fields_ = (
         ("rope", GROUPS[Rope]),
@@ -59,23 +60,12 @@ class SceneStructure(ctypes.Structure):
 
 
 class EndStructure(ctypes.Structure):
-    """EndMotion of rope.h."""
+    """motion of a suspension point: x and z from the nominal point, y the height in the shaft, yaw about Y"""
 
     _fields_ = (
         *((name, ctypes.c_double * 3) for name in ("x", "v", "a")),
         ("yaw", ctypes.c_double),
         ("yaw_rate", ctypes.c_double),
-    )
-
-
-class PathStructure(ctypes.Structure):
-    """Path of core.h."""
-
-    _fields_ = (
-        ("start", ctypes.c_double),
-        ("stop", ctypes.c_double),
-        ("aim", ctypes.c_double),
-        ("c", ctypes.c_double * 6 * len(PATH)),
     )
 
 

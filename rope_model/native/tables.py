@@ -13,7 +13,9 @@ from ..simulation.ends import HARDEST, REACH
 from ..simulation.fidelity import FIDELITIES
 from ..simulation.neglected_effects import neglected_text
 from ..simulation.signals import SHAPE_POINTS, SIGNALS, group_of
-from .structures import GROUPS, NOT_IN_C, members
+from ..simulation.state import EnergyBalance
+from .layout import structure_code
+from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, members
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.native.tables. */\n"
 #: what a code's name has behind the word where that alone would not do
@@ -40,6 +42,23 @@ def signal_numbers() -> str:
     )
 
 
+def energy_values() -> str:
+    """The text of energy_values.h: signals energy.* and count.*, as energy_signals of simulation.signals has them."""
+    lines = []
+    for name in SIGNALS:
+        of, _, member = name.partition(".")
+        if of == "energy":
+            value = f"energy->{member}" if member in EnergyBalance._fields else f"energy_{member}(energy)"
+            lines.append(f"    values[{constant(name)}] = {value};\n")
+        elif of == "count":
+            lines.append(f"    values[{constant(name)}] = (double)counts->{member};\n")
+    return (
+        "/* Generated from rope_model.simulation.signals by rope_model.native.tables. */\n"
+        "static void energy_signals(const EnergyBalance *energy, const Counts *counts, double *values) {\n"
+        f"{''.join(lines)}}}\n"
+    )
+
+
 def constant(name: str) -> str:
     """Name of a signal's number in C: SIGNAL_SHAPE_X_1 for ``shape.x[1]``."""
     return "SIGNAL_" + re.sub(r"\W+", "_", name).strip("_").upper()
@@ -54,6 +73,8 @@ def parameter_structures() -> str:
         f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n#define HARDEST {HARDEST}\n"
     )
     parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
+    groups = {structure: kind.__name__ for kind, structure in GROUPS.items()}
+    parts += [structure_code(SceneStructure, "Scene", groups), structure_code(EndStructure, "EndMotion", groups)]
     text = "\n".join(parts)
     return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
 
