@@ -11,7 +11,7 @@ from pathlib import Path
 
 try:  # NumPy and CasADi take a second to load, in which a user may change his mind
     from fmu_src.export import export_fmu
-    from fmu_src.interface import Variable, variables
+    from fmu_src.interface import variables
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.native.export import export_native
     from fmu_src.native.model_fmu import export_model
@@ -211,20 +211,8 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
 def _system(rope: Path, case: str, platforms: Sequence[str], fmi: int) -> Path:
     """The rope's FMU and the hoist drive of its case as one system, ``rope`` with the ending .ssp."""
     drive = drive_model(CASES[case])
-    table = [Variable(*variable) for variable in drive.variables]
     with tempfile.TemporaryDirectory() as folder:
-        fmu = export_model(
-            Path(folder) / "drive.fmu",
-            drive.name,
-            drive.description,
-            table,
-            drive.sources,
-            drive.attachments,
-            platforms,
-            fmi,
-            drive.duration,
-            drive.initial,
-        )
+        fmu = export_model(Path(folder) / "drive.fmu", drive, platforms, fmi)
         # drive and rope step at the same time: the rope extrapolates the motion
         components = [Component("drive", fmu, {}), Component("rope", rope, {"inputs_at_step_end": False})]
         name, text = "FrictionHoist", drive.description

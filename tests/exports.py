@@ -10,7 +10,6 @@ from functools import partial
 from pathlib import Path
 
 from fmu_src.export import export_fmu
-from fmu_src.interface import Variable
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
@@ -57,19 +56,7 @@ if host_platform() in available_platforms():
 
 def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),), fmi: int = 2) -> Path:
     """The hoist drive of the 120 m scene."""
-    drive = drive_model(CASES["rope-120"])
-    table = [Variable(*variable) for variable in drive.variables]
-    return export_model(
-        destination,
-        drive.name,
-        drive.description,
-        table,
-        drive.sources,
-        drive.attachments,
-        platforms,
-        fmi,
-        initial=drive.initial,
-    )
+    return export_model(destination, drive_model(CASES["rope-120"]), platforms, fmi)
 
 
 def drive_everywhere(fmi: int) -> Callable[[Path], Path]:

@@ -23,7 +23,6 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from test_tools import IMPORTS, environment, require
 
-from fmu_src.interface import Variable
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
@@ -102,11 +101,8 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
     scene = CASES[name]
     short = replace(scene, winding=replace(scene.winding, travel=travel))
     drive = drive_model(short)
-    table = [Variable(*variable) for variable in drive.variables]
     here = (host_platform(),)
-    export_model(
-        tmp_path / "drive.fmu", drive.name, drive.description, table, drive.sources, drive.attachments, here, 3
-    )
+    export_model(tmp_path / "drive.fmu", drive, here, 3)
     start = {**scene.rope, "right.y": scene.hoist.shaft_travel}
     export_native(tmp_path / "rope.fmu", fmi=3, platforms=here, start=start)
     found = wind("fmpy_adding", system(tmp_path, tmp_path / "rope.fmu", tmp_path / "drive.fmu"), steps)

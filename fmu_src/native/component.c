@@ -56,10 +56,9 @@ static void take_over(Component *c) {
 
 /* the shortest decimal that reads back as x */
 static const char *shortest(double x, char text[NUMBER]) {
-    int digits;
     if (isnan(x)) return "nan";
     if (isinf(x)) return x > 0 ? "inf" : "-inf";
-    for (digits = 6; digits <= 17; digits++) {
+    for (int digits = 6; digits <= 17; digits++) {
         double back;
         snprintf(text, NUMBER, "%.*g", digits, x);
         if (sscanf(text, "%lf", &back) == 1 && back == x) break;
@@ -78,8 +77,7 @@ const char *log_category(Severity severity) {
 }
 
 int is_log_category(const char *name) {
-    int k;
-    for (k = LOG_NOTE; k <= LOG_ERROR; k++)
+    for (int k = LOG_NOTE; k <= LOG_ERROR; k++)
         if (!strcmp(name, log_category((Severity)k))) return 1;
     return 0;
 }
@@ -165,8 +163,7 @@ void component_enter_initialization(Component *c) {
 /* warnings, each of them once */
 static void warn(Component *c) {
     char text[MODEL_MESSAGE];
-    int k;
-    for (k = 0;; k++) {
+    for (int k = 0;; k++) {
         if (c->warned & 1u << k) continue;
         if (!model_warning(c->model, k, text)) return;
         if (!*text) continue;
@@ -258,7 +255,6 @@ void component_terminate(Component *c) {
 }
 
 void component_reset(Component *c) {
-    size_t i;
     model_destroy(c->model);
     c->model = NULL;
     c->mode = INSTANTIATED;
@@ -267,7 +263,7 @@ void component_reset(Component *c) {
     c->stop = INFINITY;
     c->valid = 1;
     c->status[0] = c->message[0] = '\0';
-    for (i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i);
+    for (size_t i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i);
 }
 
 /* values */
@@ -467,8 +463,7 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
 }
 
 static int same_fixed(const double *a, const double *b) {
-    size_t i;
-    for (i = 0; i < MODEL_SCALARS; i++)
+    for (size_t i = 0; i < MODEL_SCALARS; i++)
         if (MODEL_VARIABLES[i].variability == VARIABILITY_FIXED && a[i] != b[i]) return 0;
     return 1;
 }

@@ -68,10 +68,9 @@ const char *fmi2GetVersion(void) {
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
                                const fmi2String categories[]) {
     Instance *i = c;
-    size_t k;
     int all = nCategories == 0;
     if (!i || (nCategories && !not_null(i, categories))) return fmi2Error;
-    for (k = 0; k < nCategories; k++) {
+    for (size_t k = 0; k < nCategories; k++) {
         if (!not_null(i, categories[k])) return fmi2Error;
         if (!strcmp(categories[k], "logAll"))
             all = 1;
@@ -125,9 +124,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 
 void fmi2FreeInstance(fmi2Component c) {
     Instance *i = c;
-    Allocator allocator;
     if (!i) return;
-    allocator = i->allocator;
+    Allocator allocator = i->allocator;
     component_destroy(i->component);
     allocator.give_back(i);
 }
@@ -214,10 +212,10 @@ static double pick(const void *values, size_t at, Kind kind) {
 
 static fmi2Status get(Instance *i, const char *function, Kind kind, const fmi2ValueReference vr[], size_t nvr,
                       void *values) {
-    size_t k, first, length;
+    size_t first, length;
     int ok = 1;
     if (!may_access(i, function, ANY_MODE, vr, nvr, values)) return fmi2Error;
-    for (k = 0; k < nvr; k++) {
+    for (size_t k = 0; k < nvr; k++) {
         double value = kind == KIND_REAL ? NAN : 0.0;
         if (kind == KIND_STRING) ((fmi2String *)values)[k] = "";
         /* once it has failed the rest is not tried: it is said once */
@@ -234,9 +232,9 @@ static fmi2Status get(Instance *i, const char *function, Kind kind, const fmi2Va
 
 static fmi2Status set(Instance *i, const char *function, Kind kind, const fmi2ValueReference vr[], size_t nvr,
                       const void *values) {
-    size_t k, first, length;
+    size_t first, length;
     if (!may_access(i, function, SETTABLE, vr, nvr, values)) return fmi2Error;
-    for (k = 0; k < nvr; k++)
+    for (size_t k = 0; k < nvr; k++)
         if (!component_find(i->component, vr[k], kind, &first, &length) ||
             !component_set(i->component, first, pick(values, k, kind))) {
             component_fail(i->component);

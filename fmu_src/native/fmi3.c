@@ -52,10 +52,9 @@ const char *fmi3GetVersion(void) {
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
                                const fmi3String categories[]) {
     Instance *i = instance;
-    size_t k;
     int all = nCategories == 0;
     if (!i || (nCategories && !not_null(i, categories))) return fmi3Error;
-    for (k = 0; k < nCategories; k++) {
+    for (size_t k = 0; k < nCategories; k++) {
         if (!not_null(i, categories[k])) return fmi3Error;
         if (!strcmp(categories[k], "logAll"))
             all = 1;
@@ -129,9 +128,8 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
 
 void fmi3FreeInstance(fmi3Instance instance) {
     Instance *i = instance;
-    Allocator allocator;
     if (!i) return;
-    allocator = i->allocator;
+    Allocator allocator = i->allocator;
     component_destroy(i->component);
     allocator.give_back(i);
 }
@@ -172,12 +170,11 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
     Instance *i = instance;
-    int ok;
     (void)noSetFMUStatePriorToCurrentPoint; /* states are the host's, nothing is to be thrown away */
     if (!may(i, "fmi3DoStep", STEPPING) || !not_null(i, eventHandlingNeeded) || !not_null(i, terminateSimulation) ||
         !not_null(i, earlyReturn) || !not_null(i, lastSuccessfulTime))
         return fmi3Error;
-    ok = component_step(i->component, currentCommunicationPoint, communicationStepSize);
+    int ok = component_step(i->component, currentCommunicationPoint, communicationStepSize);
     *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
     *lastSuccessfulTime = component_time(i->component);
     return status(ok);

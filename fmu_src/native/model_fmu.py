@@ -7,14 +7,14 @@ import importlib.metadata
 import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any, Protocol
 
 from ..archive import write_archive
 from ..arrays import scalars
 from ..attachments import license_text, xml_bytes
 from ..interface import Variable
-from ..model_description import ALL_FOLLOWED, Build, model_description
+from ..model_description import Build, model_description
 from ..model_description3 import build_description, model_description3
-from ..profile import Profile
 from .build import choose_platforms
 from .shell import shell
 from .start import Start, binaries_with, c_start
@@ -23,28 +23,44 @@ from .table import c_table, start_values
 _HERE = Path(__file__).resolve().parent
 
 
-def export_model(
-    destination: Path,
-    name: str,
-    description: str,
-    table: Sequence[Variable],
-    model: Mapping[str, str],
-    attachments: Mapping[str, bytes],
-    platforms: Sequence[str] | None = None,
-    fmi: int = 2,
-    stop: float = Profile.stop,
-    initial: Mapping[str, Sequence[str]] = ALL_FOLLOWED,
-) -> Path:
-    """Write the FMU of the C files ``model`` to ``destination``; ``stop`` is the time of its default run's end, s.
+class Model(Protocol):
+    """What is exported; without arrays and directional derivatives.
 
-    The model has no arrays and no directional derivatives, and its outputs at an instant depend on no input of that
-    instant (after initialisation; ``initial``: see Build). ``attachments`` are further files by their paths in the
-    archive; ``platforms`` as for the rope.
+    Its outputs at an instant depend on no input of that instant (after initialisation).
     """
-    sources = model_sources(table, model, fmi)
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def description(self) -> str: ...
+    @property
+    def variables(self) -> Sequence[tuple[Any, ...]]:
+        """Rows of the table: each what makes a Variable."""
+
+    @property
+    def sources(self) -> Mapping[str, str]:
+        """Texts by file name: C that implements model.h."""
+
+    @property
+    def attachments(self) -> Mapping[str, bytes]:
+        """Further files by their paths in the archive."""
+
+    @property
+    def duration(self) -> float:
+        """Of its default run, s."""
+
+    @property
+    def initial(self) -> Mapping[str, Sequence[str]]:
+        """What its outputs follow while it is initialised, see Build."""
+
+
+def export_model(destination: Path, model: Model, platforms: Sequence[str] | None = None, fmi: int = 2) -> Path:
+    """Write the FMU of ``model`` to ``destination``; ``platforms`` as for the rope."""
+    table = [Variable(*variable) for variable in model.variables]
+    sources = model_sources(table, model.sources, fmi)
     values = start_values(table, fmi)
-    start = Start(_token(name, sources, values), values)
-    code = binaries_with(start, sources, name, fmi, choose_platforms(platforms))
+    start = Start(_token(model.name, sources, values), values)
+    code = binaries_with(start, sources, model.name, fmi, choose_platforms(platforms))
     sources["start.c"] = c_start(start)
     version = importlib.metadata.version("balance-rope")
     compiled = tuple(sorted(file for file in sources if file.endswith(".c")))
@@ -53,18 +69,18 @@ def export_model(
         version,
         f"balance-rope {version}, native",
         "",
-        stop,
+        model.duration,
         sources=compiled,
-        name=name,
-        description=description,
+        name=model.name,
+        description=model.description,
         derivatives=False,
-        initial=initial,
+        initial=model.initial,
     )
     described = dict(enumerate(table))
     root = (
         model_description(described, build) if fmi == 2 else model_description3(scalars(described), len(table), build)
     )
-    files = {"modelDescription.xml": xml_bytes(root), **attachments}
+    files = {"modelDescription.xml": xml_bytes(root), **model.attachments}
     files["documentation/licenses/license.txt"] = license_text().encode()
     files["documentation/licenses/fmi-headers.txt"] = (_HERE / "include" / "LICENSE.txt").read_bytes()
     files |= {f"sources/{file}": text.encode() for file, text in sources.items()}

@@ -112,9 +112,8 @@ static const char NAME[] = "libpython3.%d.so.1.0";
 static void *library(void) {
     void *found = dlopen(NULL, RTLD_LAZY);
     char name[sizeof NAME];
-    int minor;
     if (found && dlsym(found, "Py_IsInitialized")) return found;
-    for (minor = OLDEST; minor <= NEWEST; minor++) {
+    for (int minor = OLDEST; minor <= NEWEST; minor++) {
         snprintf(name, sizeof name, NAME, minor);
         if ((found = dlopen(name, RTLD_LAZY | RTLD_GLOBAL))) return found;
     }
@@ -132,7 +131,6 @@ static int have_python(char *message) {
         const char *name;
         void **place;
     } entries[] = {PYTHON_FUNCTIONS(ENTRY)};
-    size_t i;
     void *from = (void *)library();
     if (!from) {
         snprintf(message, MODEL_MESSAGE,
@@ -140,7 +138,7 @@ static int have_python(char *message) {
                  "preload one or put it on the library path, or take the native flavour of this FMU");
         return 0;
     }
-    for (i = 0; i < sizeof entries / sizeof *entries; i++) {
+    for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
         void *found = symbol(from, entries[i].name);
         if (!found) {
             snprintf(message, MODEL_MESSAGE,
@@ -207,14 +205,12 @@ static double as_number(PyObject *answer) {
 /* the functions of model.h */
 
 int model_open(const char *resources, char *message) {
-    int gil;
-    PyObject *scope, *builtins, *done;
     if (make) return 1;
     if (!have_python(message)) return 0;
-    gil = python.PyGILState_Ensure();
-    builtins = python.PyImport_ImportModule("builtins");
-    scope = python.Py_BuildValue("{s:s}", "location", resources ? resources : "");
-    done = builtins && scope ? python.PyObject_CallMethod(builtins, "exec", "sO", LOAD, scope) : NULL;
+    int gil = python.PyGILState_Ensure();
+    PyObject *builtins = python.PyImport_ImportModule("builtins");
+    PyObject *scope = python.Py_BuildValue("{s:s}", "location", resources ? resources : "");
+    PyObject *done = builtins && scope ? python.PyObject_CallMethod(builtins, "exec", "sO", LOAD, scope) : NULL;
     if (!done)
         report(message);
     else if (!(make = python.PyDict_GetItemString(scope, "make"))) /* scope is never given back */
@@ -228,7 +224,7 @@ int model_open(const char *resources, char *message) {
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
     size_t room = MODEL_SCALARS * sizeof(double);
     ModelInstance *model = allocator->take(1, sizeof *model + 3 * room + MODEL_SCALARS);
-    int gil, ok;
+    int ok;
     if (!model) {
         snprintf(message, MODEL_MESSAGE, "no memory for the model; free other instances first");
         return NULL;
@@ -240,7 +236,7 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     model->known = (unsigned char *)(model->derivatives + MODEL_SCALARS);
     memcpy(model->values, values, room);
     memset(model->outputs, 0, 2 * room + MODEL_SCALARS);
-    gil = python.PyGILState_Ensure();
+    int gil = python.PyGILState_Ensure();
     model->object = python.PyObject_CallFunction(make, NULL);
     if (model->object)
         ok = check_answer(model->object,
@@ -350,12 +346,11 @@ int model_warning(ModelInstance *model, int number, char *message) {
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
                      double *sum, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
-    size_t i;
-    for (i = 0; i < MODEL_SCALARS; i++) model->derivatives[i] = NAN;
+    for (size_t i = 0; i < MODEL_SCALARS; i++) model->derivatives[i] = NAN;
     ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed),
                       message);
     python.PyGILState_Release(gil);
-    for (i = 0; ok && i < number; i++) {
+    for (size_t i = 0; ok && i < number; i++) {
         if (isnan(model->derivatives[unknown[i]])) {
             snprintf(message, MODEL_MESSAGE,
                      "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",

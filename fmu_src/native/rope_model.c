@@ -26,8 +26,7 @@ static void *field(void *structure, size_t offset) {
 }
 
 static void read_parameters(ModelInstance *model, const double *values) {
-    size_t i;
-    for (i = 0; i < MODEL_SCALARS; i++) {
+    for (size_t i = 0; i < MODEL_SCALARS; i++) {
         const Place *place = &ROPE_PLACES[i];
         if (place->where == SCENE_REAL) *(double *)field(&model->scene, place->offset) = values[i];
         if (place->where == SCENE_INTEGER) *(int *)field(&model->scene, place->offset) = (int)values[i];
@@ -36,8 +35,7 @@ static void read_parameters(ModelInstance *model, const double *values) {
 }
 
 static void read_motions(const double *values, EndMotion ends[2]) {
-    size_t i;
-    for (i = 0; i < MODEL_SCALARS; i++) {
+    for (size_t i = 0; i < MODEL_SCALARS; i++) {
         const Place *place = &ROPE_PLACES[i];
         if (place->where == LEFT_MOTION) *(double *)field(&ends[LEFT], place->offset) = values[i];
         if (place->where == RIGHT_MOTION) *(double *)field(&ends[RIGHT], place->offset) = values[i];
@@ -134,9 +132,8 @@ int model_warning(ModelInstance *model, int number, char *message) {
 /* all of them, a line each */
 static const char *warning(ModelInstance *model) {
     char text[MODEL_MESSAGE], *end = model->warning;
-    int k;
     *end = '\0';
-    for (k = 0; model_warning(model, k, text); k++)
+    for (int k = 0; model_warning(model, k, text); k++)
         if (*text) end += sprintf(end, "%s%s", end > model->warning ? "\n" : "", text);
     return model->warning;
 }
@@ -162,12 +159,11 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
     double h = model->interval, force[FORCES], change[3];
     int side = ROPE_PLACES[known].where == RIGHT_MOTION, k = (int)(ROPE_PLACES[known].offset / sizeof(double)), part;
     int parts = 1, stride = k < 9 ? 3 : 1;
-    size_t i;
     if (!model->at_step_end) parts = k < 9 ? k / 3 + 1 : k - 8;
     change[0] = seed;
     change[1] = seed * h;
     change[2] = 0.5 * seed * h * h;
-    for (i = 0; i < number; i++)
+    for (size_t i = 0; i < number; i++)
         if (ROPE_PLACES[unknown[i]].derivative < 0) {
             snprintf(message, MODEL_MESSAGE,
                      "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
@@ -177,7 +173,7 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
     for (part = 0; part < parts; part++) {
         int input = side * INPUTS_OF_END + k - part * stride;
         if (!copy_message(model, rope_derivative(model->rope, input, force), message)) return 0;
-        for (i = 0; i < number; i++) sum[i] += change[part] * force[ROPE_PLACES[unknown[i]].derivative];
+        for (size_t i = 0; i < number; i++) sum[i] += change[part] * force[ROPE_PLACES[unknown[i]].derivative];
     }
     return 1;
 }

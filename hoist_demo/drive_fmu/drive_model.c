@@ -71,8 +71,7 @@ static void control_outputs(State *s, const double *parameters) {
 }
 
 static int read_parameters(double *parameters, const double *values, char *message) {
-    int i;
-    for (i = 0; i < DRIVE_PARAMETERS; i++) {
+    for (int i = 0; i < DRIVE_PARAMETERS; i++) {
         if (!(values[i] >= DRIVE_BOUNDS[i][0] && values[i] <= DRIVE_BOUNDS[i][1])) {
             snprintf(message, MODEL_MESSAGE,
                      "%s = %.9g is out of range: it must be at least %.9g and at most %.9g; "
@@ -109,8 +108,7 @@ void model_destroy(ModelInstance *m) {
 
 int model_initialize(ModelInstance *m, double t, const double *values, char *message) {
     State *s = &m->next;
-    int i;
-    for (i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++) {
         double force = values[DRIVE_FORCE + i];
         if (!(force >= DRIVE_LOWEST_FORCE && force <= 0.0)) {
             snprintf(message, MODEL_MESSAGE,
@@ -167,8 +165,7 @@ static void control(ModelInstance *m, State *s, double h) {
 /* finite, and rope left at the sheave */
 static int sound(const State *s, char *message) {
     double left = s->free_lengths[0] - DRIVE_RADIUS * s->x[1], right = s->free_lengths[1] + DRIVE_RADIUS * s->x[1];
-    int i;
-    for (i = 0; i < DRIVE_STATES; i++)
+    for (int i = 0; i < DRIVE_STATES; i++)
         if (!isfinite(s->x[i])) {
             snprintf(message, MODEL_MESSAGE,
                      "the drive's state is not finite after t = %.9g s; check the forces "
@@ -186,7 +183,6 @@ static int sound(const State *s, char *message) {
 
 int model_step(ModelInstance *m, double t, double h, const double *values, char *message) {
     double stop = t + h, steps, part, x[DRIVE_STATES];
-    long k;
     State *s = &m->next;
     h += t - m->state.t; /* rests of rounding size included */
     steps = ceil(h / m->parameters[DRIVE_STEP_MAX] - 1e-9);
@@ -203,8 +199,8 @@ int model_step(ModelInstance *m, double t, double h, const double *values, char 
     control(m, s, h);
     s->u[1] = values[DRIVE_FORCE];
     s->u[2] = values[DRIVE_FORCE + 1];
-    for (k = 0; k < DRIVE_SIDE_FORCES; k++) s->u[DRIVE_SIDE_INPUT + k] = values[DRIVE_SIDE_FORCE + k];
-    for (k = 0; k < (long)steps; k++) {
+    for (long k = 0; k < DRIVE_SIDE_FORCES; k++) s->u[DRIVE_SIDE_INPUT + k] = values[DRIVE_SIDE_FORCE + k];
+    for (long k = 0; k < (long)steps; k++) {
         m->arg[0] = s->x;
         m->arg[1] = s->u;
         m->arg[2] = s->free_lengths;

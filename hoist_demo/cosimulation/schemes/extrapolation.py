@@ -8,6 +8,7 @@ Simulationsprogrammen, 2012, chapter 3.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +16,20 @@ from .interface import Sample, Vector
 
 MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
 """Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth)."""
+
+
+@dataclass(frozen=True)
+class Extrapolated:
+    """What the schemes have in common that extrapolate to `order` 0, 1 or 2."""
+
+    order: int
+    needs_rollback: bool = False
+    needs_added_mass: bool = False
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Of past forces in the step's mean."""
+        return MEAN_WEIGHTS[self.order]
 
 
 def extrapolation_coefficients(

@@ -14,22 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .extrapolation import MEAN_WEIGHTS, extrapolation_coefficients
+from .extrapolation import Extrapolated, extrapolation_coefficients
 from .interface import Advance, ExchangeBalance, Load, Memory, Motion, Pair
 
 
 @dataclass(frozen=True)
-class Jacobi:
+class Jacobi(Extrapolated):
     """Forces and accelerations extrapolated to `order` 0, 1 or 2; of the order `order` + 1 in H."""
-
-    order: int
-    needs_rollback: bool = False
-    needs_added_mass: bool = False
-
-    @property
-    def weights(self) -> tuple[float, ...]:
-        """Of past forces in the step's mean."""
-        return MEAN_WEIGHTS[self.order]
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""

@@ -12,23 +12,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .extrapolation import MEAN_WEIGHTS, extrapolation_coefficients
+from .extrapolation import Extrapolated, extrapolation_coefficients
 from .gauss_seidel import exchange
 from .interface import Advance, Load, Memory, Pair
 
 
 @dataclass(frozen=True)
-class SemiImplicit:
+class SemiImplicit(Extrapolated):
     """Extrapolation to `order` 0, 1 or 2; of the order `order` + 1 in H."""
 
-    order: int
-    needs_rollback: bool = False
     needs_added_mass: bool = True
-
-    @property
-    def weights(self) -> tuple[float, ...]:
-        """Of past forces in the step's mean."""
-        return MEAN_WEIGHTS[self.order]
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """One exchange."""
