@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 from exports import FLAVOURS
-from fmpy.fmi3 import FMU3Slave
 
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.checkpoint import Checkpoint
@@ -161,7 +160,7 @@ def test_an_fmu_that_ends_the_run_fails_the_step_as_a_discarded_one_does(
     fmu_of: FmuOf, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rope = rope_at_rest(fmu_of("native-3"))
-    monkeypatch.setattr(FMU3Slave, "doStep", lambda *_: (False, True, False, 0.0))
+    monkeypatch.setattr(rope._fmu, "_do_step", lambda: setattr(rope._fmu._ended, "value", True))
     status = rope.step(0.0, H, *AT_REST)
     rope.close()
     assert not status.valid

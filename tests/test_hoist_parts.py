@@ -59,7 +59,7 @@ def _frequencies(plant: HoistPlant, heights: tuple[float, float]) -> np.ndarray:
     for k in range(state.x.size):
         d = np.zeros(state.x.size)
         d[k] = 1e-4
-        up, down = (plant.rates(replace(state, x=state.x + s * d), u) for s in (1, -1))
+        up, down = (plant.rates(state._replace(x=state.x + s * d), u) for s in (1, -1))
         jacobian[:, k] = (up - down) / 2e-4
     values = np.linalg.eigvals(jacobian).imag
     return np.sort(values[values > 1e-6])
@@ -70,7 +70,7 @@ def _at(plant: HoistPlant, state: PlantState, **values: float) -> PlantState:
     x = state.x.copy()
     for name, value in values.items():
         x[plant.state_names.index(name)] = value
-    return replace(state, x=x)
+    return state._replace(x=x)
 
 
 @pytest.mark.parametrize("modes", [1, 3])

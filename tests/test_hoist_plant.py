@@ -30,7 +30,7 @@ def _move(plant: HoistPlant) -> PlantState:
     """Mid-shaft, moving at 5 m/s, with the ropes slightly out of balance."""
     state = plant.equilibrium(40.0, 50.0, -TAIL * 55.0, -TAIL * 65.0)
     x = state.x + np.array([2e4, 0.0, 0.01, -0.02, 5.0 / 1.25, 5.1, -4.9])
-    return replace(state, x=x)
+    return state._replace(x=x)
 
 
 @pytest.mark.parametrize("heights", [(0.0, 90.0), (90.0, 0.0), (45.0, 45.0)])
@@ -98,7 +98,7 @@ def _swinging(name: str) -> tuple[HoistPlant, PlantState]:
     }.items():
         if of in plant.state_names:
             x[plant.state_names.index(of)] += change
-    return plant, replace(state, x=x)
+    return plant, state._replace(x=x)
 
 
 PATH = PlantInputPath(
@@ -116,7 +116,7 @@ def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(
     for h in (1e-3, 0.01, 0.04):
 
         def rates(t: float, x: np.ndarray, h: float = h) -> np.ndarray:
-            here = replace(state, x=x)
+            here = state._replace(x=x)
             return plant.rates(here, plant.loads_at(here, path, t / h))
 
         step = plant.step(state, h, path)
@@ -196,7 +196,7 @@ def test_energy_gained_is_work_done_less_losses(plant: HoistPlant) -> None:
 
 def test_the_hoist_without_losses_and_motor_keeps_its_energy() -> None:
     plant = HoistPlant(Hoist(head_rope_damping=0.0, loss_coulomb=0.0, loss_viscous=0.0))
-    state = replace(_move(plant), x=_move(plant).x * np.array([0, 1, 1, 1, 1, 1, 1]))
+    state = _move(plant)._replace(x=_move(plant).x * np.array([0, 1, 1, 1, 1, 1, 1]))
     u = PlantInput(0.0, 0.0, 0.0)
     start = plant.outputs(state, u)
     for _ in range(100):
@@ -213,7 +213,7 @@ def test_a_conveyance_swings_at_its_rope_s_frequency() -> None:
     plant = HoistPlant(hoist)
     rest = plant.equilibrium(0.0, 90.0, 0.0, 0.0)
     u = PlantInput(float(rest.x[0]), 0.0, 0.0)
-    pushed = replace(rest, x=rest.x + np.array([0, 0, 1e-3, 0, 0, 0, 0]))
+    pushed = rest._replace(x=rest.x + np.array([0, 0, 1e-3, 0, 0, 0, 0]))
     omega = math.sqrt(hoist.rope_stiffness / rest.free_lengths[0] / hoist.mass_left)
     quarter = plant.step(pushed, math.pi / 2 / omega, u).state
     # a quarter period later the conveyance passes its rest position at full speed
@@ -242,7 +242,7 @@ def test_overwinding_is_a_status() -> None:
     plant = HoistPlant(Hoist(head_rope_length_up=1.0))
     state = plant.equilibrium(90.0, 0.0, *RELAXED)
     u = PlantInput(float(state.x[0]), *RELAXED)
-    state = replace(state, x=state.x + np.array([0, 0, 0, 0, 6.4, 8.0, -8.0]))
+    state = state._replace(x=state.x + np.array([0, 0, 0, 0, 6.4, 8.0, -8.0]))
     steps = 0
     while (step := plant.step(state, 0.01, u)).valid and steps < 20:
         state, steps = step.state, steps + 1

@@ -1,7 +1,7 @@
 """The last good state of a run in a file, to be looked at or to go on from.
 
 A NumPy archive: the drive's state, the controller's, what the coupling remembers, the rope's own bytes (of an FMU its
-serialized state), the recording up to there, and the data of the run as text, which must be the same to go on.
+serialized state), the recording, and the data of the run as text, which must be the same to go on.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Checkpoint:
     at_rest: PlantOutput  # of the drive, at the start
     memory: Memory
     rope: bytes  # b"" when the rope cannot save its state
-    recording: Recording  # up to and with this sample
+    recording: Recording  # of the run until it stopped; it goes on behind this sample's row
     data: str  # of the run, that must be the same to go on: see Host.data
     cause: str  # for which the run stopped
 
@@ -49,7 +49,7 @@ class Checkpoint:
         """Write the file; ValueError, and no file, when the controller's state is no plain data."""
         memory, plant = self.memory, self.plant
         arrays = {f"sample.{name}": np.array([getattr(s, name) for s in memory.samples]) for name in _FIELDS}
-        arrays |= {f"plant.{n}": getattr(plant, n) for n, v in vars(plant).items() if isinstance(v, np.ndarray)}
+        arrays |= {f"plant.{n}": getattr(plant, n) for n, v in plant._asdict().items() if isinstance(v, np.ndarray)}
         arrays |= {"rope": np.frombuffer(self.rope, dtype=np.uint8)}
         names = list(self.recording.signals)
         if names:

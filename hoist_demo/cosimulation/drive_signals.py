@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from operator import itemgetter
+
 from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant
@@ -64,7 +66,7 @@ def drive_signals(
         reference.speed,
         reference.acceleration,
         reference.jerk,
-        *(shown[k] for k in _MOTION),
+        *_motion_of(shown),
         command.torque,
         torque,
         float(command.limited),
@@ -85,7 +87,8 @@ def drive_signals(
     ]
 
 
-_MOTION = [SHOWN[f"{name}_{side}"] for side in ("left", "right") for name in "yva"] + [SHOWN["angle"], SHOWN["rate"]]
+_MOTION = [f"{name}_{side}" for side in ("left", "right") for name in "yva"]
+_motion_of = itemgetter(*(SHOWN[name] for name in (*_MOTION, "angle", "rate")))
 _TORQUE, _MOTOR_RATE, _BRAKE, _LEFT, _RIGHT, _KINETIC, _POTENTIAL = (
     SHOWN[name]
     for name in (

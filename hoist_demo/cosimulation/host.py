@@ -3,8 +3,8 @@
     controller(t_k) -> record -> scheme over [t_k, t_k + T] in communication steps H -> ... ,      t_k = start + k T.
 
 T is H unless the controller samples less often. A rope or drive that cannot go on, or a coupling that cannot be
-solved, ends the loop; what was recorded stays, the result names the cause, and the state at the last sample is kept as
-a checkpoint, from which `run` goes on.
+solved, ends the loop; what was recorded stays, and the result names the cause. The state is kept once per second, and
+where the user stops the run, as a checkpoint, from which `run` goes on.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, drive_signals
 from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant, Stopwatch
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
-from hoist_demo.cosimulation.plain_data import encode, private_copy
+from hoist_demo.cosimulation.plain_data import encode
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
@@ -41,6 +41,9 @@ _log = logging.getLogger(__name__)
 Progress = Callable[[float, float], bool]
 """Called after every step with the fraction done and the time [s]; False stops the run."""
 
+
+KEPT_EVERY = 1.0
+"""Simulated time from one state that is kept to the next [s]."""
 
 _Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
 _NO_FORCES = np.zeros(len(SIDE_FORCES))
@@ -156,10 +159,12 @@ class Host:
         """Sample and exchange until the end; the cause when that is not reached."""
         controller = _made(self._controller, self.hoist, run.at_rest.torque)
         start, T, last = self.coupling.start, self.coupling.sample_time, self.samples
+        between = max(1, round(KEPT_EVERY / T))
         for k in range(run.first, last + 1):
             t = start + k * T
             stopped = run.first < k < last and progress is not None and not progress(k / last, t)
-            run.keep(k)
+            if stopped or (k - run.first) % between == 0:
+                run.keep(k)
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
             command = self._sample(run, controller, t)
@@ -176,9 +181,8 @@ class Host:
     def _sample(self, run: RunState, controller: Controller, t: float) -> Command:
         """The controller's command at t [s]; it and all signals are recorded."""
         point, shown = self.trajectory.at(t - self.coupling.start), run.drive.outputs
-        travel, speed = float(shown[_Y_LEFT]) - self._start_height, self.hoist.sheave_radius * float(shown[_RATE])
-        remembered, T = private_copy(run.controller), self.coupling.sample_time
-        command = controller.command(point, Measurement(travel, speed), remembered, T)
+        travel, speed = shown.item(_Y_LEFT) - self._start_height, self.hoist.sheave_radius * shown.item(_RATE)
+        command = controller.command(point, Measurement(travel, speed), run.controller, self.coupling.sample_time)
         if not isinstance(command, Command):
             raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")
         with self.rope_clock:

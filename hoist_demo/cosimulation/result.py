@@ -24,5 +24,5 @@ class Result:
     rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
     start_clock: Stopwatch  # of the rope's initialization
     warning: str = ""  # of the coupling, before the start
-    checkpoint: Checkpoint | None = None  # the last good state, when the run stopped after its first sample
+    checkpoint: Checkpoint | None = None  # the last state that was kept, when the run stopped after its first sample
     saved: Path | None = None  # where it was written

@@ -1,4 +1,4 @@
-"""What changes during a run, how it is kept at each sample, and how a checkpoint is made of it and goes on."""
+"""What changes during a run, how it is kept at a sample, and how a checkpoint is made of it and goes on."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant
+from hoist_demo.cosimulation.plain_data import private_copy
 from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Vector
 from hoist_demo.drive.plant import PlantOutput, PlantState
 from hoist_demo.recording.time_series import Recorder
@@ -28,7 +29,7 @@ class _Kept:
 
 @dataclass
 class RunState:
-    """Everything at the latest communication point, and at the latest sample."""
+    """Everything at the latest communication point, and at the latest sample that is kept."""
 
     drive: HoistParticipant
     rope: RopeParticipant
@@ -48,7 +49,8 @@ class RunState:
     def keep(self, k: int) -> None:
         """Keep the state at sample k, and none before."""
         self.forget()
-        self._kept = _Kept(k, self.drive.save(), self.controller, self.memory, self.rope.save())
+        # the controller may change what it is handed
+        self._kept = _Kept(k, self.drive.save(), private_copy(self.controller), self.memory, self.rope.save())
 
     def forget(self) -> None:
         """Free what is kept."""
@@ -61,7 +63,8 @@ class RunState:
         self.drive.restore((checkpoint.plant, checkpoint.input))
         self.rope.restore_bytes(checkpoint.rope)
         self.recorder.resume(checkpoint.recording, checkpoint.sample)
-        self.controller, self.memory, self.at_rest = checkpoint.controller, checkpoint.memory, checkpoint.at_rest
+        self.controller = private_copy(checkpoint.controller)
+        self.memory, self.at_rest = checkpoint.memory, checkpoint.at_rest
         self.first, self.steps = checkpoint.sample, steps
 
     def checkpoint(self, start: float, sample_time: float, data: str, cause: str) -> Checkpoint | None:

@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,14 +63,16 @@ SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5
 """Of its steps: factor from the error, and its bounds."""
 
 
-@dataclass(frozen=True)
-class PlantState:
+_NO_WORK, _NO_LOSSES = np.zeros(WORKS), np.zeros(len(LOSS_NAMES))
+
+
+class PlantState(NamedTuple):
     """State x = (M [N m], phi [rad], y_L, y_R [m], phi' [rad/s], v_L, v_R [m/s], ...), work and free lengths."""
 
     x: Vector  # in the order of HoistPlant.state_names, which begin with STATE_NAMES
     work: Vector  # J, (5,): by the motor, into losses, into rope damping, by all balance ropes' left, right ends
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
-    losses: Vector = field(default_factory=lambda: np.zeros(len(LOSS_NAMES)))  # J, the parts of work[1]
+    losses: Vector = _NO_LOSSES  # J, the parts of work[1]
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
 
 
@@ -160,15 +163,14 @@ class PlantOutput:
         return rope_ends(np.array([*vars(self).values()]))
 
 
-@dataclass(frozen=True)
-class PlantStep:
+class PlantStep(NamedTuple):
     """New state, or the old one and the cause when the step failed."""
 
     valid: bool
     message: str
     state: PlantState
-    acting: Vector = field(default_factory=lambda: np.zeros(0))  # input at the step's end, in the order of INPUT_NAMES
-    shown: Vector = field(default_factory=lambda: np.zeros(0))  # what PlantOutput has under it, as numbers
+    acting: Vector = np.zeros(0)  # input at the step's end, in the order of INPUT_NAMES
+    shown: Vector = np.zeros(0)  # what PlantOutput has under it, as numbers
 
 
 class HoistPlant:
@@ -246,7 +248,7 @@ class HoistPlant:
     def _integrate(self, h: float, size: float) -> tuple[Vector, Vector, float] | None:
         """What `advance` shows at s = 1, all work, next step in s; it begins with steps of this size. None: no way."""
         z, given, result = self._z, self._given, self._result
-        s, work, growth = 0.0, np.zeros(WORKS), GROWS
+        s, work, growth = 0.0, _NO_WORK, GROWS
         while size * h > SHORTEST:
             calls = max(1, math.ceil((1.0 - s) / (CHUNK * size) - 1e-9))
             used = (1.0 - s) / (CHUNK * calls)
@@ -254,7 +256,7 @@ class HoistPlant:
             self._advance.evaluate()
             self.evaluations += 1
             y = self._y.copy()
-            error = float(y[self._error])
+            error = y.item(self._error)
             size = min(used * _change(error), size * growth)
             if error <= 1.0 and math.isfinite(y.dot(y)):
                 work = work + y[result["work"]]
@@ -315,7 +317,7 @@ class HoistPlant:
 
 def free_lengths_at(hoist: Hoist, state: PlantState) -> tuple[float, float]:
     """Free head rope lengths between sheave and conveyances, left and right [m]."""
-    wound = hoist.sheave_radius * float(state.x[1])
+    wound = hoist.sheave_radius * state.x.item(1)
     return state.free_lengths[0] - wound, state.free_lengths[1] + wound
 
 
@@ -340,7 +342,7 @@ def side_forces(signals: Mapping[str, float]) -> dict[str, float]:
 
 def tension_ratio(one: float, other: float) -> float:
     """Larger tension over smaller one (Euler-Eytelwein), infinite when a side is slack [-]."""
-    low, high = sorted((one, other))
+    low, high = (one, other) if one < other else (other, one)
     return high / low if low > 0.0 else math.inf
 
 

@@ -78,8 +78,8 @@ class Recorder:
 
     def resume(self, recording: Recording, rows: int) -> None:
         """Begin with the first rows of a recording."""
-        self._table = np.array([recording[name][:rows] for name in self._names]).T.copy()
-        self._rows = rows
+        self._table, self._rows = np.empty((rows + 256, len(self._names))), rows
+        self._table[:rows] = np.array([recording[name][:rows] for name in self._names]).T
 
     def recording(self) -> Recording:
         """All rows so far."""

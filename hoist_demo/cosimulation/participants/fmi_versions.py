@@ -6,13 +6,14 @@ variable has the type that FMI 2.0 would give it, and an array's elements have t
 
 from __future__ import annotations
 
+import atexit
 import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from ctypes import byref, c_uint32
+from ctypes import byref, c_bool, c_char_p, c_double, c_uint32
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from itertools import product
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -107,6 +108,14 @@ def _value(kind: str, text: str) -> Value:
     return text in ("true", "1") if kind == "Boolean" else text
 
 
+@lru_cache(maxsize=8)
+def unpacked(path: Path, changed: int, size: int) -> Path:
+    """Folder with the files of an FMU that was changed last at that time [ns], for this process and until it ends."""
+    directory = Path(fmpy.extract(str(path), include=_serves_to_run))
+    atexit.register(shutil.rmtree, directory, ignore_errors=True)
+    return directory
+
+
 def _serves_to_run(file: str) -> bool:
     """Whether an instance may read this file of the archive."""
     return not file.startswith(("sources/", "documentation/", "terminalsAndIcons/"))
@@ -121,27 +130,28 @@ class Buffer(NamedTuple):
 
 
 class Instance(ABC):
-    """One instance for co-simulation, whose files lie in a folder of its own until it is closed."""
+    """One instance for co-simulation."""
 
-    def __init__(self, path: Path, description: Any, hear: Hear) -> None:
-        """Extract, load and instantiate; RuntimeError when that fails."""
-        self.directory = Path(fmpy.extract(str(path), include=_serves_to_run))
+    def __init__(self, directory: Path, description: Any, hear: Hear) -> None:
+        """Load from the FMU's files and instantiate; RuntimeError when that fails."""
         self._hear = hear
         self._fmu: Any = None
         self._spare: Any = None
+        self._t, self._h = c_double(), c_double()  # of the next step
         try:
             self._fmu = self._fmpy_class(
                 guid=description.guid,
                 modelIdentifier=description.coSimulation.modelIdentifier,
-                unzipDirectory=str(self.directory),
+                unzipDirectory=str(directory),
                 instanceName="balance_rope",
             )
             self._instantiate()
         except Exception as error:  # FMPy raises the bare class here
             if self._fmu is not None:
                 self._fmu.freeLibrary()
-            self._remove()
             raise RuntimeError(str(error)) from error
+
+    _do_step: Callable[[], None]
 
     _fmpy_class: Callable[..., Any]
     """FMPy's, of the version."""
@@ -156,35 +166,61 @@ class Instance(ABC):
     _enumeration: str
     """Type whose functions get and set enumerations."""
 
+    _tells_lengths: bool
+    """Whether getters and setters are told the number of the values."""
+
     @abstractmethod
     def _instantiate(self) -> None:
-        """With all messages going to `_hear`: a Python FMU passes on no warning without logging."""
+        """With all messages going to `_hear`: a Python FMU passes on no warning without logging.
+
+        `_do_step` is set to what steps from `_t` by `_h`.
+        """
 
     @abstractmethod
     def enter_initialization(self, t0: float) -> None:
         """Set up for a run from t0 [s] and enter initialization mode."""
 
-    @abstractmethod
     def step(self, t: float, h: float) -> None:
         """From t to t + h [s]."""
-
-    @abstractmethod
-    def get(self, variables: Sequence[Variable]) -> list[Value]:
-        """Values of all elements of variables of one type."""
+        self._t.value, self._h.value = t, h
+        self._do_step()
 
     def buffer(self, what: Literal["Get", "Set"], variables: Sequence[Variable]) -> Buffer:
         """For all elements of variables of one type, to be called again and again."""
         kind, number = variables[0].type, sum(len(v.elements) for v in variables)
         type_ = self._enumeration if kind == "Enumeration" else kind
-        references = (c_uint32 * len(variables))(*(v.reference for v in variables))
         values = (getattr(self._fmpy_module, f"{self._prefix}{type_}") * number)()
-        function = getattr(self._fmu, f"{self._prefix}{what}{type_}")
-        call = self._buffer_call(function, references, values)
+        call = self._access(f"{what}{type_}", variables, values)
         return Buffer([name for v in variables for name in v.elements], call, np.ctypeslib.as_array(values))
 
-    @abstractmethod
-    def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
+    def text(self, variable: Variable) -> Callable[[], str]:
+        """A function that reads a String."""
+        values = (c_char_p * 1)()
+        call = self._access("GetString", [variable], values)
+
+        def read() -> str:
+            call()
+            return (values[0] or b"").decode("utf-8", errors="replace")
+
+        return read
+
+    def _access(self, name: str, variables: Sequence[Variable], values: Any) -> Callable[[], None]:
         """A getter or setter with its arguments."""
+        references = (c_uint32 * len(variables))(*(v.reference for v in variables))
+        sizes = [len(references), *([len(values)] if self._tells_lengths else [])]
+        return self._checked(name, references, sizes[0], values, *sizes[1:])
+
+    def _checked(self, name: str, *arguments: Any) -> Callable[[], None]:
+        """A call of the library with these arguments, past FMPy's own frames; CallError where it fails."""
+        name = f"{self._prefix}{name}"
+        call = partial(getattr(self._fmu.dll, name), self._fmu.component, *arguments)
+
+        def checked() -> None:
+            status = call()
+            if status > WARNING:
+                raise CallError(name, status)
+
+        return checked
 
     def set(self, variables: Sequence[Variable], values: Sequence[Value]) -> None:
         """Set all elements of variables of one type."""
@@ -225,26 +261,23 @@ class Instance(ABC):
         return self._fmu.deserializeFMUState(data)
 
     def close(self) -> None:
-        """Free the instance and remove its files; may be called more than once."""
+        """Free the instance; may be called more than once."""
         fmu, self._fmu = self._fmu, None
         if fmu is not None:
             if self._spare is not None:
                 with suppress(CallError):
                     fmu.freeFMUState(self._spare)
             fmu.freeInstance()
-        self._remove()
 
     def _function(self, what: str, variables: Sequence[Variable]) -> Callable[..., Any]:
         kind = variables[0].type
         function: Callable[..., Any] = getattr(self._fmu, what + (self._enumeration if kind == "Enumeration" else kind))
         return function
 
-    def _remove(self) -> None:
-        shutil.rmtree(self.directory, ignore_errors=True)
-
 
 class _Instance2(Instance):
     _fmpy_class, _fmpy_module, _prefix, _state, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "state", "Integer"
+    _tells_lengths = False
 
     def _instantiate(self) -> None:
         # FMPy prints by default; the callbacks must live as long as the instance
@@ -258,6 +291,7 @@ class _Instance2(Instance):
 
             addLoggerProxy(byref(self._callbacks))
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self._do_step = self._checked("DoStep", self._t, self._h, fmpy.fmi2.fmi2True)
 
     def _pass_on(self, component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
         self._hear(status, message.decode("utf-8", errors="replace"))
@@ -266,24 +300,16 @@ class _Instance2(Instance):
         self._fmu.setupExperiment(startTime=t0)
         self._fmu.enterInitializationMode()
 
-    def step(self, t: float, h: float) -> None:
-        self._fmu.doStep(t, h)
-
-    def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
-        return partial(function, self._fmu.component, references, len(references), values)
-
-    def get(self, variables: Sequence[Variable]) -> list[Value]:
-        values: list[Any] = self._function("get", variables)([v.reference for v in variables])
-        if variables[0].kind == "String":
-            return [text.decode("utf-8", errors="replace") if text else "" for text in values]
-        return values
-
 
 class _Instance3(Instance):
     _fmpy_class, _fmpy_module, _prefix, _state, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "State", "Int64"
+    _tells_lengths = True
 
     def _instantiate(self) -> None:
         self._fmu.instantiate(loggingOn=True, logMessage=self._pass_on)
+        self._ended = c_bool()
+        told = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
+        self._do_step = self._checked("DoStep", self._t, self._h, True, *told)
 
     def _pass_on(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
         self._hear(status, message.decode("utf-8", errors="replace"))
@@ -292,17 +318,9 @@ class _Instance3(Instance):
         self._fmu.enterInitializationMode(startTime=t0)
 
     def step(self, t: float, h: float) -> None:
-        _, ended, _, _ = self._fmu.doStep(t, h)
-        if ended:  # succeeds here, and is a discarded step in FMI 2.0
+        super().step(t, h)
+        if self._ended.value:  # succeeds here, and is a discarded step in FMI 2.0
             raise CallError("fmi3DoStep", _DISCARD)
-
-    def _buffer_call(self, function: Callable[..., Any], references: Any, values: Any) -> Callable[[], Any]:
-        return partial(function, self._fmu.component, references, len(references), values, len(values))
-
-    def get(self, variables: Sequence[Variable]) -> list[Value]:
-        number = sum(len(v.elements) for v in variables)
-        values: list[Value] = self._function("get", variables)([v.reference for v in variables], nValues=number)
-        return values
 
 
 VERSIONS: Mapping[str, type[Instance]] = {"2.0": _Instance2, "3.0": _Instance3}

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from zipfile import BadZipFile, ZipFile
 
 import fmpy
@@ -31,7 +31,7 @@ class FmuParameter:
 
 def read_parameters(path: Path) -> dict[str, FmuParameter]:
     """All parameters of the FMU by name."""
-    return parameters_of(variables_of(read_description(path)))
+    return parameters_of(read_fmu(path).variables)
 
 
 def parameters_of(variables: Iterable[Variable]) -> dict[str, FmuParameter]:
@@ -46,26 +46,38 @@ def parameters_of(variables: Iterable[Variable]) -> dict[str, FmuParameter]:
 
 def read_outputs(path: Path) -> tuple[str, ...]:
     """Names of all outputs of the FMU that are numbers, and of the fidelity, which is recorded by its code."""
-    outputs = [v for v in variables_of(read_description(path)) if v.causality == "output"]
+    outputs = [v for v in read_fmu(path).variables if v.causality == "output"]
     return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
 
 
 def fmi_version(path: Path) -> str:
     """The version of FMI that the FMU is of."""
-    return str(read_description(path).fmiVersion)
+    return str(read_fmu(path).description.fmiVersion)
 
 
-def read_description(path: Path) -> Any:
-    """FMPy's model description of an FMU that this host can drive."""
+class Fmu(NamedTuple):
+    """What is read of an FMU."""
+
+    description: Any  # FMPy's
+    variables: tuple[Variable, ...]
+
+
+def read_fmu(path: Path) -> Fmu:
+    """Model description of an FMU that this host can drive."""
     if not path.is_file():
         raise ValueError(f"FMU '{path}' is missing: export it with `balance-rope export --out {path}`")
+    return _read(*version_of(path))
+
+
+def version_of(path: Path) -> tuple[Path, int, int]:
+    """A file as it is now: its place, when it was changed last [ns], and its number of bytes."""
     seen = path.stat()
-    return _description(path.resolve(), seen.st_mtime_ns, seen.st_size)
+    return path.resolve(), seen.st_mtime_ns, seen.st_size
 
 
 @lru_cache(maxsize=8)  # a study reads the same file for every run
-def _description(path: Path, changed: int, size: int) -> Any:
-    """Of the file as it was changed last [ns], of so many bytes."""
+def _read(path: Path, changed: int, size: int) -> Fmu:
+    """Of a file in one version."""
     try:
         with ZipFile(path) as archive:
             if "modelDescription.xml" not in archive.namelist():
@@ -81,4 +93,4 @@ def _description(path: Path, changed: int, size: int) -> Any:
             f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; this host drives co-simulation of FMI "
             f"{' and '.join(VERSIONS)}: give the FMU of `balance-rope export`, or run with --in-process"
         )
-    return description
+    return Fmu(description, variables_of(description))

@@ -24,9 +24,9 @@ from hoist_demo.cosimulation.participants.fmi_versions import (
     CallError,
     Instance,
     Variable,
-    variables_of,
+    unpacked,
 )
-from hoist_demo.cosimulation.participants.fmu_parameters import parameters_of, read_description
+from hoist_demo.cosimulation.participants.fmu_parameters import parameters_of, read_fmu, version_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
 from hoist_demo.cosimulation.participants.rope_plant import REQUIRED_SIGNALS, EndMotion, Reader, RopeStatus
 from hoist_demo.recording.fidelity import FIDELITY, code_of
@@ -60,6 +60,12 @@ class _Part(NamedTuple):
         pairs = np.array([(places[name], k) for k, name in enumerate(names) if name in places])
         return _Part(buffer.call, buffer.values, pairs[:, 0].copy(), pairs[:, 1].copy())
 
+    def is_all_of(self, names: Sequence[str]) -> bool:
+        """Whether the call gives real numbers for just these names in their order."""
+        whole = np.arange(len(names))
+        same = np.array_equal(self.there, whole) and np.array_equal(self.here, whole)
+        return same and self.values.shape == whole.shape and self.values.dtype == np.float64
+
 
 class FmuRope:
     """A RopePlant that lives in an .fmu file."""
@@ -70,7 +76,7 @@ class FmuRope:
         parameters: Mapping[str, ParameterValue] | None = None,
         not_read: Collection[str] = NOT_READ,
     ) -> None:
-        """Extract and load the FMU, and set its parameters, each by its FMI type (enumerations by item name).
+        """Load the FMU, and set its parameters, each by its FMI type (enumerations by item name).
 
         Outputs named in `not_read` are not among the signals.
         """
@@ -78,8 +84,7 @@ class FmuRope:
         self._warned: set[str] = set()  # what has been in the log
         self._errors: list[str] = []  # what the FMU has said of the call that fails
         self._path = Path(path)
-        self._description: Any = read_description(self._path)
-        variables = variables_of(self._description)
+        self._description, variables = read_fmu(self._path)
         self._described = parameters_of(variables)
         self._variables = {name: v for v in variables for name in v.elements}
         inputs = [self._variable(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
@@ -91,7 +96,9 @@ class FmuRope:
         if missing:
             raise ValueError(f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew")
         try:
-            self._fmu: Instance = VERSIONS[self._description.fmiVersion](self._path, self._description, self._hear)
+            self._fmu: Instance = VERSIONS[self._description.fmiVersion](
+                unpacked(*version_of(self._path)), self._description, self._hear
+            )
         except RuntimeError as error:
             raise ValueError(f"the FMU must instantiate, but: {self._explanation(error)}: export it anew") from error
         self._motions = self._fmu.buffer("Set", inputs)
@@ -135,7 +142,10 @@ class FmuRope:
         groups = [[v for v in asked if v.type == type_] for type_ in {v.type for v in asked if v.kind in _NUMBERS}]
         parts = [_Part.of(self._fmu.buffer("Get", variables), names) for variables in groups]
         fidelity = [k for k, name in enumerate(names) if name == FIDELITY and FIDELITY in self._variables]
+        read_fidelity = self._fmu.text(self._variables[FIDELITY]) if fidelity else None
         nothing = np.full(len(names), np.nan)
+        if len(parts) == 1 and not fidelity and parts[0].is_all_of(names):
+            return self._whole_reader(parts[0])
 
         def read() -> NDArray[np.float64]:
             found = nothing.copy()
@@ -143,11 +153,24 @@ class FmuRope:
                 for get, values, there, here in parts:
                     get()
                     found[here] = values[there]
-                if fidelity:
-                    found[fidelity] = code_of(self._text(FIDELITY))
+                if read_fidelity is not None:
+                    found[fidelity] = code_of(read_fidelity())
             except CallError as error:
                 raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
             return found
+
+        return read
+
+    def _whole_reader(self, part: _Part) -> Reader:
+        """A function that reads outputs in the order of one call."""
+        get, values = part.get, part.values
+
+        def read() -> NDArray[np.float64]:
+            try:
+                get()
+            except CallError as error:
+                raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
+            return values.copy()
 
         return read
 
@@ -212,7 +235,7 @@ class FmuRope:
         return self._units_of_outputs() | ({FIDELITY: "1"} if self._tells_fidelity else {})
 
     def close(self) -> None:
-        """Terminate, free the instance and remove the extracted files."""
+        """Terminate and free the instance; the extracted files serve the next one of this process."""
         if self._started:
             with suppress(CallError):
                 self._fmu.terminate()
@@ -253,7 +276,7 @@ class FmuRope:
 
     def _text(self, name: str) -> str:
         """A String output; "" where there is none."""
-        return str(self._fmu.get([self._variables[name]])[0]) if name in self._variables else ""
+        return self._fmu.text(self._variables[name])() if name in self._variables else ""
 
     def _reason(self) -> str:
         """Why the fidelity runs that runs, where the FMU still speaks."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant, RopeStatus
 from hoist_demo.cosimulation.schemes.interface import Load, Motion, Vector
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES
+from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
 from hoist_demo.drive.plant import SHOWN, HoistPlant, PlantOutput, PlantState, rope_ends
 
 ENDS = ("left", "right")
@@ -120,7 +120,8 @@ class HoistParticipant:
 
     def work(self) -> float:
         """Work of one balance rope's forces on the hoist [J]."""
-        return float(self.state.work[3] + self.state.work[4]) / self.plant.hoist.tail_rope_number
+        work = self.state.work
+        return (work.item(_LEFT_WORK) + work.item(_RIGHT_WORK)) / self.plant.hoist.tail_rope_number
 
     def ends(self) -> tuple[EndMotion, EndMotion]:
         """Motion of the conveyances now, lateral and yaw too."""
@@ -143,6 +144,7 @@ def _motion(shown: Vector) -> Motion:
     return Motion(shown[_PLACE], shown[_SPEED], shown[_ACCELERATION])
 
 
+_LEFT_WORK, _RIGHT_WORK = (WORK_NAMES.index(end) for end in ENDS)
 _TORQUE, _BRAKE, _SIDES = INPUT_NAMES.index("torque_command"), INPUT_NAMES.index("brake"), slice(4, 10)
 
 

@@ -37,7 +37,7 @@ def extrapolation_coefficients(
 ) -> tuple[Vector, Vector, Vector]:
     """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
     used = samples[-(order + 1) :]
-    values = [np.asarray(getattr(sample, name)) for sample in used]
+    values: list[Vector] = [getattr(sample, name) for sample in used]
     last = values[-1]
     zero = np.zeros(last.shape)
     if len(used) == 1:
