@@ -7,8 +7,8 @@ FLAVOUR ?= python
 FMU_python := build/balance_rope.fmu
 FMU_native := build/balance_rope_native.fmu
 EXPORT_native := --native
-SAID_python := this rope ran in Python, the form to read; make demo FLAVOUR=native winds it in C, and README.md, How fast, compares
-SAID_native := this rope ran in C
+SAID_python := the rope runs in Python, the form to read; make demo FLAVOUR=native winds it in C, and README.md, How fast, compares
+SAID_native := the rope runs in C
 READY := $(VENV)/.ready
 # one process per core, each with one thread; the tests of a file share what they make, and so a process
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist loadfile
@@ -18,8 +18,8 @@ PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist loadfile
 demo: $(READY)
 	$(if $(FMU_$(FLAVOUR)),,$(error FLAVOUR=$(FLAVOUR) must be python or native))
 	$(BIN)/balance-rope export $(EXPORT_$(FLAVOUR)) --outputs all --platform host
-	$(BIN)/balance-rope demo --fmu $(FMU_$(FLAVOUR))
 	@echo "$(SAID_$(FLAVOUR))"
+	$(BIN)/balance-rope demo --fmu $(FMU_$(FLAVOUR))
 
 test: $(READY)
 	$(PYTEST)

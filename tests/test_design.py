@@ -15,11 +15,12 @@ from hoist_demo.design.low_fidelity import low_fidelity
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise
 from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.design.swing import fit_swing
-from hoist_demo.design.tuning import search
+from hoist_demo.design.tuning import Judged, Plan, search
 from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.parameters import Hoist, Winding
 
 TRIP = Winding(travel=20.0, speed=3.0, jerk=2.0)
+PLAN = Plan(sample=8, searches=2, steps=20, seed=1)
 SHORT = Winding(travel=6.0, speed=2.0, jerk=2.0, start_delay=0.5)
 
 
@@ -138,7 +139,46 @@ def test_plain_controllers_share_the_s_curve_and_differ_in_feed_forward() -> Non
 def test_search_finds_the_minimum_of_a_bowl_past_failing_points() -> None:
     goal = np.array([0.3, 0.8])
 
-    def bowl(points: np.ndarray) -> list[float]:
-        return [math.nan if x[0] > 0.9 else float(np.sum((x - goal) ** 2)) for x in points]
+    def bowl(points: np.ndarray) -> list[Judged]:
+        return [Judged(math.inf if x[0] > 0.9 else float(np.sum((x - goal) ** 2))) for x in points]
 
-    assert search(bowl, 2, generations=40, population=20, seed=1) == pytest.approx(goal, abs=1e-2)
+    found = search(bowl, 2, PLAN)
+    assert len(found.points) <= PLAN.sample + PLAN.searches * PLAN.steps
+    assert found.points[found.best] == pytest.approx(goal, abs=1e-2)
+
+
+def test_search_keeps_a_bound_that_the_unbounded_minimum_exceeds() -> None:
+    goal = np.array([0.3, 0.8])
+
+    def bowl(points: np.ndarray) -> list[Judged]:
+        return [Judged(float(np.sum((x - goal) ** 2)), (2.0 * (float(x[1]) - 0.5),)) for x in points]
+
+    found = search(bowl, 2, PLAN)
+    assert found.judged[found.best].kept
+    assert found.points[found.best] == pytest.approx([0.3, 0.5], abs=1e-2)
+
+
+def test_search_without_a_point_within_its_bounds_comes_nearest() -> None:
+    def slope(points: np.ndarray) -> list[Judged]:
+        return [Judged(float(x[0]), (1.5 - float(x[0]),)) for x in points]
+
+    found = search(slope, 1, PLAN)
+    assert not found.judged[found.best].kept
+    assert found.points[found.best] == pytest.approx([1.0], abs=1e-2)
+
+
+def test_the_points_of_a_search_are_the_same_again_in_the_same_order() -> None:
+    def bowl(points: np.ndarray) -> list[Judged]:
+        return [Judged(float(np.sum((x - 0.4) ** 2))) for x in points]
+
+    assert np.array_equal(search(bowl, 3, PLAN).points, search(bowl, 3, PLAN).points)
+
+
+def test_an_interrupted_search_ends_and_tells_why() -> None:
+    def fails_late(points: np.ndarray) -> list[Judged]:
+        if len(points) == 1:
+            raise OSError("the cluster is gone")
+        return [Judged(float(x[0])) for x in points]
+
+    with pytest.raises(OSError, match="the cluster is gone"):
+        search(fails_late, 2, PLAN)

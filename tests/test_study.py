@@ -91,6 +91,9 @@ def test_later_values_count(read) -> None:  # type: ignore[no-untyped-def]
     assert study.samples[0].data.gains.speed == 1e5
 
 
+TUNE = "tune.minimise = { cycle_time = 1 }\n"
+RANGE = "[vary]\nrope.EI = { low = 1, high = 2 }"
+
 BAD = {
     "unknown table": ("[vry]\nrope.EI = [1]", "[vry]", "the tables are"),
     "unknown key of a table": ("study.sene = 3", "sene = 3", "the keys are"),
@@ -125,6 +128,16 @@ BAD = {
         "whole",
     ),
     "unknown metric": ("tune.minimise = { speed = 1 }\n[vary]\nrope.EI = { low = 1, high = 2 }", "speed", "cycle_time"),
+    "bound on no metric": (TUNE + "tune.subject_to = { speed = { below = 1 } }\n" + RANGE, "speed", "cycle_time"),
+    "bound without a sense": (TUNE + "tune.subject_to = { sway = 0.3 }\n" + RANGE, "sway = 0.3", "below or above"),
+    "bound in another unit": (
+        TUNE + "tune.subject_to = { sway = { below = 300, unit = 'mm' } }\n" + RANGE,
+        "'mm'",
+        "convert",
+    ),
+    "bound that is no number": (TUNE + "tune.subject_to = { sway = { below = 'x' } }\n" + RANGE, "'x'", "finite"),
+    "too few points for a search": (TUNE + "tune.steps = 3\n" + RANGE, "steps = 3", "at least 4"),
+    "more searches than points": (TUNE + "tune.sample = 1\n" + RANGE, "searches = 2", "at most sample = 1"),
     "designed trip with an emergency stop": (
         "[fixed]\ncontroller = 'input-shaping'\nwinding.emergency_at = 5",
         "emergency_at = 5",
@@ -181,6 +194,17 @@ def test_a_missing_fmu_hides_no_other_error_of_the_host_s_data(read) -> None:  #
     assert [word in told for word in ("nowhere.fmu", "winding.sped", "shaft_travel", "'N.s/m'")] == [True] * 4
     assert "rope.EJ" not in told
     assert "nothing of this file that is the FMU's can be checked" in told
+
+
+def test_a_wrong_hoist_causes_no_second_error(read) -> None:  # type: ignore[no-untyped-def]
+    # the rope of 60 m hangs in the shaft that is asked for, and not in the case's own
+    with pytest.raises(StudyError) as refused:
+        read(
+            "[fixed]\nrope.length = 60\nhoist.shaft_travel = 40\nwinding.travel = 40\nhoist.tail_rope_length = 60\n"
+            "hoist.payload_left = -1"
+        )
+    assert len(refused.value.problems) == 1
+    assert "payload_left" in refused.value.problems[0]
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
@@ -329,6 +353,8 @@ def invent_trip(swing: float, creep: float = 0.0) -> tuple[Result, Hoist, Windin
         "drive.torque_limited": zero,
         "drive.tension_ratio": np.full_like(t, 1.5),
         "drive.work_motor": 1e3 * np.minimum(t, 5.0) - 500.0 * np.maximum(t - 5.0, 0.0),
+        "loop.x": 1.0 - 0.2 * np.sin(t),
+        "stress.bending_max": 9.96e7 * np.cos(t),
         "left.fy": -8e3 + 10.0 * np.sin(2 * math.pi * 5 * t),
         "right.fy": -1e3 - 20.0 * t,
         "left.swivel.rate": np.where((t > 3.0) & (t < 5.0), -0.5, 0.0),
@@ -361,6 +387,10 @@ def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
     assert found["swing_frequency"] == pytest.approx(1.5, abs=1e-3)
     # amplitude over sqrt 2, whole periods in the window of 1.01 s nearly
     assert found["rope_force_ripple"] == pytest.approx(10.0 / math.sqrt(2.0), rel=0.02)
+    assert found["rope_force_range"] == pytest.approx(20.0 * result.recording.time[-1], rel=1e-9)
+    assert found["sway"] == pytest.approx(0.2, rel=1e-3)
+    assert math.isnan(found["sway_across"])
+    assert found["bending_stress"] == pytest.approx(9.96e7)
     assert found["left_slip"] == pytest.approx(1.0, rel=0.01)
     assert found["left_slip_time"] == pytest.approx(2.0, abs=0.02)
     assert found["left_starting_torque"] == pytest.approx(6.0, abs=0.05)
@@ -445,13 +475,13 @@ def test_table_opens_in_pandas_with_units_and_the_same_bytes(read, tmp_path: Pat
 def test_search_is_resumed_without_a_run(read, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     study = read(
         "[vary]\ngains.speed = { low = 1e5, high = 4e5, scale = 'log' }\n"
-        "[tune]\nminimise = { cycle_time = 1 }\ngenerations = 8\npopulation = 8"
+        "[tune]\nminimise = { cycle_time = 1 }\nsample = 4\nsearches = 2\nsteps = 20"
     )
     store, ran = Store(tmp_path / "out"), list[str]()
     first = perform(study, store, counting(study, store, ran))
     assert first.best is not None
     assert first.best["gains.speed"] == pytest.approx(2e5, rel=0.02)
-    assert len(ran) == 8 * 8
+    assert len(ran) <= 4 + 2 * 20
     # the page names the same run as the search
     table = pd.read_parquet(first.table)
     assert first.judged == {"metric": "cost", "sense": "min"}
@@ -459,6 +489,37 @@ def test_search_is_resumed_without_a_run(read, tmp_path: Path) -> None:  # type:
     ran.clear()
     assert perform(study, store, counting(study, store, ran)) == first
     assert ran == []
+
+
+def test_a_search_keeps_its_bounds_and_tells_where_none_can(read, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    text = (
+        "[vary]\ngains.speed = { low = 1e5, high = 4e5 }\n[tune]\nminimise = { cycle_time = 1 }\nsample = 4\n"
+        "steps = 20\nsubject_to = { cycle_time = { above = 0.25, unit = 's' } }"
+    )
+    study, store = read(text), Store(tmp_path / "out")
+    found = perform(study, store, counting(study, store, []))
+    assert found.best is not None
+    assert abs(found.best["gains.speed"] / 2e5 - 1.0) == pytest.approx(0.25, abs=0.02)
+    table = pd.read_parquet(found.table)
+    assert (table["cost"].isna() == (table["excess"] > 0.0)).all()
+    assert table["excess"].max() > 0.0
+    study = read(text.replace("above = 0.25", "above = 2"))
+    found = perform(study, store, counting(study, store, []))
+    assert found.best is None
+    assert "cycle_time is 50 % below 2" in found.nearest
+
+
+def test_causes_and_warnings_are_told_with_the_run_s_name(read, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    study = read("[[variant]]\nname = 'gentle'\nvalues = { winding.jerk = 0.3 }\n[vary]\ngains.speed = [1e5, 2e5]")
+    store = Store(tmp_path / "out")
+    keys = counting(study, store, [])(study.samples)
+    store.write(
+        keys[1], study.samples[1].data, Outcome("stopped", "slack", {}, {}, {}, warnings=("slips at 3 s",)), "w"
+    )
+    found = perform(study, store, lambda samples: keys)
+    assert found.causes == {"run 2 (gentle, gains.speed = 2e+05)": "slack"}
+    assert found.warnings == {"slips at 3 s": ["run 2 (gentle, gains.speed = 2e+05)"]}
+    assert pd.read_parquet(found.table)["warnings"].tolist() == ["", "slips at 3 s"]
 
 
 @pytest.mark.parametrize(

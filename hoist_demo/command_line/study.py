@@ -87,15 +87,17 @@ def _study(options: argparse.Namespace) -> int:
         left = "no run was finished" if kept is None else f"what is finished is kept in {kept}"
         print(f"\ninterrupted: {left}; the same command goes on", file=sys.stderr)
         return 130
-    for text, numbers in performed.warnings.items():
-        more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
-        print(f"run {numbers[0]}{more}: warning: {text}", file=sys.stderr)
+    for text, runs in performed.warnings.items():
+        more = f" and {len(runs) - 1} more" if len(runs) > 1 else ""
+        print(f"{runs[0]}{more}: warning: {text}", file=sys.stderr)
     for run, cause in performed.causes.items():
         print(f"{run}: {cause}", file=sys.stderr)
     print(f"{performed.runs - len(performed.causes)} of {performed.runs} runs wound to the end: {performed.table}")
     if performed.best is not None:
         units = study.units
         print("best: " + ", ".join(f"{key} = {value:.6g} {units[key]}" for key, value in performed.best.items()))
+    if performed.nearest:
+        print(f"search: {performed.nearest}", file=sys.stderr)
     results = read_results(performed.table)
     parameters = [name for name in results.table.columns if name in study.units or name in ("variant", "controller")]
     meta: dict[str, Any] = {"title": study.title, "parameters": parameters, "best": performed.judged}

@@ -1,45 +1,142 @@
-"""Search for the values that minimise a weighted sum of metrics: differential evolution over complete runs.
+"""Search for the values that minimise a cost within bounds: a Latin hypercube, then COBYQA from its best points.
 
-A generation is evaluated as a whole, so that its runs share the cluster; the same seed makes the same runs, so that
-an interrupted search is resumed from the runs that are there.
-Source: R. Storn and K. Price, Differential evolution, J. Global Optimization 11, 1997; scipy.optimize carries it out.
+COBYQA is a trust-region method by quadratic models without derivatives, which keeps bounds and takes constraints, and
+costs some ten complete runs per value that is varied. The hypercube's points are evaluated at once and the searches go
+on side by side, so that runs share the cluster; all of them are the same ones again with the same seed, so that an
+interrupted search is resumed from the runs that are there.
+Source: T. M. Ragonneau, Model-based derivative-free optimization methods and software, PhD thesis, The Hong Kong
+Polytechnic University, 2022; scipy.optimize carries it out.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import differential_evolution
+from scipy.optimize import Bounds, NonlinearConstraint, minimize
 from scipy.stats import qmc
 
 Array = NDArray[np.float64]
 
-Evaluate = Callable[[Array], Sequence[float]]
-"""Costs of points, shape (points, dimensions), each coordinate between 0 and 1; infinite where a run failed."""
+FIRST_STEP, LAST_STEP = 0.2, 5e-3
+"""Radii of the trust region at the start and at the end, in parts of the ranges."""
 
 
-def search(evaluate: Evaluate, dimensions: int, generations: int, population: int, seed: int) -> Array:
-    """The best point found, shape (dimensions,), each coordinate between 0 and 1."""
-    start = qmc.LatinHypercube(d=dimensions, rng=np.random.default_rng(seed)).random(population)
+class Judged(NamedTuple):
+    """What a point has come to; cost and excess are infinite where a run failed."""
 
-    def whole_generation(_: object, points: Iterable[Array]) -> Sequence[float]:
-        costs = evaluate(np.array(list(points)))
-        return [cost if math.isfinite(cost) else math.inf for cost in costs]
+    cost: float
+    excess: tuple[float, ...] = ()  # over each bound, as a part of it; 0 or less where it is kept
 
-    found = differential_evolution(
-        lambda x: math.inf,  # never called: generations are evaluated by `whole_generation`
-        [(0.0, 1.0)] * dimensions,
-        init=start,
-        maxiter=generations - 1,
-        updating="deferred",
-        workers=whole_generation,
-        polish=False,
-        tol=0.0,
-        rng=np.random.default_rng(seed),
-    )
-    if not math.isfinite(found.fun):
+    @property
+    def finite(self) -> bool:
+        """Whether there is something to compare."""
+        return all(map(math.isfinite, (self.cost, *self.excess)))
+
+    @property
+    def kept(self) -> bool:
+        """Whether all bounds are kept."""
+        return self.finite and max(self.excess, default=0.0) <= 0.0
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Smaller is better: bounds come before the cost."""
+        return max(0.0, *self.excess, 0.0), self.cost
+
+
+Evaluate = Callable[[Array], Sequence[Judged]]
+"""Judges points, shape (points, dimensions), each coordinate between 0 and 1; called from several threads."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How much is tried."""
+
+    sample: int  # points of the hypercube
+    searches: int  # from the best of them
+    steps: int  # points of each search at most
+    seed: int
+
+
+@dataclass(frozen=True)
+class Found:
+    """All points in their order, the same at each repetition, and what they have come to."""
+
+    points: Array  # (points, dimensions)
+    judged: tuple[Judged, ...]
+
+    @property
+    def best(self) -> int:
+        """Place of the best point, which need not keep its bounds."""
+        return min(range(len(self.judged)), key=lambda k: self.judged[k].rank)
+
+
+def search(evaluate: Evaluate, dimensions: int, plan: Plan) -> Found:
+    """Points tried."""
+    points = qmc.LatinHypercube(d=dimensions, rng=np.random.default_rng(plan.seed)).random(plan.sample)
+    judged = list(evaluate(points))
+    finite = [k for k, point in enumerate(judged) if point.finite]
+    if not finite:
         raise RuntimeError("search: no run of it completed: look at the causes in the results, or narrow the ranges")
-    return np.asarray(found.x, dtype=np.float64)
+    starts = sorted(finite, key=lambda k: judged[k].rank)[: plan.searches]
+    walks = _walks([_Walk(evaluate, points[k], judged[k], [judged[i] for i in finite]) for k in starts], plan.steps)
+    return Found(
+        np.vstack([points, *(x for walk in walks for x in walk.points)]),
+        (*judged, *(point for walk in walks for point in walk.judged)),
+    )
+
+
+def _walks(walks: Sequence[_Walk], steps: int) -> Sequence[_Walk]:
+    """The searches, one thread each; those that are left when one is interrupted end with their next point."""
+    with ThreadPoolExecutor(len(walks)) as threads:
+        running = [threads.submit(walk.minimise, steps) for walk in walks]
+        try:
+            for one in running:
+                one.result()
+        except BaseException:
+            for walk in walks:
+                walk.stopped.set()
+            raise
+    return walks
+
+
+class _Walk:
+    """One search from a point; it collects what it tries beyond that point."""
+
+    def __init__(self, evaluate: Evaluate, start: Array, judged: Judged, sample: Sequence[Judged]) -> None:
+        costs = [point.cost for point in sample]
+        # of a run that failed: worse than any, but no cliff for the quadratic models
+        self._failed = Judged(2.0 * max(costs) - min(costs), tuple(1.0 for _ in judged.excess))
+        self._evaluate, self._start = evaluate, start
+        self._seen = {start.tobytes(): judged}
+        self.points: list[Array] = []
+        self.judged: list[Judged] = []
+        self.stopped = threading.Event()
+
+    def minimise(self, steps: int) -> None:
+        bounds = len(self._failed.excess)
+        within = NonlinearConstraint(lambda x: self._at(x).excess, np.full(bounds, -np.inf), np.zeros(bounds))
+        minimize(
+            lambda x: self._at(x).cost,
+            self._start,
+            method="COBYQA",
+            bounds=Bounds(np.zeros(self._start.size), np.ones(self._start.size)),
+            constraints=[within] if bounds else [],
+            options={"maxfev": steps, "initial_tr_radius": FIRST_STEP, "final_tr_radius": LAST_STEP},
+        )
+
+    def _at(self, x: Array) -> Judged:
+        key = np.asarray(x, dtype=np.float64).tobytes()
+        if key not in self._seen:
+            if self.stopped.is_set():
+                raise InterruptedError("the search is given up")
+            (self._seen[key],) = self._evaluate(x[None].copy())
+            self.points.append(x.copy())
+            self.judged.append(self._seen[key])
+        return self._seen[key] if self._seen[key].finite else self._failed

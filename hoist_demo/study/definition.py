@@ -5,7 +5,8 @@
     [[variant]] name and values of one variant; the runs of [vary] are made for every variant
     [sample]   method = "grid" (the default), or "latin-hypercube" with runs and seed
     [vary]     lists (grid) or ranges { low, high } (latin-hypercube, tune)
-    [tune]     instead of [sample]: minimise = { metric = weight }, generations, population, seed
+    [tune]     instead of [sample]: minimise = { metric = weight }, subject_to = { metric = { below, above } },
+               sample, searches, steps, seed
 
 A value is a plain one in SI units, or { value, unit }; a list is [...] or { values, unit }; a range may have
 scale = "log". Later ones count: fixed, then variant, then vary. All errors of a file are told at once.
@@ -14,7 +15,6 @@ scale = "log". Later ones count: fixed, then variant, then vary. All errors of a
 from __future__ import annotations
 
 import hashlib
-import math
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -30,8 +30,9 @@ from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
-from hoist_demo.study.run import RunData, build, fmu_part
+from hoist_demo.study.run import RunData, build
 from hoist_demo.study.sampling import Range, grid, latin_hypercube
+from hoist_demo.study.tuning import Tuning, read_tuning, seed_of, whole_number
 
 METHODS = ("grid", "latin-hypercube")
 
@@ -41,7 +42,7 @@ _TABLES = {
     "variant": {"name", "values"},
     "sample": {"method", "runs", "seed"},
     "vary": None,
-    "tune": {"minimise", "generations", "population", "seed"},
+    "tune": {"minimise", "subject_to", "sample", "searches", "steps", "seed"},
 }
 _SPECIFICATION = {"value", "values", "low", "high", "unit", "scale"}
 
@@ -53,16 +54,6 @@ class Sample:
     variant: str
     values: Mapping[str, Value]
     data: RunData
-
-
-@dataclass(frozen=True)
-class Tuning:
-    """What a search minimises, and how long it searches."""
-
-    minimise: Mapping[str, float]  # weight of each metric; 1 / its unit
-    generations: int
-    population: int  # runs per generation
-    seed: int
 
 
 @dataclass(frozen=True)
@@ -144,7 +135,10 @@ class _Reader:
             best = self._best(head)
         variants = self._variants(self._values("fixed", self._table("fixed")))
         vary = self._vary()
-        tuning = self._tuning() if "tune" in self.raw else None
+        tuning: Tuning | None = None
+        if "tune" in self.raw:
+            with self._collect("[tune]"):
+                tuning = read_tuning(self._table("tune"), len(vary))
         drawn = self._draw(vary, tuning)
         if case not in CASES:
             raise StudyError(self.path, self.problems)
@@ -186,9 +180,10 @@ class _Reader:
                     data = build(case, everything, signals)
                     problems = probe.rejection(data) if probe is not None else []
                     found[variant].append(Sample(variant, everything, data))
-                except ValueError as error:
-                    problems = _impossible_values(case, everything) or [str(error)]
-                    problems += probe.rejection(build(case, fmu_part(everything))) if probe is not None else []
+                except ValueError:
+                    possible, problems = _possible_values(case, everything)
+                    # a rope hangs in its shaft: asked with another one, the FMU would tell a second error that is none
+                    problems += probe.rejection(build(case, possible)) if probe is not None else []
                 for problem in problems:
                     problem = f"variant {variant}: {problem}" if variant else problem
                     if problem not in self.problems:
@@ -325,23 +320,6 @@ class _Reader:
             raise ValueError(f"{key}.low = {low!r} must be above 0 for scale = 'log': raise it or take linear")
         return Range(low, high, scale == "log", parameter.kind == "Integer")
 
-    def _tuning(self) -> Tuning | None:
-        table = self._table("tune")
-        minimise = table.get("minimise", {})
-        with self._collect("[tune]"):
-            if not isinstance(minimise, dict) or not minimise:
-                raise ValueError(f"minimise = {minimise!r} must be metrics with weights: {{ cycle_time = 1.0 }}")
-            for name, weight in minimise.items():
-                if name not in UNITS:
-                    raise ValueError(f"minimise.{name} is not a metric: choose of {', '.join(UNITS)}")
-                if isinstance(weight, bool) or not isinstance(weight, (int, float)) or not math.isfinite(weight):
-                    raise ValueError(f"minimise.{name} = {weight!r} must be a finite weight: give a number")
-            counts = [self._count("tune", name, start) for name, start in (("generations", 10), ("population", 12))]
-            if counts[1] < 5:
-                raise ValueError(f"population = {counts[1]} must be at least 5: take some 5 for each range")
-            return Tuning({k: float(v) for k, v in minimise.items()}, counts[0], counts[1], self._seed("tune"))
-        return None
-
     def _draw(self, vary: Mapping[str, tuple[Value, ...] | Range], tuning: Tuning | None) -> list[dict[str, Value]]:
         """The samples of [vary]; for a search the corners of its ranges, to be checked."""
         sample = self._table("sample")
@@ -363,31 +341,26 @@ class _Reader:
                 raise ValueError(f"{method} needs ranges: give at least one {{ low, high }} in [vary]")
             if method == "tune":
                 return grid({key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()})
-            return latin_hypercube(ranges, self._count("sample", "runs", None), self._seed("sample"))
+            return latin_hypercube(ranges, whole_number(sample, "runs"), seed_of(sample))
         return [{}]  # the fixed values are still worth a look
 
-    def _count(self, table: str, name: str, start: int | None) -> int:
-        value = self._table(table).get(name, start)
-        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            raise ValueError(f"{name} = {value!r} must be a whole number above 0: give one")
-        return value
 
-    def _seed(self, table: str) -> int:
-        value = self._table(table).get("seed", 0)
-        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-            raise ValueError(f"seed = {value!r} must be a whole number of at least 0: give one")
-        return value
-
-
-def _impossible_values(case: str, values: Mapping[str, Value]) -> list[str]:
-    """The values that are impossible by themselves, when those of a run cannot stand together."""
-    problems = []
-    for key, value in values.items():
-        try:
-            build(case, {key: value})
-        except ValueError as error:
-            problems.append(f"{key} = {value!r}: {error}")
-    return problems
+def _possible_values(case: str, values: Mapping[str, Value]) -> tuple[dict[str, Value], list[str]]:
+    """Those values of a wrong run that make one together, and what is wrong with each of the others beside them."""
+    possible: dict[str, Value] = {}
+    problems = dict.fromkeys(values, "")
+    for _ in values:  # some become possible by others
+        before = len(possible)
+        for key in [key for key in values if key not in possible]:
+            try:
+                build(case, {**possible, key: values[key]})
+                possible[key] = values[key]
+                del problems[key]
+            except ValueError as error:
+                problems[key] = f"{key} = {values[key]!r}: {error}"
+        if len(possible) == before:
+            break
+    return possible, list(problems.values())
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

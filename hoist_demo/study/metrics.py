@@ -34,10 +34,14 @@ METRICS = {
     "motor_energy_drawn": ("J", "the same without what the motor feeds back"),
     "rope_force_ripple": ("N", "end force of the balance rope less its mean over 1 s, RMS, the worse end"),
     "rope_force_peak": ("N", "largest pull of the balance rope on a conveyance"),
+    "rope_force_range": ("N", "largest less smallest pull on the same conveyance, the worse one: a trip's load cycle"),
+    "bending_stress": ("Pa", "largest in the balance rope: what passes through the loop is bent by it once in a trip"),
     "swing_left": ("m", "residual swing of the left conveyance on its head ropes, peak to peak"),
     "swing_right": ("m", "likewise, right conveyance"),
     "swing_frequency": ("Hz", "strongest mode of the larger of the two swings, damped frequency"),
     "swing_damping": ("1", "its damping ratio"),
+    "sway": ("m", "of the loop's lowest point in the plane, largest distance from where it hung at rest, whole trip"),
+    "sway_across": ("m", "likewise, out of the plane"),
     "loop_swing": ("m", "of the loop's lowest point in the plane, peak to peak, after arrival"),
     "loop_yaw": ("rad", "largest magnitude"),
     "clearance": ("m", "smallest, between the legs"),
@@ -63,7 +67,7 @@ ROPE_SIGNALS = frozenset(
         for end in ENDS
         for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
     }
-    | {"loop.x", "loop.yaw", "loop.clearance", "energy.work_ends", FIDELITY}
+    | {"loop.x", "loop.z", "loop.yaw", "loop.clearance", "stress.bending_max", "energy.work_ends", FIDELITY}
 )
 """Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them."""
 
@@ -140,8 +144,14 @@ def _rope(recording: Recording, hoist: Hoist) -> dict[str, float]:
     forces = [recording[f"{end}.fy"] for end in ENDS]
     found = {
         "rope_force_peak": max(float(np.max(-force)) for force in forces),
+        "rope_force_range": max(float(np.ptp(force)) for force in forces),
         "rope_force_ripple": max(_ripple(recording.time, force) for force in forces),
     }
+    if "stress.bending_max" in recording:
+        found["bending_stress"] = _largest(recording["stress.bending_max"])
+    for name, signal in (("sway", "loop.x"), ("sway_across", "loop.z")):
+        if signal in recording:
+            found[name] = _largest(recording[signal] - recording[signal][0])
     if "loop.yaw" in recording:
         found["loop_yaw"] = _largest(recording["loop.yaw"])
     if "loop.clearance" in recording:

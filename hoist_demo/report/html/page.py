@@ -66,6 +66,15 @@ def number(value: float) -> str:
     return f"{float(text):.10g}" if "e+" in text else text
 
 
+def engineering(largest: float, unit: str) -> tuple[float, str]:
+    """Factor to a unit in which a quantity of this magnitude has few digits, and that unit: 9.96e7 J are 99.6 MJ."""
+    steps = _PREFIXES if re.split(r"[.\s/]", unit)[0] in ("J", "N", "W", "Pa") else ()
+    return next(((1.0 / size, prefix + unit) for size, prefix in steps if largest >= 10.0 * size), (1.0, unit))
+
+
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+
+
 def unit_text(unit: str) -> str:
     """A unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
     text = unit.replace(".", " ").replace("^", "") if unit != "1" else ""

@@ -19,31 +19,34 @@ from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.report.html import page
 
 STATUS, CAUSE = "status", "cause"
+WARNINGS = "warnings"  # texts, of no axis
 RUN, KEY = "run", "key"  # the page counts the runs itself; a hash is no axis
 ROUNDING = 1e-9  # values that differ by less are one
 _OWN = ("title", "parameters", "best")
 
 
-def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[str, Any], path: str | Path) -> Path:
-    """Write the report to `path`: one row of `table` per run, `units` by column name ("" or "1" for none)."""
+def study_report(table: pd.DataFrame, stated: Mapping[str, str], meta: Mapping[str, Any], path: str | Path) -> Path:
+    """Write the report to `path`: one row of `table` per run, units `stated` by column name ("" or "1" for none)."""
     path = Path(path)
     parameters, best = _check_columns(table, meta)
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
-    values = {str(name): [_plain(value) for value in table[name]] for name in table.columns}
+    values, units = _in_engineering_units(
+        {str(name): [_plain(value) for value in table[name]] for name in table.columns}, stated
+    )
     names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY)]
     varied = {name for name in names if len(set(values[name])) > 1}
     fixed = [name for name in parameters if name in names and name not in varied]
     nowhere = [name for name in names if name not in parameters and set(values[name]) <= {None}]
     listed = [name for name in names if name not in {*fixed, *nowhere}]
     # parameters first: they are read before what follows from them
-    order = sorted(listed, key=lambda name: name not in parameters) + [KEY] * (KEY in values)
+    order = sorted(listed, key=lambda name: (name == WARNINGS, name not in parameters)) + [KEY] * (KEY in values)
     columns = [
         {
             "name": name,
             "unit": page.unit_text(units.get(name, "")),
             "role": "parameter" if name in parameters else "metric",
             # without anything that differs, as with a single run, all numbers have one
-            "axis": name in varied if varied else name != KEY,
+            "axis": (name in varied if varied else name != KEY) and name != WARNINGS,
             "values": values[name],
         }
         for name in order
@@ -64,7 +67,7 @@ def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[st
         data,
         title=page.escape(title),
         assumed=page.escape(ASSUMED_DATA),
-        outcome=page.escape(_outcome(causes, chosen, best, table, units) + _early(table)),
+        outcome=page.escape(_outcome(causes, chosen, best, table, stated) + _warned(table) + _early(table)),
         given=page.table("Study", rest)
         + page.table(
             "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
@@ -72,6 +75,26 @@ def study_report(table: pd.DataFrame, units: Mapping[str, str], meta: Mapping[st
         + page.table("Not shown by any run", [(name, "", "") for name in nowhere]),
     )
     return page.write(path, text)
+
+
+def _in_engineering_units(
+    values: Mapping[str, list[float | str | None]], stated: Mapping[str, str]
+) -> tuple[dict[str, list[float | str | None]], dict[str, str]]:
+    """The columns and their units, with prefixes where the numbers are large."""
+    shown, units = dict(values), dict(stated)
+    for name, column in values.items():
+        numbers = [abs(value) for value in column if isinstance(value, float) and math.isfinite(value)]
+        factor, units[name] = page.engineering(max(numbers, default=0.0), stated.get(name, ""))
+        shown[name] = [factor * value if isinstance(value, float) else value for value in column]
+    return shown, units
+
+
+def _warned(table: pd.DataFrame) -> str:
+    """A sentence where runs have warned; "" where none has."""
+    if WARNINGS not in table.columns:
+        return ""
+    runs = [k + 1 for k, text in enumerate(table[WARNINGS]) if isinstance(text, str) and text]
+    return f" Of {_listed(runs)} there are warnings, the last column of the table." if runs else ""
 
 
 def _check_columns(table: pd.DataFrame, meta: Mapping[str, Any]) -> tuple[list[str], tuple[str, str] | None]:
@@ -122,7 +145,8 @@ def _outcome(
         return f"{text} No run that can be compared by {best[0]}."
     smallest = "smallest" if best[1] == "min" else "largest"
     values = pd.to_numeric(table[best[0]])
-    value = f"{page.number(float(values.iloc[chosen]))} {page.unit_text(units.get(best[0], ''))}".rstrip()
+    factor, unit = page.engineering(abs(float(values.iloc[chosen])), units.get(best[0], ""))
+    value = f"{page.number(factor * float(values.iloc[chosen]))} {page.unit_text(unit)}".rstrip()
     text += f" Best run: {chosen + 1}, with the {smallest} {best[0]} of {value}"
     equal = [
         k + 1

@@ -24,7 +24,7 @@ function makeAxis(column) {
 
 // a word on an axis must not reach the next one
 function clipped(word) {
-  return word.length > 14 ? `${word.slice(0, 13)}…` : word;
+  return word.length > 15 ? `${word.slice(0, 14)}…` : word;
 }
 
 function shown(run) {
@@ -118,12 +118,12 @@ function brush(target, column, part) {
 }
 
 function wrapped(name) {
-  const words = name.split(/[ _]/), lines = [""];
+  const words = name.split(/[ _]|(?<=\.)/), lines = [""];
   for (const word of words) {
     if ((lines[lines.length - 1] + word).length > 15 && lines[lines.length - 1]) lines.push("");
-    lines[lines.length - 1] = `${lines[lines.length - 1]} ${word}`.trim();
+    lines[lines.length - 1] = `${lines[lines.length - 1]}${lines[lines.length - 1].endsWith(".") ? "" : " "}${word}`.trim();
   }
-  return lines.length > 2 ? [lines[0], `${lines[1].slice(0, 13)}…`] : lines;
+  return lines.length > 2 ? [lines[0], `${lines[1].slice(0, 13)}…`] : lines.map(clipped);
 }
 
 function drawScatter() {
