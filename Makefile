@@ -13,7 +13,7 @@ READY := $(VENV)/.ready
 # one process per core, each with one thread; the tests of a file share what they make, and so a process
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist loadfile
 
-.PHONY: demo test test-slow lint docs evidence bench winding robustness stability reproduce chart mesh-rule peer reference choice hoist coupling latency studies throughput fuzz fmu wheels wheel-test release clean
+.PHONY: demo test test-slow lint docs evidence bench winding robustness poses stability reproduce chart mesh-rule peer reference choice hoist coupling latency studies throughput fuzz fmu wheels wheel-test release clean
 
 demo: $(READY)
 	$(if $(FMU_$(FLAVOUR)),,$(error FLAVOUR=$(FLAVOUR) must be python or native))
@@ -48,6 +48,9 @@ winding: $(READY)
 
 robustness: $(READY)
 	$(BIN)/python -m benchmarks.robustness
+
+poses: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.poses
 
 stability: $(READY)
 	$(BIN)/python -m evidence.stability

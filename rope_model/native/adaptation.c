@@ -104,7 +104,7 @@ static int flexible_start(Simulator *rope, State *state, char *message) {
     state_copy(rope, rope->spare, state);
     const double *rigid = state_arrays(rope->spare).q;
     for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
-    int found = find_equilibrium(rope, state, message);
+    int found = find_equilibrium(rope, state, INFINITY, message);
     const double turned = state->offsets[RIGHT];
     memcpy(q, m.q, bytes);
     memcpy(reaction, m.reaction, bytes);
@@ -112,7 +112,7 @@ static int flexible_start(Simulator *rope, State *state, char *message) {
         state->t = k == 1 ? t - DIFFERENCE : t + DIFFERENCE;
         state->offsets[RIGHT] = turned;
         memcpy(m.q, q, bytes);
-        found = find_equilibrium(rope, state, message);
+        found = find_equilibrium(rope, state, INFINITY, message);
         memcpy(all[k], m.q, bytes);
     }
     state->t = t;

@@ -29,7 +29,7 @@ from ..physics import (
     stress,
     swivel,
 )
-from ..simulation import ends, mesh
+from ..simulation import ends, mesh, statics
 from ..simulation.state import EnergyBalance
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
@@ -99,6 +99,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "double recentring_time(const Coefficients *method, double h, double before)": generalized_alpha.recentring_time,
     "double local_error(const Coefficients *method, double h, double change)": generalized_alpha.local_error,
+    "double relaxation(double change, double last)": statics.relaxation,
     "double friction_moment(double mu, double mean_diameter, double seal_moment, double tension)": (
         swivel.friction_moment
     ),

@@ -57,12 +57,17 @@ static void torque_source(Simulator *rope, char *why) {
         say_torque_of_ends(why, turned);
 }
 
-static void yaw_at_rest(Simulator *rope, char *message) {
+static int rests(const Simulator *rope) {
     const Rope *data = &rope->scene.rope;
+    const double rest = 0.5 * data->mass_per_length * data->length * (REST_SPEED * REST_SPEED);
+    return rope->state->energy_balance.kinetic < rest;
+}
+
+static void yaw_at_rest(Simulator *rope, char *message) {
     State *state = rope->state;
-    const double rest = 0.5 * data->mass_per_length * data->length * (REST_SPEED * REST_SPEED), yaw = yaw_of(state);
+    const double yaw = yaw_of(state);
     char why[MESSAGE];
-    if (!(state->energy_balance.kinetic < rest) || state->fidelity != TORSIONAL || fabs(yaw) <= YAWED_FAR) return;
+    if (!rests(rope) || state->fidelity != TORSIONAL || fabs(yaw) <= YAWED_FAR) return;
     leg_contact(rope, message);
     if (message[0]) {
         message[0] = '\0';
@@ -72,6 +77,12 @@ static void yaw_at_rest(Simulator *rope, char *message) {
     say_yawed_at_rest(message, yaw, YAWED_FAR, why);
 }
 
+static void other_rests(Simulator *rope, char *message) {
+    const double angle = rope->state->snapped_at;
+    if (angle == 0 || !rests(rope)) return;
+    say_other_rests(message, angle);
+}
+
 void rope_warning(Simulator *rope, int number, char *message) {
     message[0] = '\0';
     if (!rope->initialized) return;
@@ -79,6 +90,8 @@ void rope_warning(Simulator *rope, int number, char *message) {
         neglected_effects(rope, message);
     else if (number == 1)
         leg_contact(rope, message);
-    else
+    else if (number == 2)
         yaw_at_rest(rope, message);
+    else
+        other_rests(rope, message);
 }

@@ -67,8 +67,8 @@ void refer(Simulator *rope, State *state, const double *q);
 double transport_angles(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
 
 /* statics.c: q of the state becomes an equilibrium, reaction its residual; v and a are not looked at.
-   0 and a message when there is none */
-int find_equilibrium(Simulator *rope, State *state, char *message);
+   0 and a message when there is none, or when theta gains more than most_turn (rad) at the right end on the way */
+int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message);
 
 /* switching.c */
 void release_swivels(Simulator *rope, State *state);

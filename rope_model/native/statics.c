@@ -1,25 +1,25 @@
 /* Equilibrium by pseudo-transient continuation: rope_model.simulation.statics, which see. */
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "simulator.h"
 #include "messages.h"
 
-enum { MAX_ITERATIONS = 2000 };
+enum { MAX_ITERATIONS = 10000 };
 #define TOLERANCE 1e-11
 /* m, or rad */
 #define LARGEST_MOVE 0.3
 
-/* residual, and potential energy (J) of rope and dead loads; v and a of the state are zero; turned: what theta has
-   gained at the right end */
-static double at_rest(const Chain *chain, const System *s, const double *q, const double *rest, const double *known,
-                      double turned, double *R) {
-    double balance[BALANCE];
-    chain->evaluate(s, q, rest, rest, known, R, balance);
-    double stored = balance[AXIAL] + balance[COUPLING] + balance[TORSION] + balance[BENDING] + balance[GRAVITY];
-    for (int side = LEFT; side <= RIGHT; side++) stored -= s->load[side] * end_row(q, s->elements + 1, side)[ANGLE];
-    return stored + s->load[RIGHT] * turned;
+/* s */
+#define SETTLED 1e3
+
+/* what the residual R does along x, which is zero where the rope is held */
+static double work_along(const System *s, const double *R, const double *x) {
+    double work = 0;
+    for (size_t i = 0; i < (size_t)(s->elements + 1) * DOF; i++) work += R[i] * x[i];
+    return work;
 }
 
 /* largest unbalanced force (N); infinite when one is not a number */
@@ -45,48 +45,51 @@ static int measure(const System *s, const double *x, double *move, double *norm)
     return 1;
 }
 
-int find_equilibrium(Simulator *rope, State *state, char *message) {
+int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message) {
     const Arrays m = state_arrays(state), *scratch = &rope->trial;
     const System s = system_of(rope, state);
     const Chain *chain = chain_of_state(state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
-    double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *x = rope->x, *unused = scratch->b;
+    double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
+    double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
+    const double rounding = 10 * DBL_EPSILON * rope->scene.rope.Qa * m.s[m.elements] / s.shortest;
     memset(rest, 0, bytes);
-    memset(R, 0, bytes);
+    memset(m.reaction, 0, bytes);
     prescribe(rope, state, &s, state->t, 1, &(double *){m.q});
     refer(rope, state, m.q);
-    double energy = at_rest(chain, &s, m.q, rest, R, 0, m.reaction), turned = 0;
-    double previous = imbalance(&s, m.reaction), tau = 0.1;
     for (int k = 1; k <= MAX_ITERATIONS && tau >= 1e-7; k++) {
         const double c[3] = {1, 0, pow(tau, -2)};
         double move, norm;
-        chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, unused);
+        chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, now);
+        previous = imbalance(&s, now);
         if (!measure(&s, x, &move, &norm)) {
             tau *= 0.1;
             continue;
         }
-        const double step = fmin(1, LARGEST_MOVE / fmax(move, 1e-300));
+        const double error = -work_along(&s, now, x);
+        /* what has no energy is not in the tangent, and the correction misses it */
+        if (s.P[4] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
+        last = error;
+        const double step = fmin(relaxed, LARGEST_MOVE / fmax(move, 1e-300));
         for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];
-        const double more = transport_angles(rope, state, trial, rest, rest, rest);
-        const double trial_energy = at_rest(chain, &s, trial, rest, m.reaction, turned + more, R);
+        chain->evaluate(&s, trial, rest, rest, now, R, balance);
         const double force = imbalance(&s, R);
-        /* on its way down the rope may well pass larger forces; what it may not do is to gain energy with them */
-        if (!isfinite(force) || !(trial_energy < energy + 1e-12 * fabs(energy) || force <= previous + 1e-6)) {
-            refer(rope, state, m.q);
+        /* on its way down the rope may well pass larger forces; what it may not do is to climb against them */
+        if (!isfinite(force) || !(work_along(&s, R, x) <= error || force <= previous + rounding)) {
             tau *= 0.3;
+            last = 0;
             continue;
         }
+        turned += transport_angles(rope, state, trial, rest, rest, rest);
+        if (fabs(turned) > most_turn) break;
         memcpy(m.q, trial, bytes);
         memcpy(m.reaction, R, bytes);
-        energy = trial_energy;
-        turned += more;
-        if (tau > 1e8 && step == 1 && norm < TOLERANCE * m.s[m.elements]) {
+        if (tau > 1e8 && norm < TOLERANCE * m.s[m.elements]) {
             state->offsets[RIGHT] += turned;
             return 1;
         }
         tau *= fmin(10, fmax(1.5, previous / fmax(force, 1e-300)));
         tau = fmin(tau, 1e12);
-        previous = force;
     }
     return say_no_equilibrium(message, MAX_ITERATIONS, previous);
 }

@@ -205,7 +205,8 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     # its derivative along (cq, cv, ca), exact at rest; how motion changes damping and spin inertia is left out
     damping = ca.substitute(ca.jacobian(stress, e_t), *put)
     damping[:, 1] = 0
-    stiffness = ca.hessian(ca.substitute(U, *put) + elastic * turning, z)[0]
+    held = P[4] * tau * strain[0] + elastic * turning  # what torque and the tension without energy do as it bends
+    stiffness = ca.hessian(ca.substitute(U, *put) + held, z)[0]
     J = _symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
     k = strain[2:]
@@ -261,13 +262,13 @@ def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX
 
 
 def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """What is conjugate to tau, and its elastic part, from the means of e and tau and of their rates."""
+    """What is conjugate to tau, and the same without damping, from the means of e and tau and of their rates."""
     e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
     U, D, P_n = _energies(P, e, e_t)
-    elastic = ca.gradient(U, e)[1]
+    elastic = ca.gradient(U, e)[1] + ca.gradient(P_n, e_t)[1]
     bent = ca.SX.zeros(3)
     put = ca.vertcat(e, e_t), ca.vertcat(strain, bent, rate, bent)
-    torque, elastic = (ca.substitute(x, *put) for x in (elastic + ca.gradient(D + P_n, e_t)[1], elastic))
+    torque, elastic = (ca.substitute(x, *put) for x in (elastic + ca.gradient(D, e_t)[1], elastic))
     return torque, elastic
 
 

@@ -43,6 +43,10 @@ def no_equilibrium(iterations: int, force: float) -> str:
 # its mesh
 
 
+def fails_at_twist(reached: float, twist: float, why: str) -> str:
+    return f"at {reached:.4g} of {twist:.4g} rad of twist: {why:.400}"
+
+
 def fitted_mesh_fails(why: str) -> str:
     return f"{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error)"
 
@@ -234,6 +238,13 @@ def yawed_at_rest(yaw: float, bound: float, source: str) -> str:
     return (
         f"the loop hangs yawed by {yaw:.3g} rad against its ends at rest (bound {bound:.3g} rad), turned mostly by "
         f"{source:.300}, or widen the spacing"
+    )
+
+
+def other_rests(angle: float) -> str:
+    return (
+        f"the rope has more than one way to hang: turned in slowly it snapped over at {angle:.3g} rad of twist, and "
+        "hangs as it came to rest after that; use less twist (installed_twist, yaw of the ends), or free the swivels"
     )
 
 

@@ -3,6 +3,7 @@
     neglected_effects   the model computes no torsion, and the rope carries torque; or it is the rigid one
     leg_contact         the legs touch, or have passed through each other: contact is not in the model
     yaw_at_rest         the loop hangs far out of its ends' plane at rest, by a torque that is too large for a shaft
+    other_rests         the rope has more than one way to hang, and snapped over on the way to this one
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn, and beyond it they have passed through each other.  Once through,
@@ -51,11 +52,26 @@ def leg_contact(scene: Scene, state: RopeState) -> str:
 
 def yaw_at_rest(scene: Scene, state: RopeState) -> str:
     """'' unless the loop hangs yawed at rest; then by how much, and which datum turns it."""
-    data = scene.rope
-    rests = state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * REST_SPEED**2
-    if not rests or state.fidelity != "torsional" or abs(_yaw(state)) <= YAWED_FAR or leg_contact(scene, state):
+    if (
+        not _rests(scene, state)
+        or state.fidelity != "torsional"
+        or abs(_yaw(state)) <= YAWED_FAR
+        or leg_contact(scene, state)
+    ):
         return ""
     return messages.yawed_at_rest(_yaw(state), YAWED_FAR, _torque_source(scene, state))
+
+
+def other_rests(scene: Scene, state: RopeState) -> str:
+    """'' unless the rope hangs as it does because it snapped over; then at which twist."""
+    if state.snapped_at == 0 or not _rests(scene, state):
+        return ""
+    return messages.other_rests(state.snapped_at)
+
+
+def _rests(scene: Scene, state: RopeState) -> bool:
+    data = scene.rope
+    return state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * REST_SPEED**2
 
 
 def _torque_source(scene: Scene, state: RopeState) -> str:
@@ -88,4 +104,4 @@ def _end_twist(state: RopeState) -> float:
 
 
 #: each tells of one thing, in the order of rope_warning in rope.h
-WARNINGS: tuple[Callable[[Scene, RopeState], str], ...] = (neglected_effects, leg_contact, yaw_at_rest)
+WARNINGS: tuple[Callable[[Scene, RopeState], str], ...] = (neglected_effects, leg_contact, yaw_at_rest, other_rests)

@@ -58,8 +58,10 @@ MOST_STEPS = 20000
 FARTHEST_START = 1e10
 #: local error below this part of the tolerance lets the step grow
 GROW_BELOW = 0.1
-#: rad of twist at once
-TWIST_STEP = 1.0
+#: rad of twist put in at once, at most and at least
+TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
+#: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
+MOST_TURN = 2.0
 
 
 @dataclass(frozen=True)
@@ -226,20 +228,39 @@ class RopeSimulator(BalanceRope):
         return messages.loop_near_end_of_fitted_mesh(bottom, rope.length, rope.EI, stiff, cells.centre)
 
     def _initial_equilibrium(self, state: RopeState) -> RopeState:
-        """``state`` at rest in equilibrium, its twist put in bit by bit: that decides how the loop yaws."""
+        """``state`` at rest, hung up untwisted and then turned in."""
         q, held = state.motion.q, self.model.system(state).prescribed_motion(state.motion.t)[0]
         q[:, ANGLE] = held[0, ANGLE]
         twist = float(held[-1, ANGLE] - held[0, ANGLE])
-        parts = max(math.ceil(abs(twist) / TWIST_STEP), 1)
-        state = _turn_right_end(state, -twist)
-        for _ in range(parts):
-            state = self._equilibrium_in_frame(_turn_right_end(state, twist / parts))
+        return self._turned_in(self._equilibrium_in_frame(_turn_right_end(state, -twist)), twist)
+
+    def _turned_in(self, state: RopeState, twist: float) -> RopeState:
+        """``state`` with ``twist`` (rad) more, put in so slowly that the speed does not matter.
+
+        Steps are halved where the rope turns far or finds no rest.  Where the shortest does, the way it was on ends at
+        a limit point: it snaps over, and goes on from where it comes to rest.
+        """
+        left, step = twist, math.copysign(TWIST_STEP, twist)
+        while left != 0:
+            step = step if abs(step) < abs(left) else left
+            last = abs(step) <= LEAST_TWIST_STEP
+            try:
+                after = self._equilibrium_in_frame(_twist_evenly(state, step), math.inf if last else MOST_TURN)
+            except StaticsError as error:
+                if last:
+                    raise StaticsError(messages.fails_at_twist(twist - left, twist, str(error))) from error
+                step *= 0.5
+                continue
+            left -= step
+            if abs(after.offsets[1] - state.offsets[1] - step) > MOST_TURN:
+                after = after._replace(snapped_at=twist - left)
+            state, step = after, math.copysign(min(2 * abs(step), TWIST_STEP), twist)
         return state
 
-    def _equilibrium_in_frame(self, state: RopeState) -> RopeState:
+    def _equilibrium_in_frame(self, state: RopeState, most_turn: float = math.inf) -> RopeState:
         """``state`` in equilibrium."""
         m, rest = state.motion, np.zeros_like(state.motion.q)
-        found = find_equilibrium(self.model.system(state), m.q, m.t)
+        found = find_equilibrium(self.model.system(state), m.q, m.t, most_turn=most_turn)
         motion = Motion(m.t, found.q, rest, rest, rest, rest, 0.0, found.reaction)
         state = _turn_right_end(state._replace(motion=motion), found.turn)
         balance = self.model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
@@ -431,6 +452,14 @@ def _turn_right_end(state: RopeState, angle: float) -> RopeState:
     """The right end turned by ``angle`` (rad) against its conveyance."""
     left, right = state.offsets
     return state._replace(offsets=(left, right + angle))
+
+
+def _twist_evenly(state: RopeState, angle: float) -> RopeState:
+    """The same, the angle spread along the rope."""
+    m, s = state.motion, state.partition.nodes_s
+    q = m.q.copy()
+    q[:, ANGLE] += angle * (s / s[-1])
+    return _turn_right_end(state._replace(motion=replace(m, q=q)), angle)
 
 
 def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:

@@ -87,6 +87,7 @@ class RopeState(NamedTuple):
     energy_balance: EnergyBalance = EnergyBalance()
     powers: Powers = Powers()
     counts: Counts = Counts()
+    snapped_at: float = 0.0  # rad: twist at which the rope last snapped over when it was turned in; 0: never
 
     def to_bytes(self) -> bytes:
         """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
@@ -108,6 +109,7 @@ class RopeState(NamedTuple):
             "last_interval": self.last_interval,
             "force_mean": self.force_mean,
             "loop_yaw": self.loop_yaw,
+            "snapped_at": self.snapped_at,
             "fidelity": self.fidelity,
             "fidelity_reason": self.fidelity_reason,
             "events": self.events,
@@ -146,6 +148,7 @@ class RopeState(NamedTuple):
                 last_interval=s["last_interval"],
                 force_mean=(s["force_mean"][0], s["force_mean"][1]),
                 loop_yaw=s["loop_yaw"],
+                snapped_at=s["snapped_at"],
                 fidelity=s["fidelity"],
                 fidelity_reason=s["fidelity_reason"],
                 events=tuple(Event(*event) for event in s["events"]),

@@ -5,18 +5,30 @@ choose; tau grows as the residual falls, and the method ends as Newton's.  Witho
 and the iteration creeps like the real rope would: it does not depend on a good first guess.  Each shape on the way is
 the reference of the frame for the next, so that no tangent is far from it.
 
+The tangent is symmetric and leaves out what Qk between strains has no energy for.  Near the end of the search that
+multiplies the error by i r, turned by 90 degrees, where r may exceed 1; corrections shortened by 1 / (1 + r^2) make it
+fall fastest.
+
 Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from ..physics.element import PARAMETERS
+from ..physics.elementary import larger
 from ..physics.hanging import hanging_shape, place, turn_angle
 from . import messages
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
+
+#: s: pseudo-time steps beyond leave no inertia that matters
+SETTLED = 1e3
+_QA, _QK = PARAMETERS.index("Qa"), PARAMETERS.index("Qk")
 
 
 class StaticsError(RuntimeError):
@@ -37,57 +49,66 @@ class Equilibrium:
 
 
 def find_equilibrium(
-    system: RopeSystem, guess: Array, t: float = 0.0, tolerance: float = 1e-11, max_iterations: int = 2000
+    system: RopeSystem,
+    guess: Array,
+    t: float = 0.0,
+    tolerance: float = 1e-11,
+    max_iterations: int = 10000,
+    most_turn: float = math.inf,
 ) -> Equilibrium:
     """Equilibrium near ``guess`` (nodes, 7), whose angles count along it, the ends held by the system as at ``t``.
 
-    ``tolerance`` is for the last full Newton correction in ``system.norm`` relative to the rope's length.
+    ``tolerance`` is for the last full Newton correction in ``system.norm`` relative to the rope's length.  The search
+    ends without success where its ``turn`` exceeds ``most_turn`` (rad).
     """
     q = np.where(system.free, guess, system.prescribed_motion(t)[0])
     rest = np.zeros_like(q)
     scale = float(np.sum(system.lengths))
-    system, turn = system.with_reference(q), np.zeros(q.shape[0])
-    reaction, energy = _at_rest(system, q, rest, turn)
-    tau, largest_move, previous = 0.1, 0.3, _force(system, reaction)
+    rounding = 10.0 * float(np.finfo(float).eps * system.P[_QA] * scale / system.lengths.min())
+    system, reaction, turn, previous = system.with_reference(q), rest, 0.0, 0.0
+    tau, largest_move, relaxed, last = 0.1, 0.3, 1.0, 0.0
     for k in range(1, max_iterations + 1):
-        x, _ = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
+        x, now = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
+        previous = _force(system, now)
         if not np.all(np.isfinite(x)):
             tau *= 0.1
             if tau < 1e-7:
                 break
             continue
-        step = min(1.0, largest_move / max(*move, 1e-300))
+        error = -float(np.sum(now * x))
+        # what has no energy is not in the tangent, and the correction misses it
+        if system.P[_QK] != 0 and tau > SETTLED and last > 0:
+            relaxed = relaxation(error / last, relaxed)
+        last = error
+        step = min(relaxed, largest_move / max(*move, 1e-300))
         trial = q + step * x
-        more = system.frame_turn(trial)
-        trial[:, ANGLE] += more
-        following = system.with_reference(trial)
-        trial_reaction, trial_energy = _at_rest(following, trial, reaction, turn + more)
-        force = _force(following, trial_reaction)
-        # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them
-        falls = trial_energy < energy + 1e-12 * abs(energy)
-        if not np.isfinite(force) or not (falls or force <= previous + 1e-6):
-            tau *= 0.3
+        following = system.evaluate(trial, rest, rest, now).reaction
+        force = _force(system, following)
+        # on its way down the rope may well pass larger forces; what it may not do is to climb against them
+        if not np.isfinite(force) or not (np.sum(following * x) <= error or force <= previous + rounding):
+            tau, last = 0.3 * tau, 0.0
             if tau < 1e-7:
                 break
             continue
-        system, q, reaction, energy = following, trial, trial_reaction, trial_energy
-        turn = turn + more
-        if tau > 1e8 and step == 1.0 and system.norm(x) < tolerance * scale:
-            return Equilibrium(q, reaction, k, float(turn[-1]))
-        tau *= min(10.0, max(1.5, previous / max(force, 1e-300)))
-        tau = min(tau, 1e12)
-        previous = force
+        more = system.frame_turn(trial)
+        trial[:, ANGLE] += more
+        turn += float(more[-1])
+        if abs(turn) > most_turn:
+            break
+        system, q, reaction = system.with_reference(trial), trial, following
+        if tau > 1e8 and system.norm(x) < tolerance * scale:
+            return Equilibrium(q, reaction, k, turn)
+        tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
     raise StaticsError(messages.no_equilibrium(max_iterations, previous))
 
 
-def _at_rest(system: RopeSystem, q: Array, reaction: Array, turn: Array) -> tuple[Array, float]:
-    """Residual, and potential energy (J) of rope and dead loads; ``turn`` (nodes,) is that of the frame since."""
-    rest = np.zeros_like(q)
-    evaluation = system.evaluate(q, rest, rest, reaction)
-    stored = sum(evaluation.balance[name] for name in ("axial", "coupling", "torsion", "bending", "gravity"))
-    work = float(np.sum(system.load * q) - system.load[:, ANGLE] @ turn)
-    return evaluation.reaction, stored - work
+def relaxation(change: Any, last: Any) -> Any:
+    """Part of a correction to be made, from the ``change`` of the squared error by the one before, of which ``last``.
+
+    The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w r)^2.
+    """
+    return 1.0 / (1.0 + larger((change - (1.0 - last) ** 2) / (last * last), 0.0))
 
 
 def _force(system: RopeSystem, reaction: Array) -> float:

@@ -1,0 +1,62 @@
+"""Ropes in any pose find their rest: the one that slow turning leads to, and stable."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from numpy.testing import assert_allclose
+
+from benchmarks.poses import KINDS, NO_REASON, Pose, hang, poses
+from rope_model import EndMotion, RopeSimulator, rope_120
+from rope_model.simulation import simulator
+from rope_model.simulation.modal import natural_modes
+
+SEED = 7
+DRAWN = list(poses(SEED, 5 * len(KINDS)))
+
+
+@pytest.mark.parametrize("pose", DRAWN, ids=[f"{k}, {pose.kind}" for k, pose in enumerate(DRAWN)])
+def test_every_pose_finds_rest_or_is_refused_for_a_reason(pose: Pose) -> None:
+    rest = hang(pose)
+    assert NO_REASON not in rest.refusal
+    # the search ends where the last correction is 1e-11 of the length; the theory's bound as in test_statics
+    assert rest.weight_error < 1e-9
+
+
+#: of 118 m, soft against twist: past 6.46875 rad, and again past 17.7 rad, nothing is left of the way it was on
+SOFT = replace(rope_120().scene.rope, length=118.0, Qd=2000.0, Qb=2.0e5, Qc=1.6e5)
+
+
+def at_rest(twist: float) -> RopeSimulator:
+    rope = RopeSimulator(rope_120().scene.with_(rope=replace(SOFT, installed_twist=twist)))
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    return rope
+
+
+@pytest.mark.parametrize("twist", [5.0, 8.0])
+def test_the_rest_of_a_twisted_rope_is_stable_and_does_not_depend_on_the_step(
+    twist: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rope = at_rest(twist)
+    assert natural_modes(rope.system, rope.state.motion.q, 1).frequencies[0] > 0  # stable, or it raises
+    monkeypatch.setattr(simulator, "TWIST_STEP", 0.5)
+    half = at_rest(twist)
+    # convergence at 1e-11 of the length, times what the softest mode makes of it
+    assert_allclose(half.state.loop_yaw, rope.state.loop_yaw, rtol=0, atol=1e-5)
+    assert (rope.state.snapped_at != 0) == (twist > 6.5)
+
+
+def test_a_rope_that_snapped_over_says_so_while_it_rests() -> None:
+    assert "other_rests" not in at_rest(6.0).warnings()
+    assert "snapped over at 6.47 rad" in at_rest(7.0).warnings()["other_rests"]
+
+
+@pytest.mark.parametrize("unequal", [-0.6, 0.4, 0.8])
+def test_any_difference_of_Qb_and_Qc_finds_rest(unequal: float) -> None:
+    data = rope_120().scene.rope
+    rope = RopeSimulator(
+        rope_120().scene.with_(rope=replace(data, Qb=(1 + unequal) * data.Qs, Qc=(1 - unequal) * data.Qs))
+    )
+    status = rope.initialize(0.0, EndMotion(), EndMotion())
+    assert status.valid, status.message
