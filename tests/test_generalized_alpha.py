@@ -9,14 +9,23 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 from conftest import Chain
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from rope_model.numerics.generalized_alpha import LARGEST_GROWTH, Coefficients, Motion, Solution, restart, step
-from rope_model.numerics.newton import NewtonReport, NewtonStatus, initial_progress, judge, report
+from rope_model.numerics.generalized_alpha import (
+    LARGEST_GROWTH,
+    Coefficients,
+    Motion,
+    Solution,
+    auxiliary_weights,
+    restart,
+    step,
+)
+from rope_model.numerics.newton import NewtonReport, NewtonStatus, initial_progress, judge, newton, report
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
@@ -52,7 +61,7 @@ def verdict_on(norms: Iterator[float], tolerance: float, most: int) -> NewtonRep
     """The verdict on corrections of these norms."""
     progress, verdict = initial_progress(), judge()
     for norm in itertools.islice(norms, most):
-        progress = verdict(progress, norm, tolerance)
+        progress = verdict(progress, norm, tolerance, True)
         if progress[0] != NewtonStatus.TOO_MANY.code:
             break
     return report(np.asarray(progress).ravel().tolist())
@@ -304,6 +313,21 @@ def test_every_step_ends_in_equilibrium_with_the_ends_where_they_belong() -> Non
         np.testing.assert_array_equal(x[~system.free], y[~system.free])
 
 
+def test_a_step_is_predicted_as_the_method_goes_to_the_extrapolated_acceleration() -> None:
+    method, h, recentring = Coefficients(0.6), 0.01, 0.003
+    q, v, a, b, a_rate = past = np.random.default_rng(1).standard_normal((5, 8))
+    *before, now = auxiliary_weights(method, recentring)
+    a_next = a + h * a_rate
+    b_next = np.array(before) @ past[2:] + now * a_next
+    b = b + recentring * a_rate
+    expected = (
+        q + h * v + h * h * ((0.5 - method.beta) * b + method.beta * b_next),
+        v + h * ((1 - method.gamma) * b + method.gamma * b_next),
+        a_next,
+    )
+    np.testing.assert_allclose(method.prediction(h, recentring, h) @ past, expected, rtol=1e-12, atol=1e-12)
+
+
 def test_a_step_that_grows_too_fast_does_not_extrapolate_the_acceleration() -> None:
     system = SpringPendulum()
     m = integrate(system, system.start(), 0.01, 4, CONSTANT, 0.6)
@@ -348,6 +372,22 @@ def test_newtons_estimate_bounds_what_is_left_of_a_linear_contraction() -> None:
     verdict = verdict_on(corrections(), 1e-6, 50)
     np.testing.assert_allclose(verdict.error, x[-1], rtol=1e-6)
     assert x[-1] <= 1e-6 < x[-2]
+
+
+@pytest.mark.parametrize(("tolerance", "reached"), [(0.25, 1.2), (0.05, 1.04)])
+def test_a_correction_that_only_confirms_is_not_applied(tolerance: float, reached: float) -> None:
+    z, factor, dx = ca.MX.sym("z", 1, 2), ca.MX.sym("factor"), ca.MX.sym("dx")  # x and its residual, x - 1
+    moved = z[0] + dx
+    iteration = newton(
+        ca.Function("factorize", [z], [1.25 + 0 * z[0]]),  # a wrong derivative: the error contracts by 0.2
+        ca.Function("correct", [z, factor], [-z[1] / factor, ca.fabs(z[1] / factor)]),
+        ca.Function("apply", [z, dx], [ca.horzcat(moved, moved - 1)]),
+    )
+    found, progress = iteration(ca.DM([[2.0, 1.0]]), tolerance)
+    verdict = report(progress.full().ravel().tolist())
+    assert (verdict.status, verdict.iterations) == (NewtonStatus.CONVERGED, 2)
+    np.testing.assert_allclose(found.full().ravel(), [reached, reached - 1], rtol=1e-12)
+    assert verdict.error == pytest.approx(reached - 1, rel=1e-12)
 
 
 def test_a_failed_step_is_a_verdict_and_leaves_the_old_motion_alone() -> None:

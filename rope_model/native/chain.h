@@ -24,7 +24,7 @@ typedef struct {
 } System;
 
 typedef struct {
-    int status, iterations;
+    int status, iterations, applies; /* applies: whether the latest correction does */
     double norm, error, contraction;
 } Progress;
 

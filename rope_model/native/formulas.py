@@ -91,9 +91,8 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void newton_coefficients(const Coefficients *method, double h, double c[3])": (
         generalized_alpha.newton_coefficients
     ),
-    "void prediction_weights(const Coefficients *method, double h, double weights[4])": (
-        generalized_alpha.prediction_weights
-    ),
+    "void prediction_weights(const Coefficients *method, double h, double recentring, double ahead, "
+    "double weights[6])": (generalized_alpha.prediction_weights),
     "void auxiliary_weights(const Coefficients *method, double recentring, double weights[4])": (
         generalized_alpha.auxiliary_weights
     ),

@@ -99,16 +99,17 @@ Trial trial_step(Simulator *rope, State *state, double h) {
     const System s = system_of(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
-    const double moved_by = 0 < h && h <= LARGEST_GROWTH * state->h ? recentring_time(&method, h, state->h) : 0;
-    double c[3], of[4], aux[4], sum = 0;
+    const int rate_known = 0 < h && h <= LARGEST_GROWTH * state->h;
+    const double moved_by = rate_known ? recentring_time(&method, h, state->h) : 0, ahead = rate_known ? h : 0;
+    double c[3], of[6], aux[4], sum = 0;
     Trial trial = {.t = state->t + h, .h = h, .error = INFINITY};
-    prediction_weights(&method, h, of);
+    prediction_weights(&method, h, moved_by, ahead, of);
     auxiliary_weights(&method, moved_by, aux);
     newton_coefficients(&method, h, c);
     for (size_t i = 0; i < size; i++) {
-        now->q[i] = old.q[i] + h * old.v[i] + of[0] * old.a[i] + of[2] * old.b[i] + of[2] * moved_by * old.a_rate[i];
-        now->v[i] = old.v[i] + of[1] * old.a[i] + of[3] * old.b[i] + of[3] * moved_by * old.a_rate[i];
-        now->a[i] = old.a[i];
+        now->q[i] = old.q[i] + h * old.v[i] + of[0] * old.a[i] + of[2] * old.b[i] + of[4] * old.a_rate[i];
+        now->v[i] = old.v[i] + of[1] * old.a[i] + of[3] * old.b[i] + of[5] * old.a_rate[i];
+        now->a[i] = old.a[i] + ahead * old.a_rate[i];
     }
     prescribe(rope, state, &s, trial.t, 3, (double *[]){now->q, now->v, now->a});
     memcpy(now->reaction, old.reaction, sizeof(double) * size);

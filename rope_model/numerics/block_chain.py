@@ -119,17 +119,19 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
     fixed = [l, F, load, grip, node_mass, free, P, c, scale]
     factors = [ca.MX.sym(f"factor{i}", factorize.sparsity_out(i)) for i in range(factorize.n_out())]
     made = factorize(*parts[:3], l, F, node_mass, free, P, c)
-    R_x = residual(*parts)
-    step = substitute(*factors, free * R_x)
-    moved = ca.horzcat(*(part + c[i] * step for i, part in enumerate(parts[:3])), R_x)
+    step = substitute(*factors, free * parts[3])
     weighted = ca.vec(step * ca.repmat(scale, 1, n + 1))
     # the largest entry loses NaN, the sum of squares does not
     norm = ca.if_else(ca.sumsqr(weighted) < ca.inf, ca.norm_inf(weighted), ca.inf)
+    dx = ca.MX.sym("dx", m, n + 1)
+    q_x, v_x, a_x = (part + c[i] * dx for i, part in enumerate(parts[:3]))
     iteration = newton(
-        ca.Function("factorize", [x, *fixed], list(made)), ca.Function("correct", [x, *factors, *fixed], [moved, norm])
+        ca.Function("factorize", [x, *fixed], list(made)),
+        ca.Function("correct", [x, *factors, *fixed], [step, norm]),
+        ca.Function("apply", [x, dx, *fixed], [ca.horzcat(q_x, v_x, a_x, residual(q_x, v_x, a_x, parts[3]))]),
     )
     tolerance = ca.MX.sym("tolerance")
-    solution, progress = iteration(ca.horzcat(q, v, a, R), *fixed, tolerance)
+    solution, progress = iteration(ca.horzcat(q, v, a, residual(q, v, a, R)), *fixed, tolerance)
     solved = ca.horzsplit(solution, n + 1)
 
     def sums(q: ca.MX, v: ca.MX) -> ca.MX:
@@ -145,7 +147,7 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
     motion = {"q": q, "v": v, "a": a, "R": R}
     method = {"free": free, "P": P, "c": c}
     limits = {"scale": scale, "tolerance": tolerance}
-    after = dict(zip(("q", "v", "a", "R"), (*solved[:3], residual(*solved)), strict=True))
+    after = dict(zip(("q", "v", "a", "R"), solved, strict=True))
 
     def function(
         name: str, inputs: dict[str, ca.MX], outputs: dict[str, ca.MX], carried: tuple[str, ...] = ()

@@ -29,7 +29,8 @@ from .newton import NewtonReport, NewtonStatus
 
 Array = NDArray[np.float64]
 
-#: a rate of change of the acceleration taken over a step this much shorter than the next is mostly noise
+#: a rate of change of the acceleration taken over a step this much shorter than the next is mostly noise, neither to be
+#: extrapolated nor to re-centre with
 LARGEST_GROWTH = 5.0
 
 
@@ -127,15 +128,10 @@ class Coefficients:
         """Derivatives (3,) of q, v and a at the end of a step ``h`` with respect to q there."""
         return np.array(newton_coefficients(self, h))
 
-    def prediction(self, h: float, recentring: float) -> Array:
-        """(3, 5): q, v, a at the end of a step ``h`` with a constant acceleration, from q, v, a, b, a_rate.
-
-        ``recentring`` is the time by which b is moved.
-        """
-        q_a, v_a, q_b, v_b = prediction_weights(self, h)
-        return np.array(
-            [[1.0, h, q_a, q_b, q_b * recentring], [0.0, 1.0, v_a, v_b, v_b * recentring], [0.0, 0.0, 1.0, 0.0, 0.0]]
-        )
+    def prediction(self, h: float, recentring: float, ahead: float) -> Array:
+        """(3, 5): q, v, a at the end of a step ``h``, from q, v, a, b, a_rate; see prediction_weights."""
+        q_a, v_a, q_b, v_b, q_rate, v_rate = prediction_weights(self, h, recentring, ahead)
+        return np.array([[1.0, h, q_a, q_b, q_rate], [0.0, 1.0, v_a, v_b, v_rate], [0.0, 0.0, 1.0, 0.0, ahead]])
 
 
 def recentring_time(method: Coefficients, h: Any, before: Any) -> Any:
@@ -149,11 +145,16 @@ def newton_coefficients(method: Coefficients, h: Any) -> tuple[Any, Any, Any]:
     return 1.0, method.gamma / (method.beta * h), (1 - m) / (method.beta * h * h * (1 - f))
 
 
-def prediction_weights(method: Coefficients, h: Any) -> tuple[Any, Any, Any, Any]:
-    """What a brings to q and to v at the end of a step ``h`` with a constant acceleration, and what b brings."""
+def prediction_weights(method: Coefficients, h: Any, recentring: Any, ahead: Any) -> tuple[Any, ...]:
+    """What a brings to q and to v at the end of a step ``h``, what b brings, and what a_rate.
+
+    b is moved by ``recentring``; the acceleration goes on at its rate for the time ``ahead``.
+    """
     m, gamma, beta = method.alpha_m, method.gamma, method.beta
     q_a, v_a = h * h * beta / (1 - m), h * gamma / (1 - m)
-    return q_a, v_a, h * h * (0.5 - beta) - m * q_a, h * (1 - gamma) - m * v_a
+    q_b, v_b = h * h * (0.5 - beta) - m * q_a, h * (1 - gamma) - m * v_a
+    share = (1 - method.alpha_f) * ahead
+    return q_a, v_a, q_b, v_b, q_b * recentring + q_a * share, v_b * recentring + v_a * share
 
 
 def auxiliary_weights(method: Coefficients, recentring: Any) -> tuple[Any, Any, Any, Any]:
@@ -184,9 +185,9 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
     t, free = old.t + h, system.free
     past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
-    recentring = recentring_time(method, h, old.h) if 0 < h <= LARGEST_GROWTH * old.h else 0.0
+    recentring, ahead = (recentring_time(method, h, old.h), h) if 0 < h <= LARGEST_GROWTH * old.h else (0.0, 0.0)
     flat = past.reshape(len(past), -1)
-    q, v, a = guess = (method.prediction(h, recentring) @ flat).reshape(3, *old.q.shape)
+    q, v, a = guess = (method.prediction(h, recentring, ahead) @ flat).reshape(3, *old.q.shape)
     np.copyto(guess, system.prescribed_motion(t), where=~free)
     with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
         solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance)

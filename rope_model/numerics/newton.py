@@ -1,9 +1,11 @@
 """Newton's method as one CasADi function: a full correction, then cheap ones with the same factorization.
 
 The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms,
-error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round
-begins with a new factorization and goes on with it while the contraction pays; a slow round is followed by another.
-The iterations are branches and loops of generated code: what is not needed is not evaluated.
+error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8), that before it
+from d_k / (1 - theta): where this is within the tolerance the correction only confirms, and is not applied, because the
+residual of the place reached is known already and that of a new place would have to be evaluated.  A round begins with
+a new factorization and goes on with it while the contraction pays; a slow round is followed by another.  The iterations
+are branches and loops of generated code: what is not needed is not evaluated.
 """
 
 from __future__ import annotations
@@ -39,7 +41,7 @@ class NewtonStatus(Enum):
 
 @dataclass(frozen=True)
 class NewtonReport:
-    """Status, corrections applied, and the estimated norm of what is left."""
+    """Status, corrections computed, and the estimated norm of what is left."""
 
     status: NewtonStatus
     iterations: int
@@ -51,63 +53,74 @@ class NewtonReport:
         return self.status is NewtonStatus.CONVERGED
 
 
-#: names of the progress vector that goes through the iterations; status 0 goes on
-PROGRESS = ("status", "iterations", "norm", "error", "contraction")
+#: names of the progress vector that goes through the iterations; status 0 goes on, applies: the latest correction
+PROGRESS = ("status", "iterations", "applies", "norm", "error", "contraction")
 
 
 def initial_progress() -> ca.DM:
     """The progress before the first correction."""
-    return ca.DM([0.0, 0.0, ca.inf, ca.inf, 0.0])
+    return ca.DM([0.0, 0.0, 1.0, ca.inf, ca.inf, 0.0])
 
 
 def report(progress: list[float]) -> NewtonReport:
     """What a finished progress vector says."""
     status = next(s for s in NewtonStatus if s.code == int(progress[0]))
-    return NewtonReport(status, int(progress[1]), progress[3])
+    return NewtonReport(status, int(progress[1]), progress[4])
 
 
 def judge() -> ca.Function:
-    """(progress, norm of the correction, tolerance) -> progress after it."""
+    """(progress, norm of the correction, tolerance, whether its factorization is new) -> progress after it."""
     before, norm, tolerance = ca.SX.sym("progress", len(PROGRESS)), ca.SX.sym("norm"), ca.SX.sym("tolerance")
-    _, iterations, previous, _, _ = ca.vertsplit(before)
-    first = iterations < 1
+    fresh = ca.SX.sym("fresh")
+    _, iterations, _, previous, _, _ = ca.vertsplit(before)
     contraction = ca.if_else(previous > 0, norm / previous, 0.0)
     # the first correction says nothing of the contraction: trust it only when it is tiny itself
-    trusted = ca.logic_and(ca.logic_not(first), contraction < UNSURE)
-    error = ca.if_else(trusted, contraction / (1 - contraction) * norm, norm)
-    diverged = ca.logic_and(ca.logic_not(first), contraction >= GROWING)
-    status = ca.if_else(error <= tolerance, NewtonStatus.CONVERGED.code, NewtonStatus.TOO_MANY.code)
-    status = ca.if_else(diverged, NewtonStatus.DIVERGED.code, status)
+    first = iterations < 1
+    sure = ca.logic_and(ca.logic_not(first), contraction < UNSURE)
+    ahead = norm / (1 - contraction)
+    error = ca.if_else(sure, contraction * ahead, norm)
+    useless, diverged = (
+        ca.logic_not(ca.logic_or(sure, fresh)),
+        ca.logic_and(ca.logic_not(first), contraction >= GROWING),
+    )
+    # status, applies, norm, error, contraction
+    after = ca.vertcat(NewtonStatus.TOO_MANY.code, 1, norm, error, contraction)
+    done = ca.vertcat(NewtonStatus.CONVERGED.code, 1, norm, error, contraction)
+    after = ca.if_else(error <= tolerance, done, after)
+    there = ca.vertcat(NewtonStatus.CONVERGED.code, 0, norm, ahead, contraction)
+    after = ca.if_else(ca.logic_and(sure, ahead <= tolerance), there, after)
+    after = ca.if_else(diverged, ca.vertcat(NewtonStatus.DIVERGED.code, 1, norm, norm, contraction), after)
+    # a cheap correction that contracts badly only says that a new factorization is due
+    after = ca.if_else(useless, ca.vertcat(NewtonStatus.TOO_MANY.code, 0, previous, ca.inf, ca.inf), after)
     finite = norm < HUGE  # false for NaN too
-    status = ca.if_else(finite, status, NewtonStatus.NOT_FINITE.code)
-    error = ca.if_else(finite, error, ca.inf)
-    after = ca.vertcat(status, iterations + 1, norm, error, contraction)
-    return ca.Function("judge", [before, norm, tolerance], [after])
+    after = ca.if_else(finite, after, ca.vertcat(NewtonStatus.NOT_FINITE.code, 1, norm, ca.inf, contraction))
+    return ca.Function("judge", [before, norm, tolerance, fresh], [ca.vertcat(after[0], iterations + 1, after[1:])])
 
 
-def newton(factorize: ca.Function, correct: ca.Function) -> ca.Function:
-    """The whole iteration.
+def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> ca.Function:
+    """The whole iteration; x carries its residual, so that none is evaluated twice.
 
     factorize: (x, *fixed) -> factors ...                     the derivative at x, ready to be solved with
-    correct:   (x, *factors, *fixed) -> x, norm               one correction of x with these factors
+    correct:   (x, *factors, *fixed) -> correction, norm      with these factors
+    apply:     (x, correction, *fixed) -> x                   with its residual
     returns    (x, *fixed, tolerance) -> x, progress
     """
     number = factorize.n_out()
     x, *fixed = factorize.mx_in()
     factors = [ca.MX.sym(f"factor{i}", factorize.sparsity_out(i)) for i in range(number)]
     progress, tolerance = ca.MX.sym("progress", len(PROGRESS)), ca.MX.sym("tolerance")
+    moved = _where(apply, 1)
 
-    x_new, norm = correct(x, *factors, *fixed)
-    inputs = [x, progress, *factors, *fixed, tolerance]
-    judged = judge()(progress, norm, tolerance)
-    # a cheap correction that contracts badly is not applied: it only says that a new factorization is due
-    refused = ca.logic_not(judged[4] < UNSURE)
-    waiting = ca.vertcat(0.0, progress[1] + 1, progress[2], ca.inf, ca.inf)
-    cheap = [ca.if_else(refused, x, x_new), ca.if_else(refused, waiting, judged)]
-    again = _where(ca.Function("newton_again", inputs, cheap), 2)
-    after = ca.Function("newton_first", inputs, [x_new, judged])(x, progress, *factors, *fixed, tolerance)
+    def one_correction(name: str, fresh: bool) -> ca.Function:
+        step, norm = correct(x, *factors, *fixed)
+        after = judge()(progress, norm, tolerance, fresh)
+        inputs = [x, progress, *factors, *fixed, tolerance]
+        return ca.Function(name, inputs, [moved(after[2], x, step, *fixed), after])
+
+    first, again = one_correction("newton_first", True), _where(one_correction("newton_again", False), 2)
+    after = first(x, progress, *factors, *fixed, tolerance)
     for _ in range(PER_ROUND - 1):
-        goes_on = ca.logic_and(after[1][0] == 0, after[1][4] < SLOW)
+        goes_on = ca.logic_and(after[1][0] == 0, after[1][5] < SLOW)
         after = again(goes_on, *after, *factors, *fixed, tolerance)
     corrections = ca.Function("newton_corrections", [x, progress, *factors, *fixed, tolerance], [*after])
     inputs = [x, progress, *fixed, tolerance]
