@@ -61,6 +61,11 @@ double shape_interpolate_midpoints(int nodes, const double *s, int k, double at,
 void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
                          char *message);
 
+/* of END_MOTION_NAMES */
+static inline double end_value(const EndMotion *motion, int place) {
+    return ((const double *)motion)[place];
+}
+
 /* ends.c: rope_model.simulation.ends */
 Path path_resting(double t, const EndMotion *at);
 /* the motion at t with its accelerations kept, before and after */

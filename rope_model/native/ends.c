@@ -81,21 +81,17 @@ static double peak_acceleration(const Path *path, int axis) {
 void end_refusal(const EndMotion *target, const Path *path, int side, char *message) {
     static const char *const names[] = END_MOTION_NAMES;
     static const double bounds[] = END_MOTION_REACH;
-    const double *x = target->x, *v = target->v, *a = target->a;
-    const double values[] = {x[0], x[1], x[2], v[0], v[1], v[2], a[0], a[1], a[2], target->yaw, target->yaw_rate};
     double peaks[AXES];
     int worst = 0;
     message[0] = '\0';
-    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) {
-        if (!isfinite(values[i])) {
-            say_input_not_finite(message, SIDE_NAMES[side], names[i], values[i]);
-            return;
-        }
-        if (fabs(values[i]) > bounds[i]) {
-            say_input_out_of_range(message, SIDE_NAMES[side], names[i], values[i], bounds[i]);
-            return;
-        }
+    for (int i = 0; i < (int)(sizeof bounds / sizeof *bounds) && !message[0]; i++) {
+        const double value = end_value(target, i);
+        if (!isfinite(value))
+            say_input_not_finite(message, SIDE_NAMES[side], names[i], value);
+        else if (fabs(value) > bounds[i])
+            say_input_out_of_range(message, SIDE_NAMES[side], names[i], value, bounds[i]);
     }
+    if (message[0]) return;
     for (int axis = 0; axis < AXES; axis++) {
         peaks[axis] = peak_acceleration(path, axis);
         if (peaks[axis] > peaks[worst]) worst = axis;

@@ -5,33 +5,24 @@
 #include "formulas.h"
 #include "messages.h"
 
-enum { OUT_OF_PLANE = 1, TURNED = 2, ALONG = 4 };
+/* inputs that act out of the plane, turn a rope whose swivels hold, and move the ends along the plane */
+static const int OUT_OF_PLANE[] = {2, 5, 8, -1}, TURNED[] = {9, 10, -1}, ALONG[] = {3, 6, -1};
+static const int OUT_OF_PLANE_OR_TURNED[] = {2, 5, 8, 9, 10, -1};
 
 const char *fidelity_name(int fidelity) {
     static const char *const names[] = FIDELITY_WORDS;
     return names[fidelity];
 }
 
-/* what (MESSAGE): the first input of these kinds that is not zero, or "" */
-static int nonzero_input(const EndMotion ends[2], int kinds, char *what) {
+/* what (MESSAGE): the first of these inputs, by their places in EndMotion, that is not zero, or "" */
+static int nonzero_input(const EndMotion ends[2], const int *places, char *what) {
+    static const char *const names[] = END_MOTION_NAMES;
     what[0] = '\0';
-    for (int side = LEFT; side <= RIGHT; side++) {
-        const EndMotion *end = &ends[side];
-        const struct {
-            int kind;
-            const char *name;
-            double value;
-        } inputs[] = {
-            {OUT_OF_PLANE, "z", end->x[2]}, {OUT_OF_PLANE, "vz", end->v[2]},     {OUT_OF_PLANE, "az", end->a[2]},
-            {TURNED, "yaw", end->yaw},      {TURNED, "yaw_rate", end->yaw_rate}, {ALONG, "vx", end->v[0]},
-            {ALONG, "ax", end->a[0]},
-        };
-        for (size_t i = 0; i < sizeof inputs / sizeof inputs[0]; i++)
-            if ((inputs[i].kind & kinds) && inputs[i].value != 0) {
-                say_nonzero_input(what, SIDE_NAMES[side], inputs[i].name, inputs[i].value);
-                return 1;
-            }
-    }
+    for (int side = LEFT; side <= RIGHT; side++)
+        for (const int *k = places; *k >= 0; k++) {
+            const double value = end_value(&ends[side], *k);
+            if (value != 0) return !say_nonzero_input(what, SIDE_NAMES[side], names[*k], value);
+        }
     return 0;
 }
 
@@ -117,7 +108,7 @@ int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason) {
         say_as_asked(reason);
         return scene->model.fidelity;
     }
-    if (nonzero_input(ends, OUT_OF_PLANE | TURNED, why)) {
+    if (nonzero_input(ends, OUT_OF_PLANE_OR_TURNED, why)) {
         say_held_where_initialised(reason, why);
         return TORSIONAL;
     }

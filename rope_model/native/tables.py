@@ -80,7 +80,7 @@ def parameter_structures() -> str:
 
 
 def parameter_bounds() -> str:
-    """The text of parameters.inc: names, bounds and cures of each group, in the order in which they are checked."""
+    """The text of parameters.inc: a function for each group that checks its parameters in their order."""
     return _HEAD + "".join(_bounds(kind) for kind in GROUPS)
 
 
@@ -109,34 +109,31 @@ def _structure(kind: type[Any]) -> str:
 
 
 def _bounds(kind: type[Any]) -> str:
+    """check_rope and so on: what require_in_bounds of rope_model.parameter_table does."""
     known = {m.name: m for m in members(kind)}
-    rows = "".join(
-        f"    {_row(kind.__name__, name, p, known[name].real)},\n"
-        for name, p in check_order(kind)
-        if name in known and not known[name].length
-    )
-    return f"\nstatic const Parameter {kind.__name__.upper()}_PARAMETERS[] = {{\n{rows}}};\n"
+    table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
+    calls = [_choice(name, p) for name, p in table if p.choices]
+    calls += [f'finite(check, "{name}", x->{name})' for name, _ in table if known[name].real]
+    calls += [_range(name, p, known[name].real) for name, p in table if p.bound and not p.choices]
+    body = "".join(f"    {call};\n" for call in calls)
+    head = f"static void check_{kind.__name__.lower()}(const Check *check, const {kind.__name__} *x)"
+    return f"\n{head} {{\n{body}}}\n"
 
 
-def _row(group: str, name: str, p: Parameter, real: bool) -> str:
-    """One Parameter of parameters.c."""
+def _choice(name: str, p: Parameter) -> str:
+    words = ", ".join(f"{code} {word}" for code, word in enumerate(p.choices))
+    return f'choice(check, "{name}", x->{name}, {len(p.choices) - 1}, {json.dumps(words)})'
 
-    def place(bound: float | str | None) -> str:
-        return f"offsetof({group}, {bound})" if isinstance(bound, str) else "NONE"
 
-    def number(bound: float | str | None, without: str) -> str:
-        return repr(float(bound)) if isinstance(bound, int | float) else without
+def _range(name: str, p: Parameter, real: bool) -> str:
+    """The check of one parameter; a bound is a number, another parameter or none."""
 
-    kind, lower, upper, words = (
-        "REAL" if real else "WHOLE",
-        number(p.lower, "-INFINITY"),
-        number(p.upper, "INFINITY"),
-        p.bound,
-    )
-    if p.choices:
-        kind, lower, upper = "CHOICE", "0", str(len(p.choices) - 1)
-        words = ", ".join(f"{code} {word}" for code, word in enumerate(p.choices))
-    before, _, behind = words.partition("{}")
-    texts = ", ".join(json.dumps(text) for text in (before, behind, p.cure))
-    at = f"offsetof({group}, {name})"
-    return f'{{"{name}", {kind}, {at}, {lower}, {upper}, {place(p.lower)}, {place(p.upper)}, {texts}}}'
+    def limit(bound: float | str | None, without: str) -> str:
+        return f"x->{bound}" if isinstance(bound, str) else without if bound is None else repr(float(bound))
+
+    limits = f"{limit(p.lower, '-INFINITY')}, {limit(p.upper, 'INFINITY')}"
+    before, _, behind = p.bound.partition("{}")
+    bound = json.dumps(before)
+    if p.other:
+        bound = f"JOINED({bound}, x->{p.other}, {json.dumps(behind)})"
+    return f'{"real" if real else "whole"}(check, "{name}", x->{name}, {limits}, {bound}, {json.dumps(p.cure)})'
