@@ -2,7 +2,8 @@
 
 Three measurements with `docs/studies/throughput.toml`, windings of the 120 m rope:
 
-1. one worker and two, in turns, the same runs: runs per minute and the efficiency of two against one;
+1. one worker and two, in turns, the same runs, with the rope of either level: runs per minute, the processor time of a
+   run, and the efficiency of two workers against one;
 2. the whole study by the command, killed in the middle with SIGKILL, cluster and all;
 3. the same command again: what was recorded before must be untouched, nothing may be missing.
 
@@ -15,6 +16,7 @@ import argparse
 import os
 import re
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -25,6 +27,7 @@ from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Study, read_study
 from hoist_demo.study.store import Store
 
+FMUS = tuple(Path("build") / f"{level}.fmu" for level in ("draft", "standard"))
 STUDY = Path("docs") / "studies" / "throughput.toml"
 ROUNDS = (1, 2, 2, 1)
 SHARE = 10  # of the study's runs are run in each round
@@ -40,9 +43,11 @@ def main() -> None:
         file.write_text(
             re.sub(r"(?m)^runs = .*$", f"runs = {runs}", STUDY.read_text(encoding="utf-8")), encoding="utf-8"
         )
-        study = read_study(file)
-        efficiency(study, max(2, len(study.samples) // SHARE), Path(folder))
-        interruption(file, study, Path(folder) / "whole")
+        for fmu in FMUS:
+            study = read_study(file, fmu)
+            print(f"{fmu.stem}:", flush=True)
+            efficiency(study, max(2, len(study.samples) // SHARE), Path(folder) / fmu.stem)
+        interruption(file, read_study(file), Path(folder) / "whole")
 
 
 def efficiency(study: Study, count: int, folder: Path) -> None:
@@ -53,10 +58,15 @@ def efficiency(study: Study, count: int, folder: Path) -> None:
             warm, timed = study.samples[-workers:], study.samples[:count]
             run_samples(client, study, warm, Store(folder / f"warm{number}"))
             begin = time.perf_counter()
-            run_samples(client, study, timed, Store(folder / f"timed{number}"))
+            store = Store(folder / f"timed{number}")
+            keys = run_samples(client, study, timed, store)
             rates[workers].append(60.0 * count / (time.perf_counter() - begin))
+        records = [record for key in keys if (record := store.read(key))]
+        worked = statistics.median(record["clock"]["processor"] for record in records)
         print(
-            f"{workers} worker{'s' * (workers > 1)}: {rates[workers][-1]:.1f} runs per minute, {count} runs", flush=True
+            f"{workers} worker{'s' * (workers > 1)}: {rates[workers][-1]:.1f} runs per minute, {count} runs of "
+            f"{worked:.2f} s processor time each (median)",
+            flush=True,
         )
     one, two = (sum(rates[n]) / len(rates[n]) for n in (1, 2))
     print(f"efficiency of two workers against one: {two / one / 2:.2f}")
