@@ -10,8 +10,8 @@ EXPORT_native := --native
 SAID_python := the rope runs in Python, the form to read; make demo FLAVOUR=native winds it in C, and README.md, How fast, compares
 SAID_native := the rope runs in C
 READY := $(VENV)/.ready
-# one process per core, each with one thread; the tests of a file share what they make, and so a process
-PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist loadfile
+# one process per core, each with one thread; one that has no tests left takes over half of those of another
+PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist worksteal
 
 .PHONY: demo test test-slow lint docs evidence bench winding robustness poses stability reproduce chart mesh-rule peer reference choice hoist coupling latency studies throughput fuzz fmu wheels wheel-test release clean
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,13 +13,16 @@ from exports import EXPORTS, make_once
 from hypothesis import settings
 from numpy.typing import NDArray
 
-from rope_model.numerics import kernels
+from rope_model.numerics.kernels import find_compiler
 from rope_model.simulation.rope_system import RopeKernels, RopeSystem
 
 Array = NDArray[np.float64]
 
 # processes that tests start run this checkout, too
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH"))))
+# what is compiled on this machine, in this process or another, serves a test and not a year of windings
+if os.name == "posix" and "OPTIMISING_CC" not in os.environ and len(compiler := find_compiler() or ()) == 1:
+    os.environ |= {"OPTIMISING_CC": compiler[0], "CC": str(Path(__file__).with_name("quick") / "cc")}
 # examples are bounded by their number: a busy machine is no failure
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
@@ -32,29 +34,6 @@ def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     own = tmp_path_factory.getbasetemp()
     folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "exports"
     return lambda kind: make_once(folder / f"{kind}.fmu", EXPORTS[kind])
-
-
-def unoptimised_flags() -> tuple[str, ...]:
-    """The compiler's flags of the kernels, without optimisation."""
-    return tuple("-O0" if flag.startswith("-O") else flag for flag in kernels.FLAGS)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quick_kernels() -> Iterator[None]:
-    """CasADi kernels are compiled without optimisation: a quarter of the time per mesh, and the same bits.
-
-    test_block_chain compiles as the product does, and compares.
-    """
-    optimised = kernels.compile_library
-
-    def compiled(*arguments: Any) -> Path:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(kernels, "FLAGS", unoptimised_flags())
-            return optimised(*arguments)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(kernels, "compile_library", compiled)
-        yield
 
 
 @dataclass(frozen=True)

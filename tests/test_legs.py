@@ -36,6 +36,7 @@ def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may
     assert np.linalg.norm(places[0] - places[1], axis=1).max() < 0.5 * auto.loop_error
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
 def test_joined_elements_follow_an_emergency_stop_as_well_as_the_steps_do() -> None:
     case = Case("monopol-1000", Winding(travel=900.0, speed=16.0, emergency_at=40.0))

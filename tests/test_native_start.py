@@ -30,7 +30,17 @@ SOURCES = {
     "seen.c": '#include "model.h"\n#ifdef _WIN32\n__declspec(dllexport)\n#else\n'
     '__attribute__((visibility("default")))\n#endif\ndouble seen(int i) { return model_start(i); }\n',
 }
-EVERYWHERE = [pytest.param(name, marks=() if name in available_platforms() else pytest.mark.skip) for name in PLATFORMS]
+#: the first library for Windows takes longer than all others: it brings the start-up code of MinGW, made with it
+EVERYWHERE = [
+    pytest.param(
+        name,
+        marks=[
+            pytest.mark.skipif(name not in available_platforms(), reason="needs ziglang"),
+            *([pytest.mark.slow] if name.endswith("windows") else []),
+        ],
+    )
+    for name in PLATFORMS
+]
 
 
 def small(start: Start, name: str = host_platform()) -> bytes:

@@ -26,7 +26,7 @@ STIFF_BEARING = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.014)
 
 
 def scene(step: float = 2e-3, **swivels: Swivel) -> Scene:
-    solver = Solver(step_max=step, tolerance=1.0, newton_tolerance=1e-10, kernels="portable")
+    solver = Solver(step_max=step, tolerance=1.0, newton_tolerance=1e-10)
     mesh, model = Mesh(kind="eem", elements=8), Model(fidelity="torsional")
     return Scene(rope=SOFT, mesh=mesh, solver=solver, model=model, **swivels)
 

@@ -77,4 +77,4 @@ def measure_bulging() -> Finding:
     )
 
 
-ENTRIES = (Entry("bulging-loop", "A loop wider than its ends are apart", measure_bulging),)
+ENTRIES = (Entry("bulging-loop", "A loop wider than its ends are apart", measure_bulging, slow=True),)

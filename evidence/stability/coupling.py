@@ -242,5 +242,5 @@ def measure_steps() -> Finding:
 
 ENTRIES = (
     Entry("light-conveyance", "Explicit exchange with a conveyance lighter than its rope", measure_map, slow=True),
-    Entry("long-communication", "Inputs held or extrapolated over a long communication step", measure_steps),
+    Entry("long-communication", "Inputs held or extrapolated over a long communication step", measure_steps, slow=True),
 )

@@ -299,5 +299,5 @@ ENTRIES = (
     Entry("varying-steps", "Varying steps", varying_steps, slow=True),
     Entry("ringing", "Spectral radius 1 with swivel events", ringing),
     Entry("explicit", "The step limit of explicit integration", explicit),
-    Entry("rollback", "Rejected steps without rollback", rollback),
+    Entry("rollback", "Rejected steps without rollback", rollback, slow=True),
 )

@@ -181,4 +181,4 @@ def measure_turn_over() -> Finding:
     )
 
 
-ENTRIES = (Entry("turn-over", "The loop turns over when too much twist is put in", measure_turn_over),)
+ENTRIES = (Entry("turn-over", "The loop turns over when too much twist is put in", measure_turn_over, slow=True),)

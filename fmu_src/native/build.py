@@ -19,7 +19,7 @@ from pathlib import Path
 from rope_model.native.platforms import PLATFORMS as PLATFORMS
 from rope_model.native.platforms import host_platform as host_platform
 from rope_model.native.platforms import prebuilt_file, prebuilt_platforms
-from rope_model.numerics.kernels import cache_folder, find_compiler
+from rope_model.numerics.kernels import cache_folder, compiler_version, find_compiler
 
 from .mach_o import universal
 
@@ -93,8 +93,12 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
         could = ", ".join(available_platforms()) or "none, without a C compiler"
         raise ValueError(f"the platform {name!r} cannot be built here; can be: {could}. {CURE}")
     command = _command(name, *flags)
-    compiler = subprocess.run([*command[:3], "--version"], capture_output=True, text=True, check=False).stdout
-    parts = [identifier, compiler, *command[1:], *(f"{key}\0{text}" for key, text in sorted(sources.items()))]
+    parts = [
+        identifier,
+        compiler_version(tuple(command[:3])),
+        *command[1:],
+        *(f"{key}\0{text}" for key, text in sorted(sources.items())),
+    ]
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
     made = cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
     if not made.exists():

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -132,14 +133,15 @@ def build_library(
     functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str = "kernels"
 ) -> Path:
     """Generate C, compile it into ``folder`` unless it is there already, and return the library's path."""
-    return compile_library({"kernels.c": generate_c(functions)}, compiler, folder, name)
+    return compile_library({"kernels.c": generate_c(tuple(functions))}, compiler, folder, name)
 
 
 def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str) -> Path:
     """The library made of the C files among ``sources`` (text by file name), from ``folder`` if it is there already."""
-    version = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
     text = [part for file in sorted(sources) for part in (file, sources[file])]
-    key = hashlib.sha256("\0".join([*text, version, *compiler, *FLAGS]).encode()).hexdigest()[:20]
+    key = hashlib.sha256("\0".join([*text, compiler_version(tuple(compiler)), *compiler, *FLAGS]).encode()).hexdigest()[
+        :20
+    ]
     library = folder / f"{name}-{key}{LIBRARY_SUFFIX}"
     if not library.exists():
         folder.mkdir(parents=True, exist_ok=True)
@@ -155,7 +157,14 @@ def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder:
     return library
 
 
-def generate_c(functions: Sequence[ca.Function]) -> str:
+@cache
+def compiler_version(compiler: tuple[str, ...]) -> str:
+    """What the compiler says of itself."""
+    return subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
+
+
+@lru_cache(maxsize=32)  # some 0.5 MB each
+def generate_c(functions: tuple[ca.Function, ...]) -> str:
     """One C source holding the functions."""
     generator = ca.CodeGenerator("kernels", {"with_header": False})
     for function in functions:

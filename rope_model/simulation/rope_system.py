@@ -10,6 +10,7 @@ import copy
 import logging
 import shutil
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Protocol
 
@@ -120,6 +121,7 @@ def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity) -> tup
     return folder / f"{name}-{platform_tag()}{LIBRARY_SUFFIX}", folder / f"{name}.casadi"
 
 
+@cache
 def rope_functions(elements: int, fidelity: ElementFidelity = "torsional") -> ChainFunctions:
     """CasADi functions of a rope of ``elements`` elements."""
     return chain_functions(elements, element_functions(fidelity), NODE_DOF, ELEMENT_DOF[fidelity])
