@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,12 @@ def initialise(run: str) -> RopeSimulator:
     return rope
 
 
+@cache
+def warnings_at_rest(run: str) -> list[str]:
+    """Warnings of the rope at rest."""
+    return [*initialise(run).warnings().values()]
+
+
 @pytest.mark.parametrize("run", ["plain", "planar without torque", "large step_max, no step yet"])
 def test_where_no_warning_applies_none_is_given(results: dict[str, Any], run: str) -> None:
     assert (results[run]["warnings"], results[run]["status.warning"]) == ([], "")
@@ -72,7 +79,7 @@ def test_a_warning_is_logged_once_and_stays_readable(results: dict[str, Any], ru
 def test_an_fmu_says_of_a_turned_loop_what_the_rope_in_process_says(
     results: dict[str, Any], run: str, words: str
 ) -> None:
-    expected = [*initialise(run).warnings().values()]
+    expected = warnings_at_rest(run)
     assert results[run]["warnings"] == expected
     assert words in expected[0]
 

@@ -68,7 +68,7 @@ def in_process(native: bool, tool: str, reading: str, steps: int, lift: float = 
             ends = [end.extrapolate(h) for end in motions(k * tool_driver.H, lift)]
         status = rope.advance_to(t + h, *ends)
         assert status.valid, status.message
-        values = rope.signals()
+        values = rope.signals(tool_driver.FORCES)
         rows.append([values[name] for name in tool_driver.FORCES])
     assert rope.state.counts.transformations > 0
     return np.array(rows)

@@ -54,7 +54,7 @@ class Finding:
 class Entry:
     """A scene: ``key`` names it in tests, files and the chapter's template, which tells what happens and why.
 
-    ``slow`` entries take more than some 3 s.
+    ``slow`` entries take more than some 4 s.
     """
 
     key: str
