@@ -23,6 +23,11 @@ H = 0.01  # s, communication step
 TORQUES = ("left.swivel.torque", "right.swivel.torque")
 
 
+def fixed_steps(h: float) -> Solver:
+    """Steps of ``h`` (s), which no local error shortens."""
+    return Solver(step_max=h, tolerance=1e6)
+
+
 @dataclass
 class Winding:
     """Records of a run, sampled every ``sample`` communication steps."""
@@ -48,7 +53,7 @@ def scene_of(rope: str, coupling: str) -> Scene:
     """The rope of a case between locked ends; uncoupled it is planar, which then leaves nothing out."""
     scene = rope_data(find_case(rope).rope)
     held = {"left": replace(scene.left, mode="locked"), "right": replace(scene.right, mode="locked")}
-    scene = scene.with_(solver=Solver(step_max=H), model=Model("torsional"), **held)
+    scene = scene.with_(solver=fixed_steps(H), model=Model("torsional"), **held)
     if coupling == "coupled":
         return scene
     return scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0), model=Model("planar"))

@@ -16,10 +16,10 @@ import numpy as np
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model.parameters import Mesh, Solver
+from rope_model.parameters import Mesh
 from rope_model.simulation.mesh import fit_mesh
 
-from .kinematic import Winding, scene_of, wind
+from .kinematic import Winding, fixed_steps, scene_of, wind
 
 FINEST = 3e-4  # m, loop_error of the reference
 STEP, EVERY, SETTLE = 0.01, 0.08, 5.0  # s
@@ -58,7 +58,7 @@ class Outcome:
 
 def wind_uncoupled(case: Case, mesh: Mesh, step: float = STEP) -> Winding:
     """The uncoupled rope on its trip, with a record every EVERY (s)."""
-    scene = scene_of(case.rope, "uncoupled").with_(mesh=mesh, solver=Solver(step_max=step))
+    scene = scene_of(case.rope, "uncoupled").with_(mesh=mesh, solver=fixed_steps(step))
     run = wind(scene, s_curve(case.trip), case.trip.travel, SETTLE, round(EVERY / step), interval=step)
     if not run.status.valid:
         raise RuntimeError(f"{case.rope}, {mesh}: {run.status.message}")
@@ -79,7 +79,7 @@ def force_error(run: Winding, exact: Winding) -> float:
 def meshes(case: Case, loop_error: float) -> tuple[Mesh, Mesh]:
     """The mesh of 'auto' for ``loop_error`` (m), and the reference's."""
     scene = scene_of(case.rope, "uncoupled")
-    auto, fine = (fit_mesh(Mesh("auto", loop_error=e), scene.rope, scene.layout) for e in (loop_error, FINEST))
+    auto, fine = (fit_mesh(scene.with_(mesh=Mesh("auto", loop_error=e))) for e in (loop_error, FINEST))
     return auto, replace(fine, grading_length=0.0)
 
 

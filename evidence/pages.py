@@ -27,6 +27,8 @@ from evidence.mesh_rule.page import FIGURES as MESH_RULE
 from evidence.mesh_rule.page import page as mesh_rule_page
 from evidence.peer.figures import FIGURES as PEER
 from evidence.peer.page import page as peer_page
+from evidence.promise.page import FIGURES as PROMISE
+from evidence.promise.page import page as promise_page
 from evidence.rendering import DOCS, fill_block, write_page
 from evidence.reproduction.page import FIGURES as REPRODUCTION
 from evidence.reproduction.page import page as reproduction_page
@@ -58,6 +60,7 @@ PAGES: dict[str, Page] = {
     "choice": Page("choice.md", "choice", choice_page),
     "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
     "mesh_rule": Page("mesh_rule.md", "mesh_rule", mesh_rule_page, MESH_RULE),
+    "promise": Page("promise.md", "promise", promise_page, PROMISE),
     "latency": Page("latency.md", "latency", latency_page, LATENCY),
     "peer": Page("peer.md", "peer", peer_page, PEER),
     "reference_solver": Page("reference_solver.md", "reference_solver", reference_solver_page),

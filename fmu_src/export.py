@@ -59,7 +59,7 @@ def export_fmu(
     chosen = choose_platforms(platforms)
     data = case_with(case, level, start)
     scene, table = data.scene, variables(data)
-    mesh = fit_mesh(scene.mesh, scene.rope, scene.layout)
+    mesh = fit_mesh(scene)
     elements = partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)

@@ -14,6 +14,7 @@ from rope_model.parameters import (
     CHOICES,
     ROPE_CASES,
     SEGMENTS,
+    Accuracy,
     Layout,
     Level,
     Mesh,
@@ -41,6 +42,7 @@ _GROUPS: dict[str, type[Any]] = {
     "left.swivel": Swivel,
     "right.swivel": Swivel,
     "mesh": Mesh,
+    "accuracy": Accuracy,
     "solver": Solver,
     "model": Model,
 }

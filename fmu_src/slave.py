@@ -83,7 +83,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description from our own table: pythonfmu's has no units and no initial unknowns."""
         build = self._build
-        tolerance = next(float(v.start or 0.0) for v in self._table if v.name == "solver.tolerance")
+        tolerance = next(float(v.start or 0.0) for v in self._table if v.name == "accuracy.end_force")
         facts = Build(build["guid"], build["version"], build["tool"], build["date"], build["stop"], tolerance)
         return model_description(Profile(tuple(build["outputs"])).select(self._table), facts)
 

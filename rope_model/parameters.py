@@ -182,7 +182,7 @@ class Mesh:
 
     Without elements in III and V the loop's, in IV, are l/4, without II and VI too l/2.
 
-    auto: the TMN-ETM that the rope's own lengths and ``loop_error`` ask for, EEM on a short or stiff rope; see
+    auto: the TMN-ETM that the rope's own lengths and the accuracy ask for, EEM on a short or stiff rope; see
     simulation.mesh.fit_mesh.  ``end_levels`` = 0 is the source's mesh.
     """
 
@@ -227,12 +227,12 @@ class Mesh:
         cure="1 m suits a 1000 m rope",
     )
     loop_error: float = parameter(
-        5e-3,
+        0.0,
         "m",
-        "error of the loop's place that the mesh may bring, kind 2 only",
-        lower=1e-5,
+        "error of the loop's place that the mesh may bring, kind 2 only; 0: half of accuracy.loop",
+        lower=0.0,
         upper=1.0,
-        cure="5e-3 m suits most studies",
+        cure="0 suits most studies",
     )
 
     def __post_init__(self) -> None:
@@ -259,11 +259,35 @@ class Mesh:
 
 
 @dataclass(frozen=True)
+class Accuracy:
+    """What a run may err by: mesh and steps follow from it, see physics.accuracy and simulation.mesh."""
+
+    end_force: float = parameter(
+        1e-3,
+        "1",
+        "error of the end forces, root mean square over a run, relative to the largest",
+        lower=1e-6,
+        upper=1.0,
+        cure="1e-3 suits most studies",
+    )
+    loop: float = parameter(
+        0.01,
+        "m",
+        "largest error of the loop's place",
+        lower=1e-5,
+        upper=1.0,
+        cure="0.01 m suits most studies",
+    )
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
+@dataclass(frozen=True)
 class Solver:
     """Time integration: generalized-alpha with step control.
 
-    The tolerances are in m for positions and rad for twist angles; of r' Newton's is the change over the shortest
-    element.
+    Newton's tolerance is in m for positions and rad for twist angles; of r' it is the change over the shortest element.
     """
 
     step_max: float = parameter(
@@ -279,12 +303,12 @@ class Solver:
         tunable=True,
     )
     tolerance: float = parameter(
-        1.0e-3,
+        1.0,
         "1",
-        "largest local error of a step, in m and rad",
+        "largest local error of a step over what the accuracy allows; 1e6: no step is shortened for it",
         lower=LEAST,
-        upper=1.0,
-        cure="1e-3 is a good start",
+        upper=1e6,
+        cure="use 1",
         tunable=True,
     )
     newton_tolerance: float = parameter(
@@ -355,6 +379,7 @@ class Scene:
     left: Swivel = field(default_factory=Swivel)
     right: Swivel = field(default_factory=Swivel)
     mesh: Mesh = Mesh(kind="auto")
+    accuracy: Accuracy = field(default_factory=Accuracy)
     solver: Solver = field(default_factory=Solver)
     model: Model = field(default_factory=Model)
 
@@ -373,28 +398,28 @@ CHOICES = {
 }
 
 Level = Literal["draft", "standard", "reference"]
-#: mesh, solver and model of each level of accuracy, checked in docs/chart.md.  A draft is for end forces: it
-#: may leave out torsion and what is out of plane, where that changes the forces by an estimated 0.2 % at most
+#: what each level of accuracy asks for, checked in docs/chart.md.  A draft is for end forces: it may leave out torsion
+#: and what is out of plane, where that changes the forces by an estimated 0.2 % at most
 LEVELS: dict[Level, dict[str, Any]] = {
     "draft": {
-        "mesh": Mesh("auto", loop_error=0.05),
+        "accuracy": Accuracy(end_force=1e-2, loop=0.1),
         "solver": Solver(step_max=0.04, newton_tolerance=1e-5),
         "model": Model(force_tolerance=2e-3),
     },
-    "standard": {"mesh": Mesh("auto"), "solver": Solver(), "model": Model()},
+    "standard": {"accuracy": Accuracy(), "solver": Solver(), "model": Model()},
     "reference": {
-        "mesh": Mesh("auto", loop_error=2e-4),
-        "solver": Solver(step_max=2.5e-3, tolerance=1e-5),
+        "accuracy": Accuracy(end_force=1e-5, loop=4e-4),
+        "solver": Solver(step_max=2.5e-3),
         "model": Model(),
     },
 }
 
 
 def at_level(scene: Scene, level: Level) -> Scene:
-    """The scene with mesh, solver and model of one of LEVELS; what else these had is lost."""
+    """The scene with a fitted mesh, accuracy, solver and model of one of LEVELS; what else these had is lost."""
     if level not in LEVELS:
         raise ValueError(f"level = {level!r} must be one of {', '.join(LEVELS)}; standard suits most uses")
-    return scene.with_(**LEVELS[level])
+    return scene.with_(mesh=Mesh("auto"), **LEVELS[level])
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from .numerics.kernels import last_words
 from .parameters import (
     CHOICES,
     ROPE_CASES,
+    Accuracy,
     Layout,
     Level,
     Mesh,
@@ -47,6 +48,7 @@ __all__ = [
     "FIDELITIES",
     "ROPE_CASES",
     "SIGNALS",
+    "Accuracy",
     "BalanceRope",
     "Effect",
     "EndMotion",

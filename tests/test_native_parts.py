@@ -142,7 +142,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     library = ct.CDLL(str(path))
     n, x, p = ct.c_int, ct.c_double, ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
-        "mesh_fit": (GROUPS[Mesh], p, p, p),
+        "mesh_fit": (GROUPS[Mesh], p),
         "mesh_elements": (n, p, x, p),
         "mesh_partition": (None, p, x, x, n, p, p),
         "mesh_transform": (None, p, n, n, p),
@@ -251,7 +251,8 @@ layouts = st.builds(Layout, st.floats(0.3, 5.0))
 @example(mesh=Mesh("auto", loop_error=1.0), rope=Rope(length=9000.0, EI=0.01), layout=Layout(8.0))  # most end levels
 @settings(max_examples=200, deadline=None)
 def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
-    ours, expected = parts.mesh_fit(c_of(mesh), c_of(rope), c_of(layout)), fit_mesh(mesh, rope, layout)
+    scene = Scene(rope, layout, mesh=mesh)
+    ours, expected = parts.mesh_fit(scene_structure(scene)), fit_mesh(scene)
     assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
         expected.kind,
         expected.elements,

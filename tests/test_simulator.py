@@ -165,7 +165,7 @@ def test_transformation_changes_the_energy_little() -> None:
 def test_energy_balance_closes_at_second_order_in_the_step() -> None:
     residuals = []
     for step in (0.01, 0.005):
-        solver = Solver(step_max=step, tolerance=1.0)
+        solver = Solver(step_max=step, tolerance=1e6)
         rope = start(SHORT.with_(mesh=Mesh(kind="eem", elements=62), solver=solver))
         wind(rope, 0, 550)
         residuals.append(abs(rope.state.energy_balance.residual))
@@ -259,12 +259,12 @@ def test_step_that_cannot_be_done_names_cause_and_cure_and_keeps_the_state() -> 
     status = rope.advance_to(0.5, *ends_at(0.5))
     assert not status.valid
     assert "step_min = 0.002 s" in status.message
-    assert "tolerance" in status.message
+    assert "what the accuracy allows" in status.message
     assert rope.save() == before
 
 
 def test_rejected_steps_are_halved_and_retried() -> None:
-    rope = start(SHORT.with_(solver=Solver(step_max=0.25, tolerance=1e-5)))
+    rope = start(SHORT.with_(solver=Solver(step_max=0.25, tolerance=0.1)))
     assert rope.advance_to(1.0, *ends_at(1.0)).valid
     assert rope.state.counts.rejections > 0
     assert rope.state.step_next < 0.25

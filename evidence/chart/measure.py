@@ -128,9 +128,7 @@ def measure(study: Study, families: Sequence[str]) -> Tables:
 def _key(point: Point) -> tuple[Scene, float]:
     """The same for points that are the same run."""
     scene = point.scene
-    return scene.with_(
-        mesh=replace(fit_mesh(scene.mesh, scene.rope, scene.layout), loop_error=0.1)
-    ), point.communication
+    return scene.with_(mesh=replace(fit_mesh(scene), loop_error=0.1)), point.communication
 
 
 def _worth_repeating(found: dict[Point, tuple[Run, tuple[float, float, float]]]) -> list[Point]:
@@ -159,7 +157,7 @@ def _row(p: Point, run: Run, errors: tuple[float, float, float]) -> tuple[object
 
 def _describe(p: Point) -> str:
     """The mesh in words."""
-    mesh = fit_mesh(p.mesh, p.scene.rope, p.scene.layout)
+    mesh = fit_mesh(p.scene.with_(mesh=p.mesh))
     if mesh.kind == "eem":
         return f"EEM, {mesh.elements}"
     return f"TMN-ETM, l = {mesh.coarse_length:.3g} m, IV of {mesh.counts[2]}, ends halved {mesh.end_levels} times"

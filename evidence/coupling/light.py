@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from benchmarks.kinematic import fixed_steps
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import Motion, Pair, Scheme, Vector
 from hoist_demo.cosimulation.schemes.stability import growth, measure_response
-from rope_model.parameters import Mesh, Rope, Scene, Solver
+from rope_model.parameters import Mesh, Rope, Scene
 from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
@@ -45,7 +46,7 @@ class OneEnd:
     """The rope's left end as a coupling's rope, forces counted from those at rest."""
 
     def __init__(self) -> None:
-        solver = Solver(step_max=0.01)
+        solver = fixed_steps(0.01)
         self.rope = RopeSimulator(Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=20), solver=solver))
         status = self.rope.initialize(0.0, EndMotion(), EndMotion())
         if not status.valid:

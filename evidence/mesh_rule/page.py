@@ -39,7 +39,6 @@ def page(tables: Tables) -> str:
         "judging_seed": JUDGE,
         "ropes": MANY,
         "shares": _shares(by_error),
-        "least_kept": min(asked for asked, of in by_error.items() if of.loop.max() <= 1),
         "mesh": mesh,
         "worst_shares": [(e, {"loop": by_error[e].loop.max(), "cover": by_error[e].cover.max()}) for e in TELLING],
         "longest": longest(),

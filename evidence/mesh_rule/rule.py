@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evidence.tables import Table
+from rope_model.parameters import Mesh
 from rope_model.physics.elementary import sqrt
 from rope_model.simulation.mesh import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
 
@@ -42,7 +43,7 @@ def shares(found: Laws, samples: Sequence[Sample], asked: float) -> Shares:
     loop, cover, moment = [], [], []
     for d in samples:
         S = laws.stiffness(np.array(d.rope.Qa), np.array(d.rope.EI), np.array(d.w))
-        of = fit_lengths(d.rope, d.layout, asked, math.log10(FADE_ERROR / asked))
+        of = fit_lengths(d.scene(Mesh()), asked, math.log10(FADE_ERROR / asked))
         fine, half = np.array(of.fine), np.array(0.5 * math.pi * of.radius + of.fade)
         layer = sqrt(d.rope.EI / (0.5 * d.rope.mass_per_length * d.layout.gravity * d.rope.length))
         loop.append(float(laws.loop_error(found.loop.values, fine, np.array(d.w), S)) / asked)

@@ -59,7 +59,7 @@ def distance(a: LoopPath, b: LoopPath) -> float:
 
 def auto_mesh(sample: Sample, loop_error: float) -> Mesh:
     """The mesh of 'auto' for ``loop_error`` (m)."""
-    return fit_mesh(Mesh("auto", loop_error=loop_error), sample.rope, sample.layout)
+    return fit_mesh(sample.scene(Mesh("auto", loop_error=loop_error)))
 
 
 def reference(sample: Sample, fine: float, cover: float, growth: float) -> Mesh:

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from rope_model.parameters import Mesh, Model, Scene, Solver
+from benchmarks.kinematic import fixed_steps
+from rope_model.parameters import Mesh, Model, Scene
 
 from .elements import ELEMENTS
 from .exudyn_rope import Method
@@ -24,7 +25,11 @@ class Variant:
 
 def _tmn(label: str, mesh: Mesh, *steps: float) -> list[Variant]:
     return [
-        Variant("TMN-ETM", f"{label}, {1e3 * h:g} ms", UNCOUPLED.with_(mesh=mesh, solver=Solver(step_max=h)))
+        Variant(
+            "TMN-ETM",
+            f"{label}, {1e3 * h:g} ms",
+            UNCOUPLED.with_(mesh=mesh, solver=fixed_steps(h)),
+        )
         for h in steps
     ]
 
@@ -32,7 +37,11 @@ def _tmn(label: str, mesh: Mesh, *steps: float) -> list[Variant]:
 def _eem(elements: int, *steps: float) -> list[Variant]:
     mesh = Mesh(kind="eem", elements=elements)
     return [
-        Variant("EEM", f"{elements}, {1e3 * h:g} ms", UNCOUPLED.with_(mesh=mesh, solver=Solver(step_max=h)))
+        Variant(
+            "EEM",
+            f"{elements}, {1e3 * h:g} ms",
+            UNCOUPLED.with_(mesh=mesh, solver=fixed_steps(h)),
+        )
         for h in steps
     ]
 
@@ -77,7 +86,7 @@ class Space:
 
 def at(scene: Scene, mesh: Mesh, step: float) -> Scene:
     """``scene`` on ``mesh`` with steps of ``step``."""
-    return scene.with_(mesh=mesh, solver=Solver(step_max=step))
+    return scene.with_(mesh=mesh, solver=fixed_steps(step))
 
 
 def _space(title: str, scene: Scene, theirs: list[tuple[str, int, Method]]) -> Space:

@@ -55,7 +55,7 @@ class HangingRope:
     def __init__(self) -> None:
         self.scene = rope_120().scene
         self.rope = replace(self.scene.rope, Qb=0.0, Qc=0.0)
-        self.mesh = fit_mesh(self.scene.mesh, self.rope, self.scene.layout)
+        self.mesh = fit_mesh(self.scene)
         cells = partition(self.mesh, self.rope.length, 0.5 * self.rope.length)
         self.kernels = RopeKernels(cells.lengths.size, self.scene.solver.kernels)
 

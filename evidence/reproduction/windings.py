@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 COUPLINGS = ("uncoupled", "coupled")
 SCENE = rope_120().scene
 #: the default mesh in numbers
-DEFAULT_MESH = fit_mesh(SCENE.mesh, SCENE.rope, SCENE.layout)
+DEFAULT_MESH = fit_mesh(SCENE)
 MESHES = {"TMN-ETM": DEFAULT_MESH, "EEM": Mesh(kind="eem", elements=600)}
 TRAVEL, SETTLE = 90.0, 3.0  # m, s after the conveyances have stopped
 ROUNDS = 3

@@ -57,7 +57,7 @@ def export_native(
         f"balance-rope {importlib.metadata.version('balance-rope')}, native",
         _date(),
         profile.stop,
-        data.scene.solver.tolerance,
+        data.scene.accuracy.end_force,
         tuple(sorted(name for name in sources if name.endswith(".c"))),
     )
     described = profile.select(table)

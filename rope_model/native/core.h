@@ -13,7 +13,9 @@ static const char *const SIDE_NAMES[2] = {"left", "right"};
    lowest point by the ends' heights. */
 /* a step does not carry the loop further than this many l past a transformation that is due */
 #define MESH_LATEST 0.25
-Mesh mesh_fit(const Mesh *mesh, const Rope *rope, const Layout *layout);
+/* of the elements at the loop, m */
+double mesh_fine_length(const Pattern *pattern, const double *lengths);
+Mesh mesh_fit(const Scene *scene);
 /* number of elements of the mesh on a rope of `length`; 0 and a message when it does not fit.  mesh is not AUTO_MESH */
 int mesh_elements(const Mesh *mesh, double length, char *message);
 /* `elements` as mesh_elements counts them: the count looks at every place of the loop */

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..numerics.generalized_alpha import Motion
 from ..parameters import FidelityChoice, Scene
+from ..physics.accuracy import ErrorSums
 from ..simulation import messages
 from ..simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from ..simulation.ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, Phase, SwivelState
@@ -30,6 +31,7 @@ from .layout import (
     SEGMENTS,
     CountsStructure,
     EnergyStructure,
+    ErrorStructure,
     EventStructure,
     PathStructure,
     PatternStructure,
@@ -285,6 +287,7 @@ def _unpack(data: bytes) -> RopeState:
         fidelity_reason=s.fidelity_reason.decode(),
         events=tuple(_event(event) for event in s.events[: s.event_count]),
         energy_balance=EnergyBalance(*(getattr(s.energy_balance, name) for name in EnergyBalance._fields)),
+        errors=ErrorSums(*(_numbers_of(getattr(s.errors, name)) for name in ErrorSums._fields)),
         powers=Powers(s.power_ends, s.power_swivel),
         counts=Counts(*(getattr(s.counts, name) for name in Counts._fields)),
     )
@@ -307,6 +310,7 @@ def _pack(state: RopeState) -> bytes:
         paths=tuple(PathStructure(q.start, q.stop, q.aim, q.coefficients) for q in state.paths),
         pattern=PatternStructure(p.coarse, p.grading_length, p.counts or (0,) * SEGMENTS, p.end_levels),
         energy_balance=EnergyStructure(*state.energy_balance),
+        errors=ErrorStructure(*state.errors),
         counts=CountsStructure(*state.counts),
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),
@@ -314,3 +318,7 @@ def _pack(state: RopeState) -> bytes:
     )
     arrays = [getattr(m, name).tobytes() for name in ARRAYS]
     return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes()])
+
+
+def _numbers_of(x: Any) -> Any:
+    return x if isinstance(x, float) else tuple(x)

@@ -10,6 +10,7 @@ from ctypes import Structure, c_char, c_double, c_int, c_int64
 from itertools import pairwise
 from typing import Any
 
+from ..physics.accuracy import ErrorSums
 from ..simulation.ends import PATH, Phase
 from ..simulation.state import Counts, EnergyBalance
 from ..simulation.switching import CHATTER
@@ -38,6 +39,15 @@ class EnergyStructure(Structure):
     """rope_model.simulation.state.EnergyBalance"""
 
     _fields_ = tuple((name, c_double) for name in EnergyBalance._fields)
+
+
+class ErrorStructure(Structure):
+    """rope_model.physics.accuracy.ErrorSums"""
+
+    _fields_ = tuple(
+        (name, c_double * len(zero) if isinstance(zero, tuple) else c_double)
+        for name, zero in ErrorSums()._asdict().items()
+    )
 
 
 class CountsStructure(Structure):
@@ -80,6 +90,7 @@ class StateStructure(Structure):
         ("pattern", PatternStructure),
         ("events", EventStructure * LOGGED_EVENTS),
         ("energy_balance", EnergyStructure),
+        ("errors", ErrorStructure),
         ("counts", CountsStructure),
         *((name, c_int) for name in ("elements", "fidelity", "switched", "event_count")),
         ("fidelity_reason", c_char * MESSAGE),
@@ -91,6 +102,7 @@ NAMES: dict[Any, str] = {
     PathStructure: "Path",
     SwivelStructure: "SwivelState",
     EnergyStructure: "EnergyBalance",
+    ErrorStructure: "ErrorSums",
     CountsStructure: "Counts",
     PatternStructure: "Pattern",
     EventStructure: "Event",

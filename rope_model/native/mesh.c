@@ -37,19 +37,27 @@ static int as_int(double x) {
     return x < INT_MAX ? (int)x : INT_MAX;
 }
 
-Mesh mesh_fit(const Mesh *mesh, const Rope *rope, const Layout *layout) {
+double mesh_fine_length(const Pattern *pattern, const double *lengths) {
+    const int32_t *n = pattern->counts;
+    return n[0] > 0 ? fine_share(n[1] > 0, n[2] > 0) * pattern->coarse : lengths[0];
+}
+
+Mesh mesh_fit(const Scene *scene) {
+    const Mesh *mesh = &scene->mesh;
+    const double length = scene->rope.length;
     Mesh fitted = *mesh;
     if (mesh->kind != AUTO_MESH) return fitted;
-    FittedLengths of = fit_lengths(rope, layout, mesh->loop_error, log10(FADE_ERROR / mesh->loop_error));
+    double asked = mesh->loop_error > 0 ? mesh->loop_error : MESH_SHARE * scene->accuracy.loop;
+    FittedLengths of = fit_lengths(scene, asked, log10(FADE_ERROR / asked));
     double coarse = RATIO * of.fine;
 
     /* the loop comes near an end: segment IV must be able to follow */
     double inner = inner_length(2, 0, fit_fine_count(&of, coarse), 0, 2);
-    coarse = fmin(coarse, 2 * NEAREST * rope->length / inner);
+    coarse = fmin(coarse, 2 * NEAREST * length / inner);
     double count = fit_fine_count(&of, coarse);
-    if (coarse * (0.5 * inner_length(2, 0, count, 0, 2) - DUE) > NEAREST * rope->length) {
+    if (coarse * (0.5 * inner_length(2, 0, count, 0, 2) - DUE) > NEAREST * length) {
         fitted.kind = EEM;
-        fitted.elements = as_int(fmax(ceil(rope->length / of.fine), 8));
+        fitted.elements = as_int(fmax(ceil(length / of.fine), 8));
         return fitted;
     }
     double levels = fmax(ceil(log2(coarse / of.end)), 0);
@@ -59,7 +67,7 @@ Mesh mesh_fit(const Mesh *mesh, const Rope *rope, const Layout *layout) {
     fitted.counts[1] = fitted.counts[3] = 0;
     fitted.counts[2] = as_int(count);
     fitted.end_levels = (int)fmin(levels, 8);
-    fitted.grading_length = fmin(LEG_GRADING * mesh->loop_error, LEG_WAVES) / rope->length;
+    fitted.grading_length = fmin(LEG_GRADING * asked, LEG_WAVES) / length;
     return fitted;
 }
 

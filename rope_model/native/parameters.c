@@ -88,6 +88,7 @@ void check_scene(const Scene *scene, char *message) {
     check_swivel(&(Check){"right.swivel", message}, &scene->swivels[RIGHT]);
     check_mesh(&(Check){"mesh", message}, &scene->mesh);
     check_counts(&scene->mesh, &(Check){"mesh", message});
+    check_accuracy(&(Check){"accuracy", message}, &scene->accuracy);
     check_solver(&(Check){"solver", message}, &scene->solver);
     check_model(&(Check){"model", message}, &scene->model);
 }

@@ -8,7 +8,7 @@
 
 #include <stddef.h>
 
-#include "parameters.h" /* codes of choices; Rope, Layout, Swivel, Mesh, Solver, Model, Scene and EndMotion: generated */
+#include "parameters.h" /* codes of choices; Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, Scene and EndMotion: generated */
 
 enum { LEFT, RIGHT };
 /* degrees of freedom of a node: r (3), r' (3), theta */

@@ -61,6 +61,12 @@ static void stress_signals(const Rope *rope, int fidelity, const Arrays *arrays,
     values[SIGNAL_STRESS_TORSION_MAX] = torsion;
 }
 
+static void error_signals(const Scene *scene, const State *state, const Arrays *arrays, double *values) {
+    const double fine = mesh_fine_length(&state->pattern, arrays->lengths);
+    values[SIGNAL_STATUS_END_FORCE_ERROR] = end_force_error(&scene->rope, &state->errors);
+    values[SIGNAL_STATUS_LOOP_ERROR] = loop_error(scene, &state->errors, fine, state->pattern.grading_length);
+}
+
 static void shape_signals(const Scene *scene, const Arrays *arrays, const LoopBottom *bottom, double *values) {
     double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3];
     shape_places(arrays->s[arrays->nodes - 1], bottom->s, loop_width(scene), SHAPE_POINTS, at);
@@ -109,6 +115,9 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         break;
     case ENERGY_SIGNALS:
         energy_signals(&state->energy_balance, &state->counts, values);
+        break;
+    case ERROR_SIGNALS:
+        error_signals(scene, state, arrays, values);
         break;
     case SHAPE_SIGNALS:
         shape_signals(scene, arrays, bottom, values);

@@ -6,7 +6,16 @@
 #include "signal_numbers.h"
 
 /* what is computed together: the functions of rope_model.simulation.signals */
-enum { END_SIGNALS, LOOP_SIGNALS, STRESS_SIGNALS, ENERGY_SIGNALS, SHAPE_SIGNALS, ALONG_SIGNALS, ADDED_MASS_SIGNALS };
+enum {
+    END_SIGNALS,
+    LOOP_SIGNALS,
+    STRESS_SIGNALS,
+    ENERGY_SIGNALS,
+    ERROR_SIGNALS,
+    SHAPE_SIGNALS,
+    ALONG_SIGNALS,
+    ADDED_MASS_SIGNALS
+};
 
 /* -1 for a number that is no signal's */
 int signal_group(int signal);

@@ -6,7 +6,7 @@
 #include "messages.h"
 #include "simulator.h"
 
-#define GROW_BELOW 0.1
+#define WORTHWHILE 1.25
 #define TWIST_STEP 1.
 #define LEAST_TWIST_STEP 0.01
 #define MOST_TURN 2.
@@ -17,7 +17,7 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     message[0] = '\0';
     check_scene(scene, message);
     if (message[0]) return NULL;
-    const Mesh mesh = mesh_fit(&scene->mesh, &scene->rope, &scene->layout);
+    const Mesh mesh = mesh_fit(scene);
     const int elements = mesh_elements(&mesh, scene->rope.length, message);
     if (elements == 0) {
         char why[MESSAGE];
@@ -246,15 +246,16 @@ static int accepted_step(Simulator *rope, State *state, double stop, Trial *tria
         state->counts.rejections += 1;
         if (h <= solver->step_min) {
             char why[MESSAGE];
-            if (trial->reached) say_error_too_large(why, trial->error, solver->tolerance);
+            if (trial->reached) say_error_too_large(why, trial->error / solver->tolerance);
             return say_step_fails(message, h, solver->step_min,
                                   trial->reached ? why : newton_text(trial->newton.status));
         }
-        h = fmax(0.5 * h, solver->step_min);
-        parts *= 2;
+        h = fmax(h * (trial->reached ? step_factor(trial->error / solver->tolerance) : 0.5), solver->step_min);
+        parts = 2;
         next = h;
     }
-    if (!rejected && trial->error < GROW_BELOW * solver->tolerance) next = fmin(2 * next, solver->step_max);
+    const double factor = step_factor(trial->error / solver->tolerance);
+    if (!rejected && factor > WORTHWHILE) next = fmin(fmax(next, factor * h), solver->step_max);
     *step_next = next;
     *reaches = parts == 1;
     return 1;

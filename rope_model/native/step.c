@@ -123,7 +123,17 @@ Trial trial_step(Simulator *rope, State *state, double h) {
         now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
-    trial.error = local_error(&method, h, largest_change(&s, old.a, now->a));
+    trial.place = local_error(&method, h, largest_change(&s, old.a, now->a));
+    double largest = 0;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const size_t at = (side ? size - DOF : 0) + SLOPE + 1;
+        trial.strains[side] = local_error(&method, h, now->a[at] - old.a[at]);
+        largest = fmax(largest, fabs(trial.strains[side]));
+    }
+    const StepLimits limits =
+        step_limits(&rope->scene, &state->errors, bottom_of(rope, state, state->t), local_error(&method, 1, 1));
+    trial.error = trial.place / limits.place;
+    if (h > limits.shortest) trial.error = fmax(trial.error, largest / (h * limits.strain_rate));
     return trial;
 }
 
@@ -205,7 +215,8 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const size_t size = (size_t)m.nodes * DOF;
     const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
     EnergyBalance *energy = &state->energy_balance;
-    double losses[2];
+    const double bottom = bottom_of(rope, state, state->t);
+    double losses[2], force = 0;
     /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
        integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
     for (size_t i = 0; i < size; i++) {
@@ -220,6 +231,9 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     for (int k = 0; k < 6; k++) memcpy(to[k], from[k], sizeof(double) * size);
     state->t = trial->t;
     state->h = trial->h;
+    for (int side = LEFT; side <= RIGHT; side++)
+        for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
+    state->errors = add_errors(&rope->scene.rope, &state->errors, bottom, h, trial->strains, trial->place, force);
     set_powers(rope, state);
     set_energies(energy, trial->balance, &s, m.v);
     energy->work_ends += 0.5 * h * (before[0] + state->power_ends);

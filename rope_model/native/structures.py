@@ -10,7 +10,7 @@ import ctypes
 from dataclasses import fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
-from ..parameters import Layout, Mesh, Model, Rope, Scene, Solver, Swivel
+from ..parameters import Accuracy, Layout, Mesh, Model, Rope, Scene, Solver, Swivel
 from ..simulation.ends import PATH, EndMotion, EndPath
 from .layout import PathStructure
 
@@ -43,7 +43,7 @@ def _type(member: Member) -> type[Any]:
     return kind * member.length if member.length else kind
 
 
-GROUPS = {kind: _structure(kind) for kind in (Rope, Layout, Swivel, Mesh, Solver, Model)}
+GROUPS = {kind: _structure(kind) for kind in (Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model)}
 
 
 class SceneStructure(ctypes.Structure):
@@ -54,6 +54,7 @@ class SceneStructure(ctypes.Structure):
         ("layout", GROUPS[Layout]),
         ("swivels", GROUPS[Swivel] * 2),
         ("mesh", GROUPS[Mesh]),
+        ("accuracy", GROUPS[Accuracy]),
         ("solver", GROUPS[Solver]),
         ("model", GROUPS[Model]),
     )
@@ -72,7 +73,7 @@ class EndStructure(ctypes.Structure):
 def scene_structure(scene: Scene) -> SceneStructure:
     """The scene as C sees it."""
     swivels = (GROUPS[Swivel] * 2)(_fill(scene.left), _fill(scene.right))
-    groups = (_fill(group) for group in (scene.mesh, scene.solver, scene.model))
+    groups = (_fill(group) for group in (scene.mesh, scene.accuracy, scene.solver, scene.model))
     return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups)
 
 

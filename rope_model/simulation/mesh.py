@@ -28,8 +28,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..parameters import MOST_ELEMENTS, Layout, Mesh, Rope
+from ..parameters import MOST_ELEMENTS, Mesh, Scene
+from ..physics.accuracy import length_for
 from ..physics.elementary import larger, smaller, sqrt
+from ..physics.estimates import bending_length
 from . import messages
 from .rope_system import Array, arc_lengths
 
@@ -42,22 +44,24 @@ LATEST = 0.25
 #: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
 #: nearer to segments II to VI than GRADING (m - 1) l
 LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
+#: of the accuracy asked of the loop's place, what the mesh may take
+MESH_SHARE = 0.5
 # What follows is for 'auto'; `make mesh-rule` measures what it rests on and writes docs/mesh_rule.md.
 #: grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
 #: LEG_WAVES / length: an emergency stop errs two to three times as much by the legs as by steps of 10 ms
 LEG_GRADING, LEG_WAVES = 7.5e5, 1000.0  # m, m^2
 #: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
 NATURAL_RADIUS = 0.912
-#: fine elements of LOOP_LENGTH R are taken to put the loop wrong by LOOP_ERROR R; longer ones than LONGEST R, on which
-#: the loop slips aside, are not used
-LOOP_LENGTH, LOOP_ERROR, LONGEST = 0.6, 0.033, 0.75
+#: of loop_error, what the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips aside,
+#: are not used
+LOCKING_SHARE, LONGEST = 0.7, 0.75
 #: what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much
 #: more for a tenth of it
-FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.25
+FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.42
 #: how near an end the loop may hang, in rope lengths: ends that part by 3/4 of the rope's length
 NEAREST = 0.12
-#: end elements in units of the bending layer there, for an error of LOOP_ERROR R; shorter as the loop's are
-END_LENGTH = 2.9
+#: end elements in units of the bending layer there, for an error of END_ERROR R; shorter by the fifth root of the error
+END_LENGTH, END_ERROR = 2.9, 0.033
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,11 @@ class Partition:
     def nodes_s(self) -> Array:
         """Arc length of the nodes from the left end, m."""
         return arc_lengths(self.lengths)
+
+    @property
+    def fine(self) -> float:
+        """Length of the loop's elements, m."""
+        return float(self.coarse * relative_lengths(self.counts[1:6])[2]) if self.counts else float(self.lengths[0])
 
     @cached_property
     def centre(self) -> float:
@@ -105,15 +114,14 @@ class FittedLengths(NamedTuple):
     end: float
 
 
-def fit_lengths(rope: Any, layout: Any, loop_error: Any, decades: Any) -> FittedLengths:
+def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR, see fit_mesh."""
-    weight = rope.mass_per_length * layout.gravity
-    w = (rope.EI / weight) ** (1 / 3)
-    radius = smaller(0.5 * layout.spacing, NATURAL_RADIUS * w)
-    shorter = (loop_error / (LOOP_ERROR * radius)) ** 0.2
-    fine = smaller(LOOP_LENGTH * shorter, LONGEST) * radius
+    rope, w = scene.rope, bending_length(scene)
+    radius = smaller(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
+    shorter = (loop_error / (END_ERROR * radius)) ** 0.2
+    fine = smaller(length_for(scene, LOCKING_SHARE * loop_error), LONGEST * radius)
     fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
-    layer = sqrt(rope.EI / (0.5 * weight * rope.length))
+    layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
     return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter)
 
 
@@ -122,19 +130,21 @@ def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
     return math.pi * radius + 2 * fade + 2 * DUE * coarse
 
 
-def fit_mesh(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
-    """``mesh`` as it is, or in place of 'auto' one from the rope's own lengths.
+def fit_mesh(scene: Scene) -> Mesh:
+    """The scene's mesh as it is, or in place of 'auto' one from the rope's own lengths.
 
     R is half the spacing, or the free loop's radius if that is less, from w = (EI / rho g)^(1/3).  The elements
-    there are shortened as if the error of its place grew with the fifth power of their length.  It grows with the
-    second while elements lock, with the sixth when they are short; docs/mesh_rule.md tells which errors are kept.
+    there are as long as the error of its place at rest allows, which grows with the second power of their length while
+    they lock, with the sixth when they are short (physics.accuracy); docs/mesh_rule.md tells which errors are kept.
     Segment IV covers the bend, what fades out above it, and the way to the next transformation.  The elements next to
     the clamped ends resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal
     elements.
     """
+    mesh, length = scene.mesh, scene.rope.length
     if mesh.kind != "auto":
         return mesh
-    R, fine, fade, end = fit_lengths(rope, layout, mesh.loop_error, math.log10(FADE_ERROR / mesh.loop_error))
+    loop_error = mesh.loop_error or MESH_SHARE * scene.accuracy.loop
+    R, fine, fade, end = fit_lengths(scene, loop_error, math.log10(FADE_ERROR / loop_error))
     ratio = 4  # of l to the elements of IV: five segments
     coarse = ratio * fine
 
@@ -142,10 +152,10 @@ def fit_mesh(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
         return (2, 0, ratio * math.ceil(covered_length(R, fade, coarse) / coarse), 0, 2)
 
     # the loop comes near an end: segment IV must be able to follow
-    coarse = min(coarse, 2 * NEAREST * rope.length / inner_length(pattern(coarse)))
+    coarse = min(coarse, 2 * NEAREST * length / inner_length(pattern(coarse)))
     counts = pattern(coarse)
-    if coarse * (0.5 * inner_length(counts) - DUE) > NEAREST * rope.length:
-        return replace(mesh, kind="eem", elements=max(math.ceil(rope.length / fine), 8))
+    if coarse * (0.5 * inner_length(counts) - DUE) > NEAREST * length:
+        return replace(mesh, kind="eem", elements=max(math.ceil(length / fine), 8))
     levels = max(math.ceil(math.log2(coarse / end)), 0)
     return replace(
         mesh,
@@ -153,7 +163,7 @@ def fit_mesh(mesh: Mesh, rope: Rope, layout: Layout) -> Mesh:
         coarse_length=coarse,
         counts=counts,
         end_levels=min(levels, 8),
-        grading_length=min(LEG_GRADING * mesh.loop_error, LEG_WAVES) / rope.length,
+        grading_length=min(LEG_GRADING * loop_error, LEG_WAVES) / length,
     )
 
 

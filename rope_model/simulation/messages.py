@@ -48,7 +48,7 @@ def fails_at_twist(reached: float, twist: float, why: str) -> str:
 
 
 def fitted_mesh_fails(why: str) -> str:
-    return f"{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and loop_error)"
+    return f"{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and accuracy.loop)"
 
 
 def too_many_lengths(coarse: float, length: float, outer: float, most: int) -> str:
@@ -133,8 +133,8 @@ def fails_at(t: float, why: str) -> str:
     return f"t = {t:.6g} s: {why:.480}"
 
 
-def error_too_large(error: float, tolerance: float) -> str:
-    return f"the local error {error:.3g} exceeds the tolerance {tolerance:.3g}"
+def error_too_large(error: float) -> str:
+    return f"its local error is {error:.3g} times what the accuracy allows"
 
 
 def step_fails(h: float, step_min: float, why: str) -> str:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, restart, step
+from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, local_error, restart, step
 from ..parameters import Scene
+from ..physics.accuracy import add_errors, step_limits
 from ..physics.energy_balance import energies as energies_of
 from .ends import EndPath, HangingEnds, Phase, nominal_points
 from .fidelity import flexible
-from .rope_system import ANGLE, POSITION, Evaluation, KernelCache, RopeSystem, parameter_vector
+from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, KernelCache, RopeSystem, parameter_vector
 from .state import Powers, RopeState
 
 
@@ -45,6 +47,21 @@ class RopeModel:
         """The integration method."""
         return Coefficients(self.scene.solver.rho_inf)
 
+    def relative_error(self, old: RopeState, result: StepResult[Evaluation]) -> float:
+        """Local error of a trial step over what the accuracy allows; infinite when Newton failed."""
+        if result.motion is None:
+            return math.inf
+        bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
+        limits = step_limits(self.scene, old.errors, bottom, local_error(self.method, 1.0, 1.0))
+        error = result.error / limits.place
+        strain = max(map(abs, self.strain_errors(result.motion)))
+        return max(error, strain / (h * limits.strain_rate)) if h > limits.shortest else error
+
+    def strain_errors(self, motion: Motion) -> list[float]:
+        """Local errors of the strains at both ends in the step that led to ``motion``."""
+        changes = motion.h * motion.a_rate[[0, -1], SLOPE.start + 1]
+        return [float(local_error(self.method, motion.h, change)) for change in changes]
+
     def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
         return step(system, old, h, self.method, self.scene.solver.newton_tolerance)
@@ -66,6 +83,9 @@ class RopeModel:
         assert motion is not None
         assert evaluation is not None
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
+        bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
+        strains = self.strain_errors(motion)
+        errors = add_errors(self.scene.rope, old.errors, bottom, h, strains, result.error, force)
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
@@ -77,7 +97,8 @@ class RopeModel:
             dissipated_material=old.energy_balance.dissipated_material + h * damping,
             nonconservative=old.energy_balance.nonconservative + h * nonconservative,
         )
-        return with_angles_along(system, old._replace(motion=motion, energy_balance=energy_balance, powers=now))
+        after = old._replace(motion=motion, energy_balance=energy_balance, errors=errors, powers=now)
+        return with_angles_along(system, after)
 
 
 def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:

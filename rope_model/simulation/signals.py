@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ..parameters import Rope, Scene
+from ..physics.accuracy import end_force_error, loop_error
 from ..physics.estimates import loop_width
 from ..physics.frame import end_moment
 from ..physics.stress import bending_stress, torsional_stress
@@ -82,6 +83,11 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("swivel_events", "changes between stick and slip"),
     ):
         yield f"count.{name}", Signal("1", f"{what} since the start", "integer")
+    yield (
+        "status.end_force_error",
+        Signal("1", "estimated error of the end forces so far, root mean square, relative to the largest"),
+    )
+    yield "status.loop_error", Signal("m", "estimated largest error of the loop's place so far")
     for axis in "xyz":
         for i in range(1, SHAPE_POINTS + 1):
             yield f"shape.{axis}[{i}]", Signal("m", f"{axis.upper()} of point {i} of {SHAPE_POINTS} along the rope")
@@ -137,7 +143,7 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
     if name.startswith(("shape.tension", "shape.bending", "shape.torsion")):
         return along_signals
     groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
-    groups |= {"energy": energy_signals, "count": energy_signals}
+    groups |= {"energy": energy_signals, "count": energy_signals, "status": error_signals}
     return groups.get(name.partition(".")[0], end_signals)
 
 
@@ -196,6 +202,15 @@ def energy_signals(rope: Evaluated) -> dict[str, float]:
         name: float(getattr(energy_balance if name.startswith("energy.") else counts, name.partition(".")[2]))
         for name in SIGNALS
         if name.startswith(("energy.", "count."))
+    }
+
+
+def error_signals(rope: Evaluated) -> dict[str, float]:
+    """Estimates of what the run errs by so far."""
+    scene, errors, cells = rope.scene, rope.state.errors, rope.state.partition
+    return {
+        "status.end_force_error": float(end_force_error(scene.rope, errors)),
+        "status.loop_error": float(loop_error(scene, errors, cells.fine, cells.grading_length)),
     }
 
 

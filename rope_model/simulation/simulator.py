@@ -20,6 +20,7 @@ import numpy as np
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
+from ..physics.accuracy import step_factor
 from ..physics.estimates import bending_length
 from . import messages
 from .adaptation import raise_fidelity, transform_if_due, with_loop_yaw
@@ -56,8 +57,8 @@ SHORTEST_INTERVAL = 1e-9
 MOST_STEPS = 20000
 #: s: beyond, the shortest steps are lost in the rounding of the time
 FARTHEST_START = 1e10
-#: local error below this part of the tolerance lets the step grow
-GROW_BELOW = 0.1
+#: the step grows when it can by this factor
+WORTHWHILE = 1.25
 #: rad of twist put in at once, at most and at least
 TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
 #: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
@@ -83,7 +84,7 @@ class RopeSimulator(BalanceRope):
 
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
         try:
-            self._mesh = fit_mesh(scene.mesh, scene.rope, scene.layout)
+            self._mesh = fit_mesh(scene)
             elements = partition(self._mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
         except ValueError as error:
             if scene.mesh.kind != "auto":
@@ -408,21 +409,22 @@ class RopeSimulator(BalanceRope):
         while True:
             result = self.model.trial(system, state.motion, h)
             iterations += result.newton.iterations
-            if result.motion is not None and result.error <= solver.tolerance:
+            error = self.model.relative_error(state, result)
+            if error <= solver.tolerance:
                 break
             cause = (
                 result.newton.status.text
                 if result.motion is None
-                else messages.error_too_large(result.error, solver.tolerance)
+                else messages.error_too_large(error / solver.tolerance)
             )
             log.debug("t = %.6f s: step %.3g s rejected: %s", t, h, cause)
             rejections += 1
             if h <= solver.step_min:
                 return messages.step_fails(h, solver.step_min, cause)
-            h, parts = max(0.5 * h, solver.step_min), 2 * parts
-            step_next = h
-        if not cause and result.error < GROW_BELOW * solver.tolerance:
-            step_next = min(2.0 * step_next, solver.step_max)
+            h = max(h * (0.5 if result.motion is None else step_factor(error / solver.tolerance)), solver.step_min)
+            parts, step_next = 2, h
+        if not cause and (factor := step_factor(error / solver.tolerance)) > WORTHWHILE:
+            step_next = min(max(step_next, factor * h), solver.step_max)
         return _Accepted(result, step_next, state.counts.plus(newton=iterations, rejections=rejections), parts == 1)
 
     def _next_stop(self, state: RopeState, t_end: float) -> float:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
+from ..physics.accuracy import ErrorSums
 from ..physics.energy_balance import residual, total
 from .ends import EndPath, Phase, SwivelState
 from .fidelity import Fidelity
@@ -85,6 +86,7 @@ class RopeState(NamedTuple):
     fidelity_reason: str
     events: tuple[Event, ...] = ()  # of the last advance
     energy_balance: EnergyBalance = EnergyBalance()
+    errors: ErrorSums = ErrorSums()
     powers: Powers = Powers()
     counts: Counts = Counts()
     snapped_at: float = 0.0  # rad: twist at which the rope last snapped over when it was turned in; 0: never
@@ -114,6 +116,7 @@ class RopeState(NamedTuple):
             "fidelity_reason": self.fidelity_reason,
             "events": self.events,
             "energy_balance": self.energy_balance._asdict(),
+            "errors": self.errors._asdict(),
             "powers": self.powers._asdict(),
             "counts": self.counts._asdict(),
         }
@@ -153,6 +156,7 @@ class RopeState(NamedTuple):
                 fidelity_reason=s["fidelity_reason"],
                 events=tuple(Event(*event) for event in s["events"]),
                 energy_balance=EnergyBalance(**s["energy_balance"]),
+                errors=ErrorSums(**s["errors"]),
                 powers=Powers(**s["powers"]),
                 counts=Counts(**s["counts"]),
             )

@@ -27,7 +27,7 @@ from rope_model import EndMotion as RopeEndMotion
 _log = logging.getLogger(__name__)
 
 _PARTS = {
-    **{name: name for name in ("rope", "layout", "mesh", "solver", "model")},
+    **{name: name for name in ("rope", "layout", "mesh", "accuracy", "solver", "model")},
     **{f"{side}.swivel": side for side in ("left", "right")},
 }
 """Part of the rope's data for each group of FMI names."""

@@ -1,0 +1,135 @@
+"""How much a step may err, so that a run errs no more than asked; and how much it has erred.
+
+Steps let the end forces err by the phase of longitudinal waves.  One of frequency omega and amplitude A (N) gains
+
+    C (omega h)^3 A     in a step, C of the method, seen as the local error of the strain at the ends times Qa
+
+and what steps leave adds up until the wave has faded out, for 2 / (beta_K omega^2).  The slowest wave, that of the
+longer leg, omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  So that its error stays below a share of
+the leg's weight a step may leave that share of it times h / memory.  A step resolves all waves well enough if it does
+so with one as large as braking makes.
+
+The loop's place errs by what the nodes' places err in a step: it moves on, and forgets them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from .elementary import cos, larger, sin, smaller, sqrt
+from .estimates import bending_length
+
+#: of what is asked, what a step may leave: `make promise` on the seed that tunes
+FORCE_SHARE, PLACE_SHARE = 16.0, 0.01
+#: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
+AND_RATE = 2.0
+#: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: docs/mesh_rule.md
+LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
+#: of the loop's place, by joined elements of the legs over grading_length times length, and by steps over the largest
+#: error of a node's place
+LEGS, STEPS = 4e-7, 22.0
+TINY = 1e-300
+#: part of the share that is left when all is used up
+LEAST_LEFT = 0.1
+#: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
+BRAKED = 0.5
+#: s: without material damping waves last as long as a trip
+LONGEST_MEMORY = 60.0
+
+
+class StepLimits(NamedTuple):
+    """What a step may leave."""
+
+    place: float  # m, of a node's place
+    strain_rate: float  # 1/s, of the strain at an end, over the step
+    shortest: float  # s: a shorter step is short enough for the strain
+
+
+class ErrorSums(NamedTuple):
+    """What the steps since the start have left.
+
+    ``waves``: of the slowest wave of the left and of the right leg, the error of the strain at its end, and the same a
+    quarter of a period later.
+    """
+
+    time: float = 0.0  # s
+    place: float = 0.0  # m, largest of a step
+    force: float = 0.0  # N, largest end force
+    waves: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    squares: tuple[float, float] = (0.0, 0.0)  # s, time integrals of the squares of the strains' errors
+
+
+def wave_frequency(rope: Any, leg: Any) -> Any:
+    """Of the slowest longitudinal wave of a leg, rad/s."""
+    return 0.5 * math.pi * sqrt(rope.Qa / rope.mass_per_length) / leg
+
+
+def memory(rope: Any, omega: Any) -> Any:
+    """How long a wave of a frequency lasts, s."""
+    return 2.0 / larger(rope.beta_K * (omega * omega), 2.0 / LONGEST_MEMORY)
+
+
+def step_limits(scene: Any, sums: Any, bottom: Any, error_constant: Any) -> StepLimits:
+    """For a rope whose loop hangs at arc length ``bottom``; the method errs by ``error_constant`` h^2 per change of a.
+
+    What has been used up of what was asked leaves less.
+    """
+    rope, accuracy = scene.rope, scene.accuracy
+    leg = larger(bottom, rope.length - bottom)
+    omega = wave_frequency(rope, leg)
+    lasts = memory(rope, omega)
+    used = end_force_error(rope, sums) / accuracy.end_force
+    share = FORCE_SHARE * larger(1.0 - used, LEAST_LEFT) * accuracy.end_force / lasts
+    strain = rope.mass_per_length * scene.layout.gravity * leg / rope.Qa
+    shortest = sqrt(share / (BRAKED * error_constant * (omega * omega * omega)))
+    return StepLimits(PLACE_SHARE * accuracy.loop, share * strain, shortest)
+
+
+def step_factor(error: Any) -> Any:
+    """Of a step with that error over what is allowed, to one with about half of what is allowed.
+
+    Errors are taken to be of the second order; half to twice the step, a tenth at least.
+    """
+    return larger(smaller(sqrt(0.5 / larger(error, TINY)), 2.0), 0.1)
+
+
+def add_errors(rope: Any, sums: Any, bottom: Any, h: Any, strains: Any, place: Any, force: Any) -> ErrorSums:
+    """``sums`` after a step ``h`` that left ``strains`` and ``place``, with end forces of up to ``force`` now."""
+    waves, squares = [], []
+    for side, leg in enumerate((bottom, rope.length - bottom)):
+        omega = wave_frequency(rope, leg)
+        lasts = memory(rope, omega)
+        fades, turns = lasts / (lasts + h), omega * h
+        c, s = fades * cos(turns), fades * sin(turns)
+        now, later = sums.waves[2 * side], sums.waves[2 * side + 1]
+        waves += [c * now + s * later + strains[side], c * later - s * now]
+        squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
+    largest = larger(sums.place, place), larger(sums.force, force)
+    return ErrorSums(sums.time + h, *largest, (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1]))
+
+
+def end_force_error(rope: Any, sums: Any) -> Any:
+    """Of the end forces, root mean square since the start, relative to the largest."""
+    squares = larger(sums.squares[0], sums.squares[1])
+    return AND_RATE * rope.Qa * sqrt(squares / larger(sums.time, TINY)) / larger(sums.force, TINY)
+
+
+def locking_error(scene: Any, fine: Any) -> Any:
+    """How much too high, m, the loop hangs on elements of length ``fine``."""
+    w, rope = bending_length(scene), scene.rope
+    x = fine / w
+    locked = LOCKING * (rope.Qa * (w * w) / rope.EI) * (x * x * x * x)
+    return LOOP_HEIGHT * w * (x * x) * (locked / (1.0 + locked))
+
+
+def length_for(scene: Any, error: Any) -> Any:
+    """Length of elements with at most that ``locking_error``, and at least half of it."""
+    w, rope = bending_length(scene), scene.rope
+    part = error / (LOOP_HEIGHT * w)
+    return w * larger(sqrt(part), (part / (LOCKING * (rope.Qa * (w * w) / rope.EI))) ** (1 / 6))
+
+
+def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
+    """Largest error of the loop's place since the start, m: of elements, legs and steps."""
+    return locking_error(scene, fine) + LEGS * grading_length * scene.rope.length + STEPS * sums.place
