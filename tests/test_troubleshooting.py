@@ -38,7 +38,7 @@ NO_ENTRY = {
     "the strain energy is not positive": "the end of 'is out of range'",
     "an input's number is 0 to 21": "a programmer's: no host can cause it",
     "drive: … states": "what the log tells of the drive",
-    "the local error": "part of 'a step of ... fails too'",
+    "its local error": "part of 'a step of ... fails too'",
     "use mesh.fit_mesh": "a programmer's: no host can cause it",
     "holds kernels of another mesh size": "part of 'does not load here'",
     "has no attribute": "a programmer's: Python's own words for a misspelt name",

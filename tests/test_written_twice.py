@@ -30,7 +30,7 @@ ARITHMETIC = {
     # places of arrays in memory
     "with_memory": (9, 0),
     # sums over nodes, and what is held at the ends
-    "trial_step": (15, 0),
+    "trial_step": (17, 0),
     "system_of": (4, 0),
     "restart": (5, 0),
     "commit": (9, 0),
@@ -53,7 +53,7 @@ ARITHMETIC = {
     "mesh_partition": (4, 0),
     "mesh_elements": (4, 0),
     # choice of steps
-    "accepted_step": (5, 0),
+    "accepted_step": (7, 0),
     "locate": (7, 0),
     # searches along the rope, and lengths and angles of one vector
     "shape_nearest_turn": (4, 0),
