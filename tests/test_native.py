@@ -76,13 +76,15 @@ def bounce(t: float) -> tuple[EndMotion, EndMotion]:
 
 SWIVEL = Swivel(mode="coulomb", release_time=0.5)
 SHORT = Rope(length=60.0, installed_twist=1.5)
+#: a correction about as large as the tolerance may be the last one in one form and not in the other
+CLOSE = Solver(step_max=0.04, newton_tolerance=1e-9)
 CASES: dict[str, tuple[Scene, Motions, float, float]] = {
     "winding": (rope_120().scene, winding(90.0, 8.0), 5.0, 0.01),
     "coarse levels": (rope_120("draft").scene, winding(90.0, 8.0), 6.0, 0.02),
     "stick and slip": (
-        rope_240("draft").scene.with_(left=SWIVEL, right=SWIVEL, model=Model()),
+        rope_240("draft").scene.with_(left=SWIVEL, right=SWIVEL, model=Model(), solver=CLOSE),
         winding(200.0, 10.0),
-        2.1,  # every event multiplies the rounding before it
+        2.2,  # every event multiplies the rounding before it
         0.02,
     ),
     "free swivels, one with a seal": (
@@ -113,7 +115,12 @@ CASES: dict[str, tuple[Scene, Motions, float, float]] = {
         0.02,
     ),
     "slack and caught": (Scene(rope=Rope(length=60.0)), bounce, 0.7, 0.01),
-    "non-conservative": (Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5)), winding(40.0, 4.0), 1.5, 0.01),
+    "non-conservative": (
+        Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5), solver=Solver(newton_tolerance=1e-8)),
+        winding(40.0, 4.0),
+        1.5,
+        0.01,
+    ),
 }
 
 

@@ -535,6 +535,7 @@ def any_rope(
         swivels=states,
         paths=paths,
         step_next=0.01,
+        calm_since=0.0,
         last_interval=0.1,
         force_mean=tuple(random.normal(size=2)),
         loop_yaw=20 * random.normal(),

@@ -101,7 +101,6 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "StepLimits step_limits(const Scene *scene, const ErrorSums *sums, double bottom, double error_constant)": (
         accuracy.step_limits
     ),
-    "double step_factor(double error)": accuracy.step_factor,
     "ErrorSums add_errors(const Rope *rope, const ErrorSums *sums, double bottom, double h, const double strains[2], "
     "double place, double force)": accuracy.add_errors,
     "double end_force_error(const Rope *rope, const ErrorSums *sums)": accuracy.end_force_error,

@@ -79,7 +79,10 @@ class StateStructure(Structure):
     room there is for them."""
 
     _fields_ = (
-        *((name, c_double) for name in ("t", "h", "step_next", "last_interval", "loop_yaw", "snapped_at")),
+        *(
+            (name, c_double)
+            for name in ("t", "h", "step_next", "last_interval", "loop_yaw", "snapped_at", "calm_since")
+        ),
         ("offsets", c_double * 2),
         ("force_mean", c_double * 2),
         ("power_ends", c_double),

@@ -16,7 +16,7 @@ static void refuse(const Check *check, const char *what, const char *value, cons
                  check->group[0] ? ": " : "", what, value, bound, cure);
 }
 
-static void finite(const Check *check, const char *what, double x) {
+static void require_finite(const Check *check, const char *what, double x) {
     if (!isfinite(x)) refuse(check, what, EXACT(x), "finite", "give a number");
 }
 

@@ -6,7 +6,9 @@
 #include "messages.h"
 #include "simulator.h"
 
-#define WORTHWHILE 1.25
+#define ACCEPT_BELOW 2.
+#define GROW_BELOW 0.05
+#define CALM 0.5
 #define TWIST_STEP 1.
 #define LEAST_TWIST_STEP 0.01
 #define MOST_TURN 2.
@@ -187,6 +189,7 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
+    state->calm_since = t;
     if (!(state->fidelity == RIGID ? rigid_state(rope, state, t, message) : hang(rope, state, message))) return 0;
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
     state->energy_balance.start = energy_total(&state->energy_balance);
@@ -241,7 +244,7 @@ static int accepted_step(Simulator *rope, State *state, double stop, Trial *tria
     for (;;) {
         *trial = trial_step(rope, state, h);
         state->counts.newton += trial->newton.iterations;
-        if (trial->reached && trial->error <= solver->tolerance) break;
+        if (trial->reached && trial->error <= ACCEPT_BELOW * solver->tolerance) break;
         rejected = 1;
         state->counts.rejections += 1;
         if (h <= solver->step_min) {
@@ -250,12 +253,17 @@ static int accepted_step(Simulator *rope, State *state, double stop, Trial *tria
             return say_step_fails(message, h, solver->step_min,
                                   trial->reached ? why : newton_text(trial->newton.status));
         }
-        h = fmax(h * (trial->reached ? step_factor(trial->error / solver->tolerance) : 0.5), solver->step_min);
+        h = fmax(0.5 * h, solver->step_min);
         parts = 2;
         next = h;
     }
-    const double factor = step_factor(trial->error / solver->tolerance);
-    if (!rejected && factor > WORTHWHILE) next = fmin(fmax(next, factor * h), solver->step_max);
+    if (rejected || trial->error > GROW_BELOW * solver->tolerance) state->calm_since = trial->t;
+    if (trial->error > solver->tolerance)
+        next = fmax(0.5 * h, solver->step_min);
+    else if (trial->t - state->calm_since > CALM && next < solver->step_max) {
+        next = fmin(2 * next, solver->step_max);
+        state->calm_since = trial->t;
+    }
     *step_next = next;
     *reaches = parts == 1;
     return 1;

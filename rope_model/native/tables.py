@@ -113,7 +113,7 @@ def _bounds(kind: type[Any]) -> str:
     known = {m.name: m for m in members(kind)}
     table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
     calls = [_choice(name, p) for name, p in table if p.choices]
-    calls += [f'finite(check, "{name}", x->{name})' for name, _ in table if known[name].real]
+    calls += [f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real]
     calls += [_range(name, p, known[name].real) for name, p in table if p.bound and not p.choices]
     body = "".join(f"    {call};\n" for call in calls)
     head = f"static void check_{kind.__name__.lower()}(const Check *check, const {kind.__name__} *x)"

@@ -1,10 +1,8 @@
 """Newton's method as one CasADi function: a full correction, then cheap ones with the same factorization.
 
 The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms,
-error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8), that before it
-from d_k / (1 - theta): where this is within the tolerance the correction only confirms, and is not applied, because the
-residual of the place reached is known already and that of a new place would have to be evaluated.  A round begins with
-a new factorization and goes on with it while the contraction pays; a slow round is followed by another.  The iterations
+error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round begins
+with a new factorization and goes on with it while the contraction pays; a slow round is followed by another.  The iterations
 are branches and loops of generated code: what is not needed is not evaluated.
 """
 
@@ -77,8 +75,7 @@ def judge() -> ca.Function:
     # the first correction says nothing of the contraction: trust it only when it is tiny itself
     first = iterations < 1
     sure = ca.logic_and(ca.logic_not(first), contraction < UNSURE)
-    ahead = norm / (1 - contraction)
-    error = ca.if_else(sure, contraction * ahead, norm)
+    error = ca.if_else(sure, contraction / (1 - contraction) * norm, norm)
     useless, diverged = (
         ca.logic_not(ca.logic_or(sure, fresh)),
         ca.logic_and(ca.logic_not(first), contraction >= GROWING),
@@ -87,8 +84,6 @@ def judge() -> ca.Function:
     after = ca.vertcat(NewtonStatus.TOO_MANY.code, 1, norm, error, contraction)
     done = ca.vertcat(NewtonStatus.CONVERGED.code, 1, norm, error, contraction)
     after = ca.if_else(error <= tolerance, done, after)
-    there = ca.vertcat(NewtonStatus.CONVERGED.code, 0, norm, ahead, contraction)
-    after = ca.if_else(ca.logic_and(sure, ahead <= tolerance), there, after)
     after = ca.if_else(diverged, ca.vertcat(NewtonStatus.DIVERGED.code, 1, norm, norm, contraction), after)
     # a cheap correction that contracts badly only says that a new factorization is due
     after = ca.if_else(useless, ca.vertcat(NewtonStatus.TOO_MANY.code, 0, previous, ca.inf, ca.inf), after)

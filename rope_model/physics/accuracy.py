@@ -17,11 +17,11 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from .elementary import cos, larger, sin, smaller, sqrt
+from .elementary import cos, larger, sin, sqrt
 from .estimates import bending_length
 
 #: of what is asked, what a step may leave: `make promise` on the seed that tunes
-FORCE_SHARE, PLACE_SHARE = 16.0, 0.01
+FORCE_SHARE, PLACE_SHARE = 40.0, 0.01
 #: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
 AND_RATE = 2.0
 #: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: docs/mesh_rule.md
@@ -84,14 +84,6 @@ def step_limits(scene: Any, sums: Any, bottom: Any, error_constant: Any) -> Step
     strain = rope.mass_per_length * scene.layout.gravity * leg / rope.Qa
     shortest = sqrt(share / (BRAKED * error_constant * (omega * omega * omega)))
     return StepLimits(PLACE_SHARE * accuracy.loop, share * strain, shortest)
-
-
-def step_factor(error: Any) -> Any:
-    """Of a step with that error over what is allowed, to one with about half of what is allowed.
-
-    Errors are taken to be of the second order; half to twice the step, a tenth at least.
-    """
-    return larger(smaller(sqrt(0.5 / larger(error, TINY)), 2.0), 0.1)
 
 
 def add_errors(rope: Any, sums: Any, bottom: Any, h: Any, strains: Any, place: Any, force: Any) -> ErrorSums:

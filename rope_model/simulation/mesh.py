@@ -54,7 +54,7 @@ LEG_GRADING, LEG_WAVES = 7.5e5, 1000.0  # m, m^2
 NATURAL_RADIUS = 0.912
 #: of loop_error, what the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips aside,
 #: are not used
-LOCKING_SHARE, LONGEST = 0.7, 0.75
+LOCKING_SHARE, LONGEST = 0.6, 0.75
 #: what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much
 #: more for a tenth of it
 FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.42

@@ -20,7 +20,6 @@ import numpy as np
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Scene
-from ..physics.accuracy import step_factor
 from ..physics.estimates import bending_length
 from . import messages
 from .adaptation import raise_fidelity, transform_if_due, with_loop_yaw
@@ -57,8 +56,11 @@ SHORTEST_INTERVAL = 1e-9
 MOST_STEPS = 20000
 #: s: beyond, the shortest steps are lost in the rounding of the time
 FARTHEST_START = 1e10
-#: the step grows when it can by this factor
-WORTHWHILE = 1.25
+#: a step that errs by more than what is allowed makes the next one half as long, and this many times that is rejected
+ACCEPT_BELOW = 2.0
+#: the step grows after errors below this part of what is allowed for so long, s: the loop's place errs by a part that
+#: goes with the step's length, and every change of that sends a wave along the rope
+GROW_BELOW, CALM = 0.05, 0.5
 #: rad of twist put in at once, at most and at least
 TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
 #: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
@@ -67,10 +69,11 @@ MOST_TURN = 2.0
 
 @dataclass(frozen=True)
 class _Accepted:
-    """An accepted trial step, the step to try next, and whether it ends at the instant it was to reach."""
+    """An accepted trial step, the one to try next, since when errors are small, and whether it ends where it was to."""
 
     result: StepResult[Evaluation]
     step_next: float
+    calm_since: float
     counts: Counts
     reaches_stop: bool
 
@@ -209,6 +212,7 @@ class RopeSimulator(BalanceRope):
                 step_next=scene.solver.step_max,
                 last_interval=scene.solver.step_max,
                 force_mean=(0.0, 0.0),
+                calm_since=t,
                 loop_yaw=0.0,
                 fidelity=fidelity,
                 fidelity_reason=reason,
@@ -376,9 +380,10 @@ class RopeSimulator(BalanceRope):
             if shorter > 0.75 * whole:
                 return messages.step_to_event_fails(result.newton.status.text)
             log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
-            state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
+            counts = counts.plus(rejections=1)
+            state = state._replace(step_next=shorter, calm_since=step.calm_since, counts=counts)
         after = model.commit(state, system, result)
-        after = after._replace(step_next=step.step_next, counts=counts.plus(steps=1))
+        after = after._replace(step_next=step.step_next, calm_since=step.calm_since, counts=counts.plus(steps=1))
         if switching is not None:
             after = switch_swivels(model, after)
             if chatters(after):
@@ -410,7 +415,7 @@ class RopeSimulator(BalanceRope):
             result = self.model.trial(system, state.motion, h)
             iterations += result.newton.iterations
             error = self.model.relative_error(state, result)
-            if error <= solver.tolerance:
+            if error <= ACCEPT_BELOW * solver.tolerance:
                 break
             cause = (
                 result.newton.status.text
@@ -421,11 +426,16 @@ class RopeSimulator(BalanceRope):
             rejections += 1
             if h <= solver.step_min:
                 return messages.step_fails(h, solver.step_min, cause)
-            h = max(h * (0.5 if result.motion is None else step_factor(error / solver.tolerance)), solver.step_min)
+            h = max(0.5 * h, solver.step_min)
             parts, step_next = 2, h
-        if not cause and (factor := step_factor(error / solver.tolerance)) > WORTHWHILE:
-            step_next = min(max(step_next, factor * h), solver.step_max)
-        return _Accepted(result, step_next, state.counts.plus(newton=iterations, rejections=rejections), parts == 1)
+        calm_since = t + h if cause or error > GROW_BELOW * solver.tolerance else state.calm_since
+        if error > solver.tolerance:
+            step_next = max(0.5 * h, solver.step_min)
+        elif t + h - calm_since > CALM and step_next < solver.step_max:
+            step_next, calm_since = min(2.0 * step_next, solver.step_max), t + h
+        return _Accepted(
+            result, step_next, calm_since, state.counts.plus(newton=iterations, rejections=rejections), parts == 1
+        )
 
     def _next_stop(self, state: RopeState, t_end: float) -> float:
         """The instant at which the coming steps must end: the host's or a release.

@@ -81,6 +81,7 @@ class RopeState(NamedTuple):
     step_next: float
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance
+    calm_since: float  # s, instant of the last step that erred by more than a small part of what is allowed
     loop_yaw: float  # rad, at the lowest node, counted on through full turns
     fidelity: Fidelity  # of the model
     fidelity_reason: str
@@ -110,6 +111,7 @@ class RopeState(NamedTuple):
             "step_next": self.step_next,
             "last_interval": self.last_interval,
             "force_mean": self.force_mean,
+            "calm_since": self.calm_since,
             "loop_yaw": self.loop_yaw,
             "snapped_at": self.snapped_at,
             "fidelity": self.fidelity,
@@ -150,6 +152,7 @@ class RopeState(NamedTuple):
                 step_next=s["step_next"],
                 last_interval=s["last_interval"],
                 force_mean=(s["force_mean"][0], s["force_mean"][1]),
+                calm_since=s["calm_since"],
                 loop_yaw=s["loop_yaw"],
                 snapped_at=s["snapped_at"],
                 fidelity=s["fidelity"],
