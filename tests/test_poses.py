@@ -20,8 +20,9 @@ DRAWN = list(poses(SEED, 5 * len(KINDS)))
 def test_every_pose_finds_rest_or_is_refused_for_a_reason(pose: Pose) -> None:
     rest = hang(pose)
     assert NO_REASON not in rest.refusal
-    # the search ends where the last correction is 1e-11 of the length; the theory's bound as in test_statics
-    assert rest.weight_error < 1e-9
+    # rounding of the height L in the strain of the shortest elements, l = .1 m: eps Qa L / l is 4.5e-9 of the weight
+    # where Qa per mass is largest
+    assert rest.weight_error < 1e-8
 
 
 #: of 118 m, soft against twist: past 6.46875 rad, and again past 17.7 rad, nothing is left of the way it was on

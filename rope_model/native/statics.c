@@ -74,8 +74,9 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];
         chain->evaluate(&s, trial, rest, rest, now, R, balance);
         const double force = imbalance(&s, R);
-        /* on its way down the rope may well pass larger forces; what it may not do is to climb against them */
-        if (!isfinite(force) || !(work_along(&s, R, x) <= error || force <= previous + rounding)) {
+        /* on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
+           that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given */
+        if (!isfinite(force) || !(work_along(&s, R, x) <= 3 * error || force <= previous + rounding)) {
             tau *= 0.3;
             last = 0;
             continue;

@@ -85,8 +85,9 @@ def find_equilibrium(
         trial = q + step * x
         following = system.evaluate(trial, rest, rest, now).reaction
         force = _force(system, following)
-        # on its way down the rope may well pass larger forces; what it may not do is to climb against them
-        if not np.isfinite(force) or not (np.sum(following * x) <= error or force <= previous + rounding):
+        # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
+        # that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given
+        if not np.isfinite(force) or not (np.sum(following * x) <= 3.0 * error or force <= previous + rounding):
             tau, last = 0.3 * tau, 0.0
             if tau < 1e-7:
                 break
