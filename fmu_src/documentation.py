@@ -82,6 +82,13 @@ _WARNINGS = """\
 - *The loop hangs yawed by more than 30 degrees at rest*, with the parameter that turns it most: the coupling `rope.Qb`,
   `rope.Qc`, `rope.installed_twist`, or the ends. A real rope is made to turn less; the published coupling on a
   rope of several hundred metres turns it that far.
+- *The audit fails*: over each communication step the rope compares the change of its momentum and angular momentum with
+  its end forces, end moments and weight (`audit.momentum` above 0.1 % of the largest end force, `audit.moment` above
+  0.5 % of that times `layout.spacing`), and looks whether its time steps follow the waves of an abrupt change of an end
+  force (`audit.force_change` above 5 % of it and `audit.steps_per_period` below 3) and its elements the sharpest bend
+  (`audit.elements_per_bend` below 4). All are the worst so far, and 0 in the rigid model, which has no audit.
+- *Accuracy was given up* because a communication step wanted more work than `solver.work_max` allows
+  (`status.given_up`, `status.given_up_since`).
 - *The model has no torsion*, though the rope carries torque: what it does not compute is 0 (below).
 - *A communication step above 20 ms with extrapolated inputs*: in a winding the end forces were 8 % off at 50 ms.
 

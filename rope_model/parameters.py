@@ -328,6 +328,15 @@ class Solver:
         upper=1.0,
         cure="0.6 damps what the mesh cannot resolve",
     )
+    work_max: int = parameter(
+        0,
+        "",
+        "Newton iterations that a communication step may take; wanting more it gives up accuracy; 0: any number",
+        lower=0,
+        upper=100_000,
+        cure="60 serves steps of 10 ms",
+        tunable=True,
+    )
     kernels: KernelForm = choice(
         "auto",
         KernelForm,

@@ -176,6 +176,36 @@ def test_the_inertia_force_is_lagranges_derivative_of_the_kinetic_energy(seed: i
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+def test_the_momentum_is_the_derivative_of_the_kinetic_energy_along_rigid_motions(seed: int) -> None:
+    s = random_state(seed)
+    P = s.P(**MATERIAL | {"rhoJ": 0.0})
+    nodes = s.q.reshape(2, NODE_DOF)
+    found = np.asarray(ELEMENT.momentum(s.q, s.v, s.l, P)).ravel()
+
+    def kinetic(v: Array) -> float:
+        return float(np.asarray(ELEMENT.balance(s.q, v, s.l, s.F, P)).ravel()[BALANCE.index("kinetic")])
+
+    for k, e in enumerate(np.eye(3)):
+        shift, turn = np.zeros((2, NODE_DOF)), np.zeros((2, NODE_DOF))
+        shift[:, :3], turn[:, :3], turn[:, 3:6] = e, np.cross(e, nodes[:, :3]), np.cross(e, nodes[:, 3:6])
+        for motion, value in ((shift, found[k]), (turn, found[3 + k])):
+            # the kinetic energy is quadratic in v: the central difference has rounding only
+            difference = (kinetic(s.v + motion.ravel()) - kinetic(s.v - motion.ravel())) / 2
+            assert value == pytest.approx(difference, rel=1e-9, abs=1e-9)
+    # the mass, where it is: the weight's energy is g S_y
+    assert found[7] * P[1] == pytest.approx(float(ELEMENT.balance(s.q, s.v, s.l, s.F, P)[BALANCE.index("gravity")]))
+
+
+def test_a_straight_element_that_spins_has_the_momentum_of_its_polar_moment() -> None:
+    l, d, v = 1.7, np.array([0.0, 1.0, 0.0]), np.zeros(2 * NODE_DOF)
+    v[[6, 13]] = 0.7
+    q = np.concatenate((np.zeros(3), d, [0.0], l * d, d, [0.0]))
+    P = np.array([{"rhoJ": 0.4}.get(name, 0.0) for name in PARAMETERS])
+    momentum = np.asarray(ELEMENT.momentum(q, v, l, P)).ravel()
+    np.testing.assert_allclose(momentum, [0, 0, 0, 0, 0.4 * 0.7 * l, 0, 0, 0, 0], rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_the_damping_force_takes_the_damping_power_out_of_the_motion(seed: int) -> None:
     s = random_state(seed)
     rest = np.zeros(14)

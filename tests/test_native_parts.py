@@ -27,6 +27,7 @@ from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
 from rope_model.simulation.adaptation import nearest_turn
+from rope_model.simulation.audit import Audit
 from rope_model.simulation.diagnostics import LoopBottom, leg_clearance, loop_bottom, shape, shape_places
 from rope_model.simulation.ends import EndPath, HangingEnds, Phase, SwivelState, nominal_points
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity
@@ -44,8 +45,10 @@ from rope_model.simulation.signals import (
     SIGNALS,
     added_mass_signals,
     along_signals,
+    audit_signals,
     end_signals,
     energy_signals,
+    error_signals,
     group_of,
     loop_signals,
     shape_signals,
@@ -68,6 +71,8 @@ GROUPS_OF_SIGNALS = (
     loop_signals,
     stress_signals,
     energy_signals,
+    audit_signals,
+    error_signals,
     shape_signals,
     along_signals,
     added_mass_signals,
@@ -99,11 +104,12 @@ SIGNALS_BY_MEMBERS = """
 
 void signals_by_members(int group, const Scene *scene, int fidelity, double t, double loop_yaw, const double *offsets,
                         const double *means, const int *phases, const double *signs,
-                        const Path *paths, const double *energy_balance, const double *counts, const Arrays *arrays,
+                        const Path *paths, const double *energy_balance, const double *counts, double given_up_since,
+                        const Audit *audit, const Arrays *arrays,
                         const double (*strains)[3], const LoopBottom *bottom, double *values) {
     State s;
     memset(&s, 0, sizeof s);
-    s.t = t, s.loop_yaw = loop_yaw, s.fidelity = fidelity;
+    s.t = t, s.loop_yaw = loop_yaw, s.fidelity = fidelity, s.given_up_since = given_up_since, s.audit = *audit;
     for (int k = 0; k < 2; k++) {
         s.offsets[k] = offsets[k], s.force_mean[k] = means[k], s.paths[k] = paths[k];
         s.swivels[k].phase = phases[k], s.swivels[k].sign = signs[k];
@@ -115,6 +121,7 @@ void signals_by_members(int group, const Scene *scene, int fidelity, double t, d
     e->transformations = l[7], e->start = l[8];
     s.counts.steps = (int64_t)n[0], s.counts.rejections = (int64_t)n[1], s.counts.newton = (int64_t)n[2];
     s.counts.transformations = (int64_t)n[3], s.counts.swivel_events = (int64_t)n[4];
+    s.counts.given_up = (int64_t)n[5];
     signals_of(group, scene, &s, arrays, strains, bottom, values);
 }
 
@@ -160,7 +167,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "shape_points": (None, n, p, p, n, p, p),
         "shape_hanging_guess": (None, n, p, p, p, p, p),
         "signal_group": (n, n),
-        "signals_by_members": (None, n, p, n, x, x, *[p] * 11),
+        "signals_by_members": (None, n, p, n, x, x, *[p] * 7, x, *[p] * 5),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -542,7 +549,9 @@ def any_rope(
         fidelity=fidelity,
         fidelity_reason="",
         energy_balance=EnergyBalance(*random.normal(size=9)),
-        counts=Counts(*map(int, random.integers(0, 2**40, 5))),
+        given_up_since=random.normal(),
+        audit=Audit()._replace(**dict(zip(Audit._fields[5:], random.uniform(0, 3, 7), strict=True))),
+        counts=Counts(*map(int, random.integers(0, 2**40, 6))),
     )
     scene = Scene(Rope(Qb=2.4e5, Qc=2.1e5), Layout(hanging[0]), *swivels)
     strains = random.normal(size=(lengths.size, 3))
@@ -562,12 +571,14 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     phases = (ct.c_int * 2)(*(x.phase.value for x in state.swivels))
     signs, offsets, means = (np.array(x) for x in ([x.sign for x in state.swivels], state.offsets, state.force_mean))
     paths = (PathStructure * 2)(*map(path_structure, state.paths))
+    audit = np.concatenate([np.ravel(x) for x in state.audit])
     energy_balance, counts = np.array(state.energy_balance), np.array(state.counts, dtype=float)
     arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
     parts.arrays_of(m.q, m.v, m.a, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
     parts.signals_by_members(
         group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, offsets,
-        means, phases, signs, paths, energy_balance, counts, arrays, rope.system.strains(m.q), bottom, values
+        means, phases, signs, paths, energy_balance, counts, state.given_up_since, audit, arrays,
+        rope.system.strains(m.q), bottom, values
     )  # fmt: skip
     assert np.isnan(values[-1])
     return values[:-1]

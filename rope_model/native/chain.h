@@ -7,7 +7,7 @@
 
 #include "rope.h"
 
-enum { PARAMETERS = 9, BALANCE = 9, FRAME = 21, STRAINS = 3 };
+enum { PARAMETERS = 9, BALANCE = 9, FRAME = 21, STRAINS = 3, MOMENTUM = 9 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
 /* numerics.newton.NewtonStatus */
@@ -39,6 +39,8 @@ typedef struct {
                      double balance[BALANCE]);
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
     void (*strains)(const System *, const double *q, double (*strains)[STRAINS]);
+    /* of physics.element.MOMENTUM, q being what the frames are counted from; with the spin of what turns at the ends */
+    void (*momentum)(const System *, const double *q, const double *v, double sums[MOMENTUM]);
     /* the frames of the system are counted from q from now on */
     void (*refer)(const System *, const double *q);
     /* the same, and what the angles gain by it: each element's `transport` of physics.element */

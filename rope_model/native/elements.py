@@ -34,7 +34,7 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     J = e.tangent(*inputs)[1]
     half = ca.vertcat(*(J[i, j] for i in range(J.shape[0]) for j in range(i, J.shape[1])))
     yield f"{fidelity}_tangent", ca.Function("tangent", inputs, [ca.cse(half)])
-    for name in ("residual", "balance", "losses", "strains"):
+    for name in ("residual", "balance", "losses", "strains", "momentum"):
         yield f"{fidelity}_{name}", getattr(e, name)
     if fidelity == "torsional":
         yield "torsional_reference", e.reference

@@ -17,6 +17,7 @@ from ..numerics.generalized_alpha import Motion
 from ..parameters import FidelityChoice, Scene
 from ..physics.accuracy import ErrorSums
 from ..simulation import messages
+from ..simulation.audit import Audit, audit_of
 from ..simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from ..simulation.ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, Phase, SwivelState
 from ..simulation.fidelity import Fidelity
@@ -29,6 +30,7 @@ from .layout import (
     ARRAYS,
     MESSAGE,
     SEGMENTS,
+    AuditStructure,
     CountsStructure,
     EnergyStructure,
     ErrorStructure,
@@ -291,6 +293,8 @@ def _unpack(data: bytes) -> RopeState:
         errors=ErrorSums(*(_numbers_of(getattr(s.errors, name)) for name in ErrorSums._fields)),
         powers=Powers(s.power_ends, s.power_swivel),
         counts=Counts(*(getattr(s.counts, name) for name in Counts._fields)),
+        given_up_since=s.given_up_since,
+        audit=audit_of(getattr(s.audit, name) for name in Audit._fields),
     )
 
 
@@ -304,6 +308,7 @@ def _pack(state: RopeState) -> bytes:
         calm_since=state.calm_since,
         loop_yaw=state.loop_yaw,
         snapped_at=state.snapped_at,
+        given_up_since=state.given_up_since,
         offsets=state.offsets,
         force_mean=state.force_mean,
         power_ends=state.powers.ends,
@@ -313,6 +318,7 @@ def _pack(state: RopeState) -> bytes:
         pattern=PatternStructure(p.coarse, p.grading_length, p.counts or (0,) * SEGMENTS, p.end_levels),
         energy_balance=EnergyStructure(*state.energy_balance),
         errors=ErrorStructure(*state.errors),
+        audit=AuditStructure(*state.audit),
         counts=CountsStructure(*state.counts),
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),

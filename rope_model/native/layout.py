@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 from ..physics.accuracy import ErrorSums
+from ..simulation.audit import Audit
 from ..simulation.ends import PATH, Phase
 from ..simulation.state import Counts, EnergyBalance
 from ..simulation.switching import CHATTER
@@ -50,6 +51,15 @@ class ErrorStructure(Structure):
     )
 
 
+class AuditStructure(Structure):
+    """rope_model.simulation.audit.Audit"""
+
+    _fields_ = tuple(
+        (name, c_double * len(value) if isinstance(value, tuple) else c_double)
+        for name, value in Audit()._asdict().items()
+    )
+
+
 class CountsStructure(Structure):
     """rope_model.simulation.state.Counts"""
 
@@ -81,7 +91,10 @@ class StateStructure(Structure):
     _fields_ = (
         *(
             (name, c_double)
-            for name in ("t", "h", "step_next", "last_interval", "loop_yaw", "snapped_at", "calm_since")
+            for name in (
+                *("t", "h", "step_next", "last_interval", "loop_yaw", "snapped_at", "calm_since"),
+                "given_up_since",
+            )
         ),
         ("offsets", c_double * 2),
         ("force_mean", c_double * 2),
@@ -94,6 +107,7 @@ class StateStructure(Structure):
         ("events", EventStructure * LOGGED_EVENTS),
         ("energy_balance", EnergyStructure),
         ("errors", ErrorStructure),
+        ("audit", AuditStructure),
         ("counts", CountsStructure),
         *((name, c_int) for name in ("elements", "fidelity", "switched", "event_count")),
         ("fidelity_reason", c_char * MESSAGE),
@@ -106,6 +120,7 @@ NAMES: dict[Any, str] = {
     SwivelStructure: "SwivelState",
     EnergyStructure: "EnergyBalance",
     ErrorStructure: "ErrorSums",
+    AuditStructure: "Audit",
     CountsStructure: "Counts",
     PatternStructure: "Pattern",
     EventStructure: "Event",

@@ -141,8 +141,10 @@ double rope_signal(Simulator *rope, int signal) {
                 chain_of_state(rope->state)->strains(&s, m.q, rope->strains);
             }
             signals_of(group, &rope->scene, rope->state, &m, (const double (*)[STRAINS])rope->strains,
-                       group == END_SIGNALS || group == ENERGY_SIGNALS || group == ERROR_SIGNALS ? NULL
-                                                                                                 : bottom_now(rope),
+                       group == END_SIGNALS || group == ENERGY_SIGNALS || group == ERROR_SIGNALS ||
+                               group == AUDIT_SIGNALS
+                           ? NULL
+                           : bottom_now(rope),
                        rope->values);
         }
         rope->known |= 1u << group;

@@ -83,6 +83,34 @@ static void other_rests(Simulator *rope, char *message) {
     say_other_rests(message, angle);
 }
 
+static void missing_loads(const Simulator *rope, char *message) {
+    const Audit *audit = &rope->state->audit;
+    const double bound = MISSING_FORCE * audit->force;
+    const double of_moment = MISSING_MOMENT * audit->force * rope->scene.layout.spacing;
+    if (audit->missing_force > bound)
+        say_forces_missing(message, audit->missing_force, bound);
+    else if (audit->missing_moment > of_moment)
+        say_moments_missing(message, audit->missing_moment, of_moment);
+}
+
+static void unresolved_waves(const Simulator *rope, char *message) {
+    const Audit *audit = &rope->state->audit;
+    if (audit->share * FEWEST_STEPS > 1 && audit->force_change > LARGE_CHANGE * audit->force)
+        say_waves_unresolved(message, audit->force_change, 1 / audit->share, FEWEST_STEPS,
+                             axial_step(&rope->scene.rope));
+}
+
+static void unresolved_bend(const Simulator *rope, char *message) {
+    const double bend = rope->state->audit.bend, elements = bend > 0 ? elements_per_bend(bend) : FEWEST_ELEMENTS;
+    if (elements < FEWEST_ELEMENTS) say_bend_unresolved(message, elements, FEWEST_ELEMENTS);
+}
+
+static void accuracy_given_up(const Simulator *rope, char *message) {
+    const State *state = rope->state;
+    if (state->counts.given_up > 0)
+        say_accuracy_given_up(message, (int)state->counts.given_up, state->given_up_since, rope->scene.solver.work_max);
+}
+
 void rope_warning(Simulator *rope, int number, char *message) {
     message[0] = '\0';
     if (!rope->initialized) return;
@@ -92,6 +120,14 @@ void rope_warning(Simulator *rope, int number, char *message) {
         leg_contact(rope, message);
     else if (number == 2)
         yaw_at_rest(rope, message);
-    else
+    else if (number == 3)
         other_rests(rope, message);
+    else if (number == 4)
+        missing_loads(rope, message);
+    else if (number == 5)
+        unresolved_waves(rope, message);
+    else if (number == 6)
+        unresolved_bend(rope, message);
+    else
+        accuracy_given_up(rope, message);
 }

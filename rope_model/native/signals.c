@@ -65,6 +65,18 @@ static void error_signals(const Scene *scene, const State *state, const Arrays *
     const double fine = mesh_fine_length(&state->pattern, arrays->lengths);
     values[SIGNAL_STATUS_END_FORCE_ERROR] = end_force_error(&scene->rope, &state->errors);
     values[SIGNAL_STATUS_LOOP_ERROR] = loop_error(scene, &state->errors, fine, state->pattern.grading_length);
+    values[SIGNAL_STATUS_GIVEN_UP] = (double)state->counts.given_up;
+    values[SIGNAL_STATUS_GIVEN_UP_SINCE] = state->given_up_since;
+}
+
+/* 0 where nothing was computed yet */
+static void audit_signals(const Audit *audit, double *values) {
+    values[SIGNAL_AUDIT_MOMENTUM] = audit->missing_force;
+    values[SIGNAL_AUDIT_MOMENT] = audit->missing_moment;
+    values[SIGNAL_AUDIT_ENERGY] = audit->energy;
+    values[SIGNAL_AUDIT_FORCE_CHANGE] = audit->force_change;
+    values[SIGNAL_AUDIT_STEPS_PER_PERIOD] = audit->share > 0 ? 1 / audit->share : 0;
+    values[SIGNAL_AUDIT_ELEMENTS_PER_BEND] = audit->bend > 0 ? elements_per_bend(audit->bend) : 0;
 }
 
 static void shape_signals(const Scene *scene, const Arrays *arrays, const LoopBottom *bottom, double *values) {
@@ -115,6 +127,9 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         break;
     case ENERGY_SIGNALS:
         energy_signals(&state->energy_balance, &state->counts, values);
+        break;
+    case AUDIT_SIGNALS:
+        audit_signals(&state->audit, values);
         break;
     case ERROR_SIGNALS:
         error_signals(scene, state, arrays, values);

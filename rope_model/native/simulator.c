@@ -194,6 +194,7 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
     state->energy_balance.start = energy_total(&state->energy_balance);
     state->event_count = 0;
+    audit_begin(rope, state);
     return accept_next(rope);
 }
 
@@ -234,17 +235,30 @@ static double next_stop(const Simulator *rope, const State *state, double t_end)
     return stop;
 }
 
-/* a step towards `stop` that converges and errs little enough, halved as often as it takes; 0 and a message if none */
+/* steps that the Newton iterations left to this advance allow for, one at least */
+static int64_t steps_left(const Simulator *rope, const State *state) {
+    const int64_t left = (rope->work_end - state->counts.newton) / STEP_WORK;
+    return left > 1 ? left : 1;
+}
+
+/* a step towards `stop` that converges and errs little enough, halved as often as it takes, or that errs too much where
+   the work that is left does not allow for more steps; 0 and a message if none */
 static int accepted_step(Simulator *rope, State *state, double stop, Trial *trial, double *step_next, int *reaches,
                          char *message) {
     const Solver *solver = &rope->scene.solver;
     double next = fmin(state->step_next, solver->step_max), parts = fmax(ceil((stop - state->t) / next - 1e-9), 1);
+    /* the work that is left may take longer ones, but Newton's method need not converge in much longer ones */
+    parts = fmin(parts, fmax((double)steps_left(rope, state), ceil(0.5 * parts)));
     double h = (stop - state->t) / parts;
     int rejected = 0;
     for (;;) {
         *trial = trial_step(rope, state, h);
         state->counts.newton += trial->newton.iterations;
         if (trial->reached && trial->error <= ACCEPT_BELOW * solver->tolerance) break;
+        if (trial->reached && stop - state->t > 0.5 * h * (double)steps_left(rope, state)) {
+            next = h;
+            break;
+        }
         rejected = 1;
         state->counts.rejections += 1;
         if (h <= solver->step_min) {
@@ -257,13 +271,15 @@ static int accepted_step(Simulator *rope, State *state, double stop, Trial *tria
         parts = 2;
         next = h;
     }
+    const int given_up = trial->error > ACCEPT_BELOW * solver->tolerance;
     if (rejected || trial->error > GROW_BELOW * solver->tolerance) state->calm_since = trial->t;
-    if (trial->error > solver->tolerance)
+    if (!given_up && trial->error > solver->tolerance)
         next = fmax(0.5 * h, solver->step_min);
     else if (trial->t - state->calm_since > CALM && next < solver->step_max) {
         next = fmin(2 * next, solver->step_max);
         state->calm_since = trial->t;
     }
+    state->counts.given_up += given_up || h > solver->step_max * (1 + 1e-9);
     *step_next = next;
     *reaches = parts == 1;
     return 1;
@@ -324,7 +340,9 @@ static int follow(Simulator *rope, State *state, double t, const EndMotion ends[
     if (!why[0]) return 1;
     if (rope->scene.model.fidelity != AUTO_FIDELITY)
         return say_fixed_model_cannot_follow(rope->message, fidelity_name(state->fidelity), why);
-    return raise_fidelity(rope, state, why, rope->message);
+    if (!raise_fidelity(rope, state, why, rope->message)) return 0;
+    audit_begin(rope, state);
+    return 1;
 }
 
 static int advance(Simulator *rope, double t, const EndMotion ends[2], double within) {
@@ -338,6 +356,7 @@ static int advance(Simulator *rope, double t, const EndMotion ends[2], double wi
         return say_too_far_at_once(rope->message, begin, t, MOST_STEPS, step_max, MOST_STEPS * step_max);
     state_copy(rope, state, rope->state);
     state->switched = state->event_count = 0;
+    rope->work_end = state->counts.newton + (rope->scene.solver.work_max > 0 ? rope->scene.solver.work_max : INT32_MAX);
     if (!follow(rope, state, t, ends, within)) return 0;
     const Arrays m = state_arrays(state);
     double impulse[2] = {0, 0};
@@ -350,7 +369,9 @@ static int advance(Simulator *rope, double t, const EndMotion ends[2], double wi
         for (int side = LEFT; side <= RIGHT; side++)
             impulse[side] -= 0.5 * (state->t - t_before) * (before[side] + end_row(m.reaction, m.nodes, side)[1]);
     }
+    audit_interval(rope, state, t - begin, energy_residual(&rope->state->energy_balance));
     state->last_interval = t - begin;
+    if (state->counts.given_up > 0 && rope->state->counts.given_up == 0) state->given_up_since = begin;
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = impulse[side] / (t - begin);
     return accept_next(rope);
 }

@@ -14,6 +14,9 @@ typedef struct {
     Progress newton;
 } Trial;
 
+/* Newton iterations that a step is reckoned to take where they are bounded */
+enum { STEP_WORK = 12 };
+
 struct Simulator {
     Scene scene;
     Memory memory;
@@ -32,6 +35,7 @@ struct Simulator {
     unsigned known; /* bit g: the values of group g are those of the state */
     LoopBottom bottom;
     int bottom_known;
+    int64_t work_end; /* number of Newton iterations beyond which the present advance gives up accuracy */
     char message[MESSAGE];
 };
 
@@ -60,6 +64,12 @@ double bottom_of(const Simulator *rope, const State *state, double t);
 const double *end_row(const double *x, int nodes, int side);
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
               double width);
+
+/* audit.c: rope_model.simulation.audit and model, which see */
+void audit_restart(const Simulator *rope, State *state);
+void audit_begin(const Simulator *rope, State *state);
+void audit_step(const Simulator *rope, State *state, double h, double moved_by, const double before[2]);
+void audit_interval(const Simulator *rope, State *state, double h, double residual_before);
 
 /* the frames are counted from q from now on */
 void refer(Simulator *rope, State *state, const double *q);

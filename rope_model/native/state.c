@@ -86,7 +86,8 @@ int state_plausible(const Simulator *rope, State *state) {
     /* the real numbers before the swivels lie in a row, and so do all arrays */
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
         !all_finite(m.q, (size_t)(m.s + m.nodes - m.q)) ||
-        !all_finite(&state->energy_balance.kinetic, (sizeof(EnergyBalance) + sizeof(ErrorSums)) / sizeof(double)))
+        !all_finite(&state->energy_balance.kinetic,
+                    (sizeof(EnergyBalance) + sizeof(ErrorSums) + sizeof(Audit)) / sizeof(double)))
         return 0;
     if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0)) return 0;
     for (int side = LEFT; side <= RIGHT; side++) {

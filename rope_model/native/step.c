@@ -94,13 +94,22 @@ static double largest_change(const System *s, const double *before, const double
     return largest;
 }
 
+/* whether the rate of change of the acceleration over a step of length before serves one of length h */
+static int rate_known(double h, double before) {
+    return 0 < h && h <= LARGEST_GROWTH * before;
+}
+
+/* by how much b is moved when a step h follows one of length before */
+static double recentring(const Coefficients *method, double h, double before) {
+    return rate_known(h, before) ? recentring_time(method, h, before) : 0;
+}
+
 Trial trial_step(Simulator *rope, State *state, double h) {
     const Arrays old = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
-    const int rate_known = 0 < h && h <= LARGEST_GROWTH * state->h;
-    const double moved_by = rate_known ? recentring_time(&method, h, state->h) : 0, ahead = rate_known ? h : 0;
+    const double moved_by = recentring(&method, h, state->h), ahead = rate_known(h, state->h) ? h : 0;
     double c[3], of[6], aux[4], sum = 0;
     Trial trial = {.t = state->t + h, .h = h, .error = INFINITY};
     prediction_weights(&method, h, moved_by, ahead, of);
@@ -156,6 +165,7 @@ void restart(Simulator *rope, State *state) {
     memset(m.a_rate, 0, sizeof(double) * size);
     state->h = 0;
     set_powers(rope, state);
+    audit_restart(rope, state);
 }
 
 double bottom_of(const Simulator *rope, const State *state, double t) {
@@ -214,6 +224,9 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const System s = system_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF;
     const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
+    const double forces[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
+    const Coefficients method = {rope->scene.solver.rho_inf};
+    const double moved_by = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
     const double bottom = bottom_of(rope, state, state->t);
     double losses[2], force = 0;
@@ -240,6 +253,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     energy->dissipated_swivel += 0.5 * h * (before[1] + state->power_swivel);
     energy->dissipated_material += h * losses[0];
     energy->nonconservative += h * losses[1];
+    audit_step(rope, state, h, moved_by, forces);
 }
 
 /* numerics.events.locate */

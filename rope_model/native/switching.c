@@ -65,11 +65,12 @@ double next_release(const Simulator *rope, const State *state) {
 typedef struct {
     Simulator *rope;
     State *state;
-    int iterations;
+    int64_t iterations, work;
 } Search;
 
 static double excess_after(void *with, double h) {
     Search *search = with;
+    if (search->iterations >= search->work) return -1; /* the earliest instant known to be past it will do */
     const Trial trial = trial_step(search->rope, search->state, h);
     search->iterations += trial.newton.iterations;
     return trial.reached ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
@@ -79,13 +80,15 @@ int switching_step(Simulator *rope, State *state, Trial *trial) {
     const double at_end = excess(rope, state, trial->t, &rope->trial);
     if (at_end < 0) return 0;
     const Arrays m = state_arrays(state);
-    Search search = {rope, state, 0};
+    /* the step to the event, and one from there on, come after the trials */
+    Search search = {rope, state, 0, rope->work_end - state->counts.newton - 2 * STEP_WORK};
     double at_start = excess(rope, state, state->t, &m);
     if (at_start >= 0) /* a slip that has just begun has no rate yet */
         at_start = -1e-12;
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
     *trial = trial_step(rope, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
+    state->counts.given_up += search.iterations >= search.work;
     return trial->reached ? 1 : -1;
 }
 

@@ -46,6 +46,9 @@ class ElementSource(Protocol):
     def strains(self) -> ca.Function: ...
 
     @property
+    def momentum(self) -> ca.Function: ...
+
+    @property
     def reference(self) -> ca.Function: ...
 
     @property
@@ -67,6 +70,7 @@ class ChainFunctions:
     evaluate:    (q, v, a, R, l, F, load, grip, node_mass, P) -> R, balance summed over the elements
     losses:    (q, v, l, F, P) -> the balance's powers, summed
     strains:   (q, l, F) -> one column per element
+    momentum:  (q, v, l, P) -> the elements' momentum, summed
     reference: (q, l) -> F
     transport: (q, v, a, l, F) -> one column per element
 
@@ -79,6 +83,7 @@ class ChainFunctions:
     evaluate: ca.Function
     losses: ca.Function
     strains: ca.Function
+    momentum: ca.Function
     reference: ca.Function
     transport: ca.Function
 
@@ -90,6 +95,7 @@ class ChainFunctions:
             self.evaluate,
             self.losses,
             self.strains,
+            self.momentum,
             self.reference,
             self.transport,
         )
@@ -141,6 +147,7 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
     correction = substitute(*factorize(q, v, a, l, F, node_mass, free, P, c), free * R_a)
     losses = ca.sum2(element.losses.map(n)(_both_ends(q), _both_ends(v), l, F, Ps))
     strains = element.strains.map(n)(_both_ends(q), l, F)
+    momentum = ca.sum2(element.momentum.map(n)(_both_ends(q), _both_ends(v), l, Ps))
     reference = element.reference.map(n)(_both_ends(q), l)
     transport = element.transport.map(n)(*(_both_ends(x) for x in (q, v, a)), l, F)
     system = {"l": l, "F": F, "load": load, "friction_load": grip, "node_mass": node_mass}
@@ -165,6 +172,7 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
         evaluate=function("evaluate", motion | system | {"P": P}, {"R": R_a, "balance": sums(q, v)}),
         losses=function("losses", {"q": q, "v": v, "l": l, "F": F, "P": P}, {"powers": losses}),
         strains=function("strains", {"q": q, "l": l, "F": F}, {"strains": strains}),
+        momentum=function("momentum", {"q": q, "v": v, "l": l, "P": P}, {"sums": momentum}),
         reference=function("reference", {"q": q, "l": l}, {"F": reference}),
         transport=function("transport", {"q": q, "v": v, "a": a, "l": l, "F": F}, {"transport": transport}),
     )

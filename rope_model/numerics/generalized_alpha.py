@@ -139,6 +139,16 @@ def recentring_time(method: Coefficients, h: Any, before: Any) -> Any:
     return method.shift * (h - before)
 
 
+def rate_known(h: float, before: float) -> bool:
+    """Whether the acceleration's rate of change over a step of length ``before`` serves one of length ``h``."""
+    return 0 < h <= LARGEST_GROWTH * before
+
+
+def recentring(method: Coefficients, h: float, before: float) -> float:
+    """By how much b is moved when a step ``h`` follows one of length ``before``, 0 after a restart."""
+    return float(recentring_time(method, h, before)) if rate_known(h, before) else 0.0
+
+
 def newton_coefficients(method: Coefficients, h: Any) -> tuple[Any, Any, Any]:
     """Derivatives of q, v and a at the end of a step ``h`` with respect to q there."""
     m, f = method.alpha_m, method.alpha_f
@@ -185,9 +195,9 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
     t, free = old.t + h, system.free
     past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
-    recentring, ahead = (recentring_time(method, h, old.h), h) if 0 < h <= LARGEST_GROWTH * old.h else (0.0, 0.0)
+    moved_by, ahead = recentring(method, h, old.h), h if rate_known(h, old.h) else 0.0
     flat = past.reshape(len(past), -1)
-    q, v, a = guess = (method.prediction(h, recentring, ahead) @ flat).reshape(3, *old.q.shape)
+    q, v, a = guess = (method.prediction(h, moved_by, ahead) @ flat).reshape(3, *old.q.shape)
     np.copyto(guess, system.prescribed_motion(t), where=~free)
     with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
         solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance)
@@ -197,7 +207,7 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     if not newton.converged:
         return StepResult(None, None, newton, np.inf)
     a = solution.a
-    *before, now = auxiliary_weights(method, recentring)
+    *before, now = auxiliary_weights(method, moved_by)
     b = (np.array(before) @ flat[2:]).reshape(a.shape) + now * a
     change = a - old.a
     error = local_error(method, h, system.norm(free * change))

@@ -1,9 +1,9 @@
 """Newton's method as one CasADi function: a full correction, then cheap ones with the same factorization.
 
 The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms,
-error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round begins
-with a new factorization and goes on with it while the contraction pays; a slow round is followed by another.  The iterations
-are branches and loops of generated code: what is not needed is not evaluated.
+error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round
+begins with a new factorization and goes on with it while the contraction pays; a slow round is followed by another.
+The iterations are branches and loops of generated code: what is not needed is not evaluated.
 """
 
 from __future__ import annotations

@@ -62,6 +62,8 @@ BALANCE = (
     "damping_power",  # W, dissipated, never negative
     "nonconservative_power",  # W, taken up by the part of the Costello law that has no energy
 )
+#: what one element's momentum holds: of the translation, about the origin, and the mass times its place
+MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
 #: what one element's strain output holds: mean over the element, and root mean square of k
 STRAINS = ("e", "tau", "k_rms")
 #: entries of what an element's frame is counted from
@@ -83,6 +85,7 @@ class ElementFunctions:
     balance:   (q, v, l, F, P) -> (9,), see BALANCE
     losses:    (q, v, l, F, P) -> (2,), the two powers of the balance alone
     strains:   (q, l, F) -> (3,), see STRAINS
+    momentum:  (q, v, l, P) -> (9,), see MOMENTUM; the angles' rates are the spin, as where q is the reference
     reference: (q, l) -> F
     transport: (q, v, a, l, F) -> (3,): what the angles gain when q becomes the reference: theta from node to node,
                theta_t and theta_tt at the right node
@@ -93,6 +96,7 @@ class ElementFunctions:
     balance: ca.Function
     losses: ca.Function
     strains: ca.Function
+    momentum: ca.Function
     reference: ca.Function
     transport: ca.Function
 
@@ -149,6 +153,7 @@ def element_functions(
         return ca.Function(name, inputs, ca.cse(outputs))
 
     strains = ca.vertcat(means[0], tau, ca.sqrt(means[2]))
+    momentum = _momentum(q, v, mass, l, P)
     reference, transport = F, ca.SX.zeros(3)
     if torsional:
         right = slice(NODE_DOF + 3, NODE_DOF + 6)
@@ -161,6 +166,7 @@ def element_functions(
         balance=function("element_balance", [q, v, l, F, P], [balance]),
         losses=function("element_losses", [q, v, l, F, P], [balance[7:]]),
         strains=function("element_strains", [q, l, F], [strains]),
+        momentum=function("element_momentum", [*symbols[:2], l, P], [momentum]),
         reference=function("element_reference", [q, l], [reference]),
         transport=function("element_transport", [q, v, a, l, F], [transport]),
     )
@@ -302,6 +308,15 @@ def _translational_mass(l: ca.SX, P: ca.SX) -> ca.SX:
             for n in range(4):
                 M[at[m], at[n]] = P[0] * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
     return M
+
+
+def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
+    """(9,): see MOMENTUM; that of the spin, rhoJ w t, with w and t linear in the element."""
+    u, s = mass @ v, mass @ q
+    angular = sum((ca.cross(q[k : k + 3], u[k : k + 3]) for k in (0, 3, 7, 10)), start=ca.SX.zeros(3))
+    (left, right), (w1, w2) = (q[3:6], q[10:13]), (v[6], v[13])
+    angular += P[7] * l / 6 * ((2 * w1 + w2) * left + (w1 + 2 * w2) * right)
+    return ca.vertcat(u[0:3] + u[7:10], angular, s[0:3] + s[7:10])
 
 
 def _weight(l: ca.SX, P: ca.SX) -> ca.SX:

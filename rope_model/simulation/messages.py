@@ -248,6 +248,43 @@ def other_rests(angle: float) -> str:
     )
 
 
+def forces_missing(force: float, bound: float) -> str:
+    return (
+        f"{force:.3g} N are missing between the end forces, the weight and the change of the rope's momentum "
+        f"(audit.momentum, bound {bound:.3g} N): the state was altered from outside, or the rope computes wrongly; go "
+        "back to a state that was saved before, and report it"
+    )
+
+
+def moments_missing(moment: float, bound: float) -> str:
+    return (
+        f"{moment:.3g} N m are missing between what acts on the rope and the change of its angular momentum "
+        f"(audit.moment, bound {bound:.3g} N m): time steps are too long for this motion, or the state was altered "
+        "from outside; lower step_max, or go back to a state that was saved before"
+    )
+
+
+def waves_unresolved(change: float, steps: float, bound: float, step: float) -> str:
+    return (
+        f"an end force changes by {change:.3g} N in one time step, of which an axial period of the rope's longer leg "
+        f"has {steps:.3g} (bound {bound:.3g}): its waves are not resolved; lower step_max to {step:.2g} s"
+    )
+
+
+def bend_unresolved(elements: float, bound: float) -> str:
+    return (
+        f"the rope's sharpest bend has {elements:.3g} elements in half a turn (bound {bound:.3g}): they are too "
+        "long for it; set mesh.kind = auto, or lower coarse_length"
+    )
+
+
+def accuracy_given_up(steps: int, since: float, bound: int) -> str:
+    return (
+        f"accuracy was given up in {steps} steps since t = {since:.6g} s: they wanted more Newton iterations than "
+        f"work_max = {bound} allows a communication step; raise it, or communicate more often"
+    )
+
+
 def torque_of_coupling(Qb: float, Qc: float) -> str:
     return f"the coupling Qb = {Qb:g}, Qc = {Qc:g} N m: give what was measured on this very rope, free the swivels"
 

@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, local_error, restart, step
+from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, local_error, recentring, restart, step
 from ..parameters import Scene
 from ..physics.accuracy import add_errors, step_limits
 from ..physics.energy_balance import energies as energies_of
+from ..physics.frame import end_moment
+from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from .ends import EndPath, HangingEnds, Phase, nominal_points
 from .fidelity import flexible
 from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, KernelCache, RopeSystem, parameter_vector
@@ -75,7 +77,8 @@ class RopeModel:
         m = state.motion
         system = self.system(state)
         motion, _ = restart(system, m.t, m.q, m.v, m.reaction)
-        return state._replace(motion=motion, powers=powers(system, motion))
+        audit = restarted(state.audit, load_on(ends_of(system), motion))
+        return state._replace(motion=motion, powers=powers(system, motion), audit=audit)
 
     def commit(self, old: RopeState, system: RopeSystem, result: StepResult[Evaluation]) -> RopeState:
         """An accepted step, with energies and work added up, its angles counted along its own curve."""
@@ -98,7 +101,48 @@ class RopeModel:
             nonconservative=old.energy_balance.nonconservative + h * nonconservative,
         )
         after = old._replace(motion=motion, energy_balance=energy_balance, errors=errors, powers=now)
-        return with_angles_along(system, after)
+        return self._with_step_audited(old.motion, with_angles_along(system, after))
+
+    def _with_step_audited(self, old: Motion, state: RopeState) -> RopeState:
+        """``state`` after a time step from ``old``; its loads are compared when the communication step ends."""
+        m, method, (left, right) = state.motion, self.method, old.reaction[[0, -1], 1].tolist()
+        now, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
+        audit = after_step(
+            state.audit,
+            method,
+            h,
+            recentring(method, m.h, old.h),
+            load_on(ends_of(self.system(state)), m),
+            max(map(abs, now)),
+            max(abs(now[0] - left), abs(now[1] - right)),
+            axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),
+        )
+        return state._replace(audit=audit)
+
+    def audit_begun(self, state: RopeState) -> RopeState:
+        """``state`` as that with whose momentum the next is compared."""
+        if state.fidelity == "rigid":
+            return state
+        m, system = state.motion, self.system(state)
+        audit = restarted(state.audit, load_on(ends_of(system), m))
+        return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD))
+
+    def audited(self, before: RopeState, state: RopeState) -> RopeState:
+        """``state``, the communication step that leads to it from ``before`` compared with what acted in it."""
+        if state.fidelity == "rigid":
+            return state
+        m, scene = state.motion, self.scene
+        audit = after_interval(
+            state.audit,
+            m.t - before.motion.t,
+            scene.rope.mass_per_length * scene.rope.length,
+            scene.layout.gravity,
+            self.system(state).momentum(m.q, m.v),
+            (0.5 * (m.q[0, POSITION] + m.q[-1, POSITION])).tolist(),
+            state.energy_balance.residual - before.energy_balance.residual,
+            float(np.square(np.diff(m.q[:, SLOPE], axis=0)).sum(axis=1).max()),
+        )
+        return state._replace(audit=audit)
 
 
 def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
@@ -119,6 +163,20 @@ def ends_of(system: RopeSystem) -> HangingEnds:
     """The ends of a rope that hangs between conveyances."""
     assert isinstance(system.boundary, HangingEnds)
     return system.boundary
+
+
+def load_on(ends: HangingEnds, motion: Motion) -> Load:
+    """What the conveyances put on the rope."""
+    loads = []
+    for side in (0, 1):
+        q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
+        loads.append(end_load(q, R, end_moment(q[SLOPE], R[SLOPE], ends.moment(side, motion.reaction))))
+    return tuple(left + right for left, right in zip(*loads, strict=True))
+
+
+def restarted(audit: Audit, load: Load) -> Audit:
+    """``audit`` where the accelerations begin anew, as they do after an event."""
+    return audit._replace(load=load, auxiliary=load, rate=NO_LOAD)
 
 
 def energies(balance: dict[str, float]) -> dict[str, float]:

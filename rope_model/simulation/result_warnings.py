@@ -4,6 +4,10 @@
     leg_contact         the legs touch, or have passed through each other: contact is not in the model
     yaw_at_rest         the loop hangs far out of its ends' plane at rest, by a torque that is too large for a shaft
     other_rests         the rope has more than one way to hang, and snapped over on the way to this one
+    missing_loads       momentum changes otherwise than the end forces and the weight say
+    unresolved_waves    end forces change at once in steps that are too long for the waves that this sends off
+    unresolved_bend     elements are too long for the sharpest bend
+    accuracy_given_up   steps err more than they should because work_max allows for no more of them
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn, and beyond it they have passed through each other.  Once through,
@@ -18,6 +22,15 @@ from collections.abc import Callable
 from ..parameters import Scene
 from ..physics.estimates import coupling_torque, loop_width, twist_torque
 from . import messages
+from .audit import (
+    FEWEST_ELEMENTS,
+    FEWEST_STEPS,
+    LARGE_CHANGE,
+    MISSING_FORCE,
+    MISSING_MOMENT,
+    axial_step,
+    elements_per_bend,
+)
 from .diagnostics import leg_clearance, loop_bottom
 from .fidelity import carries_torque
 from .neglected_effects import neglected_text
@@ -74,6 +87,36 @@ def _rests(scene: Scene, state: RopeState) -> bool:
     return state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * REST_SPEED**2
 
 
+def missing_loads(scene: Scene, state: RopeState) -> str:
+    """'' unless a force or a moment is missing; then how much of it."""
+    audit = state.audit
+    if audit.missing_force > (bound := MISSING_FORCE * audit.force):
+        return messages.forces_missing(audit.missing_force, bound)
+    bound = MISSING_MOMENT * audit.force * scene.layout.spacing
+    return messages.moments_missing(audit.missing_moment, bound) if audit.missing_moment > bound else ""
+
+
+def unresolved_waves(scene: Scene, state: RopeState) -> str:
+    """'' unless end forces changed a lot in steps too long to follow; then by how much, and the step that would do."""
+    audit = state.audit
+    if audit.share * FEWEST_STEPS <= 1.0 or audit.force_change <= LARGE_CHANGE * audit.force:
+        return ""
+    return messages.waves_unresolved(audit.force_change, 1.0 / audit.share, FEWEST_STEPS, axial_step(scene.rope))
+
+
+def unresolved_bend(scene: Scene, state: RopeState) -> str:
+    """'' unless an element turns too far; then how many a bend has."""
+    elements = elements_per_bend(state.audit.bend) if state.audit.bend else FEWEST_ELEMENTS
+    return messages.bend_unresolved(elements, FEWEST_ELEMENTS) if elements < FEWEST_ELEMENTS else ""
+
+
+def accuracy_given_up(scene: Scene, state: RopeState) -> str:
+    """'' unless the bound on work was reached; then how often, and since when."""
+    if not state.counts.given_up:
+        return ""
+    return messages.accuracy_given_up(state.counts.given_up, state.given_up_since, scene.solver.work_max)
+
+
 def _torque_source(scene: Scene, state: RopeState) -> str:
     """What makes the largest torque, and its cure."""
     rope, turned = scene.rope, _end_twist(state)
@@ -104,4 +147,13 @@ def _end_twist(state: RopeState) -> float:
 
 
 #: each tells of one thing, in the order of rope_warning in rope.h
-WARNINGS: tuple[Callable[[Scene, RopeState], str], ...] = (neglected_effects, leg_contact, yaw_at_rest, other_rests)
+WARNINGS: tuple[Callable[[Scene, RopeState], str], ...] = (
+    neglected_effects,
+    leg_contact,
+    yaw_at_rest,
+    other_rests,
+    missing_loads,
+    unresolved_waves,
+    unresolved_bend,
+    accuracy_given_up,
+)

@@ -12,7 +12,7 @@ import shutil
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ from ..numerics.kernels import (
 )
 from ..numerics.newton import PROGRESS, report
 from ..parameters import Rope
-from ..physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, STRAINS, ElementFidelity, element_functions
+from ..physics.element import BALANCE, ELEMENT_DOF, MOMENTUM, NODE_DOF, STRAINS, ElementFidelity, element_functions
 
 Array = NDArray[np.float64]
 log = logging.getLogger(__name__)
@@ -62,7 +62,7 @@ class RopeKernels:
             functions = load_portable(portable)
         else:
             functions = list(rope_functions(elements, fidelity).all())
-        (solve, newton_step, evaluate, losses, strains, reference, transport), self.form = prepare(
+        (solve, newton_step, evaluate, losses, strains, momentum, reference, transport), self.form = prepare(
             functions, form, library, _name(fidelity, elements)
         )
         nodes, balance = (elements + 1, NODE_DOF), (len(BALANCE),)
@@ -72,6 +72,7 @@ class RopeKernels:
         self.evaluate = Kernel(evaluate, (nodes, balance))
         self.losses = Kernel(losses, ((2,),))
         self.strains = Kernel(strains, ((elements, len(STRAINS)),))
+        self.momentum = Kernel(momentum, ((len(MOMENTUM),),))
         self.reference = Kernel(reference, ((elements, reference.size1_out(0)),))
         self.transport = Kernel(transport, ((elements, 3),))
 
@@ -255,6 +256,12 @@ class RopeSystem:
     def strains(self, q: Array) -> Array:
         """(elements, 3), columns as in physics.element.STRAINS."""
         return self.kernels.strains(q, self.lengths, self.frames)[0]
+
+    def momentum(self, q: Array, v: Array) -> Any:
+        """(9,) numbers as in physics.element.MOMENTUM, ``q`` the reference; with the concentrated masses' spin."""
+        sums = self.kernels.momentum(q, v, self.lengths, self.P)[0]
+        sums[3:6] += (self.node_mass[:, ANGLE] * v[:, ANGLE]) @ q[:, SLOPE]
+        return tuple(sums.tolist())
 
     def norm(self, x: Array) -> float:
         return float((np.abs(x) * self._scale).max())

@@ -16,6 +16,7 @@ from ..physics.estimates import loop_width
 from ..physics.frame import end_moment
 from ..physics.stress import bending_stress, torsional_stress
 from .adaptation import nearest_turn
+from .audit import elements_per_bend
 from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, shape, shape_places, tension
 from .ends import SIDES, HangingEnds, Phase
 from .fidelity import Fidelity
@@ -88,6 +89,20 @@ def _table() -> Iterator[tuple[str, Signal]]:
         Signal("1", "estimated error of the end forces so far, root mean square, relative to the largest"),
     )
     yield "status.loop_error", Signal("m", "estimated largest error of the loop's place so far")
+    for name, unit, what in (
+        ("momentum", "N", "largest missing force so far: of the momentum, against end forces and weight"),
+        ("moment", "N.m", "largest missing moment so far: of the angular momentum, about a point between the ends"),
+        ("energy", "J", "largest change of energy.residual in a communication step so far"),
+        ("force_change", "N", "largest change of an end's vertical force in a time step so far"),
+        ("steps_per_period", "1", "fewest time steps in an axial period of the longer leg so far"),
+        ("elements_per_bend", "1", "fewest elements in half a turn as sharp as the sharpest so far"),
+    ):
+        yield f"audit.{name}", Signal(unit, what)
+    yield (
+        "status.given_up",
+        Signal("1", "time steps since the start less accurate than asked for, because of solver.work_max", "integer"),
+    )
+    yield "status.given_up_since", Signal("s", "time from which on status.given_up counts; 0 before")
     for axis in "xyz":
         for i in range(1, SHAPE_POINTS + 1):
             yield f"shape.{axis}[{i}]", Signal("m", f"{axis.upper()} of point {i} of {SHAPE_POINTS} along the rope")
@@ -143,7 +158,7 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
     if name.startswith(("shape.tension", "shape.bending", "shape.torsion")):
         return along_signals
     groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
-    groups |= {"energy": energy_signals, "count": energy_signals, "status": error_signals}
+    groups |= {"energy": energy_signals, "count": energy_signals, "status": error_signals, "audit": audit_signals}
     return groups.get(name.partition(".")[0], end_signals)
 
 
@@ -211,6 +226,21 @@ def error_signals(rope: Evaluated) -> dict[str, float]:
     return {
         "status.end_force_error": float(end_force_error(scene.rope, errors)),
         "status.loop_error": float(loop_error(scene, errors, cells.fine, cells.grading_length)),
+        "status.given_up": float(rope.state.counts.given_up),
+        "status.given_up_since": rope.state.given_up_since,
+    }
+
+
+def audit_signals(rope: Evaluated) -> dict[str, float]:
+    """What the audit found worst so far; 0 where nothing was computed yet."""
+    audit = rope.state.audit
+    return {
+        "audit.momentum": audit.missing_force,
+        "audit.moment": audit.missing_moment,
+        "audit.energy": audit.energy,
+        "audit.force_change": audit.force_change,
+        "audit.steps_per_period": 1.0 / audit.share if audit.share else 0.0,
+        "audit.elements_per_bend": elements_per_bend(audit.bend) if audit.bend else 0.0,
     }
 
 

@@ -61,6 +61,10 @@ ACCEPT_BELOW = 2.0
 #: the step grows after errors below this part of what is allowed for so long, s: the loop's place errs by a part that
 #: goes with the step's length, and every change of that sends a wave along the rope
 GROW_BELOW, CALM = 0.05, 0.5
+#: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
+STEP_WORK = 12
+#: as good as no bound
+UNBOUNDED = 2**31 - 1
 #: rad of twist put in at once, at most and at least
 TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
 #: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
@@ -222,7 +226,8 @@ class RopeSimulator(BalanceRope):
             return Status(False, str(error))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
-        self._accept(state._replace(force_mean=force_mean, energy_balance=energy_balance, events=()))
+        state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
+        self._accept(self.model.audit_begun(state))
         return Status(True)
 
     def _placement_problem(self, cells: Partition, bottom: float) -> str:
@@ -301,15 +306,16 @@ class RopeSimulator(BalanceRope):
             if self.scene.model.fidelity != "auto":
                 return Status(False, messages.fixed_model_cannot_follow(state.fidelity, why))
             try:
-                state = raise_fidelity(self.model, state, why)
+                state = self.model.audit_begun(raise_fidelity(self.model, state, why))
             except StaticsError as error:
                 return Status(False, str(error))
         impulse = [0.0, 0.0]
+        work_end = state.counts.newton + (self.scene.solver.work_max or UNBOUNDED)
         while state.motion.t < t:
             before = state.motion
             if state.counts.steps + state.counts.rejections - steps_before >= MOST_STEPS:
                 return Status(False, messages.too_many_steps(before.t, MOST_STEPS, start, t))
-            advanced = self._step_towards(state, t)
+            advanced = self._step_towards(state, t, work_end)
             if isinstance(advanced, str):
                 return Status(False, messages.fails_at(before.t, advanced))
             state = advanced
@@ -317,6 +323,9 @@ class RopeSimulator(BalanceRope):
             for node in (0, -1):
                 impulse[node] -= 0.5 * (now.t - before.t) * float(before.reaction[node, 1] + now.reaction[node, 1])
         mean = impulse[0] / (t - start), impulse[1] / (t - start)
+        if state.counts.given_up and not self.state.counts.given_up:
+            state = state._replace(given_up_since=start)
+        state = self.model.audited(self.state, state)
         self._accept(state._replace(last_interval=t - start, force_mean=mean))
         return Status(True)
 
@@ -351,8 +360,11 @@ class RopeSimulator(BalanceRope):
 
     # one step, and what may end it
 
-    def _step_towards(self, state: RopeState, t_end: float) -> RopeState | str:
-        """The state after one accepted step, or why there is none."""
+    def _step_towards(self, state: RopeState, t_end: float, work_end: int) -> RopeState | str:
+        """The state after one accepted step, or why there is none.
+
+        ``work_end`` is the number of Newton iterations since the start beyond which accuracy is given up.
+        """
         model = self.model
         if state.fidelity == "rigid":
             return self._rigid_step(state, t_end)
@@ -362,17 +374,19 @@ class RopeSimulator(BalanceRope):
         system = model.system(state)
         stop = self._next_stop(state, t_end)
         while True:
-            step = self._accepted_step(system, state, stop)
+            step = self._accepted_step(system, state, stop, work_end)
             if isinstance(step, str):
                 return step
             result, reaches_stop, counts = step.result, step.reaches_stop, step.counts
-            if (switching := switching_step(model, system, state, result)) is None:
-                break
             assert result.motion is not None
             whole = result.motion.t - state.motion.t
+            # the step to the event, and one from there on, come after the trials
+            work = work_end - counts.newton - 2 * STEP_WORK
+            if (switching := switching_step(model, system, state, result, work)) is None:
+                break
             h, iterations = switching
             result = model.trial(system, state.motion, h)
-            counts = counts.plus(newton=iterations + result.newton.iterations)
+            counts = counts.plus(newton=iterations + result.newton.iterations, given_up=int(iterations >= work))
             if result.motion is not None:
                 break
             # a shorter one may not reach the event, or find it more easily
@@ -404,18 +418,27 @@ class RopeSimulator(BalanceRope):
             powers=now, energy_balance=after.energy_balance._replace(work_ends=work), counts=after.counts.plus(steps=1)
         )
 
-    def _accepted_step(self, system: RopeSystem, state: RopeState, stop: float) -> _Accepted | str:
-        """A step towards ``stop`` that converges and errs little enough, halved as often as it takes."""
+    def _accepted_step(self, system: RopeSystem, state: RopeState, stop: float, work_end: int) -> _Accepted | str:
+        """A step towards ``stop`` that converges and errs little enough, halved as often as it takes.
+
+        Where the work that is left does not allow for more steps, one that errs too much will do.
+        """
         solver, t = self.scene.solver, state.motion.t
         step_next, cause = min(state.step_next, solver.step_max), ""
         iterations = rejections = 0
         parts = max(math.ceil((stop - t) / step_next - 1e-9), 1)
+        # the work that is left may take longer ones, but Newton's method need not converge in much longer ones
+        parts = min(parts, max(_steps_left(work_end - state.counts.newton), math.ceil(0.5 * parts)))
         h = (stop - t) / parts
         while True:
             result = self.model.trial(system, state.motion, h)
             iterations += result.newton.iterations
             error = self.model.relative_error(state, result)
             if error <= ACCEPT_BELOW * solver.tolerance:
+                break
+            left = _steps_left(work_end - state.counts.newton - iterations)
+            if result.motion is not None and stop - t > 0.5 * h * left:
+                step_next = h
                 break
             cause = (
                 result.newton.status.text
@@ -429,13 +452,14 @@ class RopeSimulator(BalanceRope):
             h = max(0.5 * h, solver.step_min)
             parts, step_next = 2, h
         calm_since = t + h if cause or error > GROW_BELOW * solver.tolerance else state.calm_since
-        if error > solver.tolerance:
+        given_up = error > ACCEPT_BELOW * solver.tolerance
+        if not given_up and error > solver.tolerance:
             step_next = max(0.5 * h, solver.step_min)
         elif t + h - calm_since > CALM and step_next < solver.step_max:
             step_next, calm_since = min(2.0 * step_next, solver.step_max), t + h
-        return _Accepted(
-            result, step_next, calm_since, state.counts.plus(newton=iterations, rejections=rejections), parts == 1
-        )
+        given_up |= h > solver.step_max * (1.0 + 1e-9)
+        counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=int(given_up))
+        return _Accepted(result, step_next, calm_since, counts, parts == 1)
 
     def _next_stop(self, state: RopeState, t_end: float) -> float:
         """The instant at which the coming steps must end: the host's or a release.
@@ -458,6 +482,11 @@ class RopeSimulator(BalanceRope):
 
     def _accept(self, state: RopeState) -> None:
         self._state, self._system, self._loop, self._signals = state, None, None, {}
+
+
+def _steps_left(work: int) -> int:
+    """Steps that so many Newton iterations allow for, one at least."""
+    return max(work // STEP_WORK, 1)
 
 
 def _turn_right_end(state: RopeState, angle: float) -> RopeState:

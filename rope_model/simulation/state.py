@@ -11,6 +11,7 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..physics.accuracy import ErrorSums
 from ..physics.energy_balance import residual, total
+from .audit import Audit, audit_of
 from .ends import EndPath, Phase, SwivelState
 from .fidelity import Fidelity
 from .mesh import Partition
@@ -48,6 +49,7 @@ class Counts(NamedTuple):
     newton: int = 0
     transformations: int = 0
     swivel_events: int = 0
+    given_up: int = 0  # steps less accurate than asked for, because of work_max
 
     def plus(self, **more: int) -> Counts:
         """A copy with some counts raised."""
@@ -91,6 +93,8 @@ class RopeState(NamedTuple):
     powers: Powers = Powers()
     counts: Counts = Counts()
     snapped_at: float = 0.0  # rad: twist at which the rope last snapped over when it was turned in; 0: never
+    given_up_since: float = 0.0  # s, when counts.given_up began
+    audit: Audit = Audit()
 
     def to_bytes(self) -> bytes:
         """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
@@ -121,6 +125,8 @@ class RopeState(NamedTuple):
             "errors": self.errors._asdict(),
             "powers": self.powers._asdict(),
             "counts": self.counts._asdict(),
+            "given_up_since": self.given_up_since,
+            "audit": self.audit,
         }
         scalars["shapes"] = {name: x.shape for name, x in arrays.items()}
         head = json.dumps(scalars).encode()
@@ -162,6 +168,8 @@ class RopeState(NamedTuple):
                 errors=ErrorSums(**s["errors"]),
                 powers=Powers(**s["powers"]),
                 counts=Counts(**s["counts"]),
+                given_up_since=s["given_up_since"],
+                audit=audit_of(s["audit"]),
             )
         except Exception as error:
             raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error

@@ -76,9 +76,11 @@ def _frictionless(swivel: Swivel) -> bool:
 
 
 def switching_step(
-    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation]
+    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation], work: int
 ) -> tuple[float, int] | None:
     """Length of the step that ends where a swivel must switch, and the Newton iterations it took to find it.
+
+    After ``work`` of these the earliest instant known to be past it will do.
 
     None when none must before ``result`` is reached.
     """
@@ -91,6 +93,8 @@ def switching_step(
 
     def at(h: float) -> float:
         nonlocal iterations
+        if iterations >= work:
+            return -1.0
         trial = model.trial(system, state.motion, h)
         iterations += trial.newton.iterations
         return np.inf if trial.motion is None else excess(system, trial.motion)

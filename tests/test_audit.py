@@ -1,0 +1,145 @@
+"""The audit of the rope's motion: silent where the motion is right, and not where it is made wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import pytest
+
+from benchmarks.latency import Case
+from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from rope_model.native.engine import NativeRope
+from rope_model.numerics.generalized_alpha import Coefficients
+from rope_model.parameters import Mesh, Rope, Scene, Solver
+from rope_model.simulation.audit import Audit
+from rope_model.simulation.ends import EndMotion, HangingEnds
+from rope_model.simulation.rope_system import Array
+from rope_model.simulation.simulator import RopeSimulator
+
+pytest.importorskip("rope_model.native.build")
+
+FOUND = {"missing_loads", "unresolved_waves", "unresolved_bend"}
+SHORT = Scene(rope=Rope(length=60.0))
+AT_REST = EndMotion(y=0.0), EndMotion(y=40.0)
+H = 0.01
+NO_CONTROL = 1e6  # of the step's error
+
+
+@dataclass(frozen=True)
+class Trip:
+    """A whole trip of the native rope; its counts, warnings and audit."""
+
+    case: Case
+
+    def scene(self) -> Scene:
+        scene = rope_data(find_case(self.case.scene).rope, self.case.level)
+        if scene.solver.step_max >= self.case.H:
+            return scene
+        # the host's steps are the rope's, however much they err
+        return scene.with_(solver=replace(scene.solver, step_max=self.case.H, tolerance=NO_CONTROL))
+
+    def wind(self) -> NativeRope:
+        rope, motions = NativeRope(self.scene()), self.case.motions
+        assert rope.initialize(0.0, *motions[0]).valid
+        for k, ends in enumerate(motions[1:], start=1):
+            status = rope.advance_to(k * self.case.H, *ends)
+            assert status.valid, status
+        return rope
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        Case("rope-120", "winding", "draft", 0.02),
+        Case("rope-120", "winding", "standard", 0.01),
+        Case("rope-120", "winding", "standard", 0.04),
+        Case("rope-120", "emergency stop", "standard", 0.02),
+        Case("rope-240", "emergency stop", "standard", 0.01),
+    ],
+    ids=str,
+)
+def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transformations(case: Case) -> None:
+    rope = Trip(case).wind()
+    state, audit = rope.state, rope.state.audit
+    assert state.counts.transformations > 20
+    assert state.counts.swivel_events > 20 or case.scene == "rope-120"
+    assert not FOUND & rope.warnings().keys()
+    # a tenth of what is told
+    assert audit.missing_force < 1e-4 * audit.force
+    assert audit.missing_moment < 5e-4 * audit.force * rope.scene.layout.spacing
+
+
+def test_a_smooth_trip_may_take_long_steps_but_an_emergency_stop_in_them_is_told() -> None:
+    rope = Trip(Case("rope-120", "emergency stop", "standard", 0.04)).wind()
+    told = rope.warnings()
+    assert FOUND & told.keys() == {"unresolved_waves"}
+    # 40 ms in the axial period of half the rope are 1.55; Newton's method shortens some
+    assert rope.signals(["audit.steps_per_period"])["audit.steps_per_period"] < 3.0
+    assert "(bound 3)" in told["unresolved_waves"]
+    # a sixth of that period, 62 ms
+    assert "lower step_max to 0.01 s" in told["unresolved_waves"]
+
+
+@pytest.mark.parametrize("form", [RopeSimulator, NativeRope])
+def test_speeds_that_100_newtons_in_one_sample_would_bring_are_told(
+    form: type[RopeSimulator] | type[NativeRope],
+) -> None:
+    rope = form(SHORT)
+    assert rope.initialize(0.0, *AT_REST).valid
+    assert rope.advance_to(H, *AT_REST).valid
+    assert rope.warnings() == {}
+    state = rope.state
+    v = state.motion.v.copy()
+    v[1:-1, 1] += 100.0 * H / (SHORT.rope.mass_per_length * SHORT.rope.length)
+    rope.restore(state._replace(motion=replace(state.motion, v=v)))
+    assert rope.advance_to(2 * H, *AT_REST).valid
+    # but for the masses next to the two ends, which keep their speed
+    assert rope.signals(["audit.momentum"])["audit.momentum"] == pytest.approx(100.0, rel=0.02)
+    assert "are missing between the end forces, the weight" in rope.warnings()["missing_loads"]
+
+
+def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The ends' forces then do not answer for all of the accelerations."""
+    rope, loads = RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), HangingEnds.load
+
+    def with_blow(self: HangingEnds, nodes: int) -> Array:
+        load = loads(self, nodes)
+        load[nodes // 2, 1] += 100.0
+        return load
+
+    assert rope.initialize(0.0, *AT_REST).valid
+    assert rope.advance_to(H, *AT_REST).valid
+    with monkeypatch.context() as patched:
+        patched.setattr(HangingEnds, "load", with_blow)
+        rope.model._latest.clear()
+        assert rope.advance_to(2 * H, *AT_REST).valid
+    rope.model._latest.clear()
+    # what the method makes in its first step of a force that has just come
+    method = Coefficients(SHORT.solver.rho_inf)
+    part = method.gamma * (1 - method.alpha_f) / (1 - method.alpha_m)
+    assert rope.state.audit.missing_force == pytest.approx(100.0 * part, rel=1e-6)
+    assert "are missing between the end forces, the weight" in rope.warnings()["missing_loads"]
+
+
+@pytest.mark.parametrize(("elements", "told"), [(24, True), (40, True), (80, False)])
+def test_elements_too_long_for_the_bend_are_told(elements: int, told: bool) -> None:
+    rope = NativeRope(SHORT.with_(mesh=Mesh("eem", elements=elements)))
+    assert rope.initialize(0.0, *AT_REST).valid
+    assert rope.advance_to(H, *AT_REST).valid
+    assert ("unresolved_bend" in rope.warnings()) == told
+
+
+def test_both_forms_find_the_same() -> None:
+    scene = SHORT.with_(solver=Solver(step_max=H))
+    ropes = [form(scene) for form in (RopeSimulator, NativeRope)]
+    for rope in ropes:
+        assert rope.initialize(0.0, *AT_REST).valid
+        for k in range(1, 60):
+            y, v, a = 0.25 * (k * H) ** 4, (k * H) ** 3, 3 * (k * H) ** 2
+            ends = EndMotion(y=y, vy=v, ay=a), EndMotion(y=40.0 - y, vy=-v, ay=-a)
+            assert rope.advance_to(k * H, *ends).valid
+    a, b = (rope.state.audit for rope in ropes)
+    assert a.missing_moment > 0
+    # forces of 5 kN agree to 1e-9, and what is missing is a difference of them
+    assert a[Audit._fields.index("force") :] == pytest.approx(b[Audit._fields.index("force") :], rel=1e-6, abs=5e-6)

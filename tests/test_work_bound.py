@@ -1,0 +1,98 @@
+"""The bound on the work of one communication step: what it holds, what it gives up, and that it says so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from test_native import bounce
+
+from benchmarks.latency import Case
+from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from rope_model.native.engine import NativeRope
+from rope_model.parameters import Rope, Scene, Solver
+from rope_model.simulation.simulator import RopeSimulator
+
+pytest.importorskip("rope_model.native.build")
+
+#: winds 200 m, its swivels are released at 20 s, and it is stopped after that
+STOP = Case("rope-240", "emergency stop", "draft", 0.01)
+READ = ("count.newton", "status.given_up", "status.given_up_since", "left.fy", "right.fy", "loop.yaw")
+NEWTON, GIVEN_UP, SINCE, FORCES = 0, 1, 2, slice(3, 5)
+BOUND = 48
+
+
+@dataclass(frozen=True)
+class Run:
+    """Outputs after each communication step, and the Newton iterations of each."""
+
+    values: NDArray[np.float64]
+
+    @property
+    def work(self) -> NDArray[np.float64]:
+        return np.diff(self.values[:, NEWTON], prepend=0.0)
+
+
+def wind(work_max: int) -> Run:
+    scene = rope_data(find_case(STOP.scene).rope, STOP.level)
+    rope = NativeRope(scene.with_(solver=replace(scene.solver, work_max=work_max)))
+    read, motions = rope.reader(READ), STOP.motions
+    assert rope.initialize(0.0, *motions[0]).valid
+    values = []
+    for k, ends in enumerate(motions[1:], start=1):
+        status = rope.advance_to(k * STOP.H, *ends)
+        assert status.valid, status
+        values.append(read())
+    return Run(np.array(values))
+
+
+@pytest.fixture(scope="module")
+def unbounded() -> Run:
+    return wind(0)
+
+
+def test_the_bound_holds_through_a_release_and_an_emergency_stop_and_the_status_says_so(unbounded: Run) -> None:
+    bounded = wind(BOUND)
+    assert unbounded.work.max() > BOUND >= bounded.work.max()
+    given_up, since = bounded.values[:, GIVEN_UP], bounded.values[:, SINCE]
+    first = int(np.argmax(given_up > 0))
+    assert given_up[first] >= 1
+    assert (since[:first] == 0.0).all()
+    # the communication step in which it began, not its end
+    assert (since[first:] == first * STOP.H).all()
+    # an event that is found a step late moves the forces by no more than they move in a step
+    forces = unbounded.values[:, FORCES]
+    assert np.abs(bounded.values[:, FORCES] - forces).max() < np.abs(np.diff(forces, axis=0)).max()
+
+
+def test_a_bound_that_is_not_reached_changes_no_bit(unbounded: Run) -> None:
+    far = wind(100 * BOUND)
+    assert (far.values == unbounded.values).all()
+    assert far.values[-1, GIVEN_UP] == 0.0
+
+
+def test_both_forms_give_up_the_same_steps_and_warn_of_it() -> None:
+    """A rope that goes slack and is caught, in steps that are much too long for it."""
+    rope = Rope(length=60.0)
+    ropes = [form(Scene(rope=rope, solver=Solver(work_max=24))) for form in (RopeSimulator, NativeRope)]
+    for k in range(36):
+        for each in ropes:
+            status = each.advance_to(0.02 * k, *bounce(0.02 * k)) if k else each.initialize(0.0, *bounce(0.0))
+            assert status.valid, status
+    (a, b), (said, same) = (each.state for each in ropes), (each.warnings() for each in ropes)
+    assert a.counts == b.counts
+    assert a.counts.given_up > 0
+    assert a.given_up_since == b.given_up_since
+    assert said == same
+    assert f"given up in {a.counts.given_up} steps since t = {a.given_up_since:.6g} s" in said["accuracy_given_up"]
+
+
+def test_a_bound_below_one_step_does_not_stop_the_rope(unbounded: Run) -> None:
+    bounded = wind(1)
+    assert np.isfinite(bounded.values).all()
+    assert bounded.values[-1, GIVEN_UP] > 0
+    last, right = (run.values[-100:, FORCES].mean(axis=0) for run in (bounded, unbounded))
+    assert last == pytest.approx(right, rel=0.01)
