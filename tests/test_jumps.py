@@ -59,7 +59,7 @@ SCENES = {
     "draft that is turned": (rope_120("draft").scene, Turn(90.0, 0.5, 10.0, 15.0, 25.0)),
     "rigid rope that is turned": (
         replace(at_level(UNCOUPLED, "draft"), model=Model(force_tolerance=0.05)),
-        Turn(90.0, 0.5, 10.0, 15.0, 25.0),
+        Turn(90.0, 0.5, 10.3, 15.3, 25.0),
     ),
 }
 

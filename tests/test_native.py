@@ -116,7 +116,7 @@ CASES: dict[str, tuple[Scene, Motions, float, float]] = {
     ),
     "slack and caught": (Scene(rope=Rope(length=60.0)), bounce, 0.7, 0.01),
     "non-conservative": (
-        Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5), solver=Solver(newton_tolerance=1e-8)),
+        Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5), solver=Solver(newton_tolerance=1e-10)),
         winding(40.0, 4.0),
         1.5,
         0.01,
@@ -181,7 +181,8 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
         difference = max(difference, float(np.abs(forces - of_native).max()))
         rounding = max(rounding, float(np.abs(forces - same).max()))
     assert a.counts.steps > 10
-    assert b.counts.newton == pytest.approx(a.counts.newton, rel=0.02)  # the search for an event may take one more
+    # the search for an event may take one more, and so may a step whose tolerance is near the rounding
+    assert b.counts.newton == pytest.approx(a.counts.newton, rel=0.03)
     # the elimination goes inwards from both ends and multiplies with reciprocals: other roundings, the same equations
     assert difference < max(1e-9 * largest, 3 * rounding)
     assert rounding < (1e-6 if a.counts.swivel_events else 1e-8) * largest  # or the case would show nothing
@@ -196,6 +197,7 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
     scale |= {name: 3 * rounding / 1e-3 / 1e-8 for name in SIGNALS if name.endswith("added_mass")}
     scale |= {name: 10.0 for name in SIGNALS if name.endswith("swivel.torque")}  # of a rope that carries 19 N m
     scale["count.newton"] = 0.02 * a.counts.newton / 1e-8
+    scale |= {"status.end_force_error": 0.01 * expected["status.end_force_error"] / 1e-8}  # of differences of strains
     # where swivels slip, the instants of the events carry the rounding on
     relative = 1e-6 if a.counts.swivel_events else 1e-8
     allowed = {n: relative * scale[n] for n in SIGNALS}

@@ -22,6 +22,8 @@ from rope_model.simulation.state import RopeState
 H = 0.01
 #: 30 m rope, 12 m of travel: a winding small enough for every test run
 SHORT = Scene(rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)))
+#: the same in steps as long as the host's, which no local error shortens
+EVEN = SHORT.with_(solver=Solver(tolerance=1e6))
 LOW, HIGH = 0.0, 12.0
 
 
@@ -127,7 +129,7 @@ def test_tmn_agrees_with_a_fine_equal_length_mesh_through_the_winding() -> None:
 
 
 def test_transformation_happens_each_coarse_length_of_travel_and_on_the_way_back() -> None:
-    rope = start()
+    rope = start(EVEN)
     instants, counts = [], [rope.state.partition.counts]
     there = 500
     for k in range(2 * there):
@@ -271,14 +273,13 @@ def test_rejected_steps_are_halved_and_retried() -> None:
 
 
 def test_work_is_bounded() -> None:
-    rope = start()
+    rope = start(EVEN)
     wind(rope, 0, 550)
     counts = rope.state.counts
-    # one step of the host is one step of the rope but for transformations and the waves that follow a kink of the
-    # motion, and Newton needs one or two corrections
-    assert counts.steps <= 1.3 * 550
+    # one step of the host is one step of the rope but for transformations, and Newton needs two corrections
+    assert counts.steps <= 550 + 2 * counts.transformations
     assert counts.newton <= 2 * counts.steps
-    assert counts.rejections <= 0.1 * counts.steps
+    assert counts.rejections <= 0.02 * counts.steps
 
 
 def test_every_signal_of_the_table_has_a_finite_value() -> None:
@@ -291,7 +292,7 @@ def test_every_signal_of_the_table_has_a_finite_value() -> None:
 
 def test_added_mass_predicts_the_force_of_a_small_extra_acceleration() -> None:
     # one internal step per interval, so that the linearisation is the step itself
-    scene = SHORT.with_(solver=Solver(newton_tolerance=1e-12))
+    scene = EVEN.with_(solver=replace(EVEN.solver, newton_tolerance=1e-12))
     rope = start(scene)
     wind(rope, 0, 100)
     extra = 1e-2
@@ -342,7 +343,7 @@ def test_a_loop_too_near_an_end_for_the_fitted_mesh_is_told_as_such_and_its_cure
     assert "mesh.kind = eem" in message
     assert "coarse_length" not in message  # which kind auto does not read
     cured = [(scene.with_(mesh=Mesh("eem", elements=80)), ends), (scene, (ends[0], EndMotion(y=80.0)))]
-    for cure, between in (*cured, (Scene(), ends)):
+    for cure, between in (*cured, (Scene(), (ends[0], EndMotion(y=100.0)))):
         assert RopeSimulator(cure).initialize(0.0, *between).valid
 
 
@@ -354,9 +355,9 @@ def test_a_stiff_rope_hangs_without_being_told_how(EI: float) -> None:
 
 def test_swivel_without_any_friction_turns_freely_and_does_not_chatter() -> None:
     ideal = Swivel(mode="coulomb", mu_static=0.0, mu_kinetic=0.0)
-    rope = start(SHORT.with_(rope=replace(SHORT.rope, Qb=0.0, Qc=0.0), left=ideal, right=ideal))
+    rope = start(EVEN.with_(rope=replace(SHORT.rope, Qb=0.0, Qc=0.0), left=ideal, right=ideal))
     wind(rope, 0, 20)
-    assert rope.state.counts.steps <= 80  # the start is resolved; chattering would take steps of step_min
+    assert rope.state.counts.steps <= 22
     assert rope.state.counts.swivel_events == 0
 
 
