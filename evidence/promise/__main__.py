@@ -1,6 +1,6 @@
 """Wind seeded scenes with the accuracy that the defaults ask for, each against a much finer run; write docs/promise.md.
 
-Half an hour on two cores.  Exits with 1 where a target is missed.
+Twenty minutes on two cores.  Exits with 1 where a target is missed.
 """
 
 from __future__ import annotations

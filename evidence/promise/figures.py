@@ -56,7 +56,7 @@ def _costs(ax: Axes, t: Table) -> None:
     ax.axhline(1.0, color=REFERENCE, lw=0.5)
     ax.axvline(1.0, color=REFERENCE, lw=0.5)
     ax.set(xlabel="work / work before", ylabel="error before / error", title="What the end force gains and costs")
-    ax.legend()
+    ax.legend(loc="lower right")
 
 
 FIGURES: dict[str, Callable[[Tables], Figure]] = {"distributions": distributions}
