@@ -165,7 +165,7 @@ class RopeState(NamedTuple):
                 fidelity_reason=s["fidelity_reason"],
                 events=tuple(Event(*event) for event in s["events"]),
                 energy_balance=EnergyBalance(**s["energy_balance"]),
-                errors=ErrorSums(**s["errors"]),
+                errors=ErrorSums(**{k: tuple(x) if isinstance(x, list) else x for k, x in s["errors"].items()}),
                 powers=Powers(**s["powers"]),
                 counts=Counts(**s["counts"]),
                 given_up_since=s["given_up_since"],
