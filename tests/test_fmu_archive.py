@@ -240,7 +240,7 @@ def test_default_experiment_and_build_are_stated(fmu: Archive) -> None:
     assert experiment is not None
     assert float(experiment.get("stopTime", "0")) > float(experiment.get("startTime", "0"))
     assert float(experiment.get("stepSize", "0")) > 0
-    tolerance = next((float(v["start"]) for v in fmu.variables if v["name"] == "solver.tolerance"), None)
+    tolerance = next((float(v["start"]) for v in fmu.variables if v["name"] == "accuracy.end_force"), None)
     assert experiment.get("tolerance") == (None if tolerance is None else f"{tolerance:g}")
     assert fmu.root.get("version")
     assert fmu.root.get("generationTool")
