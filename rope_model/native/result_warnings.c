@@ -49,9 +49,10 @@ static void torque_source(Simulator *rope, char *why) {
     const Rope *data = &rope->scene.rope;
     const double turned = end_twist(rope->state), coupling = coupling_torque(data, rope->scene.layout.gravity);
     const double installed = twist_torque(data, data->installed_twist), ends = twist_torque(data, turned);
-    if (coupling >= installed && coupling >= ends)
+    const double less = ends * (1 - 1e-9); /* the installed twist is part of it */
+    if (coupling >= installed && coupling >= less)
         say_torque_of_coupling(why, data->Qb, data->Qc);
-    else if (installed >= ends)
+    else if (installed >= less)
         say_torque_of_twist(why, data->installed_twist);
     else
         say_torque_of_ends(why, turned);

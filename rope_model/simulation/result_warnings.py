@@ -123,7 +123,8 @@ def _torque_source(scene: Scene, state: RopeState) -> str:
     causes = {
         messages.torque_of_coupling(rope.Qb, rope.Qc): coupling_torque(rope, scene.layout.gravity),
         messages.torque_of_twist(rope.installed_twist): twist_torque(rope, rope.installed_twist),
-        messages.torque_of_ends(turned): twist_torque(rope, turned),
+        # the installed twist is part of it
+        messages.torque_of_ends(turned): twist_torque(rope, turned) * (1 - 1e-9),
     }
     return max(causes, key=causes.__getitem__)
 
