@@ -297,7 +297,7 @@ def derivatives(path: str) -> Any:
     with extract(path) as folder:
         for at_end in (True, False):
             host = Host(Path(path), folder)
-            host.start(inputs_at_step_end=at_end)
+            host.start(inputs_at_step_end=at_end, solver__tolerance=1e6)
 
             def step(k: int, host: Host = host, at_end: bool = at_end, **changes: float) -> None:
                 for side, values in zip(("left", "right"), motion((k + at_end) * H), strict=True):

@@ -165,7 +165,7 @@ def test_tunable_parameter_takes_effect_in_the_run(fmu: Path) -> None:
 
 def test_directional_derivatives_are_those_of_a_step(fmu: Path) -> None:
     for name, (analytic, differences) in drive("derivatives", fmu).items():
-        # the step is one of Newton's method and of several internal steps; the derivative is of one, linearised
+        # the step is one of Newton's method; the derivative is of one, linearised
         assert_allclose(analytic, differences, atol=0.05 * np.abs(differences).max(), err_msg=name)
 
 
