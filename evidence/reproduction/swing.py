@@ -65,7 +65,10 @@ def instants(tables: Tables, side: str, what: str = "") -> Array:
 
 
 def jump(tables: Tables, quantity: str) -> float:
-    """Median change over the sample that holds a switching of the right swivel, over the mean of the others, most of which may be 0."""
+    """Median change over the sample that holds a switching of the right swivel, over the mean of the others.
+
+    Most of these may be 0.
+    """
     t = tables["release-swivel"]
     time = t["t [s]"]
     size = np.abs(np.diff(t[quantity]))
@@ -74,7 +77,7 @@ def jump(tables: Tables, quantity: str) -> float:
     for instant in instants(tables, "right"):
         # the release lies on a sample, whose values are still those before it
         switching[min(int(np.searchsorted(time, instant, side="right")) - 1, size.size - 1)] = True
-    return float(np.median(size[inside & switching]) / np.mean(size[inside & ~switching]))
+    return float(np.median(size[inside & switching])) / float(np.mean(size[inside & ~switching]))
 
 
 def claims(tables: Tables) -> list[Claim]:
@@ -122,7 +125,9 @@ def claims(tables: Tables) -> list[Claim]:
         *(
             Claim(
                 f"switching is visible as jumps in {words}",
-                Measurement("median change across a switching over the mean of others", jump(tables, quantity), "1", ">", 10.0),
+                Measurement(
+                    "median change across a switching over the mean of others", jump(tables, quantity), "1", ">", 10.0
+                ),
             )
             for words, quantity in (("friction torque", SWIVEL[3]), ("angular acceleration", SWIVEL[0]))
         ),
