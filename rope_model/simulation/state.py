@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -165,7 +165,7 @@ class RopeState(NamedTuple):
                 fidelity_reason=s["fidelity_reason"],
                 events=tuple(Event(*event) for event in s["events"]),
                 energy_balance=EnergyBalance(**s["energy_balance"]),
-                errors=ErrorSums(**{k: tuple(x) if isinstance(x, list) else x for k, x in s["errors"].items()}),
+                errors=_sums(s["errors"]),
                 powers=Powers(**s["powers"]),
                 counts=Counts(**s["counts"]),
                 given_up_since=s["given_up_since"],
@@ -173,3 +173,8 @@ class RopeState(NamedTuple):
             )
         except Exception as error:
             raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error
+
+
+def _sums(saved: dict[str, Any]) -> ErrorSums:
+    """As they were before JSON made lists of the tuples."""
+    return ErrorSums(**{name: tuple(x) if isinstance(x, list) else x for name, x in saved.items()})
