@@ -177,4 +177,5 @@ class RopeState(NamedTuple):
 
 def _sums(saved: dict[str, Any]) -> ErrorSums:
     """As they were before JSON made lists of the tuples."""
-    return ErrorSums(**{name: tuple(x) if isinstance(x, list) else x for name, x in saved.items()})
+    kept: dict[str, Any] = {name: tuple(x) if isinstance(x, list) else x for name, x in saved.items()}
+    return ErrorSums(**kept)
