@@ -116,7 +116,7 @@ CASES: dict[str, tuple[Scene, Motions, float, float]] = {
     ),
     "slack and caught": (Scene(rope=Rope(length=60.0)), bounce, 0.7, 0.01),
     "non-conservative": (
-        Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5), solver=Solver(newton_tolerance=1e-10)),
+        Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5), solver=Solver(newton_tolerance=3e-10)),
         winding(40.0, 4.0),
         1.5,
         0.01,
@@ -181,8 +181,7 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
         difference = max(difference, float(np.abs(forces - of_native).max()))
         rounding = max(rounding, float(np.abs(forces - same).max()))
     assert a.counts.steps > 10
-    # the search for an event may take one more, and so may a step whose tolerance is near the rounding
-    assert b.counts.newton == pytest.approx(a.counts.newton, rel=0.03)
+    assert b.counts.newton == pytest.approx(a.counts.newton, rel=0.02)  # the search for an event may take one more
     # the elimination goes inwards from both ends and multiplies with reciprocals: other roundings, the same equations
     assert difference < max(1e-9 * largest, 3 * rounding)
     assert rounding < (1e-6 if a.counts.swivel_events else 1e-8) * largest  # or the case would show nothing
@@ -328,7 +327,7 @@ def test_a_step_that_fails_says_the_same_and_leaves_the_state() -> None:
 )
 def test_derivatives_are_those_of_a_step(name: str, side: int) -> None:
     """Of one integrator step that ends with the input changed, by differences."""
-    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), solver=Solver(newton_tolerance=1e-10))
+    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), solver=Solver(newton_tolerance=3e-10))
     h, ends = 0.01, [EndMotion(), EndMotion()]
     rope = NativeRope(scene)
     rope.initialize(0.0, *ends)
