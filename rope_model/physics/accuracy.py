@@ -14,11 +14,10 @@ The loop's place errs by what the nodes' places err in a step: it moves on, and 
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 from .elementary import cos, larger, sin, sqrt
-from .estimates import bending_length
+from .estimates import axial_frequency, bending_length
 
 #: of what is asked, what a step may leave: `make promise` on the seed that tunes
 FORCE_SHARE, PLACE_SHARE = 40.0, 0.01
@@ -34,8 +33,8 @@ TINY = 1e-300
 LEAST_LEFT = 0.1
 #: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
 BRAKED = 0.5
-#: s: without material damping waves last as long as a trip
-LONGEST_MEMORY = 60.0
+#: without material damping waves last as long as a trip, s, or as many radians: those of the longest ropes with damping
+LONGEST_MEMORY, MOST_TURNED = 60.0, 400.0
 
 
 class StepLimits(NamedTuple):
@@ -60,14 +59,10 @@ class ErrorSums(NamedTuple):
     squares: tuple[float, float] = (0.0, 0.0)  # s, time integrals of the squares of the strains' errors
 
 
-def wave_frequency(rope: Any, leg: Any) -> Any:
-    """Of the slowest longitudinal wave of a leg, rad/s."""
-    return 0.5 * math.pi * sqrt(rope.Qa / rope.mass_per_length) / leg
-
-
 def memory(rope: Any, omega: Any) -> Any:
     """How long a wave of a frequency lasts, s."""
-    return 2.0 / larger(rope.beta_K * (omega * omega), 2.0 / LONGEST_MEMORY)
+    least = larger(omega / MOST_TURNED, 1.0 / LONGEST_MEMORY)
+    return 2.0 / larger(rope.beta_K * (omega * omega), 2.0 * least)
 
 
 def step_limits(scene: Any, sums: Any, bottom: Any, error_constant: Any) -> StepLimits:
@@ -77,7 +72,7 @@ def step_limits(scene: Any, sums: Any, bottom: Any, error_constant: Any) -> Step
     """
     rope, accuracy = scene.rope, scene.accuracy
     leg = larger(bottom, rope.length - bottom)
-    omega = wave_frequency(rope, leg)
+    omega = axial_frequency(rope, leg)
     lasts = memory(rope, omega)
     used = end_force_error(rope, sums) / accuracy.end_force
     share = FORCE_SHARE * larger(1.0 - used, LEAST_LEFT) * accuracy.end_force / lasts
@@ -90,7 +85,7 @@ def add_errors(rope: Any, sums: Any, bottom: Any, h: Any, strains: Any, place: A
     """``sums`` after a step ``h`` that left ``strains`` and ``place``, with end forces of up to ``force`` now."""
     waves, squares = [], []
     for side, leg in enumerate((bottom, rope.length - bottom)):
-        omega = wave_frequency(rope, leg)
+        omega = axial_frequency(rope, leg)
         lasts = memory(rope, omega)
         fades, turns = lasts / (lasts + h), omega * h
         c, s = fades * cos(turns), fades * sin(turns)

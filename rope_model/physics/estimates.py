@@ -59,8 +59,13 @@ def travel_estimate(height_difference: Any, speed: Any, acceleration: Any) -> Tr
 def longitudinal_error(scene: Any, travel: Any) -> Any:
     """The first longitudinal mode of the longer leg after a step of the jerk, over the leg's weight."""
     rope = scene.rope
-    omega = 0.5 * math.pi * sqrt(rope.Qa / rope.mass_per_length) / _long_leg(scene, travel)
+    omega = axial_frequency(rope, _long_leg(scene, travel))
     return 8 / math.pi**2 * travel.jerk / (omega * scene.layout.gravity)
+
+
+def axial_frequency(rope: Any, leg: Any) -> Any:
+    """Of the slowest longitudinal wave of a leg, rad/s."""
+    return 0.5 * math.pi * sqrt(rope.Qa / rope.mass_per_length) / leg
 
 
 def lean_error(scene: Any, travel: Any) -> Any:

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 from ..numerics.generalized_alpha import auxiliary_weights
 from ..physics.elementary import atan2, cross, dot, larger, sqrt
+from ..physics.estimates import axial_frequency
 
 Load = tuple[float, float, float, float, float, float]
 #: momentum, angular momentum about the origin, first moment of the mass: physics.element.MOMENTUM
@@ -65,14 +66,13 @@ def end_load(r: Any, f: Any, moment: Any) -> tuple[Any, ...]:
 
 
 def axial_share(rope: Any, bottom: Any, h: Any) -> Any:
-    """Part of the longer leg's axial period, 4 lengths at the speed sqrt(Qa / rho), that ``h`` (s) is."""
-    leg = larger(bottom, rope.length - bottom)
-    return h * sqrt(rope.Qa / rope.mass_per_length) / (4.0 * leg)
+    """Part of the longer leg's axial period that ``h`` (s) is."""
+    return h * axial_frequency(rope, larger(bottom, rope.length - bottom)) / (2.0 * math.pi)
 
 
 def axial_step(rope: Any) -> Any:
     """s: a sixth of the shortest axial period that the longer leg has, with the loop in the rope's middle."""
-    return rope.length * sqrt(rope.mass_per_length / rope.Qa) / 3.0
+    return math.pi / (3.0 * axial_frequency(rope, 0.5 * rope.length))
 
 
 def elements_per_bend(square: Any) -> Any:
