@@ -68,5 +68,5 @@ def test_steps_cut_at_transformations_err_several_times_more_than_meshes_that_wa
 
     exact = forces(Mesh("eem", elements=240))
     waiting = rms(forces(Mesh("auto")) - exact)
-    monkeypatch.setattr("rope_model.simulation.simulator.LATEST", 0.0)
+    monkeypatch.setattr("rope_model.simulation.stepping.LATEST", 0.0)
     assert rms(forces(Mesh("auto")) - exact) > 3 * waiting

@@ -9,7 +9,6 @@ from numpy.testing import assert_allclose
 
 from benchmarks.poses import KINDS, NO_REASON, Pose, hang, poses
 from rope_model import EndMotion, RopeSimulator, rope_120
-from rope_model.simulation import simulator
 from rope_model.simulation.modal import natural_modes
 
 SEED = 7
@@ -41,7 +40,7 @@ def test_the_rest_of_a_twisted_rope_is_stable_and_does_not_depend_on_the_step(
 ) -> None:
     rope = at_rest(twist)
     assert natural_modes(rope.system, rope.state.motion.q, 1).frequencies[0] > 0  # stable, or it raises
-    monkeypatch.setattr(simulator, "TWIST_STEP", 0.5)
+    monkeypatch.setattr("rope_model.simulation.hang.TWIST_STEP", 0.5)
     half = at_rest(twist)
     # convergence at 1e-11 of the length, times what the softest mode makes of it
     assert_allclose(half.state.loop_yaw, rope.state.loop_yaw, rtol=0, atol=1e-5)

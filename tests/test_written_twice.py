@@ -76,9 +76,24 @@ TWICE = (
     ),
     *(
         f"simulation/{name}.py"
-        for name in ("fidelity", "sensitivity", "signals", "simulator", "state", "statics", "switching")
+        for name in (
+            "fidelity",
+            "hang",
+            "stepping",
+            "sensitivity",
+            "signals",
+            "simulator",
+            "state",
+            "statics",
+            "switching",
+        )
     ),
-    *("simulation/transfer.py", "numerics/banded.py", "numerics/events.py", "numerics/generalized_alpha.py"),
+    *(
+        "simulation/transfer.py",
+        "numerics/banded.py",
+        "numerics/events.py",
+        "numerics/generalized_alpha.py",
+    ),
 )
 LIBM = {"sqrt", "cbrt", "hypot", "pow", "exp", "log", "log2", "log10", "sin", "cos", "tan", "asin", "acos", "atan"}
 LIBM |= {"atan2", "sinh", "cosh", "tanh", "expm1", "log1p", "fma"}

@@ -57,7 +57,7 @@ NATURAL_RADIUS = 0.912
 LOCKING_SHARE, LONGEST = 0.6, 0.75
 #: what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much
 #: more for a tenth of it
-FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.42
+FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.43
 #: how near an end the loop may hang, in rope lengths: ends that part by 3/4 of the rope's length
 NEAREST = 0.12
 #: end elements in units of the bending layer there, for an error of END_ERROR R; shorter by the fifth root of the error

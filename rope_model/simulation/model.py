@@ -30,9 +30,7 @@ class RopeModel:
 
     def system(self, state: RopeState) -> RopeSystem:
         """The equations of motion of ``state``: its mesh, swivel phases and end paths, the frame counted from it."""
-        scene = self.scene
-        points = nominal_points(scene.layout.spacing)
-        ends = HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
+        scene, ends = self.scene, self.ends(state)
         key = (state.partition, state.swivels, state.fidelity)
         if self._latest and all(one is other for one, other in zip(self._latest[0][0], key, strict=True)):
             system = self._latest[0][1].with_boundary(ends).with_reference(state.motion.q)
@@ -43,6 +41,12 @@ class RopeModel:
             system = RopeSystem(kernels, state.partition.lengths, P, ends, state.motion.q, node_mass)
         self._latest[:] = [(key, system)]
         return system
+
+    def ends(self, state: RopeState) -> HangingEnds:
+        """How the ends of ``state`` are held."""
+        scene = self.scene
+        points = nominal_points(scene.layout.spacing)
+        return HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
 
     @property
     def method(self) -> Coefficients:
@@ -112,7 +116,7 @@ class RopeModel:
             method,
             h,
             recentring(method, m.h, old.h),
-            load_on(ends_of(self.system(state)), m),
+            load_on(self.ends(state), m),
             max(map(abs, now)),
             max(abs(now[0] - left), abs(now[1] - right)),
             axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),

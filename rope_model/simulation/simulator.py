@@ -11,18 +11,16 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from ..numerics.events import locate
-from ..numerics.generalized_alpha import Motion, StepResult
+from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
-from ..physics.estimates import bending_length
 from . import messages
-from .adaptation import raise_fidelity, transform_if_due, with_loop_yaw
+from .adaptation import raise_fidelity
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import (
@@ -38,15 +36,16 @@ from .ends import (
     right_offset,
 )
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
-from .mesh import LATEST, Partition, distance_to_due, fit_mesh, partition, placement_problem
-from .model import RopeModel, ends_of, energies, powers
+from .hang import hang
+from .mesh import Partition, fit_mesh, partition
+from .model import RopeModel, ends_of
 from .result_warnings import WARNINGS
-from .rigid import rigid_added_mass, rigid_rope
-from .rope_system import ANGLE, Array, Evaluation, KernelCache, RopeSystem
+from .rigid import rigid_added_mass
+from .rope_system import Array, KernelCache, RopeSystem
 from .signals import checked_names, group_of
-from .state import Counts, RopeState
-from .statics import StaticsError, find_equilibrium, hanging_guess
-from .switching import chatters, next_release, release_swivels, switch_swivels, switching_step
+from .state import RopeState
+from .statics import StaticsError, hanging_guess
+from .stepping import as_rigid, placement_message, step_towards
 
 log = logging.getLogger(__name__)
 
@@ -54,32 +53,10 @@ log = logging.getLogger(__name__)
 SHORTEST_INTERVAL = 1e-9
 #: steps, rejected ones too, of one communication step: some hundred seconds, and no call goes on for ever
 MOST_STEPS = 20000
-#: s: beyond, the shortest steps are lost in the rounding of the time
-FARTHEST_START = 1e10
-#: a step that errs by more than what is allowed makes the next one half as long, and this many times that is rejected
-ACCEPT_BELOW = 2.0
-#: the step grows after errors below this part of what is allowed for so long, s: the loop's place errs by a part that
-#: goes with the step's length, and every change of that sends a wave along the rope
-GROW_BELOW, CALM = 0.05, 0.5
-#: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
-STEP_WORK = 12
 #: as good as no bound
 UNBOUNDED = 2**31 - 1
-#: rad of twist put in at once, at most and at least
-TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
-#: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
-MOST_TURN = 2.0
-
-
-@dataclass(frozen=True)
-class _Accepted:
-    """An accepted trial step, the one to try next, since when errors are small, and whether it ends where it was to."""
-
-    result: StepResult[Evaluation]
-    step_next: float
-    calm_since: float
-    counts: Counts
-    reaches_stop: bool
+#: s: beyond, the shortest steps are lost in the rounding of the time
+FARTHEST_START = 1e10
 
 
 class RopeSimulator(BalanceRope):
@@ -204,7 +181,8 @@ class RopeSimulator(BalanceRope):
             bottom = self.model.bottom(paths, t)
             cells = partition(self._mesh, rope.length, bottom)
             guess = hanging_guess(cells.nodes_s, *ends)
-            if message := unsupported_motion(scene, fidelity, (left, right)) or self._placement_problem(cells, bottom):
+            message = unsupported_motion(scene, fidelity, (left, right)) or placement_message(scene, cells, bottom)
+            if message:
                 return Status(False, message)
             rest = np.zeros_like(guess)
             state = RopeState(
@@ -221,7 +199,7 @@ class RopeSimulator(BalanceRope):
                 fidelity=fidelity,
                 fidelity_reason=reason,
             )
-            state = self._rigid(state, t) if fidelity == "rigid" else self._initial_equilibrium(state)
+            state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state)
         except (StaticsError, ValueError) as error:
             return Status(False, str(error))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
@@ -229,63 +207,6 @@ class RopeSimulator(BalanceRope):
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
         self._accept(self.model.audit_begun(state))
         return Status(True)
-
-    def _placement_problem(self, cells: Partition, bottom: float) -> str:
-        """As mesh.misplaced; where the mesh was fitted to the rope, with what it was fitted to."""
-        message, rope, stiff = placement_problem(cells, bottom), self.scene.rope, bending_length(self.scene)
-        if not message or self.scene.mesh.kind != "auto":
-            return message
-        return messages.loop_near_end_of_fitted_mesh(bottom, rope.length, rope.EI, stiff, cells.centre)
-
-    def _initial_equilibrium(self, state: RopeState) -> RopeState:
-        """``state`` at rest, hung up untwisted and then turned in."""
-        q, held = state.motion.q, self.model.system(state).prescribed_motion(state.motion.t)[0]
-        q[:, ANGLE] = held[0, ANGLE]
-        twist = float(held[-1, ANGLE] - held[0, ANGLE])
-        return self._turned_in(self._equilibrium_in_frame(_turn_right_end(state, -twist)), twist)
-
-    def _turned_in(self, state: RopeState, twist: float) -> RopeState:
-        """``state`` with ``twist`` (rad) more, put in so slowly that the speed does not matter.
-
-        Steps are halved where the rope turns far or finds no rest.  Where the shortest does, the way it was on ends at
-        a limit point: it snaps over, and goes on from where it comes to rest.
-        """
-        left, step = twist, math.copysign(TWIST_STEP, twist)
-        while left != 0:
-            step = step if abs(step) < abs(left) else left
-            last = abs(step) <= LEAST_TWIST_STEP
-            try:
-                after = self._equilibrium_in_frame(_twist_evenly(state, step), math.inf if last else MOST_TURN)
-            except StaticsError as error:
-                if last:
-                    raise StaticsError(messages.fails_at_twist(twist - left, twist, str(error))) from error
-                step *= 0.5
-                continue
-            left -= step
-            if abs(after.offsets[1] - state.offsets[1] - step) > MOST_TURN:
-                after = after._replace(snapped_at=twist - left)
-            state, step = after, math.copysign(min(2 * abs(step), TWIST_STEP), twist)
-        return state
-
-    def _equilibrium_in_frame(self, state: RopeState, most_turn: float = math.inf) -> RopeState:
-        """``state`` in equilibrium."""
-        m, rest = state.motion, np.zeros_like(state.motion.q)
-        found = find_equilibrium(self.model.system(state), m.q, m.t, most_turn=most_turn)
-        motion = Motion(m.t, found.q, rest, rest, rest, rest, 0.0, found.reaction)
-        state = _turn_right_end(state._replace(motion=motion), found.turn)
-        balance = self.model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
-        # a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way
-        yaw = state.loop_yaw - 0.5 * found.turn
-        books = state.energy_balance._replace(**energies(balance))
-        return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw))
-
-    def _rigid(self, state: RopeState, t: float) -> RopeState:
-        """``state`` as the rigid model has it at ``t``."""
-        state = transform_if_due(self.model, state._replace(motion=replace(state.motion, t=t)))
-        rope = rigid_rope(self.scene, state.paths, t, state.partition.nodes_s)
-        return state._replace(
-            motion=rope.motion, energy_balance=state.energy_balance._replace(kinetic=rope.kinetic, gravity=rope.gravity)
-        )
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
         state = self.state
@@ -315,7 +236,7 @@ class RopeSimulator(BalanceRope):
             before = state.motion
             if state.counts.steps + state.counts.rejections - steps_before >= MOST_STEPS:
                 return Status(False, messages.too_many_steps(before.t, MOST_STEPS, start, t))
-            advanced = self._step_towards(state, t, work_end)
+            advanced = step_towards(self.model, state, t, work_end)
             if isinstance(advanced, str):
                 return Status(False, messages.fails_at(before.t, advanced))
             state = advanced
@@ -358,149 +279,8 @@ class RopeSimulator(BalanceRope):
         q += y
         return q, system.evaluate(q, v + c[1] * y, a + c[2] * y, m.reaction).reaction
 
-    # one step, and what may end it
-
-    def _step_towards(self, state: RopeState, t_end: float, work_end: int) -> RopeState | str:
-        """The state after one accepted step, or why there is none.
-
-        ``work_end`` is the number of Newton iterations since the start beyond which accuracy is given up.
-        """
-        model = self.model
-        if state.fidelity == "rigid":
-            return self._rigid_step(state, t_end)
-        state = release_swivels(model, transform_if_due(model, state))
-        if message := self._placement_problem(state.partition, model.bottom(state.paths, state.motion.t)):
-            return message
-        system = model.system(state)
-        stop = self._next_stop(state, t_end)
-        while True:
-            step = self._accepted_step(system, state, stop, work_end)
-            if isinstance(step, str):
-                return step
-            result, reaches_stop, counts = step.result, step.reaches_stop, step.counts
-            assert result.motion is not None
-            whole = result.motion.t - state.motion.t
-            # the step to the event, and one from there on, come after the trials
-            work = work_end - counts.newton - 2 * STEP_WORK
-            if (switching := switching_step(model, system, state, result, work)) is None:
-                break
-            h, iterations = switching
-            result = model.trial(system, state.motion, h)
-            counts = counts.plus(newton=iterations + result.newton.iterations, given_up=int(iterations >= work))
-            if result.motion is not None:
-                break
-            # a shorter one may not reach the event, or find it more easily
-            shorter = max(0.5 * whole, self.scene.solver.step_min)
-            if shorter > 0.75 * whole:
-                return messages.step_to_event_fails(result.newton.status.text)
-            log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
-            counts = counts.plus(rejections=1)
-            state = state._replace(step_next=shorter, calm_since=step.calm_since, counts=counts)
-        after = model.commit(state, system, result)
-        after = after._replace(step_next=step.step_next, calm_since=step.calm_since, counts=counts.plus(steps=1))
-        if switching is not None:
-            after = switch_swivels(model, after)
-            if chatters(after):
-                return messages.swivel_chatters()
-        elif reaches_stop:
-            after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
-        return with_loop_yaw(after)
-
-    def _rigid_step(self, state: RopeState, t_end: float) -> RopeState | str:
-        """The rigid rope follows its ends in one go."""
-        try:
-            after = self._rigid(state, t_end)
-        except (StaticsError, ValueError) as error:
-            return str(error)
-        now, h = powers(self.model.system(after), after.motion), t_end - state.motion.t
-        work = after.energy_balance.work_ends + 0.5 * h * (state.powers.ends + now.ends)
-        return after._replace(
-            powers=now, energy_balance=after.energy_balance._replace(work_ends=work), counts=after.counts.plus(steps=1)
-        )
-
-    def _accepted_step(self, system: RopeSystem, state: RopeState, stop: float, work_end: int) -> _Accepted | str:
-        """A step towards ``stop`` that converges and errs little enough, halved as often as it takes.
-
-        Where the work that is left does not allow for more steps, one that errs too much will do.
-        """
-        solver, t = self.scene.solver, state.motion.t
-        step_next, cause = min(state.step_next, solver.step_max), ""
-        iterations = rejections = 0
-        parts = max(math.ceil((stop - t) / step_next - 1e-9), 1)
-        # the work that is left may take longer ones, but Newton's method need not converge in much longer ones
-        parts = min(parts, max(_steps_left(work_end - state.counts.newton), math.ceil(0.5 * parts)))
-        h = (stop - t) / parts
-        while True:
-            result = self.model.trial(system, state.motion, h)
-            iterations += result.newton.iterations
-            error = self.model.relative_error(state, result)
-            if error <= ACCEPT_BELOW * solver.tolerance:
-                break
-            left = _steps_left(work_end - state.counts.newton - iterations)
-            if result.motion is not None and stop - t > 0.5 * h * left:
-                step_next = h
-                break
-            cause = (
-                result.newton.status.text
-                if result.motion is None
-                else messages.error_too_large(error / solver.tolerance)
-            )
-            log.debug("t = %.6f s: step %.3g s rejected: %s", t, h, cause)
-            rejections += 1
-            if h <= solver.step_min:
-                return messages.step_fails(h, solver.step_min, cause)
-            h = max(0.5 * h, solver.step_min)
-            parts, step_next = 2, h
-        calm_since = t + h if cause or error > GROW_BELOW * solver.tolerance else state.calm_since
-        given_up = error > ACCEPT_BELOW * solver.tolerance
-        if not given_up and error > solver.tolerance:
-            step_next = max(0.5 * h, solver.step_min)
-        elif t + h - calm_since > CALM and step_next < solver.step_max:
-            step_next, calm_since = min(2.0 * step_next, solver.step_max), t + h
-        given_up |= h > solver.step_max * (1.0 + 1e-9)
-        counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=int(given_up))
-        return _Accepted(result, step_next, calm_since, counts, parts == 1)
-
-    def _next_stop(self, state: RopeState, t_end: float) -> float:
-        """The instant at which the coming steps must end: the host's or a release.
-
-        Also a transformation, where a step would carry the loop too far past it; else it waits for the step's end,
-        because a step that is cut short errs by more than a mesh that is a little late.
-        """
-        t, stop = state.motion.t, min(t_end, next_release(self.model, state))
-        ahead = min(stop, t + min(state.step_next, self.scene.solver.step_max))
-
-        def due(time: float) -> float:
-            return distance_to_due(state.partition, self.model.bottom(state.paths, time))
-
-        # a crossing that falls between these instants is found by the next step, at most one step late
-        at_start = due(t)
-        for time in (0.5 * (t + ahead), ahead):
-            if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
-                return min(locate(due, t, time, at_start, at_time, 1e-9), stop)
-        return stop
-
     def _accept(self, state: RopeState) -> None:
         self._state, self._system, self._loop, self._signals = state, None, None, {}
-
-
-def _steps_left(work: int) -> int:
-    """Steps that so many Newton iterations allow for, one at least."""
-    return max(work // STEP_WORK, 1)
-
-
-def _turn_right_end(state: RopeState, angle: float) -> RopeState:
-    """The right end turned by ``angle`` (rad) against its conveyance."""
-    left, right = state.offsets
-    return state._replace(offsets=(left, right + angle))
-
-
-def _twist_evenly(state: RopeState, angle: float) -> RopeState:
-    """The same, the angle spread along the rope."""
-    m, s = state.motion, state.partition.nodes_s
-    q = m.q.copy()
-    q[:, ANGLE] += angle * (s / s[-1])
-    return _turn_right_end(state._replace(motion=replace(m, q=q)), angle)
 
 
 def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:

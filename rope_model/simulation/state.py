@@ -11,7 +11,7 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..physics.accuracy import ErrorSums
 from ..physics.energy_balance import residual, total
-from .audit import Audit, audit_of
+from .audit import Audit
 from .ends import EndPath, Phase, SwivelState
 from .fidelity import Fidelity
 from .mesh import Partition
@@ -102,31 +102,12 @@ class RopeState(NamedTuple):
         arrays = {name: getattr(m, name) for name in ("q", "v", "a", "b", "a_rate", "reaction")}
         arrays["lengths"] = self.partition.lengths
         arrays |= {f"path{i}": np.array(path.coefficients) for i, path in enumerate(self.paths)}
-        scalars = {
-            "t": m.t,
-            "h": m.h,
-            "counts_of_segments": self.partition.counts,
-            "coarse": self.partition.coarse,
-            "end_levels": self.partition.end_levels,
-            "grading_length": self.partition.grading_length,
-            "offsets": self.offsets,
-            "swivels": [(s.phase.value, s.angle, s.sign) for s in self.swivels],
-            "paths": [(p.start, p.stop, p.aim) for p in self.paths],
-            "step_next": self.step_next,
-            "last_interval": self.last_interval,
-            "force_mean": self.force_mean,
-            "calm_since": self.calm_since,
-            "loop_yaw": self.loop_yaw,
-            "snapped_at": self.snapped_at,
-            "fidelity": self.fidelity,
-            "fidelity_reason": self.fidelity_reason,
-            "events": self.events,
-            "energy_balance": self.energy_balance._asdict(),
-            "errors": self.errors._asdict(),
-            "powers": self.powers._asdict(),
-            "counts": self.counts._asdict(),
-            "given_up_since": self.given_up_since,
-            "audit": self.audit,
+        cells = self.partition
+        scalars: dict[str, Any] = {name: x for name, x in self._asdict().items() if name not in _IN_PARTS} | {
+            "instant": (m.t, m.h),
+            "pattern": (cells.counts, cells.coarse, cells.end_levels, cells.grading_length),
+            "phases": [(s.phase.value, s.angle, s.sign) for s in self.swivels],
+            "times": [(p.start, p.stop, p.aim) for p in self.paths],
         }
         scalars["shapes"] = {name: x.shape for name, x in arrays.items()}
         head = json.dumps(scalars).encode()
@@ -138,44 +119,40 @@ class RopeState(NamedTuple):
         """The state that ``to_bytes`` wrote; ValueError for anything else."""
         try:
             place = 8 + int.from_bytes(data[:8], "little")
-            s, x = json.loads(data[8:place]), {}
-            for name, shape in s["shapes"].items():
+            saved, x = json.loads(data[8:place]), {}
+            for name, shape in saved.pop("shapes").items():
                 x[name] = np.frombuffer(data, "<f8", math.prod(shape), place).reshape(shape).astype(np.float64)
                 place += x[name].nbytes
             if place != len(data):
                 raise ValueError(f"{len(data) - place} of them too many")
+            s = {name: _tuples(value) for name, value in saved.items()}
+            (t, h), pattern, phases, times = (s.pop(name) for name in ("instant", "pattern", "phases", "times"))
+            coefficients = (_tuples(x[f"path{i}"].tolist()) for i in range(len(times)))
             return RopeState(
-                motion=Motion(s["t"], x["q"], x["v"], x["a"], x["b"], x["a_rate"], s["h"], x["reaction"]),
-                partition=Partition(
-                    x["lengths"], tuple(s["counts_of_segments"]), s["coarse"], s["end_levels"], s["grading_length"]
-                ),
-                offsets=(s["offsets"][0], s["offsets"][1]),
-                swivels=tuple(SwivelState(Phase(p), angle, sign) for p, angle, sign in s["swivels"]),  # type: ignore[arg-type]
-                paths=tuple(
-                    EndPath(*times, tuple(map(tuple, x[f"path{i}"].tolist())))  # type: ignore[call-arg]
-                    for i, times in enumerate(s["paths"])
-                ),  # type: ignore[arg-type]
-                step_next=s["step_next"],
-                last_interval=s["last_interval"],
-                force_mean=(s["force_mean"][0], s["force_mean"][1]),
-                calm_since=s["calm_since"],
-                loop_yaw=s["loop_yaw"],
-                snapped_at=s["snapped_at"],
-                fidelity=s["fidelity"],
-                fidelity_reason=s["fidelity_reason"],
-                events=tuple(Event(*event) for event in s["events"]),
-                energy_balance=EnergyBalance(**s["energy_balance"]),
-                errors=_sums(s["errors"]),
-                powers=Powers(**s["powers"]),
-                counts=Counts(**s["counts"]),
-                given_up_since=s["given_up_since"],
-                audit=audit_of(s["audit"]),
+                **{name: _KINDS[name](*value) if name in _KINDS else value for name, value in s.items()}
+                | {
+                    "motion": Motion(t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], h, x["reaction"]),
+                    "partition": Partition(x["lengths"], *pattern),
+                    "swivels": tuple(SwivelState(Phase(phase), *rest) for phase, *rest in phases),
+                    "paths": tuple(map(EndPath, *zip(*times, strict=True), coefficients)),
+                    "events": tuple(Event(*event) for event in s["events"]),
+                }
             )
         except Exception as error:
             raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error
 
 
-def _sums(saved: dict[str, Any]) -> ErrorSums:
-    """As they were before JSON made lists of the tuples."""
-    kept: dict[str, Any] = {name: tuple(x) if isinstance(x, list) else x for name, x in saved.items()}
-    return ErrorSums(**kept)
+#: parts of the state that are saved piece by piece, and structures that are saved as their numbers
+_IN_PARTS = ("motion", "partition", "swivels", "paths")
+_KINDS: dict[str, Any] = {
+    "energy_balance": EnergyBalance,
+    "errors": ErrorSums,
+    "powers": Powers,
+    "counts": Counts,
+    "audit": Audit,
+}
+
+
+def _tuples(x: Any) -> Any:
+    """As it was before JSON made lists of the tuples."""
+    return tuple(map(_tuples, x)) if isinstance(x, list) else x

@@ -1,0 +1,80 @@
+"""The rope at rest: hung up untwisted, and turned in until it has the twist that it is to have."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ..numerics.generalized_alpha import Motion
+from . import messages
+from .adaptation import with_loop_yaw
+from .model import RopeModel, energies
+from .rope_system import ANGLE
+from .state import RopeState
+from .statics import StaticsError, find_equilibrium
+
+#: rad of twist put in at once, at most and at least
+TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
+#: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
+MOST_TURN = 2.0
+
+
+def hang(model: RopeModel, state: RopeState) -> RopeState:
+    """``state`` at rest, hung up untwisted and then turned in."""
+    q, held = state.motion.q, model.system(state).prescribed_motion(state.motion.t)[0]
+    q[:, ANGLE] = held[0, ANGLE]
+    twist = float(held[-1, ANGLE] - held[0, ANGLE])
+    return _turned_in(model, _equilibrium_in_frame(model, _turn_right_end(state, -twist)), twist)
+
+
+def _turned_in(model: RopeModel, state: RopeState, twist: float) -> RopeState:
+    """``state`` with ``twist`` (rad) more, put in so slowly that the speed does not matter.
+
+    Steps are halved where the rope turns far or finds no rest.  Where the shortest does, the way it was on ends at
+    a limit point: it snaps over, and goes on from where it comes to rest.
+    """
+    left, step = twist, math.copysign(TWIST_STEP, twist)
+    while left != 0:
+        step = step if abs(step) < abs(left) else left
+        last = abs(step) <= LEAST_TWIST_STEP
+        try:
+            after = _equilibrium_in_frame(model, _twist_evenly(state, step), math.inf if last else MOST_TURN)
+        except StaticsError as error:
+            if last:
+                raise StaticsError(messages.fails_at_twist(twist - left, twist, str(error))) from error
+            step *= 0.5
+            continue
+        left -= step
+        if abs(after.offsets[1] - state.offsets[1] - step) > MOST_TURN:
+            after = after._replace(snapped_at=twist - left)
+        state, step = after, math.copysign(min(2 * abs(step), TWIST_STEP), twist)
+    return state
+
+
+def _equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float = math.inf) -> RopeState:
+    """``state`` in equilibrium."""
+    m, rest = state.motion, np.zeros_like(state.motion.q)
+    found = find_equilibrium(model.system(state), m.q, m.t, most_turn=most_turn)
+    motion = Motion(m.t, found.q, rest, rest, rest, rest, 0.0, found.reaction)
+    state = _turn_right_end(state._replace(motion=motion), found.turn)
+    balance = model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
+    # a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way
+    yaw = state.loop_yaw - 0.5 * found.turn
+    books = state.energy_balance._replace(**energies(balance))
+    return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw))
+
+
+def _turn_right_end(state: RopeState, angle: float) -> RopeState:
+    """The right end turned by ``angle`` (rad) against its conveyance."""
+    left, right = state.offsets
+    return state._replace(offsets=(left, right + angle))
+
+
+def _twist_evenly(state: RopeState, angle: float) -> RopeState:
+    """The same, the angle spread along the rope."""
+    m, s = state.motion, state.partition.nodes_s
+    q = m.q.copy()
+    q[:, ANGLE] += angle * (s / s[-1])
+    return _turn_right_end(state._replace(motion=replace(m, q=q)), angle)
