@@ -14,7 +14,8 @@ from evidence.mesh_rule import laws, statics
 from evidence.mesh_rule.judging import distribution
 from evidence.mesh_rule.page import off
 from evidence.mesh_rule.rule import judges, shares, slip
-from evidence.mesh_rule.scenes import BENDING, FIT, JUDGE, KINDS, LENGTH, MASS, draw
+from evidence.mesh_rule.scenes import FIT, JUDGE, KINDS, draw
+from evidence.sampling import BENDING, LENGTH, MASS
 from evidence.tables import read, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.numerics.kernels import find_compiler

@@ -8,20 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import numpy as np
-
+from evidence.sampling import ACCELERATION, BENDING, JERK, LENGTH, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
 from rope_model.physics.estimates import bending_length
 
 FIT, JUDGE = 20, 21  # seeds
-LENGTH, MASS, BENDING, SPACING = (60.0, 1200.0), (3.0, 15.0), (50.0, 3000.0), (1.2, 3.0)  # m, kg/m, N m^2, m
-#: EA (N) per mass per length (kg/m) of steel wire ropes, that of the published case's assumed data in the middle
-STIFFNESS = (1.1e7, 2.0e7)
-SPEED, ACCELERATION, JERK = (4.0, 20.0), (0.5, 1.5), (0.3, 3.0)  # m/s, m/s^2, m/s^3
-#: how near an end the loop hangs when the trip begins, in rope lengths
-NEAR = (0.13, 0.3)
 #: when an emergency stop begins, in parts of the smooth trip's duration
 STOP = (0.3, 0.6)
 STEP = 0.01  # s
@@ -51,14 +44,8 @@ class Sample:
 
 def draw(seed: int, number: int) -> Iterator[Sample]:
     """The first ``number`` of a seed."""
-    rng = np.random.default_rng(seed)
-
-    def evenly(bounds: tuple[float, float]) -> float:
-        return float(rng.uniform(*bounds))
-
-    def in_logarithms(bounds: tuple[float, float]) -> float:
-        return float(np.exp(rng.uniform(*np.log(bounds))))
-
+    draws = Draws(seed)
+    evenly, in_logarithms = draws.evenly, draws.in_logarithms
     for k in range(number):
         length, mass = in_logarithms(LENGTH), evenly(MASS)
         rope = Rope(

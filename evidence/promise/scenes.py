@@ -9,21 +9,16 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import numpy as np
-
+from evidence.sampling import ACCELERATION, BENDING, JERK, LENGTH, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Layout, Rope, Scene, Swivel, SwivelMode
 
 TUNE, JUDGE = 30, 31  # seeds
-LENGTH, MASS, BENDING, SPACING = (60.0, 1200.0), (3.0, 15.0), (50.0, 3000.0), (1.2, 3.0)  # m, kg/m, N m^2, m
-#: of steel wire ropes: EA (N) per mass per length (kg/m); d^2 (m^2) per mass per length; Qd (N m^2) over EA d^2
-STIFFNESS, SECTION, TORSION = (1.1e7, 2.0e7), 2.42e-4, (0.008, 0.02)
+#: of steel wire ropes: d^2 (m^2) per mass per length; Qd (N m^2) over EA d^2
+SECTION, TORSION = 2.42e-4, (0.008, 0.02)
 #: Qb and Qc over EA d, at most as published; and over sqrt(EA Qd), beyond which the energy is not positive
 COUPLING, MOST_COUPLED = 2.336e5 / (1.2e8 * 0.044), 0.8
-SPEED, ACCELERATION, JERK = (4.0, 20.0), (0.5, 1.5), (0.3, 3.0)  # m/s, m/s^2, m/s^3
-#: how near an end the loop hangs when the trip begins, in rope lengths
-NEAR = (0.13, 0.3)
 #: shares of trips with an emergency stop and with a release; when they begin, in parts of the trip's duration
 STOPPED, RELEASED, BEGIN = 0.35, 0.2, (0.2, 0.8)
 BRAKE = (2.0, 5.0)  # m/s^2
@@ -59,14 +54,8 @@ class Sample:
 
 def draw(seed: int, number: int) -> Iterator[Sample]:
     """The first ``number`` of a seed."""
-    rng = np.random.default_rng(seed)
-
-    def evenly(bounds: tuple[float, float]) -> float:
-        return float(rng.uniform(*bounds))
-
-    def in_logarithms(bounds: tuple[float, float]) -> float:
-        return float(np.exp(rng.uniform(*np.log(bounds))))
-
+    draws = Draws(seed)
+    evenly, in_logarithms = draws.evenly, draws.in_logarithms
     for k in range(number):
         length, mass = in_logarithms(LENGTH), evenly(MASS)
         diameter, stiffness = math.sqrt(SECTION * mass), mass * in_logarithms(STIFFNESS)
@@ -83,12 +72,12 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
             rhoJ=mass * diameter**2 / 8,
             diameter=diameter,
         )
-        layout, mode = Layout(evenly(SPACING)), MODES[rng.integers(len(MODES))]
+        layout, mode = Layout(evenly(SPACING)), MODES[draws.one_of(len(MODES))]
         travel = length * (1 - 2 * evenly(NEAR))
         speed, acceleration, jerk = evenly(SPEED), evenly(ACCELERATION), in_logarithms(JERK)
         trip = Trip(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
-        stopped, released = rng.uniform() < STOPPED, rng.uniform() < RELEASED
-        begin, brake, interval = evenly(BEGIN) * s_curve(trip).duration, evenly(BRAKE), STEPS[rng.integers(len(STEPS))]
+        stopped, released = evenly() < STOPPED, evenly() < RELEASED
+        begin, brake, interval = evenly(BEGIN) * s_curve(trip).duration, evenly(BRAKE), STEPS[draws.one_of(len(STEPS))]
         if stopped:
             trip = replace(trip, emergency_at=begin, emergency_deceleration=brake)
         if released and not stopped:

@@ -16,7 +16,7 @@ from .scenes import Sample
 
 Array = NDArray[np.float64]
 SETTLE, EVERY = 3.0, 0.02  # s
-#: what is asked: the defaults; and the step control of version 0.2.0, which knew the places of the nodes alone
+#: what is asked: the defaults; and the step control before, which knew the places of the nodes alone
 ASKED = Accuracy()
 BEFORE: dict[str, Any] = {"accuracy": Accuracy(end_force=1.0, loop=0.1), "mesh": Mesh("auto", loop_error=5e-3)}
 #: the run that judges
