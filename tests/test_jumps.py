@@ -94,6 +94,23 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
     assert smooth_ones[:, 6:].max() < 0.05
 
 
+def test_a_change_of_the_steps_length_sends_a_wave_along_the_rope_and_even_steps_send_none() -> None:
+    scene, motion = SCENES["a turn backwards on a deep rope"]
+    largest = {}
+    for name, lengths in (("long", (H, H)), ("short", (H / 4, H / 4)), ("changed", (H, H / 4))):
+        at = [scene.with_(solver=replace(scene.solver, tolerance=1e6, step_max=h)) for h in lengths]
+        rope, record = NativeRope(at[0]), []
+        assert rope.initialize(0.0, *motion(0.0, 200.0)).valid
+        for k in range(1, 1421):
+            if k == 1400:
+                rope.retune(at[1])
+            assert rope.advance_to(k * H, *motion(k * H, 200.0)).valid
+            if k > 1380:
+                record.append([*rope.signals(LOADS[:6]).values()])
+        largest[name] = jumps_of(np.array(record)).max()
+    assert max(largest["long"], largest["short"]) < 1.0 < 3.0 < largest["changed"] < 20.0
+
+
 def jumps_of(forces: NDArray[np.float64]) -> NDArray[np.float64]:
     """(samples - 2, forces): distance of each sample from the mean of its neighbours."""
     return np.abs(forces[1:-1] - 0.5 * (forces[2:] + forces[:-2]))

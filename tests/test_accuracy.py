@@ -1,0 +1,86 @@
+"""What a step may leave, what steps have left, and whether a run keeps what was asked of it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from evidence.promise.scenes import TUNE, draw
+from evidence.promise.wind import ASKED, BEFORE, FINE, errors, wind
+from rope_model.numerics.generalized_alpha import Coefficients, local_error
+from rope_model.numerics.kernels import find_compiler
+from rope_model.parameters import Accuracy, Rope, Scene
+from rope_model.physics.accuracy import (
+    AND_RATE,
+    ErrorSums,
+    add_errors,
+    axial_frequency,
+    end_force_error,
+    length_for,
+    locking_error,
+    memory,
+    step_limits,
+)
+
+ROPE = Rope(length=400.0, beta_K=0.0)
+CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))
+
+
+def test_errors_of_a_wave_add_up_to_its_phase() -> None:
+    """Each step turns a wave of amplitude 1 by C (omega h)^3: it is off by all turns so far, as far as they last."""
+    leg, h, n = 300.0, 0.01, 400
+    omega = axial_frequency(ROPE, leg)
+    turn, sums = CONSTANT * (omega * h) ** 3, ErrorSums()
+    for k in range(n):
+        # local error of the strain: C h^3 times its third derivative
+        sums = add_errors(ROPE, sums, leg, h, (turn * math.sin(omega * k * h), 0.0), 0.0, ROPE.Qa)
+    t, lasts = h * np.arange(n), memory(ROPE, omega)
+    off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
+    # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one step's size
+    assert_allclose(end_force_error(ROPE, sums), np.sqrt(np.mean(off**2)), rtol=0.01)
+
+
+def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
+    leg, h = 300.0, 0.01
+    sums, rng = ErrorSums(), np.random.default_rng(1)
+    for _ in range(4000):
+        sums = add_errors(ROPE, sums, leg, h, (1e-9 * rng.standard_normal(), 0.0), 0.0, ROPE.Qa)
+    assert end_force_error(ROPE, sums) < AND_RATE * 1e-9 * math.sqrt(4000)
+
+
+@pytest.mark.parametrize(("damping", "radians"), [(1e-3, 2.0 / (1e-3 * 100.0)), (0.0, 2.0 * 400.0 / 2.0)])
+def test_a_wave_lasts_as_its_damping_lets_it_and_without_for_so_many_radians(damping: float, radians: float) -> None:
+    rope = Rope(beta_K=damping)
+    assert_allclose(100.0 * memory(rope, 100.0), radians, rtol=1e-12)
+    assert memory(Rope(beta_K=0.0), 1.0) == 60.0
+
+
+@pytest.mark.parametrize("asked", [1e-2, 1e-3, 1e-4])
+def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: float) -> None:
+    scenes = (Scene(ROPE, accuracy=Accuracy(a, 10 * a)) for a in (asked / 10, asked))
+    strict, loose = (step_limits(scene, ErrorSums(), 200.0, CONSTANT) for scene in scenes)
+    assert_allclose(10 * strict.strain_rate, loose.strain_rate, rtol=1e-12)
+    assert_allclose(10 * strict.place, loose.place, rtol=1e-12)
+    # errors are of second order in the step
+    assert_allclose(math.sqrt(10) * strict.shortest, loose.shortest, rtol=1e-12)
+
+
+@pytest.mark.parametrize("EI", [50.0, 300.0, 3000.0])
+@pytest.mark.parametrize("error", [0.05, 5e-3, 5e-4, 5e-5])
+def test_elements_for_an_error_have_half_of_it_to_all_of_it(EI: float, error: float) -> None:
+    scene = Scene(Rope(EI=EI))
+    assert 0.5 * error <= locking_error(scene, length_for(scene, error)) <= error * (1 + 1e-12)
+
+
+@pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
+def test_an_emergency_stop_is_as_accurate_as_asked_and_says_how_accurate_it_is() -> None:
+    sample = next(s for s in draw(TUNE, 40) if s.is_stopped and s.scene.rope.length > 300.0)
+    fine, asked, before = (wind(sample, sample.interval, **x) for x in (FINE, {"accuracy": ASKED}, BEFORE))
+    (force, _, loop, *_), (force_before, *_) = errors(asked, fine), errors(before, fine)
+    assert force < ASKED.end_force < 10 * ASKED.end_force < force_before
+    assert loop < ASKED.loop
+    assert 0.5 < asked.end_force / force < 2.0
+    assert 0.5 < asked.loop / loop < 2.0
