@@ -8,17 +8,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from evidence.promise.scenes import TUNE, draw
+from evidence.promise.scenes import TUNE, Sample, draw
 from evidence.promise.wind import ASKED, BEFORE, FINE, errors, wind
+from hoist_demo.control.trajectory import s_curve
+from hoist_demo.parameters import Winding as Trip
 from rope_model.numerics.generalized_alpha import Coefficients, local_error
 from rope_model.numerics.kernels import find_compiler
-from rope_model.parameters import Accuracy, Rope, Scene
+from rope_model.parameters import Accuracy, Rope, Scene, Solver
 from rope_model.physics.accuracy import (
     AND_RATE,
     ErrorSums,
     add_errors,
     axial_frequency,
     end_force_error,
+    flow_error,
     length_for,
     locking_error,
     memory,
@@ -36,7 +39,7 @@ def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     turn, sums = CONSTANT * (omega * h) ** 3, ErrorSums()
     for k in range(n):
         # local error of the strain: C h^3 times its third derivative
-        sums = add_errors(ROPE, sums, leg, h, (turn * math.sin(omega * k * h), 0.0), 0.0, ROPE.Qa)
+        sums = add_errors(Scene(ROPE), sums, leg, 0.0, h, (turn * math.sin(omega * k * h), 0.0), 0.0, ROPE.Qa)
     t, lasts = h * np.arange(n), memory(ROPE, omega)
     off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
     # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one step's size
@@ -47,7 +50,7 @@ def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
     leg, h = 300.0, 0.01
     sums, rng = ErrorSums(), np.random.default_rng(1)
     for _ in range(4000):
-        sums = add_errors(ROPE, sums, leg, h, (1e-9 * rng.standard_normal(), 0.0), 0.0, ROPE.Qa)
+        sums = add_errors(Scene(ROPE), sums, leg, 0.0, h, (1e-9 * rng.standard_normal(), 0.0), 0.0, ROPE.Qa)
     assert end_force_error(ROPE, sums) < AND_RATE * 1e-9 * math.sqrt(4000)
 
 
@@ -61,11 +64,12 @@ def test_a_wave_lasts_as_its_damping_lets_it_and_without_for_so_many_radians(dam
 @pytest.mark.parametrize("asked", [1e-2, 1e-3, 1e-4])
 def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: float) -> None:
     scenes = (Scene(ROPE, accuracy=Accuracy(a, 10 * a)) for a in (asked / 10, asked))
-    strict, loose = (step_limits(scene, ErrorSums(), 200.0, CONSTANT) for scene in scenes)
+    strict, loose = (step_limits(scene, ErrorSums(), 200.0, 10.0, CONSTANT) for scene in scenes)
     assert_allclose(10 * strict.strain_rate, loose.strain_rate, rtol=1e-12)
     assert_allclose(10 * strict.place, loose.place, rtol=1e-12)
     # errors are of second order in the step
     assert_allclose(math.sqrt(10) * strict.shortest, loose.shortest, rtol=1e-12)
+    assert_allclose(math.sqrt(10) * strict.longest, loose.longest, rtol=1e-12)
 
 
 @pytest.mark.parametrize("EI", [50.0, 300.0, 3000.0])
@@ -73,6 +77,18 @@ def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: fl
 def test_elements_for_an_error_have_half_of_it_to_all_of_it(EI: float, error: float) -> None:
     scene = Scene(Rope(EI=EI))
     assert 0.5 * error <= locking_error(scene, length_for(scene, error)) <= error * (1 + 1e-12)
+
+
+@pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
+def test_even_steps_put_the_loop_off_by_what_the_flow_through_it_lets_expect() -> None:
+    """Of the fourth power of the speed and the second of the step: not a scene that any constant was found on."""
+    trip = Trip(travel=120.0, speed=12.0, acceleration=1.0, jerk=1.0, start_delay=0.0)
+    sample = Sample(0, Scene(Rope(length=160.0, EI=800.0)), trip, 0.02)
+    long, short, fine = (wind(sample, 0.02, solver=Solver(step_max=h, tolerance=1e6)) for h in (0.02, 0.01, 0.0025))
+    peak = s_curve(trip).peak_speed
+    for h, run in ((0.02, long), (0.01, short)):
+        off = np.linalg.norm(run.signals[:, 6:9] - fine.signals[:, 6:9], axis=1).max()
+        assert_allclose(off, flow_error(sample.scene, 2 * peak, h), rtol=0.35)
 
 
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")

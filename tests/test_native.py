@@ -21,7 +21,18 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from rope_model.native.build import library
 from rope_model.native.engine import NativeRope
-from rope_model.parameters import FidelityChoice, Layout, Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
+from rope_model.parameters import (
+    FidelityChoice,
+    Layout,
+    Mesh,
+    Model,
+    Rope,
+    Scene,
+    Solver,
+    Swivel,
+    rope_120,
+    rope_240,
+)
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.ends import SIDES, EndMotion
 from rope_model.simulation.sensitivity import load_derivative
@@ -351,7 +362,9 @@ def test_derivatives_are_those_of_a_step(name: str, side: int) -> None:
 @pytest.mark.parametrize("side", [0, 1])
 def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityChoice) -> None:
     twist = 1.0 if fidelity == "torsional" else 0.0
-    scene = Scene(rope=Rope(length=60.0, installed_twist=twist), model=Model(fidelity))
+    # what Newton's method leaves would show in the differences
+    exact = Solver(newton_tolerance=1e-9)
+    scene = Scene(rope=Rope(length=60.0, installed_twist=twist), model=Model(fidelity), solver=exact)
     ropes = RopeSimulator(scene), NativeRope(scene)
     for rope in ropes:
         assert rope.initialize(0.0, EndMotion(), EndMotion(y=10.0)).valid
@@ -500,15 +513,16 @@ def test_a_rigid_rope_that_cannot_hang_is_a_status_in_both() -> None:
     assert messages[0] == messages[1]
 
 
-def test_a_search_for_a_swivel_event_that_fails_is_taken_up_again_with_a_shorter_step() -> None:
+def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter_one() -> None:
     released = Swivel(mode="coulomb", release_time=10.0)
-    scene = rope_data(find_case("kiruna-710").rope).with_(left=released, right=released, solver=Solver())
-    rope = NativeRope(scene.with_(rope=replace(scene.rope, installed_twist=5.0), model=Model("torsional")))
+    even = Solver(tolerance=1e6, newton_tolerance=1e-7)  # no step is rejected for its error
+    scene = rope_data(find_case("kiruna-710").rope).with_(left=released, right=released, solver=even)
+    rope = NativeRope(scene.with_(rope=replace(scene.rope, installed_twist=9.0), model=Model("torsional")))
     step, ends = scene.solver.step_max, winding(400.0, 16.0)
     assert rope.initialize(0.0, *ends(0.0)).valid
-    # at 12.95 s a trial of the search diverges
     for k in range(1, round(13.2 / step) + 1):
         status = rope.advance_to(k * step, *ends(k * step))
         assert status.valid, status.message
+        assert k * step > 10.0 or rope.signals(("count.rejections",))["count.rejections"] == 0
     assert rope.state.counts.swivel_events > 5
-    assert rope.state.counts.rejections > 5
+    assert rope.state.counts.rejections > 1

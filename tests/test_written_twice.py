@@ -30,7 +30,7 @@ ARITHMETIC = {
     # places of arrays in memory
     "with_memory": (9, 0),
     # sums over nodes, and what is held at the ends
-    "trial_step": (17, 0),
+    "trial_step": (16, 0),
     "system_of": (4, 0),
     "restart": (5, 0),
     "commit": (9, 0),

@@ -16,9 +16,13 @@ from .scenes import Sample
 
 Array = NDArray[np.float64]
 SETTLE, EVERY = 3.0, 0.02  # s
-#: what is asked: the defaults; and the step control before, which knew the places of the nodes alone
+#: what is asked: the defaults; and those before, with steps by the places of the nodes alone, 1 mm in a step
 ASKED = Accuracy()
-BEFORE: dict[str, Any] = {"accuracy": Accuracy(end_force=1.0, loop=0.1), "mesh": Mesh("auto", loop_error=5e-3)}
+BEFORE: dict[str, Any] = {
+    "accuracy": Accuracy(end_force=1.0, loop=1.0),
+    "mesh": Mesh("auto", loop_error=5e-3),
+    "solver": Solver(tolerance=0.1, newton_tolerance=1e-7),
+}
 #: the run that judges
 FINE: dict[str, Any] = {
     "accuracy": Accuracy(end_force=1e-4, loop=1e-3),

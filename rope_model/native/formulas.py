@@ -99,11 +99,11 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double recentring_time(const Coefficients *method, double h, double before)": generalized_alpha.recentring_time,
     "double local_error(const Coefficients *method, double h, double change)": generalized_alpha.local_error,
     "double relaxation(double change, double last)": statics.relaxation,
-    "StepLimits step_limits(const Scene *scene, const ErrorSums *sums, double bottom, double error_constant)": (
-        accuracy.step_limits
-    ),
-    "ErrorSums add_errors(const Rope *rope, const ErrorSums *sums, double bottom, double h, const double strains[2], "
-    "double place, double force)": accuracy.add_errors,
+    "StepLimits step_limits(const Scene *scene, const ErrorSums *sums, double bottom, double apart, "
+    "double error_constant)": (accuracy.step_limits),
+    "ErrorSums add_errors(const Scene *scene, const ErrorSums *sums, double bottom, double apart, double h, "
+    "const double strains[2], double place, double force)": accuracy.add_errors,
+    "double place_error(const StepLimits *limits, double h, double place)": accuracy.place_error,
     "double end_force_error(const Rope *rope, const ErrorSums *sums)": accuracy.end_force_error,
     "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length)": (
         accuracy.loop_error

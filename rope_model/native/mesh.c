@@ -10,7 +10,6 @@ static const double HALF = 0.5, QUARTER = 0.25;
 static const double DUE = 0.6;
 enum { GRADING = 2, RATIO = 4, LENGTHS = 11 };
 static const int LEG_LENGTHS[LENGTHS] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
-static const double LEG_GRADING = 7.5e5, LEG_WAVES = 1000.0;
 static const double NEAREST = 0.12;
 
 /* elements of IV in units of l: half of their neighbours */
@@ -67,7 +66,7 @@ Mesh mesh_fit(const Scene *scene) {
     fitted.counts[1] = fitted.counts[3] = 0;
     fitted.counts[2] = as_int(count);
     fitted.end_levels = (int)fmin(levels, 8);
-    fitted.grading_length = fmin(LEG_GRADING * asked, LEG_WAVES) / length;
+    fitted.grading_length = of.grading;
     return fitted;
 }
 

@@ -104,6 +104,10 @@ static double recentring(const Coefficients *method, double h, double before) {
     return rate_known(h, before) ? recentring_time(method, h, before) : 0;
 }
 
+static double apart(const Arrays *m) {
+    return m->v[1] - end_row(m->v, m->nodes, RIGHT)[1];
+}
+
 Trial trial_step(Simulator *rope, State *state, double h) {
     const Arrays old = state_arrays(state), *now = &rope->trial;
     const System s = system_of(rope, state);
@@ -139,9 +143,9 @@ Trial trial_step(Simulator *rope, State *state, double h) {
         trial.strains[side] = local_error(&method, h, now->a[at] - old.a[at]);
         largest = fmax(largest, fabs(trial.strains[side]));
     }
-    const StepLimits limits =
-        step_limits(&rope->scene, &state->errors, bottom_of(rope, state, state->t), local_error(&method, 1, 1));
-    trial.error = trial.place / limits.place;
+    const StepLimits limits = step_limits(&rope->scene, &state->errors, bottom_of(rope, state, state->t), apart(&old),
+                                          local_error(&method, 1, 1));
+    trial.error = place_error(&limits, h, trial.place);
     if (h > limits.shortest) trial.error = fmax(trial.error, largest / (h * limits.strain_rate));
     return trial;
 }
@@ -228,7 +232,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const Coefficients method = {rope->scene.solver.rho_inf};
     const double moved_by = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
-    const double bottom = bottom_of(rope, state, state->t);
+    const double bottom = bottom_of(rope, state, state->t), speed = apart(&m);
     double losses[2], force = 0;
     /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
        integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
@@ -246,7 +250,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
-    state->errors = add_errors(&rope->scene.rope, &state->errors, bottom, h, trial->strains, trial->place, force);
+    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, trial->strains, trial->place, force);
     set_powers(rope, state);
     set_energies(energy, trial->balance, &s, m.v);
     energy->work_ends += 0.5 * h * (before[0] + state->power_ends);

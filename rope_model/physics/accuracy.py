@@ -9,7 +9,10 @@ longer leg, omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  So t
 the leg's weight a step may leave that share of it times h / memory.  A step resolves all waves well enough if it does
 so with one as large as braking makes.
 
-The loop's place errs by what the nodes' places err in a step: it moves on, and forgets them.
+The loop's place errs by what the nodes' places err in a step: it moves on, and forgets them.  Where the rope flows
+through it with speed v, each node turns by x = v h / w in a step, w the length of a bend, and the method gets the
+acceleration in the bend wrong by a part that goes with x^2.  Like rho v^2 that part of it is a tension, which is not
+there, and the loop is off by some x^2 v^2 / g, held against its weight.
 """
 
 from __future__ import annotations
@@ -20,14 +23,16 @@ from .elementary import cos, larger, sin, sqrt
 from .estimates import axial_frequency, bending_length
 
 #: of what is asked, what a step may leave: `make promise` on the seed that tunes
-FORCE_SHARE, PLACE_SHARE = 40.0, 0.01
+FORCE_SHARE, PLACE_SHARE = 28.0, 0.01
 #: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
 AND_RATE = 2.0
 #: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: docs/mesh_rule.md
 LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
 #: of the loop's place, by joined elements of the legs over grading_length times length, and by steps over the largest
 #: error of a node's place
-LEGS, STEPS = 4e-7, 22.0
+LEGS, STEPS = 4e-7, 12.0
+#: of the loop's place over x^2 v^2 / g, and what a step may take so of what is asked: `make promise`, seed that tunes
+FLOW, FLOW_SHARE = 0.13, 0.6
 TINY = 1e-300
 #: part of the share that is left when all is used up
 LEAST_LEFT = 0.1
@@ -43,6 +48,7 @@ class StepLimits(NamedTuple):
     place: float  # m, of a node's place
     strain_rate: float  # 1/s, of the strain at an end, over the step
     shortest: float  # s: a shorter step is short enough for the strain
+    longest: float  # s, for the flow through the loop
 
 
 class ErrorSums(NamedTuple):
@@ -54,6 +60,7 @@ class ErrorSums(NamedTuple):
 
     time: float = 0.0  # s
     place: float = 0.0  # m, largest of a step
+    flow: float = 0.0  # m, largest of the loop's place, by the flow through it
     force: float = 0.0  # N, largest end force
     waves: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     squares: tuple[float, float] = (0.0, 0.0)  # s, time integrals of the squares of the strains' errors
@@ -65,8 +72,10 @@ def memory(rope: Any, omega: Any) -> Any:
     return 2.0 / larger(rope.beta_K * (omega * omega), 2.0 * least)
 
 
-def step_limits(scene: Any, sums: Any, bottom: Any, error_constant: Any) -> StepLimits:
-    """For a rope whose loop hangs at arc length ``bottom``; the method errs by ``error_constant`` h^2 per change of a.
+def step_limits(scene: Any, sums: Any, bottom: Any, apart: Any, error_constant: Any) -> StepLimits:
+    """For a rope whose loop hangs at arc length ``bottom`` and whose ends move ``apart`` vertically, m/s.
+
+    The method errs by ``error_constant`` h^2 per change of a.
 
     What has been used up of what was asked leaves less.
     """
@@ -78,11 +87,15 @@ def step_limits(scene: Any, sums: Any, bottom: Any, error_constant: Any) -> Step
     share = FORCE_SHARE * larger(1.0 - used, LEAST_LEFT) * accuracy.end_force / lasts
     strain = rope.mass_per_length * scene.layout.gravity * leg / rope.Qa
     shortest = sqrt(share / (BRAKED * error_constant * (omega * omega * omega)))
-    return StepLimits(PLACE_SHARE * accuracy.loop, share * strain, shortest)
+    flows = FLOW_SHARE * accuracy.loop / larger(flow_error(scene, apart, 1.0), TINY)
+    return StepLimits(PLACE_SHARE * accuracy.loop, share * strain, shortest, sqrt(flows))
 
 
-def add_errors(rope: Any, sums: Any, bottom: Any, h: Any, strains: Any, place: Any, force: Any) -> ErrorSums:
+def add_errors(
+    scene: Any, sums: Any, bottom: Any, apart: Any, h: Any, strains: Any, place: Any, force: Any
+) -> ErrorSums:
     """``sums`` after a step ``h`` that left ``strains`` and ``place``, with end forces of up to ``force`` now."""
+    rope = scene.rope
     waves, squares = [], []
     for side, leg in enumerate((bottom, rope.length - bottom)):
         omega = axial_frequency(rope, leg)
@@ -92,7 +105,7 @@ def add_errors(rope: Any, sums: Any, bottom: Any, h: Any, strains: Any, place: A
         now, later = sums.waves[2 * side], sums.waves[2 * side + 1]
         waves += [c * now + s * later + strains[side], c * later - s * now]
         squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
-    largest = larger(sums.place, place), larger(sums.force, force)
+    largest = larger(sums.place, place), larger(sums.flow, flow_error(scene, apart, h)), larger(sums.force, force)
     return ErrorSums(sums.time + h, *largest, (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1]))
 
 
@@ -117,6 +130,24 @@ def length_for(scene: Any, error: Any) -> Any:
     return w * larger(sqrt(part), (part / (LOCKING * (rope.Qa * (w * w) / rope.EI))) ** (1 / 6))
 
 
+def flow_error(scene: Any, apart: Any, h: Any) -> Any:
+    """How far, m, steps ``h`` put the loop from its place while its ends move ``apart``, m/s, and the rope flows."""
+    flow = 0.5 * apart
+    turned = flow * h / bending_length(scene)
+    return FLOW * (turned * turned) * (flow * flow) / scene.layout.gravity
+
+
+def place_error(limits: Any, h: Any, place: Any) -> Any:
+    """Of a step ``h`` that left ``place``, over what it may leave there and by the flow.
+
+    By the flow to a power for which twice the step is allowed where errors are small.
+    """
+    turned = h / limits.longest
+    return larger(place / limits.place, turned * turned * (turned * turned))
+
+
 def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
     """Largest error of the loop's place since the start, m: of elements, legs and steps."""
-    return locking_error(scene, fine) + LEGS * grading_length * scene.rope.length + STEPS * sums.place
+    mesh = locking_error(scene, fine) + LEGS * grading_length * scene.rope.length
+    swung = STEPS * sums.place
+    return sqrt(mesh * mesh + swung * swung + sums.flow * sums.flow)  # at other places and instants

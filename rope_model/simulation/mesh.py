@@ -48,8 +48,10 @@ LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
 MESH_SHARE = 0.5
 # What follows is for 'auto'; `make mesh-rule` measures what it rests on and writes docs/mesh_rule.md.
 #: grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
-#: LEG_WAVES / length: an emergency stop errs two to three times as much by the legs as by steps of 10 ms
-LEG_GRADING, LEG_WAVES = 7.5e5, 1000.0  # m, m^2
+#: LEG_WAVES / length: an emergency stop errs two to three times as much by the legs as by steps of 10 ms; nor more than
+#: LEG_SWAY (EI / rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are
+#: 2 pi sqrt(w y) long, and elements sqrt(grading_length y)
+LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
 #: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
 NATURAL_RADIUS = 0.912
 #: of loop_error, what the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips aside,
@@ -106,12 +108,13 @@ def inner_length(counts: tuple[int, ...]) -> float:
 
 
 class FittedLengths(NamedTuple):
-    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements."""
+    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements, legs."""
 
     radius: float
     fine: float
     fade: float
     end: float
+    grading: float
 
 
 def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
@@ -122,7 +125,8 @@ def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     fine = smaller(length_for(scene, LOCKING_SHARE * loop_error), LONGEST * radius)
     fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
     layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
-    return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter)
+    grading = smaller(smaller(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
+    return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter, grading)
 
 
 def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
@@ -144,7 +148,7 @@ def fit_mesh(scene: Scene) -> Mesh:
     if mesh.kind != "auto":
         return mesh
     loop_error = mesh.loop_error or MESH_SHARE * scene.accuracy.loop
-    R, fine, fade, end = fit_lengths(scene, loop_error, math.log10(FADE_ERROR / loop_error))
+    R, fine, fade, end, grading = fit_lengths(scene, loop_error, math.log10(FADE_ERROR / loop_error))
     ratio = 4  # of l to the elements of IV: five segments
     coarse = ratio * fine
 
@@ -163,7 +167,7 @@ def fit_mesh(scene: Scene) -> Mesh:
         coarse_length=coarse,
         counts=counts,
         end_levels=min(levels, 8),
-        grading_length=min(LEG_GRADING * loop_error, LEG_WAVES) / length,
+        grading_length=grading,
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, local_error, recentring, restart, step
 from ..parameters import Scene
-from ..physics.accuracy import add_errors, step_limits
+from ..physics.accuracy import add_errors, place_error, step_limits
 from ..physics.energy_balance import energies as energies_of
 from ..physics.frame import end_moment
 from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
@@ -58,8 +58,9 @@ class RopeModel:
         if result.motion is None:
             return math.inf
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
-        limits = step_limits(self.scene, old.errors, bottom, local_error(self.method, 1.0, 1.0))
-        error = result.error / limits.place
+        constant = local_error(self.method, 1.0, 1.0)
+        limits = step_limits(self.scene, old.errors, bottom, apart(old.motion), constant)
+        error = place_error(limits, h, result.error)
         strain = max(map(abs, self.strain_errors(result.motion)))
         return max(error, strain / (h * limits.strain_rate)) if h > limits.shortest else error
 
@@ -92,7 +93,7 @@ class RopeModel:
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
         strains = self.strain_errors(motion)
-        errors = add_errors(self.scene.rope, old.errors, bottom, h, strains, result.error, force)
+        errors = add_errors(self.scene, old.errors, bottom, apart(old.motion), h, strains, result.error, force)
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
@@ -202,3 +203,8 @@ def powers(system: RopeSystem, motion: Motion) -> Powers:
             spin -= rate
         at_ends += moment * spin
     return Powers(at_ends, at_swivels)
+
+
+def apart(motion: Motion) -> float:
+    """Vertical speed (m/s) of the left end seen from the right one."""
+    return float(motion.v[0, 1] - motion.v[-1, 1])
