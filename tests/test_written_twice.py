@@ -43,11 +43,8 @@ ARITHMETIC = {
     # in rope.h, which hosts read without the formulas
     "end_extrapolate": (6, 0),
     # assembly and solution of the transfer's equations
-    "field_values": (6, 0),
-    "add_missing": (7, 0),
-    "transfer_fields": (8, 0),
-    "factorize": (3, 1),
-    "substitute": (4, 0),
+    "transfer_fields": (7, 0),
+    "solve_banded": (6, 0),
     # numbers of elements and their places
     "mesh_fit": (6, 2),
     "mesh_partition": (4, 0),
@@ -67,7 +64,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2110, "C": 2520}
+MOST_LINES = {"Python": 2104, "C": 2464}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks
 TWICE = (
     *(

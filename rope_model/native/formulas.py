@@ -46,10 +46,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void quintic_rates(const double c[6], double s, double rates[3])": quintic.rates,
     "double quintic_acceleration(const double c[6], double s)": quintic.acceleration,
     "double missing_time(double x, double v)": ends.missing_time,
-    "void hermite(double xi, double l, double r1, double s1, double r2, double s2, double values[2])": (
-        hermite.interpolate
-    ),
-    "void hermite_shares(double xi, double l, double shares[4])": hermite.shares,
+    "void node_values(double xi, double l, const double nodes[14], double values[7])": hermite.node_values,
+    "void missing_load(double start, double stop, double s, double l, double old_s, double old_l, "
+    "const double old[14], const double now[14], double load[14])": hermite.missing_load,
     "void hermite_products(double l, double products[10])": hermite.share_products,
     "double hermite_integral(double l, double r1, double s1, double r2, double s2)": hermite.integral,
     "double hermite_integral_to(double xi, double l, double r1, double s1, double r2, double s2)": (

@@ -8,6 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+#: places in [0, 1] and weights; exact for the product of two cubics
+GAUSS = tuple((0.5 + 0.5 * float(x), 0.5 * float(w)) for x, w in zip(*np.polynomial.legendre.leggauss(4), strict=True))
 #: 420 times the mean products of the shapes of r1, s1, r2, s2 along an element of length 1; for length l those of s
 #: bring a factor l each, and the integral another
 PRODUCTS = ((156, 22, 54, -13), (22, 4, 13, -3), (54, 13, 156, -22), (-13, -3, -22, 4))
@@ -22,6 +26,13 @@ def interpolate(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[An
     )
 
 
+def node_values(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
+    """r, r' and theta, (7,), between the ``nodes`` of an element with as many each, (14,); theta is linear."""
+    theta = (1 - xi) * nodes[6] + xi * nodes[13]
+    r = [interpolate(xi, l, nodes[k], nodes[3 + k], nodes[7 + k], nodes[10 + k]) for k in range(3)]
+    return (*(x for x, _ in r), *(slope for _, slope in r), theta)
+
+
 def shares(xi: Any, l: Any) -> tuple[Any, Any, Any, Any]:
     """What the value takes of r1, s1, r2, s2."""
     rest = 1 - xi
@@ -33,6 +44,22 @@ def share_products(l: Any) -> tuple[Any, ...]:
     part, powers = l / 420, (1.0, l, l * l)
     pairs = ((m, m - k) for m in range(4) for k in range(m + 1))
     return tuple(part * (PRODUCTS[m][n] * powers[m % 2 + n % 2]) for m, n in pairs)
+
+
+def missing_load(start: Any, stop: Any, s: Any, l: Any, old_s: Any, old_l: Any, old: Any, new: Any) -> tuple[Any, ...]:
+    """What ``new`` (14,) has less than ``old``, times the shares, integrated over arc lengths within both elements.
+
+    Those begin at ``s`` and ``old_s``.  Shares of r1, s1, r2, s2 with three components each, then of theta's two nodes.
+    """
+    parts = []
+    for place, weight in GAUSS:
+        at, part = start + place * (stop - start), weight * (stop - start)
+        xi, of_old = (at - s) / l, (at - old_s) / old_l
+        before, after = node_values(of_old, old_l, old), node_values(xi, l, new)
+        missing = [part * (b - a) for b, a in zip(before, after, strict=True)]
+        cubic = (share * missing[k] for share in shares(xi, l) for k in range(3))
+        parts.append((*cubic, (1 - xi) * missing[6], xi * missing[6]))
+    return tuple(a + b + c + d for a, b, c, d in zip(*parts, strict=True))
 
 
 def integral(l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> Any:

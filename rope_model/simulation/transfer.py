@@ -13,12 +13,9 @@ from numpy.typing import NDArray
 
 from ..numerics.banded import solve_banded
 from ..physics import hermite
-from .rope_system import ANGLE, POSITION, SLOPE, Array
+from .rope_system import ANGLE, Array
 
 Indices = NDArray[np.intp]
-
-#: on [-1, 1]; exact for the product of two cubics
-_GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 def interpolate(x: Array, s: Array, at: Array) -> Array:
@@ -26,12 +23,9 @@ def interpolate(x: Array, s: Array, at: Array) -> Array:
 
     Cubic Hermite for r and, its derivative, r'; linear for theta.  A node's own place has its values to the bit.
     """
-    i, xi, l = _within(s, at)
-    xi, l = xi[:, None], l[:, None]
-    y = np.empty((at.size, x.shape[1]))
-    nodes = x[i, POSITION], x[i, SLOPE], x[i + 1, POSITION], x[i + 1, SLOPE]
-    y[:, POSITION], y[:, SLOPE] = hermite.interpolate(xi, l, *nodes)
-    y[:, ANGLE] = (1 - xi[:, 0]) * x[i, ANGLE] + xi[:, 0] * x[i + 1, ANGLE]
+    i = _element_at(s, at)
+    l = s[i + 1] - s[i]
+    y = np.array(hermite.node_values(np.clip((at - s[i]) / l, 0.0, 1.0), l, (*x[i].T, *x[i + 1].T))).T
     nearest = np.where(at - s[i] < s[i + 1] - at, i, i + 1)
     same = np.abs(s[nearest] - at) <= _tolerance(s)
     y[same] = x[nearest[same]]
@@ -48,29 +42,29 @@ def transfer_fields(fields: Array, old_s: Array, new_s: Array) -> Array:
     knots = np.union1d(old_s, new_s)
     knots = knots[np.append(True, np.diff(knots) > _tolerance(old_s))]
     middle = 0.5 * (knots[:-1] + knots[1:])
-    (old, _, _), (new, _, _) = _within(old_s, middle), _within(new_s, middle)
+    old, new = _element_at(old_s, middle), _element_at(new_s, middle)
     # a new element that lies within an old one is the same
     merges = old_s[old] > new_s[new] + _tolerance(old_s)
     merges |= old_s[old + 1] < new_s[new + 1] - _tolerance(old_s)
     if not merges.any():
         return y
-    half = 0.5 * np.diff(knots)[merges, None]
-    at, weights = (middle[merges, None] + half * _GAUSS_POINTS).ravel(), (half * _GAUSS_WEIGHTS).ravel()
-    lost = np.array([interpolate(x, old_s, at) - interpolate(z, new_s, at) for x, z in zip(fields, y, strict=True)])
-    e, xi, l = _within(new_s, at)
+    old, new = old[merges], new[merges]
+    places = new_s[new], new_s[new + 1] - new_s[new], old_s[old], old_s[old + 1] - old_s[old]
+    before, after = _element_values(fields, old), _element_values(y, new)
+    load = np.array(hermite.missing_load(knots[:-1][merges], knots[1:][merges], *places, before, after))
     nodes, lengths = new_s.size, np.diff(new_s)
-    for band, shares, part, changed in (
-        (_cubic_products(lengths), hermite.shares(xi, l), POSITION, slice(ANGLE)),
-        (_linear_products(lengths), (1 - xi, xi), slice(ANGLE, None), slice(ANGLE, None)),
+    # rows of a node, their columns, and where they belong
+    for band, rows, columns, part in (
+        (_cubic_products(lengths), 2, 3, slice(0, 6)),
+        (_linear_products(lengths), 1, 1, slice(ANGLE, None)),
     ):
-        rows = len(shares) // 2  # of a node
-        load = np.zeros((rows * nodes, *lost[:, 0, part].shape))
-        for k, share in enumerate(shares):
-            np.add.at(load, rows * e + k, ((weights * share)[:, None] * lost[:, :, part]).swapaxes(0, 1))
+        sums = np.zeros((rows * nodes, columns, len(fields)))
+        own, load = np.split(load, [2 * rows * columns])
+        for k, share in enumerate(own.reshape(2 * rows, columns, *own.shape[1:])):
+            np.add.at(sums, rows * new + k, share.transpose(2, 0, 1))
         inner = slice(rows, -rows)
-        change = solve_banded(band[inner], load[inner].reshape(rows * (nodes - 2), -1))
-        of_fields = change.reshape(nodes - 2, rows, len(fields), -1).transpose(2, 0, 1, 3)
-        y[:, 1:-1, changed] += of_fields.reshape(len(fields), nodes - 2, -1)
+        change = solve_banded(band[inner], sums[inner].reshape(rows * (nodes - 2), -1))
+        y[:, 1:-1, part] += change.reshape(nodes - 2, rows * columns, -1).transpose(2, 0, 1)
     return y
 
 
@@ -79,15 +73,18 @@ def _tolerance(s: Array) -> float:
     return 1e-9 * float(s[-1])
 
 
-def _within(s: Array, at: Array) -> tuple[Indices, Array, Array]:
-    """Elements in which ``at`` lies, place in them from 0 to 1, and their lengths."""
-    i = np.clip(np.searchsorted(s, at + _tolerance(s)) - 1, 0, s.size - 2)
-    l = s[i + 1] - s[i]
-    return i, np.clip((at - s[i]) / l, 0.0, 1.0), l
+def _element_at(s: Array, at: Array) -> Indices:
+    """Elements in which ``at`` lies."""
+    return np.clip(np.searchsorted(s, at + _tolerance(s)) - 1, 0, s.size - 2)
+
+
+def _element_values(fields: Array, elements: Indices) -> Array:
+    """(14, fields, elements): what both nodes of the elements have."""
+    return np.concatenate((fields[:, elements], fields[:, elements + 1]), axis=2).transpose(2, 0, 1)
 
 
 def _cubic_products(l: Array) -> Array:
-    """Integrals of the products of hermite.shares over the elements, as banded.solved takes them: (2 nodes, 4)."""
+    """Integrals of the products of hermite.shares over the elements, as solve_banded takes them: (2 nodes, 4)."""
     band = np.zeros((2 * l.size + 2, 4))
     products = iter(hermite.share_products(l))
     for m in range(4):
