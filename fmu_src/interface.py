@@ -25,7 +25,7 @@ from rope_model.parameters import (
     Solver,
     Swivel,
 )
-from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
 Causality = Literal["parameter", "input", "output"]

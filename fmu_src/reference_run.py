@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cache
 
 from rope_model.parameters import RopeCase
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 from .interface import MOTION, variables

@@ -28,7 +28,7 @@ from fmu_src.profile import Profile
 from fmu_src.steps import advance_with_extrapolation
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import Status
-from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.result_warnings import WARNINGS
 from rope_model.simulation.sensitivity import LOADS, load_derivative
 from rope_model.simulation.signals import group_of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rope_model.simulation.balance_rope import Status
-from rope_model.simulation.ends import SHORTEST_AIM, EndMotion
+from rope_model.simulation.paths import SHORTEST_AIM, EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 

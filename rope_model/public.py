@@ -36,9 +36,9 @@ from .parameters import (
     rope_240,
 )
 from .simulation.balance_rope import BalanceRope, Snapshot, Status
-from .simulation.ends import EndMotion
 from .simulation.fidelity import FIDELITIES
 from .simulation.neglected_effects import Effect, neglected_effects
+from .simulation.paths import EndMotion
 from .simulation.signals import SIGNALS, Signal
 from .simulation.simulator import RopeSimulator
 from .simulation.state import RopeState

@@ -20,7 +20,7 @@ from fmpy.fmi2 import FMU2Slave
 from native_host import Host
 
 from rope_model.parameters import rope_120
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.simulator import RopeSimulator
 

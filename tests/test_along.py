@@ -13,8 +13,8 @@ from evidence.choice.scenes import smooth_step
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.physics.estimates import loop_width, natural_width
 from rope_model.simulation.diagnostics import interpolate_midpoints, shape, shape_places
-from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.signals import SHAPE_POINTS, SIGNALS, nominal_stresses
 from rope_model.simulation.simulator import RopeSimulator

@@ -13,7 +13,8 @@ from rope_model.native.engine import NativeRope
 from rope_model.numerics.generalized_alpha import Coefficients
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.simulation.audit import Audit
-from rope_model.simulation.ends import EndMotion, HangingEnds
+from rope_model.simulation.ends import HangingEnds
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import Array
 from rope_model.simulation.simulator import RopeSimulator
 

@@ -12,8 +12,8 @@ from numpy.testing import assert_allclose
 from evidence.choice.scenes import CASES, Case, smooth_step
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.physics.estimates import natural_width
-from rope_model.simulation.ends import EndMotion, EndPath
 from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, expected_travel, force_error, lowest_sufficient
+from rope_model.simulation.paths import EndMotion, EndPath
 from rope_model.simulation.rigid import RigidRope, rigid_rope
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
@@ -109,7 +109,7 @@ def rigid_at(t: float) -> RigidRope:
     """The rigid rope on many nodes, in the middle of a host step; both ends accelerate, and differently."""
     left = EndPath.at_rest(0.0, EndMotion()).to(4.0, EndMotion(y=3.0, vy=1.5, ay=0.7))
     right = EndPath.at_rest(0.0, EndMotion(y=HIGH)).to(4.0, EndMotion(y=HIGH + 1.0, vy=-0.5, ay=0.2))
-    return rigid_rope(SHORT, (left, right), t, np.linspace(0.0, SHORT.rope.length, 20001))
+    return rigid_rope(SHORT, (left.at(t), right.at(t)), t, np.linspace(0.0, SHORT.rope.length, 20001))
 
 
 def integral(rope: RigidRope, values: np.ndarray) -> float:

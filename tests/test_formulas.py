@@ -8,7 +8,7 @@ import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import casadi as ca
 import numpy as np
@@ -23,11 +23,14 @@ from rope_model.native.formulas import (
     argument_of,
     formulas_code,
     function_code,
+    shape_of,
     symbols_of,
 )
 from rope_model.native.structures import GROUPS, SceneStructure
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Scene
+from rope_model.physics.elementary import where
+from rope_model.simulation.paths import EndMotion, EndPath
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
@@ -66,15 +69,12 @@ def c_structure(kind: type[Any]) -> type[ct.Structure]:
         return SceneStructure
     if kind in GROUPS:
         return GROUPS[kind]
-    fields = [(name, ct.c_double * n if n else ct.c_double) for name, n in members(kind)]
+    fields = [(name, c_numbers(shape_of(hint))) for name, hint in get_type_hints(kind).items()]
     return type(kind.__name__, (ct.Structure,), {"_fields_": fields})
 
 
-def members(kind: type[Any]) -> list[tuple[str, int]]:
-    """Names of the members, and how many numbers each has, 0 for one alone."""
-    value = symbols_of(argument_of(f"const {kind.__name__} *x"))
-    named = value._asdict() if isinstance(value, tuple) else vars(value)
-    return [(name, len(x) if isinstance(x, tuple) else 0) for name, x in named.items()]
+def c_numbers(shape: tuple[int, ...]) -> Any:
+    return c_numbers(shape[1:]) * shape[0] if shape else ct.c_double
 
 
 def with_numbers(symbolic: Any, chance: random.Random) -> Any:
@@ -103,14 +103,15 @@ def fill(structure: ct.Structure, value: Any) -> ct.Structure:
         if isinstance(part, float):
             setattr(structure, name, part)
         elif isinstance(part, tuple):
-            getattr(structure, name)[:] = part
+            np.frombuffer(getattr(structure, name))[:] = flat(part)
         else:
             fill(getattr(structure, name), part)
     return structure
 
 
 def flat(value: Any) -> list[float]:
-    return [x for part in value for x in flat(part)] if isinstance(value, tuple) else [value]
+    parts = value if isinstance(value, tuple) else () if isinstance(value, float) else vars(value).values()
+    return [x for part in parts for x in flat(part)] if parts else [value]
 
 
 @pytest.mark.parametrize("prototype", FORMULAS)
@@ -164,3 +165,24 @@ def brackets(a: Any, b: Any, c: Any) -> Any:
 def test_operations_keep_their_order() -> None:
     prototype: tuple[str, Callable[..., Any]] = ("double f(double a, double b, double c)", brackets)
     assert "(a - (b - c)) / (a * (b / c)) - -a * pow(-b + c, 3.0)" in function_code(*prototype)
+
+
+def farther(a: Any, b: Any) -> Any:
+    return where(a < b, where(a == b, a, 2 * b), a + 1) - b
+
+
+def test_a_choice_between_two_values_is_one() -> None:
+    code = function_code("double f(double a, double b)", farther)
+    assert "(a < b ? (a == b ? a : 2.0 * b) : a + 1.0) - b" in code
+
+
+def test_a_path_goes_on_to_where_its_step_ends_or_beyond_as_in_c(compiled: Any) -> None:
+    """Numbers drawn alone seldom miss nothing."""
+    resting, away = EndPath.at_rest(0.0, EndMotion()), EndMotion(y=0.01, vy=0.1)
+    path = compiled.path_to_
+    path.restype = c_structure(EndPath)
+    for target, stop, within in ((EndMotion(), 0.5, 0.0), (away, 0.5, 0.0), (away, 0.5, 2.0), (away, 1e-9, 2.0)):
+        expected = resting.to(stop, target, within)
+        found = path(in_c(resting, "Path"), ct.c_double(stop), in_c(target, "EndMotion"), ct.c_double(within))
+        assert np.frombuffer(found).tolist() == flat(expected)
+        assert (expected.aim == stop) == (target is not away or within == 0.0)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Model, Rope, Scene, at_level, rope_120, rope_240
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.paths import EndMotion
 
 pytest.importorskip("rope_model.native.build")
 

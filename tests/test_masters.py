@@ -28,7 +28,7 @@ from native_host import Host
 from numpy.testing import assert_allclose
 
 from rope_model.parameters import rope_120
-from rope_model.simulation.ends import EndMotion, EndPath
+from rope_model.simulation.paths import EndMotion, EndPath
 
 MISSED = np.array([0.27, 0.62, 3.4])
 TRAVEL, DURATION = 90.0, 25.0
@@ -58,7 +58,7 @@ def largest_miss(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarr
         path, last = path.to(t + h, given.extrapolate(h), last), h
         for s in t + h * np.linspace(0, 1, 21):
             truth = np.array([jerk * s**3 / 6, jerk * s**2 / 2, jerk * s])
-            largest = np.maximum(largest, np.abs(np.array(path.rates(s, 1)) - truth))
+            largest = np.maximum(largest, np.abs(np.array(path.motion(s))[:, 1] - truth))
         t += h
     return largest
 

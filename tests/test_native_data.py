@@ -27,7 +27,6 @@ from fmu_src.interface import scene_of, variables
 from rope_model.native.build import generate
 from rope_model.native.structures import (
     EndStructure,
-    PathStructure,
     SceneStructure,
     end_structure,
     path_structure,
@@ -35,15 +34,15 @@ from rope_model.native.structures import (
 )
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import CHOICES, FidelityChoice, Mesh, Model, Rope, RopeCase, Scene, Swivel
-from rope_model.simulation.ends import SIDES, EndMotion, EndPath, HangingEnds, nominal_points, refusal
+from rope_model.simulation.ends import HangingEnds, nominal_points, refusal
 from rope_model.simulation.fidelity import (
     FIDELITIES,
     carries_torque,
     choose_fidelity,
-    ends_after,
     lowest_sufficient,
     unsupported_motion,
 )
+from rope_model.simulation.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.rigid import lowest_tension, rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.statics import StaticsError
@@ -75,11 +74,8 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     result = subprocess.run(command, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
     library = ct.CDLL(str(made))
-    for function in (library.path_resting, library.path_to):
-        function.restype = PathStructure
     for function in (library.text_number, library.text_exact, library.fidelity_name):
         function.restype = ct.c_char_p
-    library.path_end.restype = EndStructure
     library.swivel_friction.restype = library.rigid_lowest_tension.restype = ct.c_double
     return library
 
@@ -135,36 +131,6 @@ def test_codes_are_those_of_the_interface() -> None:
 
 def test_names_of_the_fidelities_follow_their_codes(native: Any) -> None:
     assert tuple(native.fidelity_name(code).decode() for code in range(5)) == FIDELITY_NAMES
-
-
-@given(
-    motions,
-    st.lists(st.tuples(intervals, motions), min_size=1, max_size=4),
-    st.floats(-0.1, 1.1),
-    st.one_of(st.just(0.0), intervals),
-)
-def test_path_through_any_motions_is_the_same(
-    native: Any, first: EndMotion, targets: list[tuple[float, EndMotion]], part: float, within: float
-) -> None:
-    path = EndPath.at_rest(1.5, first)
-    ours = native.path_resting(ct.c_double(1.5), ct.byref(end_structure(first)))
-    for h, target in targets:
-        stop = path.stop + h
-        path = path.to(stop, target, within)
-        # from Python's path, because differences are amplified by 1/h^3 to 1/h^5 from path to path
-        ours = native.path_to(ct.byref(ours), ct.c_double(stop), ct.byref(end_structure(target)), ct.c_double(within))
-        l = path.aim - path.start
-        powers = np.array([[1.0, l, l**2, l**3, l**4, l**5]])
-        size = max(np.abs(np.array(path.coefficients) * powers).max(), 1.0)
-        assert (ours.start, ours.stop, ours.aim) == (path.start, path.stop, path.aim)
-        same(np.array([[*row] for row in ours.c]) * powers, np.array(path.coefficients) * powers, size)
-        ours = path_structure(path)
-        t, rates = path.start + part * h, np.zeros(3)
-        for axis in range(4):
-            native.path_rates(ct.byref(ours), ct.c_double(t), axis, pointer(rates))
-            assert tuple(rates) == path.rates(t, axis)
-        end = ends_after((path, path))[0]
-        assert tuple(numbers(native.path_end(ct.byref(ours)))) == dataclasses.astuple(end)
 
 
 def end_message(native: Any, target: EndMotion, path: EndPath, side: int) -> str:
@@ -342,13 +308,14 @@ def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, 
     scene = Scene(rope=Rope(length=length))
     moved = [dataclasses.replace(b, y=a.y + b.vx, vy=b.vy + a.x) for a, b in zip(first, then, strict=True)]
     paths = tuple(EndPath.at_rest(0.0, a).to(1.0, b) for a, b in zip(first, moved, strict=True))
+    ends = ends_at((paths[0], paths[1]), t)
     s = arc_lengths(uneven_lengths(nodes, length, nodes))
     q, v, a, reaction = (np.full((nodes, 7), np.nan) for _ in range(4))
     kinetic, gravity = ct.c_double(), ct.c_double()
     message = text_of(
         native.rigid_rope,
         ct.byref(scene_structure(scene)),
-        (PathStructure * 2)(*map(path_structure, paths)),
+        ends_of(ends),
         ct.c_double(t),
         nodes,
         *map(pointer, (s, q, v, a, reaction)),
@@ -356,7 +323,7 @@ def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, 
         ct.byref(gravity),
     )
     try:
-        theirs = rigid_rope(scene, (paths[0], paths[1]), t, s)
+        theirs = rigid_rope(scene, ends, t, s)
     except (ValueError, StaticsError) as error:
         refused = str(error)
     else:
@@ -373,13 +340,12 @@ def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, 
 
 
 def test_slack_rope_has_the_same_message(native: Any) -> None:
-    falling = EndMotion(ay=-15.0)
-    paths = (EndPath.at_rest(0.0, EndMotion()).to(1.0, falling), EndPath.at_rest(0.0, EndMotion(y=1.0)))
+    ends = EndMotion(ay=-15.0), EndMotion(y=1.0)
     s, room = np.linspace(0.0, 120.0, 61), np.zeros((4, 61, 7))
     message = text_of(
         native.rigid_rope,
         ct.byref(scene_structure(Scene())),
-        (PathStructure * 2)(*map(path_structure, paths)),
+        ends_of(ends),
         ct.c_double(1.0),
         61,
         *map(pointer, (s, *room)),
@@ -387,7 +353,7 @@ def test_slack_rope_has_the_same_message(native: Any) -> None:
         ct.byref(ct.c_double()),
     )
     with pytest.raises(ValueError, match="goes slack") as error:
-        rigid_rope(Scene(), paths, 1.0, s)
+        rigid_rope(Scene(), ends, 1.0, s)
     assert message == str(error.value)
 
 

@@ -34,7 +34,8 @@ from fmu_src.native.mach_o import universal
 from fmu_src.profile import FULL
 from rope_model.native.tables import parameter_structures, signal_numbers
 from rope_model.parameters import rope_120
-from rope_model.simulation.ends import EndMotion, EndPath, refusal
+from rope_model.simulation.ends import refusal
+from rope_model.simulation.paths import EndMotion, EndPath
 
 ROOT = Path(__file__).resolve().parent.parent
 SCHEMAS = Path(fmpy.__file__).with_name("schema")

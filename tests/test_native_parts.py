@@ -29,7 +29,7 @@ from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
 from rope_model.simulation.adaptation import nearest_turn
 from rope_model.simulation.audit import Audit
 from rope_model.simulation.diagnostics import LoopBottom, leg_clearance, loop_bottom, shape, shape_places
-from rope_model.simulation.ends import EndPath, HangingEnds, Phase, SwivelState, nominal_points
+from rope_model.simulation.ends import HangingEnds, Phase, SwivelState, nominal_points
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity
 from rope_model.simulation.mesh import (
     Partition,
@@ -40,6 +40,7 @@ from rope_model.simulation.mesh import (
     transform,
     transformation_due,
 )
+from rope_model.simulation.paths import EndPath
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.signals import (
     SIGNALS,

@@ -25,7 +25,7 @@ from test_native_fmu import RUNNERS, VERSIONS, live
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
 from rope_model.parameters import rope_120
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.signals import SHAPE_POINTS
 from rope_model.simulation.simulator import RopeSimulator

@@ -19,7 +19,7 @@ from warning_driver import RUNS
 from hoist_demo.cosimulation.participants import rope_plant
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from rope_model.parameters import Layout, Rope, rope_120
-from rope_model.simulation.ends import SIDES, EndMotion
+from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 DRIVER = Path(__file__).with_name("warning_driver.py")

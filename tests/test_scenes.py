@@ -9,7 +9,7 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model.parameters import rope_240
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 H = 0.01

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 from rope_model.numerics.events import locate
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
-from rope_model.simulation.ends import EndMotion, EndPath
+from rope_model.simulation.paths import EndMotion, EndPath
 from rope_model.simulation.signals import SIGNALS
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
@@ -72,9 +72,9 @@ def test_end_path_is_twice_continuously_differentiable_and_arrives() -> None:
     targets = [EndMotion(x=0.01, y=2.1, vy=3.0, ay=5.0, yaw=0.1, yaw_rate=0.2), EndMotion(y=2.2, vy=2.0, ay=-4.0)]
     for k, target in enumerate(targets):
         following = path.to(0.1 * (k + 1), target)
-        for before, after in zip(path(path.stop), following(following.start), strict=True):
+        for before, after in zip(path.motion(path.stop), following.motion(following.start), strict=True):
             assert_allclose(after, before, rtol=0, atol=1e-12)
-        x, v, a = following(following.stop)
+        x, v, a = following.motion(following.stop)
         assert_allclose(x, [target.x, target.y, target.z, target.yaw], rtol=0, atol=1e-12)
         assert_allclose(v[:3], target.velocity, rtol=0, atol=1e-11)
         assert_allclose(a[:3], target.acceleration, rtol=0, atol=1e-9)
@@ -85,8 +85,10 @@ def test_end_path_derivatives_are_those_of_its_position() -> None:
     path = EndPath.at_rest(0.0, EndMotion()).to(0.5, EndMotion(y=1.0, vy=3.0, ay=2.0, yaw=0.3, yaw_rate=1.0))
     d = 1e-6
     for t in (0.1, 0.25, 0.4):
-        assert_allclose((path(t + d)[0] - path(t - d)[0]) / (2 * d), path(t)[1], rtol=0, atol=1e-8)
-        assert_allclose((path(t + d)[1] - path(t - d)[1]) / (2 * d), path(t)[2], rtol=0, atol=1e-7)
+        before, now, after = (np.array(path.motion(at)) for at in (t - d, t, t + d))
+        for rate, tolerance in ((1, 1e-8), (2, 1e-7)):
+            found = (after[rate - 1] - before[rate - 1]) / (2 * d)
+            assert_allclose(found, now[rate], rtol=0, atol=tolerance)
 
 
 def test_rope_at_rest_stays_at_rest() -> None:

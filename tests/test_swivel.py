@@ -14,8 +14,9 @@ from rope_model.numerics.events import locate
 from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.physics.swivel import friction_moment
-from rope_model.simulation.ends import EndMotion, HangingEnds, Phase, SwivelState
+from rope_model.simulation.ends import HangingEnds, Phase, SwivelState
 from rope_model.simulation.model import RopeModel
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import Event

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from balance_rope import main
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import rope_120
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 WINDING = tool_driver.STEPS

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 
 from evidence.stability.frames import TURNED, turn, turn_through
 from rope_model.parameters import Mesh, Rope, Scene, rope_120
-from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.statics import find_equilibrium
 

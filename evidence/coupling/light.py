@@ -19,7 +19,7 @@ from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import Motion, Pair, Scheme, Vector
 from hoist_demo.cosimulation.schemes.stability import growth, measure_response
 from rope_model.parameters import Mesh, Rope, Scene
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from rope_model.parameters import Mesh, Scene
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
-from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 from .elements import ELEMENTS

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from evidence.claims import Measurement
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
-from rope_model.simulation.ends import EndMotion
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 from .entry import Array, Curve, Entry, Figure, Finding

@@ -13,8 +13,8 @@ from scipy.linalg import cho_factor, cho_solve, eigh
 from evidence.claims import Measurement
 from rope_model.numerics.generalized_alpha import Coefficients, Motion, restart, step
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
-from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.modal import assemble_matrix
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem
 from rope_model.simulation.simulator import RopeSimulator
 

@@ -11,8 +11,8 @@ from scipy.sparse.linalg import splu
 
 from evidence.claims import Measurement
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
-from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.modal import assemble_matrix
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 from . import bulging, falling, hockling, turn_over

@@ -16,7 +16,8 @@ from evidence.claims import Measurement
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.balance_rope import Status
-from rope_model.simulation.ends import EndMotion, Phase, SwivelState
+from rope_model.simulation.ends import Phase, SwivelState
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.simulator import RopeSimulator
 

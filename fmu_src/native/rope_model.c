@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formulas.h"
 #include "model.h"
 #include "rope.h"
 #include "rope_table.h"
@@ -86,8 +87,8 @@ int model_step(ModelInstance *model, double t, double h, const double *values, c
     EndMotion ends[2];
     read_motions(values, ends);
     if (!model->at_step_end) {
-        ends[LEFT] = end_extrapolate(ends[LEFT], h);
-        ends[RIGHT] = end_extrapolate(ends[RIGHT], h);
+        ends[LEFT] = end_extrapolate(&ends[LEFT], h);
+        ends[RIGHT] = end_extrapolate(&ends[RIGHT], h);
         if (rope_has_moved(model->rope)) within = fmax(within, model->interval);
     }
     if (!copy_message(model, rope_advance(model->rope, t + h, ends, within), message)) return 0;

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
-from rope_model.simulation.ends import EndMotion
 from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.signals import SIGNALS
 
@@ -89,18 +87,8 @@ def _home(v: Variable) -> tuple[str, str]:
     if v.causality == "output" or v.name == "solver.kernels":  # status of the component; of no use in native code
         return "NOWHERE", "0"
     if v.causality == "input":
-        return f"{group.upper()}_MOTION", f"offsetof(EndMotion, {dict(_motion_fields())[field]})"
+        return f"{group.upper()}_MOTION", f"offsetof(EndMotion, {field})"
     if match := re.fullmatch(r"counts\[(\d+)\]", field):
         field = f"counts[{int(match[1]) - 1}]"
     where = "SCENE_REAL" if v.kind == "Real" else "SCENE_INTEGER"
     return where, f"offsetof(Scene, {_SCENE.get(group, group)}.{field})"
-
-
-def _motion_fields() -> Iterator[tuple[str, str]]:
-    """Fields of the Python EndMotion, and those of struct EndMotion in rope.h."""
-    for field in dataclasses.fields(EndMotion):
-        name = field.name
-        if name[-1] in "xyz":
-            yield name, f"{name[:-1] or 'x'}[{'xyz'.index(name[-1])}]"
-        else:
-            yield name, name

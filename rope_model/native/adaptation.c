@@ -73,7 +73,8 @@ int rigid_state(Simulator *rope, State *state, double t, char *message) {
     state->t = t;
     transform_if_due(rope, state);
     const Arrays m = state_arrays(state);
-    rigid_rope(&rope->scene, state->paths, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->energy_balance.kinetic,
+    const EndMotion ends[2] = {path_at(&state->paths[LEFT], t), path_at(&state->paths[RIGHT], t)};
+    rigid_rope(&rope->scene, ends, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->energy_balance.kinetic,
                &state->energy_balance.gravity, message);
     memcpy(m.b, m.a, sizeof(double) * (size_t)m.nodes * DOF);
     memset(m.a_rate, 0, sizeof(double) * (size_t)m.nodes * DOF);
@@ -133,7 +134,7 @@ static int flexible_start(Simulator *rope, State *state, char *message) {
 int raise_fidelity(Simulator *rope, State *state, const char *why, char *message) {
     const Arrays m = state_arrays(state);
     const int was = state->fidelity;
-    const EndMotion ends[2] = {path_end(&state->paths[LEFT]), path_end(&state->paths[RIGHT])};
+    const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
     say_cannot_follow(state->fidelity_reason, fidelity_name(was), why);
     state->fidelity = fidelity_lowest_sufficient(&rope->scene, ends);
     state->offsets[LEFT] = 0;

@@ -69,13 +69,6 @@ static inline double end_value(const EndMotion *motion, int place) {
 }
 
 /* ends.c: rope_model.simulation.ends */
-Path path_resting(double t, const EndMotion *at);
-/* the motion at t with its accelerations kept, before and after */
-Path path_coasting(const Path *path, double t);
-Path path_to(const Path *path, double stop, const EndMotion *target, double within);
-/* value, rate and acceleration of x, y, z or yaw */
-void path_rates(const Path *path, double t, int axis, double rates[3]);
-EndMotion path_end(const Path *path); /* the motion in which it ends; fidelity.ends_after */
 void end_refusal(const EndMotion *target, const Path *path, int side, char *message);
 /* of the conveyance's yaw in theta */
 static const double YAW_SENSE[2] = {-1.0, 1.0};
@@ -92,16 +85,10 @@ int fidelity_lowest_sufficient(const Scene *scene, const EndMotion ends[2]);
 void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], char *what);
 int scene_carries_torque(const Scene *scene);
 
-/* where the end is that is x away from its nominal point */
-void suspension_point(const Scene *scene, int side, const double x[3], double point[3]);
-
 /* rigid.c: rope_model.simulation.rigid; q, v, a, reaction (nodes x DOF); message "" when all is well */
 double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]);
-void rigid_rope(const Scene *scene, const Path paths[2], double t, int nodes, const double *s, double *q, double *v,
+void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q, double *v,
                 double *a, double *reaction, double *kinetic, double *gravity, char *message);
-/* tensions at both ends at t, where the ends are moved by dx (m), dv and da upwards */
-void rigid_tensions(const Scene *scene, const Path paths[2], double t, const double dx[2][3], const double dv[2],
-                    const double da[2], double tensions[2]);
 /* tension (points) at the places `at` with the heights y */
 void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, const double *y,
                    double *tension);

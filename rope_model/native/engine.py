@@ -19,9 +19,10 @@ from ..physics.accuracy import ErrorSums
 from ..simulation import messages
 from ..simulation.audit import Audit, audit_of
 from ..simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
-from ..simulation.ends import SHORTEST_AIM, SIDES, EndMotion, EndPath, Phase, SwivelState
+from ..simulation.ends import Phase, SwivelState
 from ..simulation.fidelity import Fidelity
 from ..simulation.mesh import Partition
+from ..simulation.paths import SHORTEST_AIM, SIDES, EndMotion, EndPath
 from ..simulation.result_warnings import WARNINGS
 from ..simulation.signals import SIGNALS, checked_names
 from ..simulation.state import Counts, EnergyBalance, Event, Powers, RopeState
@@ -279,7 +280,7 @@ def _unpack(data: bytes) -> RopeState:
         ),
         offsets=(s.offsets[0], s.offsets[1]),
         swivels=tuple(SwivelState(Phase(w.phase), w.angle, w.sign) for w in s.swivels),  # type: ignore[arg-type]
-        paths=tuple(EndPath(p.start, p.stop, p.aim, tuple(map(tuple, p.c))) for p in s.paths),  # type: ignore[arg-type]
+        paths=tuple(EndPath(p.start, p.stop, p.aim, tuple(map(tuple, p.coefficients))) for p in s.paths),  # type: ignore[arg-type]
         step_next=s.step_next,
         last_interval=s.last_interval,
         force_mean=(s.force_mean[0], s.force_mean[1]),

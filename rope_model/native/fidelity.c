@@ -49,9 +49,9 @@ static int turns_freely(const Scene *scene) {
 }
 
 static Travel expected_travel(const EndMotion ends[2]) {
-    double speed = larger(fabs(ends[LEFT].v[1]), fabs(ends[RIGHT].v[1]));
-    double acceleration = larger(fabs(ends[LEFT].a[1]), fabs(ends[RIGHT].a[1]));
-    return travel_estimate(fabs(ends[LEFT].x[1] - ends[RIGHT].x[1]), speed, acceleration);
+    double speed = larger(fabs(ends[LEFT].vy), fabs(ends[RIGHT].vy));
+    double acceleration = larger(fabs(ends[LEFT].ay), fabs(ends[RIGHT].ay));
+    return travel_estimate(fabs(ends[LEFT].y - ends[RIGHT].y), speed, acceleration);
 }
 
 static int both_locked(const Scene *scene) {

@@ -11,11 +11,12 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import product
 from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import casadi as ca
 
-from ..numerics import generalized_alpha, quintic
+from ..numerics import generalized_alpha
 from ..parameters import Accuracy, Layout, Rope, Scene
 from ..physics import (
     accuracy,
@@ -32,6 +33,7 @@ from ..physics import (
 )
 from ..simulation import audit, ends, mesh, statics
 from ..simulation.audit import Audit
+from ..simulation.paths import EndMotion, EndPath
 from ..simulation.state import EnergyBalance
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
@@ -40,12 +42,19 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double dot(const double a[3], const double b[3])": elementary.dot,
     "void end_moment(const double d[3], const double f[3], double torque, double moment[3])": frame.end_moment,
     "double right_offset(const double left[3], const double right[3])": ends.right_offset,
-    "void quintic(double h, double x0, double v0, double a0, double x1, double v1, double a1, double c[6])": (
-        quintic.coefficients
+    "EndMotion end_extrapolate(const EndMotion *end, double h)": EndMotion.extrapolate,
+    "Path path_resting(double t, const EndMotion *at)": EndPath.at_rest,
+    "Path path_to(const Path *path, double stop, const EndMotion *target, double within)": EndPath.to,
+    "Path path_coasting(const Path *path, double t)": EndPath.at_constant_acceleration,
+    "EndMotion path_at(const Path *path, double t)": EndPath.at,
+    "double path_height(const Path *path, double t)": EndPath.height,
+    "void path_motion(const Path *path, double t, double motion[3][4])": EndPath.motion,
+    "void path_peaks(const Path *path, double peaks[4])": EndPath.peak_accelerations,
+    "void held_end(const Path *path, double t, double nominal_x, double sense, double angle, double rows[3][7])": (
+        ends.held_end
     ),
-    "void quintic_rates(const double c[6], double s, double rates[3])": quintic.rates,
-    "double quintic_acceleration(const double c[6], double s)": quintic.acceleration,
-    "double missing_time(double x, double v)": ends.missing_time,
+    "void suspension_points(const Layout *layout, const EndMotion *left, const EndMotion *right, "
+    "double points[2][3])": outline.suspension_points,
     "void node_values(double xi, double l, const double nodes[14], double values[7])": hermite.node_values,
     "void missing_load(double start, double stop, double s, double l, double old_s, double old_l, "
     "const double old[14], const double now[14], double load[14])": hermite.missing_load,
@@ -64,11 +73,12 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double energy_total(const EnergyBalance *energy_balance)": energy_balance.total,
     "double energy_residual(const EnergyBalance *energy_balance)": energy_balance.residual,
     "Flow rigid_flow(double v1, double v2)": inextensible.flow,
-    "Pull rigid_pull(const Rope *rope, const Layout *layout, const double ends[2][3], const double v[2], "
-    "const double a[2])": inextensible.pull,
+    "Pull rigid_pull(const Rope *rope, const Layout *layout, const EndMotion *left, const EndMotion *right)": (
+        inextensible.pull
+    ),
     "double rigid_lowest(const Pull *pull)": inextensible.lowest,
-    "void rigid_energies(const Rope *rope, const Layout *layout, const Pull *pull, const double y[2], "
-    "const double v[2], double energies[2])": inextensible.energies,
+    "void rigid_energies(const Rope *rope, const Layout *layout, const Pull *pull, const EndMotion *left, "
+    "const EndMotion *right, double energies[2])": inextensible.energies,
     "double rigid_tension_at(double rho, double gravity, const Flow *rate, double at_end, double rise, double s)": (
         inextensible.tension
     ),
@@ -131,8 +141,9 @@ DEFINED_HERE: tuple[type[Any], ...] = (
 )
 #: what a formula may take or return whole
 STRUCTURES: dict[str, type[Any]] = {
-    kind.__name__: kind for kind in (Rope, Layout, Scene, EnergyBalance, accuracy.ErrorSums, Audit, *DEFINED_HERE)
-}
+    kind.__name__: kind
+    for kind in (Rope, Layout, Scene, EndMotion, EnergyBalance, accuracy.ErrorSums, Audit, *DEFINED_HERE)
+} | {"Path": EndPath}
 #: numbers of the formulas that switches look at
 CONSTANTS = {"LARGEST_YAW": estimates.LARGEST_YAW, "FADE_ERROR": mesh.FADE_ERROR, "MESH_SHARE": mesh.MESH_SHARE} | {
     name: getattr(audit, name)
@@ -158,8 +169,10 @@ static inline double smaller(double x, double y) {
     return y < x ? y : x;
 }
 """
-_SUM, _PRODUCT, _SIGN, _ATOM = range(4)
+_CHOICE, _COMPARISON, _SUM, _PRODUCT, _SIGN, _ATOM = range(6)
 _OPERATORS = {ca.OP_ADD: ("+", _SUM), ca.OP_SUB: ("-", _SUM), ca.OP_MUL: ("*", _PRODUCT), ca.OP_DIV: ("/", _PRODUCT)}
+_OPERATORS |= {ca.OP_LT: ("<", _COMPARISON), ca.OP_LE: ("<=", _COMPARISON)}
+_OPERATORS |= {ca.OP_EQ: ("==", _COMPARISON), ca.OP_NE: ("!=", _COMPARISON)}
 _CALLS = {
     ca.OP_SQRT: "sqrt",
     ca.OP_LOG: "log",
@@ -191,6 +204,9 @@ class _Text(NamedTuple):
 
     text: str
     binds: int
+    #: of elementary.where, which is the sum of two parts: condition and value of the one, value of the other
+    condition: str = ""
+    value: str = ""
 
     def within(self, least: int) -> str:
         """As an operand of what binds ``least``."""
@@ -210,8 +226,14 @@ def _definition(kind: type[Any]) -> str:
     return f"/* {kind.__module__}.{kind.__name__} */\ntypedef struct {{\n{members}}} {kind.__name__};\n"
 
 
+def shape_of(hint: Any) -> tuple[int, ...]:
+    """() of a number, lengths of a tuple of numbers or of tuples alike."""
+    parts = get_args(hint) if get_origin(hint) is tuple else ()
+    return (len(parts), *shape_of(parts[0])) if parts else ()
+
+
 def _lengths(hint: Any) -> str:
-    return f"[{len(get_args(hint))}]" if get_origin(hint) is tuple else ""
+    return "".join(f"[{n}]" for n in shape_of(hint))
 
 
 def function_code(prototype: str, formula: Callable[..., Any]) -> str:
@@ -225,7 +247,9 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
         traced = ca.Function("formula", [x for s in symbols for x in _numbers(s)], values)
         lines, texts = _statements(traced)
     if result == "void":
-        lines += [f"{arguments[-1].name}[{k}] = {text};" for k, text in enumerate(texts)]
+        taker = arguments[-1]
+        places = product(*map(range, taker.shape))
+        lines += [f"{taker.name}{''.join(f'[{k}]' for k in at)} = {x};" for at, x in zip(places, texts, strict=True)]
     elif result == "double":
         lines += [f"return {texts[0]};"]
     else:
@@ -269,8 +293,8 @@ def _structure(kind: type[Any], prefix: str) -> Any:
     for name, hint in get_type_hints(kind).items():
         if hint is float:
             values[name] = ca.SX.sym(prefix + name)
-        elif get_origin(hint) is tuple and set(get_args(hint)) == {float}:
-            values[name] = _array(prefix + name, (len(get_args(hint)),))
+        elif get_origin(hint) is tuple:
+            values[name] = _array(prefix + name, shape_of(hint))
         elif hint in (Rope, Layout, Accuracy):
             values[name] = _structure(hint, f"{prefix}{name}.")
     if issubclass(kind, tuple):
@@ -301,12 +325,13 @@ def _statements(f: ca.Function) -> tuple[list[str], list[str]]:
             continue
         if operation == ca.OP_CONST:
             value = f.instruction_constant(k)
-            made = _Text("PI" if value == math.pi else repr(value), _SIGN if value < 0 else _ATOM)
+            text = "PI" if value == math.pi else "INFINITY" if value == math.inf else repr(value)
+            made = _Text(text, _SIGN if value < 0 else _ATOM)
         elif operation == ca.OP_INPUT:
             made = _Text(inputs[sources[0]], _ATOM)
         else:
             made = _expression(operation, [values[s] for s in sources])
-            if uses[k] > 1 or len(made.text) > _LONG:
+            if (uses[k] > 1 or len(made.text) > _LONG) and not made.value:
                 lines.append(f"const double t{len(lines)} = {made.text};")
                 made = _Text(f"t{len(lines) - 1}", _ATOM)
         values[target[0]] = made
@@ -318,7 +343,7 @@ def _uses(f: ca.Function) -> Counter[int]:
     made_by: dict[int, int] = {}
     uses: Counter[int] = Counter()
     for k in range(f.n_instructions()):
-        if f.instruction_id(k) not in (ca.OP_INPUT, ca.OP_CONST):
+        if f.instruction_id(k) not in (ca.OP_INPUT, ca.OP_CONST, ca.OP_NOT):
             uses.update(made_by[s] for s in f.instruction_input(k))
         if f.instruction_id(k) != ca.OP_OUTPUT:
             made_by[f.instruction_output(k)[0]] = k
@@ -330,8 +355,15 @@ def _expression(operation: int, operands: Sequence[_Text]) -> _Text:
         return _Text(f"-{operands[0].within(_ATOM)}", _SIGN)
     if operation in _CALLS:
         return _Text(f"{_CALLS[operation]}({', '.join(x.text for x in operands)})", _ATOM)
-    sign, binds = _OPERATORS[operation]
+    if operation == ca.OP_NOT:
+        return _Text(f"!{operands[0].within(_ATOM)}", _SIGN)
+    if operation == ca.OP_IF_ELSE_ZERO:
+        condition, value = (x.within(_COMPARISON) for x in operands)
+        return _Text(f"{condition} ? {value} : 0.0", _CHOICE, condition, value)
     left, right = operands
+    if left.value and right.value:
+        return _Text(f"{left.condition} ? {left.value} : {right.value}", _CHOICE)
+    sign, binds = _OPERATORS[operation]
     # what stands on the right is computed first
     return _Text(f"{left.within(binds)} {sign} {right.within(binds + 1)}", binds)
 
@@ -339,8 +371,8 @@ def _expression(operation: int, operands: Sequence[_Text]) -> _Text:
 def _initializer(kind: type[Any], texts: list[str]) -> str:
     """The members of ``kind`` in braces."""
     rest = iter(texts)
-    members = []
-    for hint in get_type_hints(kind).values():
-        parts = get_args(hint) if get_origin(hint) is tuple else ()
-        members.append(f"{{{', '.join(next(rest) for _ in parts)}}}" if parts else next(rest))
-    return f"{{{', '.join(members)}}}"
+
+    def member(shape: tuple[int, ...]) -> str:
+        return f"{{{', '.join(member(shape[1:]) for _ in range(shape[0]))}}}" if shape else next(rest)
+
+    return f"{{{', '.join(member(shape_of(hint)) for hint in get_type_hints(kind).values())}}}"

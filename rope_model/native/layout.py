@@ -12,7 +12,8 @@ from typing import Any
 
 from ..physics.accuracy import ErrorSums
 from ..simulation.audit import Audit
-from ..simulation.ends import PATH, Phase
+from ..simulation.ends import Phase
+from ..simulation.paths import PATH
 from ..simulation.state import Counts, EnergyBalance
 from ..simulation.switching import CHATTER
 
@@ -27,7 +28,7 @@ _NUMBERS: dict[Any, str] = {c_double: "double", c_int: "int", c_int64: "int64_t"
 class PathStructure(Structure):
     """a quintic in s = t - start for each of x, y, z and yaw, aimed at the instant aim; left, and held, at stop"""
 
-    _fields_ = (("start", c_double), ("stop", c_double), ("aim", c_double), ("c", c_double * 6 * len(PATH)))
+    _fields_ = (("start", c_double), ("stop", c_double), ("aim", c_double), ("coefficients", c_double * 6 * len(PATH)))
 
 
 class SwivelStructure(Structure):

@@ -41,10 +41,11 @@ static void perturbed_step(Simulator *rope, int side, int dof, const double d[3]
 
 /* tensions of the rigid rope at its ends, one of which is moved by d[k] along an axis in its k-th derivative */
 static void rigid_answer(const Simulator *rope, int side, int axis, const double d[3], double tensions[2]) {
-    double dx[2][3] = {{0}}, dv[2] = {0}, da[2] = {0};
-    dx[side][axis] = d[0];
-    if (axis == 1) dv[side] = d[1], da[side] = d[2];
-    rigid_tensions(&rope->scene, rope->state->paths, rope->state->t, dx, dv, da, tensions);
+    const Path *paths = rope->state->paths;
+    EndMotion ends[2] = {path_at(&paths[LEFT], rope->state->t), path_at(&paths[RIGHT], rope->state->t)};
+    for (int k = 0; k < 3; k++) ((double *)&ends[side])[3 * k + axis] += d[k];
+    const Pull pull = rigid_pull(&rope->scene.rope, &rope->scene.layout, &ends[LEFT], &ends[RIGHT]);
+    memcpy(tensions, pull.tensions, sizeof pull.tensions);
 }
 
 /* kg: how much each end's downward force grows with an upward acceleration held over the last interval */

@@ -16,16 +16,6 @@ enum { SLOPE = 3, ANGLE = 6, DOF = 7 };
 /* room for a message, its end included */
 enum { MESSAGE = 512 };
 
-/* the motion h later if the accelerations stay as they are */
-static inline EndMotion end_extrapolate(EndMotion end, double h) {
-    for (int axis = 0; axis < 3; axis++) {
-        end.x[axis] = end.x[axis] + end.v[axis] * h + 0.5 * end.a[axis] * h * h;
-        end.v[axis] = end.v[axis] + end.a[axis] * h;
-    }
-    end.yaw = end.yaw + end.yaw_rate * h;
-    return end;
-}
-
 /* where memory comes from and goes to; as calloc and free */
 typedef struct {
     void *(*take)(size_t number, size_t size);

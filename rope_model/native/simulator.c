@@ -160,10 +160,10 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
         end_refusal(end, &state->paths[side], side, rope->message);
         if (rope->message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
-        for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs(end->v[k]));
+        for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
         if (fastest > 1e-6) return say_moves_at_start(rope->message, SIDE_NAMES[side]);
-        suspension_point(&rope->scene, side, end->x, points[side]);
     }
+    suspension_points(&rope->scene.layout, &ends[LEFT], &ends[RIGHT], points);
     return 1;
 }
 

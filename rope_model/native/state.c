@@ -56,12 +56,10 @@ static int path_plausible(const Path *path, double t) {
     const double distant = 1e5;
     if (!(path->start <= path->stop && isfinite(path->aim) && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t))))
         return 0;
-    for (int axis = 0; axis < 4; axis++) {
-        double rates[3];
-        path_rates(path, path->stop, axis, rates);
-        for (int k = 0; k < 3; k++)
-            if (!(fabs(rates[k]) <= distant)) return 0;
-    }
+    double motion[3][4];
+    path_motion(path, path->stop, motion);
+    for (int k = 0; k < 12; k++)
+        if (!(fabs(motion[k / 4][k % 4]) <= distant)) return 0;
     return 1;
 }
 

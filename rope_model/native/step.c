@@ -60,14 +60,8 @@ double transport_angles(Simulator *rope, State *state, double *q, double *v, dou
 }
 
 void prescribed_motion(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]) {
-    memset(rows, 0, sizeof(double) * 3 * DOF);
-    for (int axis = 0; axis < 4; axis++) {
-        double rates[3];
-        path_rates(&state->paths[side], t, axis, rates);
-        for (int k = 0; k < 3; k++) rows[k][axis < 3 ? axis : ANGLE] = axis < 3 ? rates[k] : YAW_SENSE[side] * rates[k];
-    }
-    suspension_point(&rope->scene, side, rows[0], rows[0]);
-    rows[0][ANGLE] += state->offsets[side] + state->swivels[side].angle;
+    held_end(&state->paths[side], t, (side == LEFT ? -0.5 : 0.5) * rope->scene.layout.spacing, YAW_SENSE[side],
+             state->offsets[side] + state->swivels[side].angle, rows);
 }
 
 void prescribe(const Simulator *rope, const State *state, const System *s, double t, int orders, double *const x[]) {
@@ -173,10 +167,8 @@ void restart(Simulator *rope, State *state) {
 }
 
 double bottom_of(const Simulator *rope, const State *state, double t) {
-    double left[3], right[3];
-    path_rates(&state->paths[LEFT], t, 1, left);
-    path_rates(&state->paths[RIGHT], t, 1, right);
-    return 0.5 * (rope->scene.rope.length + left[0] - right[0]);
+    const double left = path_height(&state->paths[LEFT], t), right = path_height(&state->paths[RIGHT], t);
+    return 0.5 * (rope->scene.rope.length + left - right);
 }
 
 /* what flows in and out at this instant */

@@ -7,11 +7,11 @@ in the list of choices.  The kernels' form is Python's own business.
 from __future__ import annotations
 
 import ctypes
-from dataclasses import fields
+from dataclasses import astuple, fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from ..parameters import Accuracy, Layout, Mesh, Model, Rope, Scene, Solver, Swivel
-from ..simulation.ends import PATH, EndMotion, EndPath
+from ..simulation.paths import PATH, EndMotion, EndPath
 from .layout import PathStructure
 
 NOT_IN_C = {"kernels"}
@@ -63,11 +63,7 @@ class SceneStructure(ctypes.Structure):
 class EndStructure(ctypes.Structure):
     """motion of a suspension point: x and z from the nominal point, y the height in the shaft, yaw about Y"""
 
-    _fields_ = (
-        *((name, ctypes.c_double * 3) for name in ("x", "v", "a")),
-        ("yaw", ctypes.c_double),
-        ("yaw_rate", ctypes.c_double),
-    )
+    _fields_ = tuple((field.name, ctypes.c_double) for field in fields(EndMotion))
 
 
 def scene_structure(scene: Scene) -> SceneStructure:
@@ -79,8 +75,7 @@ def scene_structure(scene: Scene) -> SceneStructure:
 
 def end_structure(motion: EndMotion) -> EndStructure:
     """The motion of a suspension point as C sees it."""
-    places = (motion.position, motion.velocity, motion.acceleration)
-    return EndStructure(*(_array(values) for values in places), motion.yaw, motion.yaw_rate)
+    return EndStructure(*astuple(motion))
 
 
 def path_structure(path: EndPath) -> PathStructure:
@@ -101,7 +96,3 @@ def _value(value: Any, hint: Any) -> Any:
     if get_origin(hint) is Literal:
         return get_args(hint).index(value)
     return tuple(value) if get_origin(hint) is tuple else value
-
-
-def _array(values: tuple[float, ...]) -> Any:
-    return (ctypes.c_double * len(values))(*values)

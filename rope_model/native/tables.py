@@ -9,9 +9,9 @@ from typing import Any, get_args
 
 from ..parameter_table import Parameter, check_order, parameters_of
 from ..parameters import MOST_ELEMENTS, FidelityChoice
-from ..simulation.ends import HARDEST, REACH
 from ..simulation.fidelity import FIDELITIES
 from ..simulation.neglected_effects import neglected_text
+from ..simulation.paths import HARDEST, REACH
 from ..simulation.signals import SHAPE_POINTS, SIGNALS, group_of
 from ..simulation.state import EnergyBalance
 from .layout import structure_code

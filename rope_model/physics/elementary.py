@@ -45,12 +45,19 @@ def atan2(y: Any, x: Any) -> Any:
 
 def larger(x: Any, y: Any) -> Any:
     """The larger one; ``x`` where they are equal."""
-    return max(x, y) if isinstance(x, float) else _library(x).fmax(x, y)
+    return max(x, y) if isinstance(x, float | int) else _library(x).fmax(x, y)
 
 
 def smaller(x: Any, y: Any) -> Any:
     """The smaller one; ``x`` where they are equal."""
-    return min(x, y) if isinstance(x, float) else _library(x).fmin(x, y)
+    return min(x, y) if isinstance(x, float | int) else _library(x).fmin(x, y)
+
+
+def where(condition: Any, x: Any, y: Any) -> Any:
+    """``x`` where the condition holds, else ``y``; both are computed."""
+    if isinstance(condition, ca.SX):
+        return ca.if_else(condition, x, y)
+    return np.where(condition, x, y) if isinstance(condition, np.ndarray) else x if condition else y
 
 
 def dot(a: Any, b: Any) -> Any:
@@ -64,4 +71,4 @@ def cross(a: Any, b: Any) -> tuple[Any, Any, Any]:
 
 
 def _library(x: Any) -> Any:
-    return math if isinstance(x, float) else np if isinstance(x, np.ndarray) else ca
+    return math if isinstance(x, float | int) else np if isinstance(x, np.ndarray) else ca

@@ -21,6 +21,7 @@ import math
 from typing import Any, NamedTuple
 
 from .elementary import hypot, smaller
+from .outline import suspension_points
 
 
 class Flow(NamedTuple):
@@ -48,18 +49,21 @@ def flow(v1: Any, v2: Any) -> Flow:
     return Flow(0.5 * (v1 - v2), 0.5 * (v1 + v2))
 
 
-def pull(rope: Any, layout: Any, ends: Any, v: Any, a: Any) -> Pull:
-    """For ``ends`` (2, 3) with speeds and accelerations upwards (2,)."""
+def pull(rope: Any, layout: Any, left: Any, right: Any) -> Pull:
+    """For ends that move like this."""
     rho, g, L = rope.mass_per_length, layout.gravity, rope.length
-    radius = 0.5 * hypot(ends[1][0] - ends[0][0], ends[1][2] - ends[0][2])
+    start, stop = suspension_points(layout, left, right)
+    radius = 0.5 * hypot(stop[0] - start[0], stop[2] - start[2])
     half = math.pi * radius
-    l1 = 0.5 * (L - half + (ends[0][1] - ends[1][1]))
+    l1 = 0.5 * (L - half + (left.y - right.y))
     l2 = L - half - l1
-    u, rate = flow(v[0], v[1]).u, flow(a[0], a[1])
+    u, rate = flow(left.vy, right.vy).u, flow(left.ay, right.ay)
     arc = rho * half
     common = 0.5 * (arc * (g + rate.w) + 2 * rho * u * u)
     below = common + 0.5 * arc * rate.u, common - 0.5 * arc * rate.u
-    return Pull((below[0] + rho * l1 * (g + a[0]), below[1] + rho * l2 * (g + a[1])), below, (l1, l2), arc, radius)
+    return Pull(
+        (below[0] + rho * l1 * (g + left.ay), below[1] + rho * l2 * (g + right.ay)), below, (l1, l2), arc, radius
+    )
 
 
 def lowest(pull: Any) -> Any:
@@ -67,12 +71,12 @@ def lowest(pull: Any) -> Any:
     return smaller(smaller(pull.below[0], pull.below[1]), smaller(pull.tensions[0], pull.tensions[1]))
 
 
-def energies(rope: Any, layout: Any, pull: Any, y: Any, v: Any) -> tuple[Any, Any]:
-    """Kinetic energy and potential energy of the weight (J), for the ends' heights and speeds upwards (2,)."""
-    rho, (l1, l2), (u, w) = rope.mass_per_length, pull.legs, flow(v[0], v[1])
-    kinetic = 0.5 * rho * (l1 * (v[0] * v[0]) + l2 * (v[1] * v[1])) + 0.5 * pull.arc * (w * w + u * u)
-    middle = y[0] - l1 - 2 * pull.radius / math.pi
-    weights = rho * l1 * (y[0] - 0.5 * l1) + rho * l2 * (y[1] - 0.5 * l2) + pull.arc * middle
+def energies(rope: Any, layout: Any, pull: Any, left: Any, right: Any) -> tuple[Any, Any]:
+    """Kinetic energy and potential energy of the weight (J), for ends that move like this."""
+    rho, (l1, l2), (u, w) = rope.mass_per_length, pull.legs, flow(left.vy, right.vy)
+    kinetic = 0.5 * rho * (l1 * (left.vy * left.vy) + l2 * (right.vy * right.vy)) + 0.5 * pull.arc * (w * w + u * u)
+    middle = left.y - l1 - 2 * pull.radius / math.pi
+    weights = rho * l1 * (left.y - 0.5 * l1) + rho * l2 * (right.y - 0.5 * l2) + pull.arc * middle
     return kinetic, layout.gravity * weights
 
 

@@ -10,6 +10,12 @@ from typing import Any
 from .elementary import dot, larger, smaller
 
 
+def suspension_points(layout: Any, left: Any, right: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """(2, 3): where ends are whose motions count from their nominal points."""
+    half = 0.5 * layout.spacing
+    return (-half + left.x, left.y, left.z), (half + right.x, right.y, right.z)
+
+
 def place(bottom: Any, reach: Any, part: Any, loop: Any) -> Any:
     """Arc length (m) of the sample at ``part`` from 0 to 1 of the ``reach`` from ``bottom`` to an end of the rope.
 

@@ -12,9 +12,10 @@ import numpy as np
 from ..numerics.generalized_alpha import Solution
 from . import messages
 from .ends import right_offset
-from .fidelity import carries_torque, ends_after, lowest_sufficient
+from .fidelity import carries_torque, lowest_sufficient
 from .mesh import Partition, transform, transformation_due
 from .model import RopeModel, ends_of, energies, with_angles_along
+from .paths import ends_at
 from .rigid import flexible_start, with_elastic_strain
 from .rope_system import POSITION, SLOPE, Evaluation
 from .state import Event, RopeState
@@ -68,7 +69,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the next higher
     fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.
     """
-    fidelity = lowest_sufficient(model.scene, ends_after(state.paths))
+    fidelity = lowest_sufficient(model.scene, ends_at(state.paths, state.paths[0].stop))
     reason = messages.cannot_follow(state.fidelity, why)
     log.info("t = %.6f s: model: %s, because %s", state.motion.t, fidelity, reason)
     event = Event(state.motion.t, f"model {fidelity}")

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..parameters import Scene
-from .ends import SHORTEST_AIM, EndMotion
 from .fidelity import Fidelity
+from .paths import SHORTEST_AIM, EndMotion
 from .signals import checked_names
 from .state import RopeState
 

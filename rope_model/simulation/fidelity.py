@@ -31,7 +31,7 @@ from ..physics.estimates import (
     travel_estimate,
 )
 from . import messages
-from .ends import SIDES, EndMotion, EndPath
+from .paths import SIDES, EndMotion
 from .rigid import lowest_tension
 
 log = logging.getLogger(__name__)
@@ -68,18 +68,6 @@ def choose_fidelity(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
 def lowest_sufficient(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Fidelity:
     """The lowest fidelity that can follow the ends."""
     return next(fidelity for fidelity in FIDELITIES if not unsupported_motion(scene, fidelity, ends))
-
-
-def ends_after(paths: tuple[EndPath, EndPath]) -> tuple[EndMotion, EndMotion]:
-    """The motions in which the ends' paths end."""
-
-    def after(path: EndPath) -> EndMotion:
-        x, v, a = path(path.stop).tolist()
-        yaw, yaw_rate = x.pop(), v.pop()
-        names = ("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az")
-        return EndMotion(**dict(zip(names, x + v + a[:3], strict=True)), yaw=yaw, yaw_rate=yaw_rate)
-
-    return after(paths[0]), after(paths[1])
 
 
 def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: tuple[EndMotion, EndMotion]) -> str:

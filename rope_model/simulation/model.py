@@ -14,8 +14,9 @@ from ..physics.accuracy import add_errors, place_error, step_limits
 from ..physics.energy_balance import energies as energies_of
 from ..physics.frame import end_moment
 from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
-from .ends import EndPath, HangingEnds, Phase, nominal_points
+from .ends import HangingEnds, Phase, nominal_points
 from .fidelity import flexible
+from .paths import EndPath
 from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, KernelCache, RopeSystem, parameter_vector
 from .state import Powers, RopeState
 
@@ -75,7 +76,7 @@ class RopeModel:
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Arc length (m) of the loop's lowest point by the ends' heights alone."""
-        return 0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t))
+        return float(0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t)))
 
     def restart(self, state: RopeState) -> RopeState:
         """The state with consistent accelerations and no history."""

@@ -13,11 +13,15 @@ import numpy as np
 
 from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
-from ..physics.inextensible import Flow, Pull, energies, flow, lowest, pull, tension
+from ..physics.inextensible import Flow, energies, flow, lowest, pull, tension
+from ..physics.outline import suspension_points
 from . import messages
-from .ends import EndMotion, EndPath, HangingEnds, nominal_points
+from .ends import HangingEnds
+from .paths import EndMotion
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 from .statics import find_equilibrium, hanging_guess
+
+Ends = tuple[EndMotion, EndMotion]
 
 #: s, above 1/omega of the legs' longitudinal (0.02 s) and torsional modes (0.06 s), below that of the loop (1 s)
 SETTLING_TIME = 0.1
@@ -37,32 +41,24 @@ class RigidRope:
     motion: Motion
 
 
-def lowest_tension(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> float:
+def lowest_tension(scene: Scene, ends: Ends) -> float:
     """The smallest tension (N) of the rope; negative where it would have to push."""
-    points = nominal_points(scene.layout.spacing) + np.array([end.position for end in ends])
-    return float(lowest(_pull(scene, points, (ends[0].vy, ends[1].vy), (ends[0].ay, ends[1].ay))))
+    return float(lowest(pull(scene.rope, scene.layout, *ends)))
 
 
-def _pull(scene: Scene, ends: Array, v: tuple[float, float], a: tuple[float, float]) -> Pull:
-    """``ends`` (2, 3); speeds and accelerations upwards."""
-    return pull(scene.rope, scene.layout, ends.tolist(), v, a)
-
-
-def rigid_rope(scene: Scene, paths: tuple[EndPath, EndPath], t: float, nodes_s: Array) -> RigidRope:
+def rigid_rope(scene: Scene, ends: Ends, t: float, nodes_s: Array) -> RigidRope:
     """The rope at ``t``; ValueError where it would have to push."""
-    (x1, v1, a1), (x2, v2, a2) = (path(t) for path in paths)
-    ends = nominal_points(scene.layout.spacing) + np.array([x1[:3], x2[:3]])
-    speeds = float(v1[1]), float(v2[1])
-    now = _pull(scene, ends, speeds, (float(a1[1]), float(a2[1])))
+    left, right = ends
+    now = pull(scene.rope, scene.layout, left, right)
     if (least := lowest(now)) < 0:
         raise ValueError(messages.rope_goes_slack(least, t))
-    kinetic, gravity = energies(scene.rope, scene.layout, now, (float(x1[1]), float(x2[1])), speeds)
+    kinetic, gravity = energies(scene.rope, scene.layout, now, left, right)
 
-    q = hanging_guess(nodes_s, ends[0], ends[1])
-    v, a, reaction = _flow_velocities(q, flow(*speeds)), np.zeros_like(q), np.zeros_like(q)
-    for node, x_t, x_tt, end_tension in ((0, v1, a1, now.tensions[0]), (-1, v2, a2, now.tensions[1])):
-        v[node, POSITION], a[node, POSITION] = x_t[:3], x_tt[:3]
-        reaction[node, 1] = end_tension
+    q = hanging_guess(nodes_s, *np.array(suspension_points(scene.layout, left, right)))
+    v, a, reaction = _flow_velocities(q, flow(left.vy, right.vy)), np.zeros_like(q), np.zeros_like(q)
+    for node, end, tension_there in ((0, left, now.tensions[0]), (-1, right, now.tensions[1])):
+        v[node, POSITION], a[node, POSITION] = end.velocity, end.acceleration
+        reaction[node, 1] = tension_there
     return RigidRope(now.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
 
 
@@ -73,23 +69,21 @@ def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float
     return along
 
 
-def rigid_added_mass(scene: Scene, paths: tuple[EndPath, EndPath], t: float, h: float) -> tuple[float, float]:
+def rigid_added_mass(scene: Scene, ends: Ends, h: float) -> tuple[float, float]:
     """kg: how much each end's pull grows with an upward acceleration held over ``h``, by differences."""
-    size, masses = 1e-3, []
-    before = perturbed_tensions(scene, paths, t, np.zeros((2, 3, 3)))
-    for side in (0, 1):
-        change = np.zeros((2, 3, 3))
-        change[side, :, 1] = 0.5 * h * h * size, h * size, size
-        masses.append(float(perturbed_tensions(scene, paths, t, change)[side] - before[side]) / size)
-    return masses[0], masses[1]
+    size = 1e-3
+    change = {"y": 0.5 * h * h * size, "vy": h * size, "ay": size}
+    left, right = (tension_change(scene, ends, side, change)[side] / size for side in (0, 1))
+    return left, right
 
 
-def perturbed_tensions(scene: Scene, paths: tuple[EndPath, EndPath], t: float, change: Array) -> Array:
-    """(2,) N, of ends with ``change`` (ends; position, speed, acceleration; axes) added to their motions."""
-    x, v, a = (np.array([path(t)[k][:3] for path in paths]) + change[:, k] for k in range(3))
-    ends = nominal_points(scene.layout.spacing) + x
-    pull = _pull(scene, ends, (float(v[0, 1]), float(v[1, 1])), (float(a[0, 1]), float(a[1, 1])))
-    return np.array(pull.tensions)
+def tension_change(scene: Scene, ends: Ends, side: int, change: dict[str, float]) -> Array:
+    """(2,) N: what the tensions at the ends gain by a ``change`` of one end's motion, field by field."""
+    end = replace(ends[side], **{name: getattr(ends[side], name) + d for name, d in change.items()})
+    moved = (end, ends[1]) if side == 0 else (ends[0], end)
+    before, after = (np.array(pull(scene.rope, scene.layout, *motions).tensions) for motions in (ends, moved))
+    gained: Array = after - before
+    return gained
 
 
 def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Motion:

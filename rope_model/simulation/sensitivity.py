@@ -12,8 +12,9 @@ import numpy as np
 
 from ..physics.frame import end_moment
 from . import messages
-from .ends import SIDES, YAW_SENSE, EndMotion, Phase
-from .rigid import perturbed_tensions
+from .ends import YAW_SENSE, Phase
+from .paths import SIDES, EndMotion, ends_at
+from .rigid import tension_change
 from .rope_system import ANGLE, POSITION, SLOPE, Array
 from .simulator import RopeSimulator
 
@@ -30,7 +31,10 @@ def load_derivative(rope: RopeSimulator, side: int, name: str) -> Array:
     kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE)
     size = _SIZES[kind]
     if state.fidelity == "rigid":
-        return _rigid_derivative(rope, side, kind, dof)
+        # no side forces, no moments
+        out, ends = np.zeros((2, 6)), ends_at(state.paths, state.motion.t)
+        out[:, 1] = -tension_change(rope.scene, ends, side, {name: size}) / size
+        return out.ravel()
     if dof == ANGLE and state.swivels[side].phase is Phase.SLIP:
         return np.zeros(12)  # the friction does not know the yaw
     change = np.zeros(3)
@@ -53,16 +57,4 @@ def end_loads(rope: RopeSimulator, q: Array, reaction: Array) -> Array:
         torque = rope.ends.moment(side, reaction)
         out[side, 3:] = end_moment(q[node, SLOPE].tolist(), reaction[node, SLOPE].tolist(), torque)
         out[side, 3:] *= -1.0
-    return out.ravel()
-
-
-def _rigid_derivative(rope: RopeSimulator, side: int, kind: int, dof: int) -> Array:
-    """No side forces and no moments; only heights have speeds."""
-    state, change, out = rope.state, np.zeros((2, 3, 3)), np.zeros((2, 6))
-    if dof < 3 and (kind == 0 or dof == 1):
-        change[side, kind, dof] = _SIZES[kind]
-        before, after = (
-            perturbed_tensions(rope.scene, state.paths, state.motion.t, part * change) for part in (0.0, 1.0)
-        )
-        out[:, 1] = -(after - before) / _SIZES[kind]
     return out.ravel()

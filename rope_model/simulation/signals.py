@@ -18,8 +18,9 @@ from ..physics.stress import bending_stress, torsional_stress
 from .adaptation import nearest_turn
 from .audit import elements_per_bend
 from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, shape, shape_places, tension
-from .ends import SIDES, HangingEnds, Phase
+from .ends import HangingEnds, Phase
 from .fidelity import Fidelity
+from .paths import SIDES
 from .rigid import rigid_tension
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 from .state import RopeState

@@ -19,26 +19,17 @@ import numpy as np
 
 from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
+from ..physics.outline import suspension_points
 from . import messages
 from .adaptation import raise_fidelity
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
 from .diagnostics import LoopBottom, loop_bottom
-from .ends import (
-    SHORTEST_AIM,
-    SIDES,
-    EndMotion,
-    EndPath,
-    HangingEnds,
-    Phase,
-    SwivelState,
-    nominal_points,
-    refusal,
-    right_offset,
-)
+from .ends import HangingEnds, Phase, SwivelState, refusal, right_offset
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
 from .hang import hang
 from .mesh import Partition, fit_mesh, partition
 from .model import RopeModel, ends_of
+from .paths import SHORTEST_AIM, SIDES, EndMotion, EndPath, ends_at
 from .result_warnings import WARNINGS
 from .rigid import rigid_added_mass
 from .rope_system import Array, KernelCache, RopeSystem
@@ -175,7 +166,7 @@ class RopeSimulator(BalanceRope):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
                 return Status(False, messages.moves_at_start(side))
-        ends = nominal_points(scene.layout.spacing) + np.array([left.position, right.position])
+        ends = np.array(suspension_points(scene.layout, left, right))
         fidelity, reason = choose_fidelity(scene, (left, right))
         try:
             bottom = self.model.bottom(paths, t)
@@ -254,7 +245,7 @@ class RopeSimulator(BalanceRope):
         # one step of that length carries the change y = a h^2 / 2, v = a h
         m, h, size = self.state.motion, self.state.last_interval, 1e-3
         if self.state.fidelity == "rigid":
-            return rigid_added_mass(self.scene, self.state.paths, m.t, h)
+            return rigid_added_mass(self.scene, ends_at(self.state.paths, m.t), h)
         held, none, masses = np.array([0.5 * h * h, h, 1.0]), np.zeros(3), []
         for side, node in enumerate((0, -1)):
             before, after = (self.answer(side, 1, change)[1][node, 1] for change in (none, size * held))

@@ -12,9 +12,10 @@ from ..numerics.generalized_alpha import Motion
 from ..physics.accuracy import ErrorSums
 from ..physics.energy_balance import residual, total
 from .audit import Audit
-from .ends import EndPath, Phase, SwivelState
+from .ends import Phase, SwivelState
 from .fidelity import Fidelity
 from .mesh import Partition
+from .paths import EndPath
 
 
 class EnergyBalance(NamedTuple):

@@ -14,6 +14,7 @@ from . import messages
 from .adaptation import transform_if_due, with_loop_yaw
 from .mesh import LATEST, Partition, distance_to_due, placement_problem
 from .model import RopeModel, powers
+from .paths import ends_at
 from .rigid import rigid_rope
 from .rope_system import Evaluation, RopeSystem
 from .state import Counts, RopeState
@@ -176,7 +177,7 @@ def placement_message(scene: Scene, cells: Partition, bottom: float) -> str:
 def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
     """``state`` as the rigid model has it at ``t``."""
     state = transform_if_due(model, state._replace(motion=replace(state.motion, t=t)))
-    rope = rigid_rope(model.scene, state.paths, t, state.partition.nodes_s)
+    rope = rigid_rope(model.scene, ends_at(state.paths, t), t, state.partition.nodes_s)
     return state._replace(
         motion=rope.motion, energy_balance=state.energy_balance._replace(kinetic=rope.kinetic, gravity=rope.gravity)
     )

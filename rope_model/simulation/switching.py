@@ -15,8 +15,9 @@ import numpy as np
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from ..parameters import Swivel
-from .ends import SIDES, Phase, SwivelState
+from .ends import Phase, SwivelState
 from .model import RopeModel, ends_of
+from .paths import SIDES
 from .rope_system import ANGLE, Evaluation, RopeSystem
 from .state import Event, RopeState
 
