@@ -11,9 +11,10 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 from hoist_demo.cases.table import CASES
+from hoist_demo.command_line.options import KERNELS, add_data, add_trip
 from hoist_demo.command_line.settings import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
@@ -24,7 +25,7 @@ from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
-from hoist_demo.parameters import ASSUMED_DATA, Coupling, EmergencyLaw, Hoist
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.time_series import match_signals, shape_rows, write_csv, write_shapes
 from hoist_demo.report.summary import CAUSE, OUTCOME, WARNING, SummaryRow, render, slip_warning, summarize
@@ -36,13 +37,8 @@ from hoist_demo.study.run import RunData, build, fmu_part
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 
-KERNELS = ("auto", "compiled", "portable")
-"""Choices of the FMU's integer parameter `solver.kernels`, in the order of its codes."""
-
 LAST_GOOD = "last_good.npz"
 """File in the output folder with the last good state of a run that stopped."""
-
-LEVELS = ("draft", "standard", "reference")
 
 _DRAWN = {
     "shape.": "3-D rope, shapes.png and stress along the rope",
@@ -116,63 +112,9 @@ def add_demo(
         help=f"how drive and rope exchange, see docs/coupling.md: {', '.join(SCHEMES)} (%(default)s)",
     )
     demo.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
-    _add_trip(demo)
-    _add_data(demo)
+    add_trip(demo)
+    add_data(demo)
     demo.add_argument("--quick", action="store_true", help="10 m of travel and 2 s of settling: a check, not a result")
-
-
-def _add_trip(demo: argparse.ArgumentParser) -> None:
-    """What changes the case's winding."""
-    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the case)")
-    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the case)")
-    demo.add_argument(
-        "--creep-distance",
-        type=float,
-        metavar="S",
-        help="creep over the last S [m], stop included (that of the case)",
-    )
-    demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the case)")
-    demo.add_argument(
-        "--estop-at",
-        type=float,
-        metavar="T",
-        help="emergency stop from time T [s], at 5 m/s^2 with rope-120 and rope-240, else 2 m/s^2",
-    )
-    demo.add_argument(
-        "--estop-law",
-        choices=get_args(EmergencyLaw),
-        help="who stops: the drive (the default), or the brake of an installed hoist, regulated or by its torque",
-    )
-
-
-def _add_data(demo: argparse.ArgumentParser) -> None:
-    """What the rope computes with, and what is written of it."""
-    demo.add_argument(
-        "--kernels",
-        choices=KERNELS,
-        default="auto",
-        help="rope's computing kernels: compiled C, CasADi's virtual machine, or what is there (default: %(default)s)",
-    )
-    demo.add_argument(
-        "--level",
-        choices=LEVELS,
-        help="accuracy against speed of the rope in process (standard); an FMU has that of its export",
-    )
-    demo.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="a parameter of the rope by its name in docs/interface.md, or of the host as hoist.payload_left, in SI "
-        "units; may be repeated, and counts more than other options",
-    )
-    demo.add_argument(
-        "--signals",
-        nargs="+",
-        default=[],
-        metavar="NAME",
-        help="columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)",
-    )
 
 
 def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:

@@ -93,8 +93,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double loop_width(const Scene *scene)": estimates.loop_width,
     "double bending_length(const Scene *scene)": estimates.bending_length,
     "Hanging hanging_shape(double length, double middle, double width, double cell)": hanging.hanging_shape,
-    "double hanging_turn_angle(const Hanging *hanging, double s)": hanging.turn_angle,
-    "void hanging_place(const Hanging *hanging, double s, double phi, double place[4])": hanging.place,
+    "void hanging_row(const Hanging *hanging, const double left[3], const double across[3], double s, double row[7])": (
+        hanging.node_row
+    ),
     "FittedLengths fit_lengths(const Scene *scene, double loop_error, double decades)": mesh.fit_lengths,
     "double covered_length(double radius, double fade, double coarse)": mesh.covered_length,
     "void newton_coefficients(const Coefficients *method, double h, double c[3])": (
@@ -123,6 +124,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void end_load(const double r[3], const double f[3], const double moment[3], double load[6])": audit.end_load,
     "double axial_share(const Rope *rope, double bottom, double h)": audit.axial_share,
     "double axial_step(const Rope *rope)": audit.axial_step,
+    "void audit_values(const Audit *audit, double values[6])": audit.signal_values,
     "double elements_per_bend(double square)": audit.elements_per_bend,
     "Audit audit_after_step(const Audit *audit, const Coefficients *method, double h, double recentring, "
     "const double load[6], double force, double change, double share)": audit.after_step,

@@ -168,17 +168,5 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
         say_rope_too_short(message, length, width, left[1] - right[1]);
         return;
     }
-    for (int k = 0; k < nodes; k++, q += DOF) {
-        double phi = hanging_turn_angle(&legs, s[k]), place[4];
-        hanging_place(&legs, s[k], phi, place);
-        double leg = phi <= 0 ? legs.left_leg : legs.right_leg;
-        double slope = phi <= 0 || phi >= PI ? place[2] - legs.lean / leg : place[2];
-        for (int axis = 0; axis < 3; axis++) {
-            q[axis] = left[axis] + place[0] * across[axis];
-            q[SLOPE + axis] = slope * across[axis];
-        }
-        q[1] -= place[1];
-        q[SLOPE + 1] = place[3];
-        q[ANGLE] = 0.0;
-    }
+    for (int k = 0; k < nodes; k++) hanging_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
 }

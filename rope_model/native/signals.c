@@ -69,16 +69,6 @@ static void error_signals(const Scene *scene, const State *state, const Arrays *
     values[SIGNAL_STATUS_GIVEN_UP_SINCE] = state->given_up_since;
 }
 
-/* 0 where nothing was computed yet */
-static void audit_signals(const Audit *audit, double *values) {
-    values[SIGNAL_AUDIT_MOMENTUM] = audit->missing_force;
-    values[SIGNAL_AUDIT_MOMENT] = audit->missing_moment;
-    values[SIGNAL_AUDIT_ENERGY] = audit->energy;
-    values[SIGNAL_AUDIT_FORCE_CHANGE] = audit->force_change;
-    values[SIGNAL_AUDIT_STEPS_PER_PERIOD] = audit->share > 0 ? 1 / audit->share : 0;
-    values[SIGNAL_AUDIT_ELEMENTS_PER_BEND] = audit->bend > 0 ? elements_per_bend(audit->bend) : 0;
-}
-
 static void shape_signals(const Scene *scene, const Arrays *arrays, const LoopBottom *bottom, double *values) {
     double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3];
     shape_places(arrays->s[arrays->nodes - 1], bottom->s, loop_width(scene), SHAPE_POINTS, at);
@@ -129,7 +119,7 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         energy_signals(&state->energy_balance, &state->counts, values);
         break;
     case AUDIT_SIGNALS:
-        audit_signals(&state->audit, values);
+        audit_values(&state->audit, values + SIGNAL_AUDIT_MOMENTUM); /* in their order */
         break;
     case ERROR_SIGNALS:
         error_signals(scene, state, arrays, values);

@@ -8,16 +8,18 @@ from collections.abc import Iterator
 from typing import Any, get_args
 
 from ..parameter_table import Parameter, check_order, parameters_of
-from ..parameters import MOST_ELEMENTS, FidelityChoice
+from ..parameters import MOST_ELEMENTS, FidelityChoice, Mesh, Rope, Swivel
 from ..simulation.fidelity import FIDELITIES
 from ..simulation.neglected_effects import neglected_text
-from ..simulation.paths import HARDEST, REACH
+from ..simulation.paths import HARDEST, REACH, SIDES
 from ..simulation.signals import SHAPE_POINTS, SIGNALS, group_of
 from ..simulation.state import EnergyBalance
 from .layout import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, members
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.native.tables. */\n"
+#: checks of several parameters at once, in parameters.c
+JOINT_CHECKS: dict[type[Any], tuple[str, ...]] = {Rope: ("check_coupling",), Mesh: ("check_counts",)}
 #: what a code's name has behind the word where that alone would not do
 _SUFFIXES = {"mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
 
@@ -81,7 +83,7 @@ def parameter_structures() -> str:
 
 def parameter_bounds() -> str:
     """The text of parameters.inc: a function for each group that checks its parameters in their order."""
-    return _HEAD + "".join(_bounds(kind) for kind in GROUPS)
+    return _HEAD + "".join(map(_bounds, GROUPS)) + _scene_check()
 
 
 def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -118,6 +120,20 @@ def _bounds(kind: type[Any]) -> str:
     body = "".join(f"    {call};\n" for call in calls)
     head = f"static void check_{kind.__name__.lower()}(const Check *check, const {kind.__name__} *x)"
     return f"\n{head} {{\n{body}}}\n"
+
+
+def _scene_check() -> str:
+    """check_scene: every group by the name that it has for hosts."""
+    kinds: dict[Any, type[Any]] = {structure: kind for kind, structure in GROUPS.items()}
+    calls = []
+    for member, of in SceneStructure._fields_:
+        sides = enumerate(SIDES) if member == "swivels" else ()
+        places = [(f"{side}.swivel", f"swivels[{k}]") for k, side in sides] or [(member, member)]
+        kind = Swivel if member == "swivels" else kinds[of]
+        for name, place in places:
+            for check in (f"check_{kind.__name__.lower()}", *JOINT_CHECKS.get(kind, ())):
+                calls.append(f'    {check}(&(Check){{"{name}", message}}, &scene->{place});\n')
+    return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
 
 
 def _choice(name: str, p: Parameter) -> str:

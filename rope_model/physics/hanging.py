@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from .elementary import cos, larger, sin, smaller
+from .elementary import cos, larger, sin, smaller, where
 
 
 class Hanging(NamedTuple):
@@ -42,3 +42,13 @@ def place(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
     on_left, on_right = smaller(s, left_leg), larger(s - left_leg - math.pi * radius, 0.0)
     across = radius * (1 - cos(phi)) - lean * (on_left / left_leg + on_right / right_leg)
     return across, on_left + radius * sin(phi) - on_right, sin(phi), -cos(phi)
+
+
+def node_row(hanging: Any, left: Any, across: Any, s: Any) -> tuple[Any, ...]:
+    """r, r' and theta, (7,), at arc length ``s``, from the point ``left`` (3,) into the direction ``across`` (3,)."""
+    phi = turn_angle(hanging, s)
+    along, down, slope, rise = place(hanging, s, phi)
+    legs_lean = where(phi >= math.pi, hanging.lean / hanging.right_leg, 0.0)
+    slope = slope - where(phi <= 0, hanging.lean / hanging.left_leg, legs_lean)
+    r = left[0] + along * across[0], left[1] - down, left[2] + along * across[2]
+    return (*r, slope * across[0], rise, slope * across[2], 0.0)

@@ -21,7 +21,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from ..numerics.generalized_alpha import auxiliary_weights
-from ..physics.elementary import atan2, cross, dot, larger, sqrt
+from ..physics.elementary import atan2, cross, dot, larger, sqrt, where
 from ..physics.estimates import axial_frequency
 
 Load = tuple[float, float, float, float, float, float]
@@ -79,6 +79,14 @@ def elements_per_bend(square: Any) -> Any:
     """Elements in half a turn where the tangent's end moves by the root of ``square`` over an element."""
     quarter = 0.25 * square
     return 0.5 * math.pi / atan2(sqrt(quarter), sqrt(larger(1.0 - quarter, 0.0)))
+
+
+def signal_values(audit: Any) -> tuple[Any, ...]:
+    """Values of the signals audit.* in their order; 0 where nothing was computed yet."""
+    share, bend = (where(x > 0, x, 1.0) for x in (audit.share, audit.bend))
+    steps = where(audit.share > 0, 1.0 / share, 0.0)
+    elements = where(audit.bend > 0, elements_per_bend(bend), 0.0)
+    return audit.missing_force, audit.missing_moment, audit.energy, audit.force_change, steps, elements
 
 
 def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, share: Any) -> Any:

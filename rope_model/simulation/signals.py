@@ -16,7 +16,7 @@ from ..physics.estimates import loop_width
 from ..physics.frame import end_moment
 from ..physics.stress import bending_stress, torsional_stress
 from .adaptation import nearest_turn
-from .audit import elements_per_bend
+from .audit import signal_values as audit_values
 from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, shape, shape_places, tension
 from .ends import HangingEnds, Phase
 from .fidelity import Fidelity
@@ -234,15 +234,8 @@ def error_signals(rope: Evaluated) -> dict[str, float]:
 
 def audit_signals(rope: Evaluated) -> dict[str, float]:
     """What the audit found worst so far; 0 where nothing was computed yet."""
-    audit = rope.state.audit
-    return {
-        "audit.momentum": audit.missing_force,
-        "audit.moment": audit.missing_moment,
-        "audit.energy": audit.energy,
-        "audit.force_change": audit.force_change,
-        "audit.steps_per_period": 1.0 / audit.share if audit.share else 0.0,
-        "audit.elements_per_bend": elements_per_bend(audit.bend) if audit.bend else 0.0,
-    }
+    names = (name for name in SIGNALS if name.startswith("audit."))
+    return dict(zip(names, audit_values(rope.state.audit), strict=True))
 
 
 def shape_signals(rope: Evaluated) -> dict[str, float]:

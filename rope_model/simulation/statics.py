@@ -22,7 +22,7 @@ import numpy as np
 
 from ..physics.element import PARAMETERS
 from ..physics.elementary import larger
-from ..physics.hanging import hanging_shape, place, turn_angle
+from ..physics.hanging import hanging_shape, node_row
 from . import messages
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 
@@ -136,12 +136,7 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     legs = hanging_shape(length, middle, width, cell)
     if min(legs.left_leg, legs.right_leg) <= legs.lean:
         raise StaticsError(messages.rope_too_short(length, width, left[1] - right[1]))
-    phi = turn_angle(legs, s)
-    along, down, slope, rise = place(legs, s, phi)
-    slope -= np.where(phi <= 0, legs.lean / legs.left_leg, np.where(phi >= np.pi, legs.lean / legs.right_leg, 0.0))
     q = np.zeros((s.size, 7))
-    q[:, POSITION] = left + along[:, None] * across
-    q[:, 1] -= down
-    q[:, SLOPE] = slope[:, None] * across
-    q[:, 4] = rise
+    for dof, values in enumerate(node_row(legs, left, across, s)):
+        q[:, dof] = values
     return q

@@ -1,0 +1,67 @@
+"""Options of `balance-rope demo` for the winding and for what is computed and written."""
+
+from __future__ import annotations
+
+import argparse
+from typing import get_args
+
+from hoist_demo.parameters import EmergencyLaw
+
+KERNELS = ("auto", "compiled", "portable")
+"""Choices of the FMU's integer parameter `solver.kernels`, in the order of its codes."""
+
+LEVELS = ("draft", "standard", "reference")
+
+
+def add_trip(demo: argparse.ArgumentParser) -> None:
+    """What changes the case's winding."""
+    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the case)")
+    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the case)")
+    demo.add_argument(
+        "--creep-distance",
+        type=float,
+        metavar="S",
+        help="creep over the last S [m], stop included (that of the case)",
+    )
+    demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the case)")
+    demo.add_argument(
+        "--estop-at",
+        type=float,
+        metavar="T",
+        help="emergency stop from time T [s], at 5 m/s^2 with rope-120 and rope-240, else 2 m/s^2",
+    )
+    demo.add_argument(
+        "--estop-law",
+        choices=get_args(EmergencyLaw),
+        help="who stops: the drive (the default), or the brake of an installed hoist, regulated or by its torque",
+    )
+
+
+def add_data(demo: argparse.ArgumentParser) -> None:
+    """What the rope computes with, and what is written of it."""
+    demo.add_argument(
+        "--kernels",
+        choices=KERNELS,
+        default="auto",
+        help="rope's computing kernels: compiled C, CasADi's virtual machine, or what is there (default: %(default)s)",
+    )
+    demo.add_argument(
+        "--level",
+        choices=LEVELS,
+        help="accuracy against speed of the rope in process (standard); an FMU has that of its export",
+    )
+    demo.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a parameter of the rope by its name in docs/interface.md, or of the host as hoist.payload_left, in SI "
+        "units; may be repeated, and counts more than other options",
+    )
+    demo.add_argument(
+        "--signals",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)",
+    )
