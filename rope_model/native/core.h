@@ -51,7 +51,7 @@ double shape_leg_clearance(int nodes, const double *q, const double *s, const Lo
 /* at (points): arc lengths from end to end, denser around the loop's lowest point; total: length of the rope;
    loop: loop_width() */
 void shape_places(double total, double bottom_s, double loop, int points, double *at);
-/* xyz (points x 3): the centre line at the places */
+/* xyz (points x 3): the centre line at the places, at most 161 */
 void shape_points(int nodes, const double *q, const double *s, int points, const double *at, double *xyz);
 /* tension (points) at the places, which ascend, by the balance of momentum to the left of them */
 void shape_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, double *tension);

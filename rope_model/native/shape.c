@@ -32,18 +32,16 @@ int shape_lowest_node(int nodes, const double *q) {
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
     int lowest = shape_lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
 
-    double fine[FINE], y[FINE], row[DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
+    double fine[FINE], rows[FINE][DOF], row[DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
+    for (int k = 0; k < FINE; k++) fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
+    transfer_interpolate(nodes, q, s, FINE, fine, rows[0]);
     int j = 0;
-    for (int k = 0; k < FINE; k++) {
-        fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
-        point_at(nodes, q, s, fine[k], row);
-        y[k] = row[1];
-        if (y[k] < y[j]) j = k;
-    }
+    for (int k = 1; k < FINE; k++)
+        if (rows[k][1] < rows[j][1]) j = k;
     /* the lowest point of the parabola through three points */
     j = j < 1 ? 1 : j > FINE - 2 ? FINE - 2 : j;
-    double bend = y[j - 1] - 2 * y[j] + y[j + 1];
-    double shift = bend > 0 ? 0.5 * (y[j - 1] - y[j + 1]) / bend : 0.0;
+    double before = rows[j - 1][1], after = rows[j + 1][1], bend = before - 2 * rows[j][1] + after;
+    double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
     LoopBottom bottom;
     bottom.s = fine[j] + clip(shift, -1.0, 1.0) * (fine[1] - fine[0]);
     point_at(nodes, q, s, bottom.s, row);
@@ -61,11 +59,9 @@ void shape_places(double total, double bottom_s, double loop, int points, double
 }
 
 void shape_points(int nodes, const double *q, const double *s, int points, const double *at, double *xyz) {
-    double row[DOF];
-    for (int k = 0; k < points; k++) {
-        point_at(nodes, q, s, at[k], row);
-        memcpy(xyz + (ptrdiff_t)3 * k, row, 3 * sizeof *xyz);
-    }
+    double rows[OUTLINE][DOF];
+    transfer_interpolate(nodes, q, s, points, at, rows[0]);
+    for (int k = 0; k < points; k++) memcpy(xyz + (ptrdiff_t)3 * k, rows[k], 3 * sizeof *xyz);
 }
 
 void shape_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, double *tension) {
