@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import platform
+from functools import partial
 from pathlib import Path
 
 import casadi as ca
@@ -167,6 +168,10 @@ def small_function(factor: float = 2.0) -> ca.Function:
     return ca.Function("small", [x], [factor * ca.sin(x)])
 
 
+SMALL = [small_function()]
+build_small = partial(kernels.build_library, SMALL, folder=kernels.cache_folder())
+
+
 @needs_compiler
 def test_a_second_build_finds_the_first_ones_library(tmp_path: Path) -> None:
     compiler = kernels.find_compiler()
@@ -192,6 +197,15 @@ def test_other_code_or_flags_make_another_library(tmp_path: Path, monkeypatch: p
     assert len(libraries) == 3
 
 
+@needs_compiler
+def test_ropes_of_all_sizes_share_the_compiled_element(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path))
+    for elements in (2, 3):
+        assert RopeKernels(elements, "compiled", fidelity="planar").form == "compiled"
+    made = sorted(file.name.rpartition("-")[0] for file in tmp_path.iterdir())
+    assert made == ["element-planar"] * 2 + ["kernels-planar-2", "kernels-planar-3"]  # an object file and its library
+
+
 def test_generated_code_depends_on_nothing_but_the_functions() -> None:
     assert kernels.generate_c((small_function(),)) == kernels.generate_c((small_function(),))
 
@@ -201,20 +215,19 @@ def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
 ) -> None:
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     with caplog.at_level(logging.INFO, logger=kernels.__name__):
-        functions, form = kernels.prepare([small_function()], "auto")
+        functions, form = kernels.prepare(SMALL, build_small, "auto")
     assert form == "portable"
     assert "portable" in caplog.text
     np.testing.assert_allclose(np.asarray(functions[0]([0, 1, 2])).ravel(), 2 * np.sin([0, 1, 2]), rtol=1e-15)
     with pytest.raises(RuntimeError, match="install a C compiler"):
-        kernels.prepare([small_function()], "compiled")
+        kernels.prepare(SMALL, build_small, "compiled")
 
 
 def test_a_compiler_that_fails_falls_back_to_portable(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path))
     monkeypatch.setattr(kernels, "find_compiler", lambda: (str(tmp_path / "no-such-compiler"),))
-    assert kernels.prepare([small_function()], "auto")[1] == "portable"
+    assert kernels.prepare(SMALL, partial(build_small, folder=tmp_path), "auto")[1] == "portable"
     assert ["no-such-compiler failed" in r.getMessage() for r in caplog.records if r.levelname == "WARNING"] == [True]
 
 

@@ -27,8 +27,8 @@ def modified_element(frame_rate: FrameRate = smallest_rotation_rate, gauss_point
             twin = uncached(fidelity, frame_rate)
         return twin if frame_rate is smallest_rotation_rate else replace(twin, transport=_none(twin.transport))
 
-    made_anew = patch.object(rope_system, "rope_functions", rope_system.rope_functions.__wrapped__)
-    with patch.object(rope_system, "element_functions", functions), made_anew:
+    made_anew = {name: getattr(rope_system, name).__wrapped__ for name in ("rope_parts", "rope_functions")}
+    with patch.multiple(rope_system, element_functions=functions, **made_anew):
         yield
 
 

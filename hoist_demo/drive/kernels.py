@@ -11,7 +11,7 @@ of them, input that acts there, outputs. With H = 0 it shows the drive as it is.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import casadi as ca
@@ -20,7 +20,7 @@ from hoist_demo.drive.equations import INPUT_NAMES, LOSS_NAMES, WORK_NAMES, Equa
 from hoist_demo.drive.loads import PATH, effective_input, path_at
 from hoist_demo.drive.runge_kutta import runge_kutta_step
 from hoist_demo.parameters import Hoist
-from rope_model.numerics.kernels import KernelForm, prepare
+from rope_model.numerics.kernels import KernelForm, build_library, cache_folder, prepare
 
 CHUNK = 4
 """Steps in one call."""
@@ -66,7 +66,8 @@ def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
     """For all hoists with these parts (`equations.parts_of`)."""
     of = equations(parts)
     layout = Layout(of.rates.size1_out(0), of.outputs.size1_out(0), len(numbers_of(parts)))
-    made, _ = prepare([_advance(of, layout), of.rates, of.mobility], form, name="hoist_drive")
+    functions = [_advance(of, layout), of.rates, of.mobility]
+    made, _ = prepare(functions, partial(build_library, functions, folder=cache_folder(), name="hoist_drive"), form)
     return DriveKernels(layout, *made)
 
 

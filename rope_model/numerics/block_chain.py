@@ -11,13 +11,14 @@ There is no pivoting beyond the block: the matrices of a time step and of pseudo
 symmetric and positive definite.  Rows and columns of degrees of freedom that are not free are replaced by those of
 the identity, so their correction is zero and their residual is the reaction.
 
-Everything is built from CasADi functions of one element; this module does not know what the element is.
+Everything is built from CasADi functions of one element; this module does not know what the element is.  What is done
+for each element is the same in chains of any length, and is compiled but once: ``chain_parts``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import casadi as ca
 
@@ -53,6 +54,31 @@ class ElementSource(Protocol):
 
     @property
     def transport(self) -> ca.Function: ...
+
+
+class ChainParts(NamedTuple):
+    """What a chain calls for each of its elements; m degrees of freedom of a node, as the element knows them.
+
+    residual ... transport: the element's own
+    eliminate:   (D, q, v, a, l, F, free, mass, P, cq, cv, ca) -> next D, factors of D, W, L: one step
+    last_factor: D -> its factors
+    down:        (y, factors, L, R) -> next y, z
+    up:          (next x, W, z) -> x
+    bottom:      (factors, y) -> the last x
+    """
+
+    residual: ca.Function
+    balance: ca.Function
+    losses: ca.Function
+    strains: ca.Function
+    momentum: ca.Function
+    reference: ca.Function
+    transport: ca.Function
+    eliminate: ca.Function
+    last_factor: ca.Function
+    down: ca.Function
+    up: ca.Function
+    bottom: ca.Function
 
 
 @dataclass(frozen=True)
@@ -101,40 +127,47 @@ class ChainFunctions:
         )
 
 
-def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, ...]) -> ChainFunctions:
+def chain_parts(element: ElementSource) -> ChainParts:
+    """What chains of this element have in common."""
+    m = element.residual.size1_in(0) // 2
+    own = (element.residual, element.balance, element.losses, element.strains, element.momentum)
+    return ChainParts(*own, element.reference, element.transport, *_elimination(element.tangent, m), *_substitution(m))
+
+
+def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) -> ChainFunctions:
     """Functions for ``n`` elements that know the degrees of freedom ``kept`` of a node's ``dof``."""
-    m, parameters = len(kept), element.residual.size1_in(5)
+    m, parameters = len(kept), parts.residual.size1_in(5)
     names = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free")
     q, v, a, R, load, grip, node_mass, free = (ca.MX.sym(name, m, n + 1) for name in names)
     l, P, c, scale = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3), ca.MX.sym("scale", m)
-    F, Ps = ca.MX.sym("F", element.residual.size1_in(4), n), ca.repmat(P, 1, n)
-    factorize, substitute = _factorize(n, element.tangent, m), _substitute(n, m)
+    F, Ps = ca.MX.sym("F", parts.residual.size1_in(4), n), ca.repmat(P, 1, n)
+    factorize, substitute = _factorize(n, parts, m), _substitute(n, parts, m)
 
     def nodal(a: ca.MX, R: ca.MX) -> ca.MX:
         pressed = ca.fmax(R[PRESSED, :], 0)
         return node_mass * a - load - grip * ca.repmat(pressed, m, 1)
 
-    residual_map, balance_map = element.residual.map(n), element.balance.map(n)
+    residual_map, balance_map = parts.residual.map(n), parts.balance.map(n)
 
     def residual(q: ca.MX, v: ca.MX, a: ca.MX, R: ca.MX) -> ca.MX:
         return _assemble(residual_map(*(_both_ends(x) for x in (q, v, a)), l, F, Ps), m) + nodal(a, R)
 
     # Newton's method: x holds q, v, a and R side by side
     x = ca.MX.sym("x", m, 4 * (n + 1))
-    parts = ca.horzsplit(x, n + 1)
+    motions = ca.horzsplit(x, n + 1)
     fixed = [l, F, load, grip, node_mass, free, P, c, scale]
     factors = [ca.MX.sym(f"factor{i}", factorize.sparsity_out(i)) for i in range(factorize.n_out())]
-    made = factorize(*parts[:3], l, F, node_mass, free, P, c)
-    step = substitute(*factors, free * parts[3])
+    made = factorize(*motions[:3], l, F, node_mass, free, P, c)
+    step = substitute(*factors, free * motions[3])
     weighted = ca.vec(step * ca.repmat(scale, 1, n + 1))
     # the largest entry loses NaN, the sum of squares does not
     norm = ca.if_else(ca.sumsqr(weighted) < ca.inf, ca.norm_inf(weighted), ca.inf)
     dx = ca.MX.sym("dx", m, n + 1)
-    q_x, v_x, a_x = (part + c[i] * dx for i, part in enumerate(parts[:3]))
+    q_x, v_x, a_x = (part + c[i] * dx for i, part in enumerate(motions[:3]))
     iteration = newton(
         ca.Function("factorize", [x, *fixed], list(made)),
         ca.Function("correct", [x, *factors, *fixed], [step, norm]),
-        ca.Function("apply", [x, dx, *fixed], [ca.horzcat(q_x, v_x, a_x, residual(q_x, v_x, a_x, parts[3]))]),
+        ca.Function("apply", [x, dx, *fixed], [ca.horzcat(q_x, v_x, a_x, residual(q_x, v_x, a_x, motions[3]))]),
     )
     tolerance = ca.MX.sym("tolerance")
     solution, progress = iteration(ca.horzcat(q, v, a, residual(q, v, a, R)), *fixed, tolerance)
@@ -145,11 +178,11 @@ def chain_functions(n: int, element: ElementSource, dof: int, kept: tuple[int, .
 
     R_a = residual(q, v, a, R)
     correction = substitute(*factorize(q, v, a, l, F, node_mass, free, P, c), free * R_a)
-    losses = ca.sum2(element.losses.map(n)(_both_ends(q), _both_ends(v), l, F, Ps))
-    strains = element.strains.map(n)(_both_ends(q), l, F)
-    momentum = ca.sum2(element.momentum.map(n)(_both_ends(q), _both_ends(v), l, Ps))
-    reference = element.reference.map(n)(_both_ends(q), l)
-    transport = element.transport.map(n)(*(_both_ends(x) for x in (q, v, a)), l, F)
+    losses = ca.sum2(parts.losses.map(n)(_both_ends(q), _both_ends(v), l, F, Ps))
+    strains = parts.strains.map(n)(_both_ends(q), l, F)
+    momentum = ca.sum2(parts.momentum.map(n)(_both_ends(q), _both_ends(v), l, Ps))
+    reference = parts.reference.map(n)(_both_ends(q), l)
+    transport = parts.transport.map(n)(*(_both_ends(x) for x in (q, v, a)), l, F)
     system = {"l": l, "F": F, "load": load, "friction_load": grip, "node_mass": node_mass}
     motion = {"q": q, "v": v, "a": a, "R": R}
     method = {"free": free, "P": P, "c": c}
@@ -217,26 +250,32 @@ def _assemble(R: ca.MX, m: int) -> ca.MX:
     return ca.horzcat(R[:m, :], zero) + ca.horzcat(zero, R[m:, :])
 
 
-def _factorize(n: int, tangent: ca.Function, m: int) -> ca.Function:
-    """(q, v, a, l, F, node_mass, free, P, c) -> factors: of the n eliminated blocks, W, L, and of the last block."""
-    # one step: the element's tangent, the elimination of its left node
+def _elimination(tangent: ca.Function, m: int) -> tuple[ca.Function, ca.Function]:
+    """``eliminate`` and ``last_factor`` of ChainParts: the element's tangent, the elimination of its left node."""
     D, J = ca.SX.sym("D", m, m), ca.SX.sym("J", 2 * m, 2 * m)
     both, mass = ca.SX.sym("free", 2 * m), ca.SX.sym("mass", m)
     J_f = J * (both @ both.T)
     factor = _factor(D + J_f[:m, :m])
     W = _solve(factor, J_f[:m, m:])
     next_D = J_f[m:, m:] + ca.diag(both[m:] * mass + 1 - both[m:]) - J_f[m:, :m] @ W
-    eliminate = ca.Function("eliminate", [D, J, both, mass], ca.cse([next_D, factor, W, J_f[m:, :m]]))
-    D_m, _, both_m, mass_m = eliminate.mx_in()
+    block = ca.Function("eliminate", [D, J, both, mass], ca.cse([next_D, factor, W, J_f[m:, :m]]))
+    D_m, _, both_m, mass_m = block.mx_in()
     element = tangent.mx_in()
-    out = eliminate(D_m, tangent(*element)[1], both_m, mass_m)
-    step = ca.Function("factor_step", [D_m, *element[:5], both_m, mass_m, *element[5:]], [*out])
+    out = block(D_m, tangent(*element)[1], both_m, mass_m)
+    A = ca.SX.sym("A", m, m)
+    return (
+        ca.Function("factor_step", [D_m, *element[:5], both_m, mass_m, *element[5:]], [*out]),
+        ca.Function("last_factor", [A], [_factor(A)]),
+    )
 
+
+def _factorize(n: int, parts: ChainParts, m: int) -> ca.Function:
+    """(q, v, a, l, F, node_mass, free, P, c) -> factors: of the n eliminated blocks, W, L, and of the last block."""
     q, v, a, node_mass, free = (ca.MX.sym(s, m, n + 1) for s in ("q", "v", "a", "node_mass", "free"))
-    l, F = ca.MX.sym("l", 1, n), ca.MX.sym("F", tangent.size1_in(4), n)
-    P, c = ca.MX.sym("P", tangent.size1_in(5)), ca.MX.sym("c", 3)
+    l, F = ca.MX.sym("l", 1, n), ca.MX.sym("F", parts.residual.size1_in(4), n)
+    P, c = ca.MX.sym("P", parts.residual.size1_in(5)), ca.MX.sym("c", 3)
     diagonal = c[2] * node_mass
-    Ds, factors, Ws, Ls = step.mapaccum("factor_sweep", n)(
+    Ds, factors, Ws, Ls = parts.eliminate.mapaccum("factor_sweep", n)(
         ca.diag(free[:, 0] * diagonal[:, 0] + 1 - free[:, 0]),
         *(_both_ends(x) for x in (q, v, a)),
         l,
@@ -246,26 +285,31 @@ def _factorize(n: int, tangent: ca.Function, m: int) -> ca.Function:
         ca.repmat(P, 1, n),
         *(ca.repmat(c[i], 1, n) for i in range(3)),
     )
-    A = ca.SX.sym("A", m, m)
-    last = ca.Function("last_factor", [A], [_factor(A)])(Ds[:, -m:])
+    last = parts.last_factor(Ds[:, -m:])
     return ca.Function("factorized", [q, v, a, l, F, node_mass, free, P, c], [factors, Ws, Ls, last])
 
 
-def _substitute(n: int, m: int) -> ca.Function:
-    """(factors, R (m, n + 1)) -> x (m, n + 1) with J x = -R."""
+def _substitution(m: int) -> tuple[ca.Function, ca.Function, ca.Function]:
+    """``down``, ``up`` and ``bottom`` of ChainParts."""
     F, W, L = (ca.SX.sym(s, m, m) for s in "FWL")
     y, r, z, x = (ca.SX.sym(s, m) for s in "yrzx")
     z_y = _solve(F, y)
-    down = ca.Function("substitute_down", [y, F, L, r], ca.cse([r - L @ z_y, z_y])).mapaccum("down_sweep", n)
-    up = ca.Function("substitute_up", [x, W, z], [-z - W @ x]).mapaccum("up_sweep", n)
-    bottom = ca.Function("substitute_last", [F, y], [-z_y])
+    return (
+        ca.Function("substitute_down", [y, F, L, r], ca.cse([r - L @ z_y, z_y])),
+        ca.Function("substitute_up", [x, W, z], [-z - W @ x]),
+        ca.Function("substitute_last", [F, y], [-z_y]),
+    )
 
+
+def _substitute(n: int, parts: ChainParts, m: int) -> ca.Function:
+    """(factors, R (m, n + 1)) -> x (m, n + 1) with J x = -R."""
+    down, up = parts.down.mapaccum("down_sweep", n), parts.up.mapaccum("up_sweep", n)
     Fs, Ws, Ls = (ca.MX.sym(s, m, m * n) for s in ("Fs", "Ws", "Ls"))
     last, R = ca.MX.sym("last", m, m), ca.MX.sym("R", m, n + 1)
     ys, zs = down(R[:, 0], Fs, Ls, R[:, 1:])
     order = list(range(n - 1, -1, -1))
     columns = [i * m + j for i in order for j in range(m)]
-    x_n = bottom(last, ys[:, -1])
+    x_n = parts.bottom(last, ys[:, -1])
     xs = up(x_n, Ws[:, columns], zs[:, order])
     return ca.Function("substitute", [Fs, Ws, Ls, last, R], [ca.horzcat(xs[:, order], x_n)])
 

@@ -16,10 +16,10 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -27,6 +27,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 KernelForm = Literal["auto", "compiled", "portable"]
+#: from a compiler's command to a library, made or found
+Build = Callable[[Sequence[str]], Path]
 
 log = logging.getLogger(__name__)
 #: what takes so long that a host seems to hang: at the level WARNING, which Python shows on stderr by default
@@ -66,12 +68,11 @@ class Kernel:
 
 
 def prepare(
-    functions: Sequence[ca.Function], form: KernelForm = "auto", bundle: Path | None = None, name: str = "kernels"
+    functions: Sequence[ca.Function], build: Build, form: KernelForm = "auto", bundle: Path | None = None
 ) -> tuple[list[ca.Function], str]:
     """The functions in the wanted form, and the form they have: ``compiled`` or ``portable``.
 
-    ``bundle`` is a library to try before the cache, made by ``build_library`` from these same functions; ``name`` is
-    what a new one is called.
+    ``build`` makes their library with a compiler; ``bundle`` is one that it has made, to try before.
 
     Raises RuntimeError where ``compiled`` is asked for and cannot be had.
     """
@@ -80,7 +81,7 @@ def prepare(
         return list(functions), "portable"
     if bundle is not None and bundle.exists():
         try:
-            compiled = _load(functions, bundle)
+            compiled = load_compiled(functions, bundle)
             log.info("kernels: compiled, %s", bundle)
             return compiled, "compiled"
         except RuntimeError as error:
@@ -88,8 +89,8 @@ def prepare(
     cause = "no C compiler found (tried CC, cc, gcc, clang and the ziglang package)"
     if (compiler := find_compiler()) is not None:
         try:
-            library = build_library(functions, compiler, cache_folder(), name)
-            compiled = _load(functions, library)
+            library = build(compiler)
+            compiled = load_compiled(functions, library)
             log.info("kernels: compiled, %s", library)
             return compiled, "compiled"
         except (OSError, subprocess.CalledProcessError, RuntimeError) as error:
@@ -129,32 +130,63 @@ def cache_folder() -> Path:
         return Path(tempfile.gettempdir()) / "balance-rope"
 
 
+class CompiledParts(NamedTuple):
+    """Functions that others call: the library to load them from, and the object file to link those others with."""
+
+    library: Path
+    linked: Path
+
+
 def build_library(
-    functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str = "kernels"
+    functions: Sequence[ca.Function],
+    compiler: Sequence[str],
+    folder: Path,
+    name: str = "kernels",
+    objects: Sequence[Path] = (),
 ) -> Path:
-    """Generate C, compile it into ``folder`` unless it is there already, and return the library's path."""
-    return compile_library({"kernels.c": generate_c(tuple(functions))}, compiler, folder, name)
+    """Generate C, compile it into ``folder`` unless it is there already, and return the library's path.
+
+    ``objects`` hold what the functions call without bringing it along.
+    """
+    return compile_library({"kernels.c": generate_c(tuple(functions))}, compiler, folder, name, objects)
 
 
-def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str) -> Path:
+def build_parts(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str) -> CompiledParts:
+    """The functions, compiled once for all that call them."""
+    sources = {"parts.c": generate_c(tuple(functions), "parts")}
+    linked = _compile(sources, [*compiler, "-c"], folder, f"{name}.o", [])
+    return CompiledParts(compile_library({}, compiler, folder, name, [linked]), linked)
+
+
+def compile_library(
+    sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str, objects: Sequence[Path] = ()
+) -> Path:
     """The library made of the C files among ``sources`` (text by file name), from ``folder`` if it is there already."""
-    text = [part for file in sorted(sources) for part in (file, sources[file])]
-    key = hashlib.sha256("\0".join([*text, compiler_version(tuple(compiler)), *compiler, *FLAGS]).encode()).hexdigest()[
-        :20
-    ]
-    library = folder / f"{name}-{key}{LIBRARY_SUFFIX}"
-    if not library.exists():
+    return _compile(sources, compiler, folder, f"{name}{LIBRARY_SUFFIX}", [*map(str, objects), "-lm"])
+
+
+def _compile(
+    sources: Mapping[str, str], command: Sequence[str], folder: Path, name: str, linked: Sequence[str]
+) -> Path:
+    """What ``command`` makes of the sources and of what is ``linked`` with them; the hash of all goes into its name."""
+    with_flags = [*command, *FLAGS]
+    parts = [part for file in sorted(sources) for part in (file, sources[file])]
+    parts += [compiler_version(tuple(command)), *with_flags, *(Path(file).name for file in linked)]
+    key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
+    made = folder / f"{Path(name).stem}-{key}{Path(name).suffix}"
+    if not made.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        progress.warning("compiling %s with %s, once on this machine: 5 to 20 s", name, Path(compiler[0]).name)
+        if sources:
+            text = "compiling %s with %s, once on this machine: 2 to 20 s"
+            progress.warning(text, Path(name).stem, Path(command[0]).name)
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             for file, code in sources.items():
                 (Path(scratch) / file).write_text(code, encoding="utf-8")
-            made = Path(scratch) / library.name
             files = [str(Path(scratch) / file) for file in sorted(sources) if file.endswith(".c")]
-            command = [*compiler, *FLAGS, *files, "-o", str(made), "-lm"]
-            subprocess.run(command, check=True, capture_output=True, text=True)
-            made.replace(library)  # atomic: two processes may build at once
-    return library
+            new = Path(scratch) / made.name
+            subprocess.run([*with_flags, *files, *linked, "-o", str(new)], check=True, capture_output=True, text=True)
+            new.replace(made)  # atomic: two processes may build at once
+    return made
 
 
 @cache
@@ -164,9 +196,9 @@ def compiler_version(compiler: tuple[str, ...]) -> str:
 
 
 @lru_cache(maxsize=32)  # some 0.5 MB each
-def generate_c(functions: tuple[ca.Function, ...]) -> str:
-    """One C source holding the functions."""
-    generator = ca.CodeGenerator("kernels", {"with_header": False})
+def generate_c(functions: tuple[ca.Function, ...], prefix: str = "kernels") -> str:
+    """One C source holding the functions, with ``prefix`` before the names of what they share."""
+    generator = ca.CodeGenerator(prefix, {"with_header": False})
     for function in functions:
         generator.add(function)
     code: str = generator.dump()
@@ -192,7 +224,8 @@ def platform_tag() -> str:
     return f"{sys.platform}-{platform.machine().lower()}"
 
 
-def _load(functions: Sequence[ca.Function], library: Path) -> list[ca.Function]:
+def load_compiled(functions: Sequence[ca.Function], library: Path) -> list[ca.Function]:
+    """The functions as ``library`` has them; RuntimeError when it has them not, or of other sizes."""
     loaded = [ca.external(function.name(), str(library)) for function in functions]
     for ours, theirs in zip(functions, loaded, strict=True):
         sizes = [(f.size_in(i) for i in range(f.n_in())) for f in (ours, theirs)]

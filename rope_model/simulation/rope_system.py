@@ -9,23 +9,26 @@ from __future__ import annotations
 import copy
 import logging
 import shutil
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.block_chain import ChainFunctions, chain_functions
+from ..numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
 from ..numerics.generalized_alpha import Solution
 from ..numerics.kernels import (
     LIBRARY_SUFFIX,
     Kernel,
     KernelForm,
     build_library,
+    build_parts,
     cache_folder,
     find_compiler,
+    load_compiled,
     load_portable,
     platform_tag,
     prepare,
@@ -63,7 +66,7 @@ class RopeKernels:
         else:
             functions = list(rope_functions(elements, fidelity).all())
         (solve, newton_step, evaluate, losses, strains, momentum, reference, transport), self.form = prepare(
-            functions, form, library, _name(fidelity, elements)
+            functions, partial(_build, elements, fidelity), form, library
         )
         nodes, balance = (elements + 1, NODE_DOF), (len(BALANCE),)
         self.elements, self.fidelity = elements, fidelity
@@ -102,19 +105,27 @@ def write_bundle(elements: int, folder: Path) -> list[Path]:
             folder.name,
         )
     for fidelity in ELEMENT_DOF:
-        functions = rope_functions(elements, fidelity).all()
         library, portable = _bundle_files(folder, elements, fidelity)
-        save_portable(functions, portable)
+        save_portable(rope_functions(elements, fidelity).all(), portable)
         written.append(portable)
         if compiler is not None:
-            shutil.copyfile(build_library(functions, compiler, cache_folder(), _name(fidelity, elements)), library)
+            shutil.copyfile(_build(elements, fidelity, compiler), library)
             written.append(library)
     return written
 
 
-def _name(fidelity: ElementFidelity, elements: int) -> str:
-    """Of a compiled library, in messages too."""
-    return f"kernels-{fidelity}-{elements}"
+def _build(elements: int, fidelity: ElementFidelity, compiler: Sequence[str]) -> Path:
+    """The compiled library: the element is the same in ropes of any number of elements, and compiled once."""
+    parts = build_parts(rope_parts(fidelity), compiler, cache_folder(), f"element-{fidelity}")
+    functions = _linked_functions(elements, fidelity, parts.library).all()
+    return build_library(functions, compiler, cache_folder(), f"kernels-{fidelity}-{elements}", [parts.linked])
+
+
+@cache
+def _linked_functions(elements: int, fidelity: ElementFidelity, library: Path) -> ChainFunctions:
+    """Those of ``rope_functions``, but calling what ropes of any size have in common."""
+    parts = ChainParts(*load_compiled(rope_parts(fidelity), library))
+    return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
 
 
 def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity) -> tuple[Path, Path]:
@@ -123,9 +134,15 @@ def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity) -> tup
 
 
 @cache
+def rope_parts(fidelity: ElementFidelity) -> ChainParts:
+    """CasADi functions that ropes of any number of elements have in common."""
+    return chain_parts(element_functions(fidelity))
+
+
+@cache
 def rope_functions(elements: int, fidelity: ElementFidelity = "torsional") -> ChainFunctions:
     """CasADi functions of a rope of ``elements`` elements."""
-    return chain_functions(elements, element_functions(fidelity), NODE_DOF, ELEMENT_DOF[fidelity])
+    return chain_functions(elements, rope_parts(fidelity), NODE_DOF, ELEMENT_DOF[fidelity])
 
 
 def parameter_vector(rope: Rope, gravity: float) -> Array:
