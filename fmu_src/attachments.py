@@ -44,7 +44,7 @@ def attachments(described: Collection[Variable], case: RopeCase, fmi: int, nativ
     if not native:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
-    results = reference_files(case, MODEL, frozenset(v.name for v in described))
+    results = reference_files(case, MODEL, [v.name for v in described])
     return files | {f"{_EXTRA}/{name}": data for name, data in results.items()}
 
 

@@ -5,7 +5,7 @@ Both ends move as in the first second of a slow trip; inputs are read as FMI doe
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -22,16 +22,29 @@ TRAVEL, DURATION = 2.0, 4.0
 _OUTPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
 _OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
 
+Rows = list[dict[str, float]]
+
+
+def reference_files(case: RopeCase, name: str, described: Collection[str]) -> dict[str, bytes]:
+    """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt of ``described`` outputs; RuntimeError when it fails."""
+    inputs, results = _run(case)
+    outputs = ["time", *(key for key in _OUTPUTS if key in described)]
+    options = f"StartTime, 0\nStopTime, {_text(H * STEPS)}\nStepSize, {_text(H)}\nRelTol, 1e-6\n"
+    return {
+        f"{name}_in.csv": _table([*inputs[0]], inputs, _text),
+        f"{name}_ref.csv": _table(outputs, results, _round),
+        f"{name}_ref.opt": options.encode(),
+    }
+
 
 @cache
-def reference_files(case: RopeCase, name: str, described: frozenset[str]) -> Mapping[str, bytes]:
-    """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt of ``described`` outputs; RuntimeError when it fails."""
-    outputs = [key for key in _OUTPUTS if key in described]
+def _run(case: RopeCase) -> tuple[Rows, Rows]:
+    """Inputs and outputs at each instant."""
     # the form of the kernels that every machine has, and that needs no compiler
     scene = case.scene.with_(solver=replace(case.scene.solver, kernels="portable"))
     rope, table = RopeSimulator(scene), variables(case)
     start = {v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)}
-    inputs, results = [("time", *start)], [("time", *outputs)]
+    inputs, results = [], []
     motion, status = start, rope.initialize(0.0, *_ends(start))
     for k in range(STEPS + 1):
         if k > 0:
@@ -39,14 +52,9 @@ def reference_files(case: RopeCase, name: str, described: frozenset[str]) -> Map
         if not status.valid:
             raise RuntimeError(f"the reference run fails: {status.message}")
         motion = start | _motion(k * H, start["right.y"])
-        inputs.append((_text(k * H), *map(_text, motion.values())))
-        results.append((_text(k * H), *map(_round, rope.signals(outputs).values())))
-    options = f"StartTime, 0\nStopTime, {_text(H * STEPS)}\nStepSize, {_text(H)}\nRelTol, 1e-6\n"
-    return {
-        f"{name}_in.csv": "\n".join(_lines(inputs)).encode(),
-        f"{name}_ref.csv": "\n".join(_lines(results)).encode(),
-        f"{name}_ref.opt": options.encode(),
-    }
+        inputs.append({"time": k * H} | motion)
+        results.append({"time": k * H} | rope.signals(_OUTPUTS))
+    return inputs, results
 
 
 def _ends(motion: dict[str, float]) -> tuple[EndMotion, EndMotion]:
@@ -72,6 +80,10 @@ def _round(x: float) -> str:
     return f"{round(x, 6) + 0.0:.9g}"
 
 
-def _lines(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    yield from (",".join(f'"{cell}"' if i == 0 else cell for cell in row) for i, row in enumerate(rows))
-    yield ""
+def _table(columns: Sequence[str], rows: Rows, text: Callable[[float], str]) -> bytes:
+    """As text, the first column a time."""
+    lines = [",".join(f'"{column}"' for column in columns)]
+    for row in rows:
+        t, *values = (row[column] for column in columns)
+        lines.append(",".join([_text(t), *map(text, values)]))
+    return "\n".join([*lines, ""]).encode()
