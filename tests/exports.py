@@ -32,18 +32,19 @@ class Flavour:
 FLAVOURS: dict[str, Flavour] = {}
 
 
-def python(level: Level = "standard", profile: Profile = FULL) -> Callable[[Path], Path]:
+def python(profile: Profile = FULL) -> Callable[[Path], Path]:
     """Exports the Python flavour for this platform."""
-    return partial(export_fmu, level=level, profile=profile, platforms=(host_platform(),))
+    return partial(export_fmu, profile=profile, platforms=(host_platform(),))
 
 
 def native(
     fmi: int,
     platforms: Sequence[str] | None = None,
     profile: Profile = FULL,
+    level: Level = "standard",
 ) -> Callable[[Path], Path]:
     """Exports the native FMU; for all platforms that can be built here if None."""
-    return partial(export_native, fmi=fmi, platforms=platforms, profile=profile)
+    return partial(export_native, fmi=fmi, platforms=platforms, profile=profile, level=level)
 
 
 if host_platform() in available_platforms():
@@ -83,8 +84,8 @@ ARCHIVES_EVERYWHERE: dict[str, Callable[[Path], Path]] = {
     "drive-2 everywhere": drive_everywhere(2),
     "drive-3 everywhere": drive_everywhere(3),
 }
-#: what the tests share: these, and the Python FMU of the draft level
-EXPORTS = {**ARCHIVES, **ARCHIVES_EVERYWHERE, "python draft": python("draft")}
+#: what the tests share: these, and the FMU of the draft level
+EXPORTS = {**ARCHIVES, **ARCHIVES_EVERYWHERE, "draft": native(2, (host_platform(),), level="draft")}
 
 
 def make_once(path: Path, make: Callable[[Path], object]) -> Path:

@@ -340,7 +340,7 @@ for name, values in whole.recording.signals.items():
 
 
 def test_rollback_and_resuming_through_the_fmu_are_bit_identical(tmp_path: Path, fmu_of: Callable[[str], Path]) -> None:
-    command = [sys.executable, "-c", THROUGH_THE_FMU, str(fmu_of("python draft")), str(tmp_path)]
+    command = [sys.executable, "-c", THROUGH_THE_FMU, str(fmu_of("draft")), str(tmp_path)]
     done = subprocess.run(command, cwd=DOCS.parent, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
 

@@ -180,7 +180,7 @@ def exact_pendulum() -> tuple[Array, Array, Array]:
     return SpringPendulum().exact(PENDULUM_END)
 
 
-def pendulum_errors(pattern: tuple[float, ...], rho: float, steps: int = 240, recentre: bool = True) -> list[Array]:
+def pendulum_errors(pattern: tuple[float, ...], rho: float, steps: int = 120, recentre: bool = True) -> list[Array]:
     system, end, exact, errors = SpringPendulum(), PENDULUM_END, exact_pendulum(), []
     for n in (steps, 2 * steps):
         m = integrate(system, system.start(), end, n, pattern, rho, recentre)

@@ -31,7 +31,7 @@ def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may
     trip = Winding(travel=400.0, speed=8.0)
     places = []
     for mesh in (auto, replace(auto, grading_length=0.0)):
-        run = wind(scene.with_(mesh=mesh), s_curve(trip), trip.travel, settle=0.0, interval=0.01)
+        run = wind(scene.with_(mesh=mesh), s_curve(trip), trip.travel, settle=0.0, sample=25)
         assert run.status.valid, run.status.message
         places.append(np.array(run.bottom))
     assert np.linalg.norm(places[0] - places[1], axis=1).max() < 0.5 * asked

@@ -722,7 +722,7 @@ def test_python_flavour_of_fmi_3_is_refused_with_the_cure(capsys: pytest.Capture
 def test_an_installed_case_is_exported_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
     path = tmp_path / "monopol.fmu"
-    options = ["--case", "monopol-1000", "--native", "--platform", "host", "--out", str(path)]
+    options = ["--case", "monopol-1000", "--level", "draft", "--native", "--platform", "host", "--out", str(path)]
     assert main(["export", *options]) == 0
     starts = {v.name: v.start for v in fmpy.read_model_description(str(path)).modelVariables}
     assert [float(starts[name]) for name in ("rope.length", "right.y")] == [1040.0, 1000.0]

@@ -136,7 +136,9 @@ def test_exports_with_other_start_values_compile_once(
     tokens = set()
     for length in (120.0, 130.0):
         path = tmp_path / f"{length}.fmu"
-        export_native(path, fmi=fmi, platforms=(host_platform(),), rope=stand_in(), start={"rope.length": length})
+        export_native(
+            path, level="draft", fmi=fmi, platforms=(host_platform(),), rope=stand_in(), start={"rope.length": length}
+        )
         host = Host(path, fmpy.extract(str(path), str(tmp_path / str(length))))
         assert host.get("rope.length") == [length]
         host.call("FreeInstance")

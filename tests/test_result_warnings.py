@@ -18,9 +18,9 @@ from warning_driver import RUNS
 
 from hoist_demo.cosimulation.participants import rope_plant
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
-from rope_model.parameters import Layout, Rope, rope_120
+from rope_model import balance_rope
+from rope_model.parameters import Layout, Rope, Scene, rope_120
 from rope_model.simulation.paths import SIDES, EndMotion
-from rope_model.simulation.simulator import RopeSimulator
 
 DRIVER = Path(__file__).with_name("warning_driver.py")
 
@@ -36,19 +36,19 @@ def results(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> di
     return result
 
 
-def initialise(run: str) -> RopeSimulator:
-    """The rope at rest with a run's parameters and start values."""
-    given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
-    ends = [{n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)} for side in SIDES]
-    rope = RopeSimulator(rope_data({n: v for n, v in given.items() if not n.startswith(SIDES)}))
-    assert rope.initialize(0.0, EndMotion(**ends[0]), EndMotion(**ends[1])).valid
-    return rope
+def scene_of(run: str) -> Scene:
+    """The rope with a run's parameters."""
+    return rope_data({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)})
 
 
 @cache
 def warnings_at_rest(run: str) -> list[str]:
-    """Warnings of the rope at rest."""
-    return [*initialise(run).warnings().values()]
+    """Warnings of the rope at rest, with a run's start values."""
+    given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
+    ends = [{n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)} for side in SIDES]
+    rope = balance_rope(scene_of(run))
+    assert rope.initialize(0.0, EndMotion(**ends[0]), EndMotion(**ends[1])).valid
+    return [*rope.warnings().values()]
 
 
 @pytest.mark.parametrize("run", ["plain", "planar without torque", "large step_max, no step yet"])
@@ -92,7 +92,7 @@ def test_the_yaw_at_rest_is_told_of_ropes_at_rest(results: dict[str, Any]) -> No
 @pytest.mark.parametrize(("twist", "said"), [(1.5, False), (2.1, True)])
 def test_thirty_degrees_at_rest_are_the_bound(twist: float, said: bool) -> None:
     scene = rope_120().scene
-    rope = RopeSimulator(scene.with_(rope=replace(scene.rope, installed_twist=twist)))
+    rope = balance_rope(scene.with_(rope=replace(scene.rope, installed_twist=twist)))
     assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
     assert (rope.state.loop_yaw > math.radians(30.0)) == said == bool(rope.warnings())
 
@@ -119,7 +119,7 @@ def test_a_long_step_is_told_only_of_extrapolated_inputs_and_while_it_lasts(resu
 def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
     turn = 3.0  # rad, of both suspension points about their middle, and of the conveyances
     scene = rope_120().scene
-    rope = RopeSimulator(scene.with_(rope=replace(scene.rope, installed_twist=1.0)))
+    rope = balance_rope(scene.with_(rope=replace(scene.rope, installed_twist=1.0)))
     x, z = 1.0 - math.cos(turn), math.sin(turn)
     left, right = EndMotion(x=x, y=0.0, z=z, yaw=turn), EndMotion(x=-x, y=90.0, z=-z, yaw=turn)
     assert rope.initialize(0.0, left, right).valid
@@ -128,7 +128,7 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
 
 
 def test_rope_in_process_logs_each_thing_once(caplog: pytest.LogCaptureFixture) -> None:
-    rope = InProcessRope(initialise("passed").scene)
+    rope = InProcessRope(scene_of("passed"))
     left, right = rope_plant.EndMotion(), rope_plant.EndMotion(y=90.0)
     assert rope.initialize(0.0, left, right).valid
     assert all(rope.step(k * 0.01, 0.01, left, right).valid for k in range(3))

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import fmpy
 import pytest
 from exports import FLAVOURS
-from native_raw import DISCARD, ERROR, OK, Instance, Library
+from native_raw import DISCARD, ERROR, OK, SMALL, Instance, Library
 
 STATES = ("instantiated", "initialisation", "stepping", "terminated", "failed")
 H = 0.01
@@ -37,9 +37,9 @@ class Call(NamedTuple):
 def bring_to(library: Library, state: str) -> Instance:
     """An instance in one of STATES; "failed" by a step that goes on from another time."""
     rope = Instance(library)
+    assert {rope.set(name, value) for name, value in SMALL.items()} == {OK}
     if state == "instantiated":
         return rope
-    assert rope.set("inputs_at_step_end", 1) == OK
     assert rope.enter(stop=STOP) == OK
     if state != "initialisation":
         assert rope.call("ExitInitializationMode") == OK
@@ -175,10 +175,11 @@ TABLE: dict[str, Call] = {
 
 
 @pytest.fixture(scope="module", params=sorted(FLAVOURS))
-def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Library:
-    folder: Path = tmp_path_factory.mktemp(request.param)
-    path = FLAVOURS[request.param].export(folder / "rope.fmu")
-    return Library(path, fmpy.extract(str(path), str(folder / "unzipped")))
+def library(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]
+) -> Library:
+    path = fmu_of(request.param)
+    return Library(path, fmpy.extract(str(path), str(tmp_path_factory.mktemp(request.param))))
 
 
 def test_python_flavour_without_its_code_is_not_instantiated_and_says_why(library: Library) -> None:

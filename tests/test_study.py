@@ -51,7 +51,7 @@ arrival.window = 0.2
 
 @pytest.fixture(scope="module")
 def fmu(fmu_of: Callable[[str], Path]) -> Path:
-    return fmu_of("python draft")
+    return fmu_of("draft")
 
 
 @pytest.fixture

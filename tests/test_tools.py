@@ -23,12 +23,14 @@ from freed_blocks import freed_blocks
 from numpy.typing import NDArray
 
 from balance_rope import main
+from benchmarks.kinematic import fixed_steps
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import rope_120
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 WINDING = tool_driver.STEPS
+SCENE = rope_120().scene.with_(solver=fixed_steps(tool_driver.H))
 PART = 350  # steps, with two transformations
 DRIVER = Path(tool_driver.__file__)
 PACKAGES = {"fmpy": "fmpy", "libcosim": "libcosimpy", "ecos": "ecospy"}
@@ -60,7 +62,7 @@ def wind(tool: str, fmu: Path, reading: str, steps: int) -> NDArray[np.float64]:
 @functools.cache
 def in_process(native: bool, tool: str, reading: str, steps: int, lift: float = 0.0) -> NDArray[np.float64]:
     """The same by the rope in process, with the tool's clock, all of it ``lift`` (m) higher."""
-    rope, rows = (NativeRope if native else RopeSimulator)(rope_120().scene), []
+    rope, rows = (NativeRope if native else RopeSimulator)(SCENE), []
     rope.initialize(0.0, *motions(0.0, lift))
     for k, (t, h) in enumerate(tool_driver.clock(tool, steps)):
         ends = motions((k + 1) * tool_driver.H, lift)

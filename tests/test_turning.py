@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from benchmarks.kinematic import fixed_steps
 from evidence.stability.frames import TURNED, turn, turn_through
+from rope_model import balance_rope
 from rope_model.parameters import Mesh, Rope, Scene, rope_120
 from rope_model.simulation.modal import natural_modes
 from rope_model.simulation.paths import EndMotion
@@ -74,7 +75,7 @@ def test_turns_put_in_at_once_turn_the_loop_and_leave_the_torque() -> None:
 
 
 def at_rest(left: EndMotion, right: EndMotion) -> dict[str, float]:
-    rope = RopeSimulator(rope_120().scene)
+    rope = balance_rope(rope_120().scene)
     status = rope.initialize(0.0, replace(left, **STILL), replace(right, **STILL))
     assert status.valid, status.message
     return rope.signals()

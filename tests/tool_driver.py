@@ -38,6 +38,9 @@ STEPS = round((REFERENCE.duration + 1.0) / H)
 FORCES = tuple(f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz"))
 INPUTS = tuple(f"{side}.{key}" for side in ("left", "right") for key in ("y", "vy", "ay"))
 
+#: start values: steps as long as the host's
+START = {"solver.step_max": H, "solver.tolerance": 1e6}
+
 Rows = list[list[float]]
 
 
@@ -62,7 +65,9 @@ def fmpy_rows(path: str, at_end: bool, steps: int) -> Rows:
     times = H * np.arange(steps + 1)
     columns = np.array([inputs(t) for t in times]).T
     signals = np.rec.fromarrays([times, *columns], names=["time", *INPUTS])
-    result = fmpy.simulate_fmu(path, stop_time=steps * H, output_interval=H, input=signals, output=list(FORCES))
+    result = fmpy.simulate_fmu(
+        path, stop_time=steps * H, output_interval=H, start_values=START, input=signals, output=list(FORCES)
+    )
     return [list(row)[1:] for row in result[1:]]
 
 
@@ -78,6 +83,8 @@ def libcosim_rows(path: str, at_end: bool, steps: int) -> Rows:
     execution = CosimExecution.from_step_size(round(H * 1e9))
     rope = execution.add_local_slave(CosimLocalSlave(path, "rope"))
     execution.boolean_initial_value(rope, references["inputs_at_step_end"], at_end)
+    for name, value in START.items():
+        execution.real_initial_value(rope, references[name], value)
     # an observer of last values would read all outputs, also those that are costly to compute
     manipulator, observer = CosimManipulator.create_override(), CosimObserver.create_time_series()
     execution.add_manipulator(manipulator)
@@ -99,7 +106,9 @@ def ecos_rows(path: str, at_end: bool, steps: int) -> Rows:
 
     with EcosSimulationStructure() as structure:
         structure.add_model("rope", path)
-        structure.add_parameter_set("start", {"rope::inputs_at_step_end": at_end})
+        structure.add_parameter_set(
+            "start", {"rope::inputs_at_step_end": at_end} | {f"rope::{name}": value for name, value in START.items()}
+        )
         with EcosSimulation(structure=structure, step_size=H) as simulation:
             simulation.init(parameter_set="start")
             rows = []

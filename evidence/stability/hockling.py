@@ -30,7 +30,7 @@ def straight_rod(elements: int = 80) -> tuple[RopeSystem, Array]:
     boundary = StaticBoundary.without_supports(q)
     boundary.held[[0, -1]] = True
     boundary.held[[0, -1], 3] = False
-    return RopeSystem(RopeKernels(elements, "portable"), np.diff(s), P, boundary, q), q
+    return RopeSystem(RopeKernels(elements), np.diff(s), P, boundary, q), q
 
 
 def with_torque(system: RopeSystem, q: Array, torque: float) -> tuple[RopeSystem, Array]:

@@ -108,7 +108,10 @@ def inner_length(counts: tuple[int, ...]) -> float:
 
 
 class FittedLengths(NamedTuple):
-    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements, legs."""
+    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements.
+
+    ``grading``: square of the legs' elements over their distance from the loop.
+    """
 
     radius: float
     fine: float
