@@ -61,7 +61,7 @@ class RopeModel:
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
         constant = local_error(self.method, 1.0, 1.0)
         limits = step_limits(self.scene, old.errors, bottom, apart(old.motion), constant)
-        error = place_error(limits, h, result.error)
+        error = float(place_error(limits, h, result.error))
         strain = max(map(abs, self.strain_errors(result.motion)))
         return max(error, strain / (h * limits.strain_rate)) if h > limits.shortest else error
 
