@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "formulas.h"
 #include "model.h"
 #include "rope.h"
 #include "rope_table.h"

@@ -131,6 +131,8 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Audit audit_after_interval(const Audit *audit, double h, double mass, double gravity, const double sums[9], "
     "const double about[3], double residual, double bend)": audit.after_interval,
 }
+#: those that stand in parameters.h, for hosts that read rope.h alone
+FOR_HOSTS = ("EndMotion end_extrapolate(const EndMotion *end, double h)",)
 #: what they return: structures that C has from here
 DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Flow,
@@ -218,9 +220,16 @@ class _Text(NamedTuple):
 def formulas_code() -> str:
     """The text of formulas.h."""
     structures = (_definition(kind) for kind in DEFINED_HERE)
-    functions = (function_code(prototype, formula) for prototype, formula in FORMULAS.items())
+    functions = (
+        function_code(prototype, formula) for prototype, formula in FORMULAS.items() if prototype not in FOR_HOSTS
+    )
     constants = "".join(f"#define {name} {value!r}\n" for name, value in CONSTANTS.items())
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
+
+
+def host_formulas() -> str:
+    """The text of those that need nothing but structures of parameters."""
+    return "\n".join(function_code(prototype, FORMULAS[prototype]) for prototype in FOR_HOSTS)
 
 
 def _definition(kind: type[Any]) -> str:

@@ -14,6 +14,7 @@ from ..simulation.neglected_effects import neglected_text
 from ..simulation.paths import HARDEST, REACH, SIDES
 from ..simulation.signals import SHAPE_POINTS, SIGNALS, group_of
 from ..simulation.state import EnergyBalance
+from .formulas import host_formulas
 from .layout import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, members
 
@@ -76,7 +77,11 @@ def parameter_structures() -> str:
     )
     parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
     groups = {structure: kind.__name__ for kind, structure in GROUPS.items()}
-    parts += [structure_code(SceneStructure, "Scene", groups), structure_code(EndStructure, "EndMotion", groups)]
+    parts += [
+        structure_code(SceneStructure, "Scene", groups),
+        structure_code(EndStructure, "EndMotion", groups),
+        host_formulas(),
+    ]
     text = "\n".join(parts)
     return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
 

@@ -58,13 +58,12 @@ static int moves_well(Simulator *rope, double h, const EndMotion ends[2]) {
     int side;
     for (side = LEFT; side <= RIGHT; side++) {
         const char *name = side == LEFT ? "left" : "right";
-        if (fabs(ends[side].v[1]) > 60.0) {
+        if (fabs(ends[side].vy) > 60.0) {
             snprintf(rope->message, MESSAGE,
-                     "input %s.vy = %g is beyond +-60 (SI units); check its unit and connection", name,
-                     ends[side].v[1]);
+                     "input %s.vy = %g is beyond +-60 (SI units); check its unit and connection", name, ends[side].vy);
             return 0;
         }
-        if (rope->state.initialized && fabs(ends[side].x[1] - rope->state.ends[side].x[1]) > 60.0 * h + 0.1) {
+        if (rope->state.initialized && fabs(ends[side].y - rope->state.ends[side].y) > 60.0 * h + 0.1) {
             snprintf(rope->message, MESSAGE,
                      "inputs %s.y and its derivatives do not fit together; give one smooth motion", name);
             return 0;
@@ -122,7 +121,7 @@ const char *rope_fidelity_reason(const Simulator *rope) {
 
 static double leg_mass(const Simulator *rope, int side) {
     const EndMotion *ends = rope->state.ends;
-    double leg = 0.5 * (rope->scene.rope.length + ends[side].x[1] - ends[1 - side].x[1]);
+    double leg = 0.5 * (rope->scene.rope.length + ends[side].y - ends[1 - side].y);
     return leg * rope->scene.rope.mass_per_length;
 }
 
@@ -134,7 +133,7 @@ void rope_warning(Simulator *rope, int number, char *message) {
 double rope_signal(Simulator *rope, int signal) {
     int side = signal == SIGNAL_LEFT_FY ? LEFT : RIGHT;
     if (signal == SIGNAL_LEFT_FY || signal == SIGNAL_RIGHT_FY)
-        return -leg_mass(rope, side) * (rope->scene.layout.gravity + rope->state.ends[side].a[1]);
+        return -leg_mass(rope, side) * (rope->scene.layout.gravity + rope->state.ends[side].ay);
     return signal == SIGNAL_COUNT_STEPS ? rope->state.steps : 0.0;
 }
 
@@ -142,7 +141,7 @@ int rope_derivative(Simulator *rope, int input, double derivative[12]) {
     int moved = input / 11, k = input % 11, side;
     for (side = 0; side < 12; side++) derivative[side] = 0.0;
     for (side = LEFT; side <= RIGHT; side++) {
-        double g = rope->scene.layout.gravity + rope->state.ends[side].a[1];
+        double g = rope->scene.layout.gravity + rope->state.ends[side].ay;
         if (k == 1) derivative[6 * side + 1] = (side == moved ? -0.5 : 0.5) * rope->scene.rope.mass_per_length * g;
         if (k == 7 && side == moved) derivative[6 * side + 1] = -leg_mass(rope, side);
     }
