@@ -11,7 +11,8 @@ from numpy.testing import assert_allclose
 
 from benchmarks.kinematic import fixed_steps
 from evidence.choice.scenes import CASES, Case, smooth_step
-from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
+from rope_model.native.engine import NativeRope
+from rope_model.parameters import FidelityChoice, Mesh, Model, Rope, Scene, Swivel
 from rope_model.physics.estimates import natural_width
 from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, expected_travel, force_error, lowest_sufficient
 from rope_model.simulation.paths import EndMotion, EndPath
@@ -297,3 +298,20 @@ def test_tolerance_that_is_not_reached_is_named() -> None:
     choice = choose_fidelity(SHORT.with_(rope=Rope(length=30.0), model=Model(force_tolerance=1e-5)), ends_at(0.0))
     assert choice.fidelity == "torsional"
     assert "within the tolerance of 0.001 %" in choice.reason
+
+
+@pytest.mark.parametrize(
+    ("fidelity", "end", "name"),
+    [
+        ("planar", EndMotion(y=HIGH, az=0.4), "left.az = 0.4"),
+        ("rigid", EndMotion(y=HIGH, ax=0.4), "left.ax = 0.4"),
+        ("spatial", EndMotion(y=HIGH, yaw=0.1), "left.yaw = 0.1"),
+    ],
+)
+def test_fidelity_by_name_says_at_the_start_what_it_cannot_follow(
+    fidelity: FidelityChoice, end: EndMotion, name: str
+) -> None:
+    for rope in (RopeSimulator, NativeRope):
+        status = rope(EVEN.with_(model=Model(fidelity))).initialize(0.0, end, EndMotion())
+        assert not status.valid
+        assert f"{fidelity} model cannot follow {name}" in status.message

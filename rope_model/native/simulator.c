@@ -175,6 +175,7 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     memset(state, 0, rope->state_bytes);
     state->elements = rope->elements;
     state->t = t;
+    char why[MESSAGE];
     double points[2][3];
     if (!hold_ends(rope, state, ends, points)) return 0;
     state->fidelity = fidelity_choose(scene, ends, state->fidelity_reason);
@@ -183,8 +184,10 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     mesh_partition(&rope->mesh, scene->rope.length, bottom, m.elements, &state->pattern, m.lengths);
     mesh_arc_lengths(m.elements, m.lengths, m.s);
     shape_hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
-    if (!message[0]) fidelity_unsupported_motion(scene, state->fidelity, ends, message);
-    if (!message[0]) placement_problem(rope, &state->pattern, bottom, message);
+    if (message[0]) return 0;
+    fidelity_unsupported_motion(scene, state->fidelity, ends, why);
+    if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
+    placement_problem(rope, &state->pattern, bottom, message);
     if (message[0]) return 0;
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;

@@ -172,8 +172,9 @@ class RopeSimulator(BalanceRope):
             bottom = self.model.bottom(paths, t)
             cells = partition(self._mesh, rope.length, bottom)
             guess = hanging_guess(cells.nodes_s, *ends)
-            message = unsupported_motion(scene, fidelity, (left, right)) or placement_message(scene, cells, bottom)
-            if message:
+            if why := unsupported_motion(scene, fidelity, (left, right)):
+                return Status(False, messages.fixed_model_cannot_follow(fidelity, why))
+            if message := placement_message(scene, cells, bottom):
                 return Status(False, message)
             rest = np.zeros_like(guess)
             state = RopeState(
