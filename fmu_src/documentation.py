@@ -75,10 +75,13 @@ _WARNINGS = """\
 `status.warning` holds warnings about results that are valid, as long as they apply; the log has each of them once
 (category logStatusWarning). `status.valid` stays true:
 
-- *The legs touch or have passed through each other.* Contact is not in the model. At rest, too: a long rope with the
-  default `rope.Qb` and `rope.Qc` and locked swivels turns its loop over while it is initialised. Beyond half a turn of
-  `loop.yaw` against the line between the ends the legs have crossed; then `loop.clearance`, the distance of the present
-  shape, is large again, and every result is one that a real rope cannot have.
+- *The rope has passed into a body of its shaft*, with time, depth and place: contact is not in the model, and every
+  result after that is one that a real rope cannot have. [In the shaft](shaft.md) tells what bodies there are.
+- *The legs have passed through each other, or one of them through what hangs above the other* (`loop.crossings`), with
+  the time and height of the first time. At rest, too: a long rope with the default `rope.Qb` and `rope.Qc` and locked
+  swivels turns its loop over while it is initialised. `loop.clearance`, the distance of the present legs, may be large
+  all the time: on a deep rope the long leg swings through the short side's conveyance and head ropes.
+- *The rope is turned around itself, or its legs touch*: `loop.turns` beyond half a turn, or `loop.clearance` at 0.
 - *The loop hangs yawed by more than 30 degrees at rest*, with the parameter that turns it most: the coupling `rope.Qb`,
   `rope.Qc`, `rope.installed_twist`, or the ends. A real rope is made to turn less; the published coupling on a
   rope of several hundred metres turns it that far.

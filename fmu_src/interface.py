@@ -25,6 +25,7 @@ from rope_model.parameters import (
     Solver,
     Swivel,
 )
+from rope_model.shaft_parameters import PARTS, Shaft
 from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.signals import SIGNALS
 
@@ -45,6 +46,7 @@ _GROUPS: dict[str, type[Any]] = {
     "accuracy": Accuracy,
     "solver": Solver,
     "model": Model,
+    **PARTS,
 }
 #: outputs that are never negative
 _NOT_NEGATIVE = ("count.", "stress.", "shape.bending", "shape.torsion", "energy.kinetic")
@@ -158,7 +160,7 @@ def _outputs() -> Iterator[Variable]:
 
 def _part(scene: Scene, group: str) -> Any:
     """The part of the scene that has the parameters of a group."""
-    return getattr(scene, group.removesuffix(".swivel"))
+    return getattr(scene.shaft if group in PARTS else scene, group.removesuffix(".swivel"))
 
 
 def scene_of(values: Mapping[str, Value]) -> Scene:
@@ -176,7 +178,8 @@ def scene_of(values: Mapping[str, Value]) -> Scene:
             parts[group.removesuffix(".swivel")] = kind(**given)
         except ValueError as error:
             raise ValueError(f"{group}: {error}") from error
-    return Scene(**parts)
+    shaft = Shaft(**{name: parts.pop(name) for name in PARTS})
+    return Scene(**parts, shaft=shaft)
 
 
 def _decode(name: str, value: Value) -> Value:

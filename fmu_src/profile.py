@@ -16,11 +16,13 @@ from .interface import Variable
 GROUPS = {
     "ends": "forces and moments on the conveyances, mean vertical forces, added masses",
     "swivels": "angle, rate and torque of the swivels, and whether they slip",
-    "loop": "place, yaw and clearance of the loop",
+    "loop": "place, yaw and clearance of the loop, turns of the legs about each other",
     "stress": "largest nominal stresses; twist at the ends and in the loop",
     "energy": "energies, works and the energy balance",
     "count": "time steps, iterations, transformations, swivel events",
     "shape": "points along the rope, with tension and stresses there: 486 numbers",
+    "clearance": "distances of the rope from the bodies in its shaft",
+    "nearest": "the smallest of these so far, when and where",
     "status": "whether results are valid, messages, the fidelity of the model",
 }
 #: groups that every FMU describes

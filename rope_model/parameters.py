@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from .parameter_table import choice, parameter, parameters_of, require, require_in_bounds
+from .shaft_parameters import Shaft
 
 SwivelMode = Literal["locked", "free", "coulomb"]
 MeshKind = Literal["tmn", "eem", "auto"]
@@ -391,6 +392,7 @@ class Scene:
     accuracy: Accuracy = field(default_factory=Accuracy)
     solver: Solver = field(default_factory=Solver)
     model: Model = field(default_factory=Model)
+    shaft: Shaft = field(default_factory=Shaft)
 
     def with_(self, **parts: Any) -> Scene:
         """A copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""

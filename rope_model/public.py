@@ -5,6 +5,7 @@ rope        balance_rope makes a BalanceRope in a Form: auto, native or python; 
             FIDELITIES has the fidelities of the model; neglected_effects the Effects that one of them neglects: outputs
             that are then 0 and no results
 data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
+            Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump
 cases       rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
             at_level puts any scene on one
 analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
@@ -35,6 +36,7 @@ from .parameters import (
     rope_120,
     rope_240,
 )
+from .shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from .simulation.balance_rope import BalanceRope, Snapshot, Status
 from .simulation.fidelity import FIDELITIES
 from .simulation.neglected_effects import Effect, neglected_effects
@@ -50,11 +52,15 @@ __all__ = [
     "SIGNALS",
     "Accuracy",
     "BalanceRope",
+    "Conveyance",
+    "Divider",
     "Effect",
     "EndMotion",
     "Form",
+    "HeadRopes",
     "Layout",
     "Level",
+    "Lining",
     "Mesh",
     "Model",
     "Rope",
@@ -62,10 +68,12 @@ __all__ = [
     "RopeSimulator",
     "RopeState",
     "Scene",
+    "Shaft",
     "Signal",
     "Snapshot",
     "Solver",
     "Status",
+    "Sump",
     "Swivel",
     "at_level",
     "balance_rope",

@@ -11,28 +11,32 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
 
-_BELOW = {"rope_model.parameters", "rope_model.physics", "rope_model.numerics"}
+_BELOW = {"rope_model.parameters", "rope_model.shaft_parameters", "rope_model.physics", "rope_model.numerics"}
 #: package -> packages of ours that it may import from (itself always)
 MAY_IMPORT = {
     "rope_model.parameter_table": set(),
-    "rope_model.parameters": {"rope_model.parameter_table"},
+    "rope_model.parameters": {"rope_model.parameter_table", "rope_model.shaft_parameters"},
+    "rope_model.shaft_parameters": {"rope_model.parameter_table"},
     "rope_model.physics": set(),
     "rope_model.numerics": set(),
     "rope_model.simulation": {
         "rope_model.parameter_table",
         "rope_model.parameters",
+        "rope_model.shaft_parameters",
         "rope_model.physics",
         "rope_model.numerics",
     },
     "rope_model.native": {
         "rope_model.parameter_table",
         "rope_model.parameters",
+        "rope_model.shaft_parameters",
         "rope_model.physics",
         "rope_model.numerics",
         "rope_model.simulation",
     },
     "rope_model.public": {
         "rope_model.parameters",
+        "rope_model.shaft_parameters",
         "rope_model.numerics",
         "rope_model.simulation",
         "rope_model.native",
@@ -41,6 +45,7 @@ MAY_IMPORT = {
     "rope_model": {"rope_model.public", "rope_model.version"},
     "fmu_src.native": {
         "rope_model.parameters",
+        "rope_model.shaft_parameters",
         "rope_model.simulation",
         "rope_model.numerics",
         "rope_model.native",
@@ -53,7 +58,13 @@ MAY_IMPORT = {
         "fmu_src",
         "fmu_src.native",
     },
-    "fmu_src": {"rope_model.parameter_table", "rope_model.parameters", "rope_model.simulation", "rope_model.version"},
+    "fmu_src": {
+        "rope_model.parameter_table",
+        "rope_model.parameters",
+        "rope_model.shaft_parameters",
+        "rope_model.simulation",
+        "rope_model.version",
+    },
     "hoist_demo.parameters": set(),
     "hoist_demo.drive": {"hoist_demo.parameters", "rope_model.numerics"},  # CasADi functions compiled; it knows no rope
     "hoist_demo.control": {"hoist_demo.parameters"},

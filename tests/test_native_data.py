@@ -34,6 +34,7 @@ from rope_model.native.structures import (
 )
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import CHOICES, FidelityChoice, Mesh, Model, Rope, RopeCase, Scene, Swivel
+from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends import HangingEnds, nominal_points, refusal
 from rope_model.simulation.fidelity import (
     FIDELITIES,
@@ -182,7 +183,10 @@ def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
     structure = scene_structure(scene)
     for name, value in values.items():
         *groups, field = name.split(".")
-        group = structure.swivels[SIDES.index(groups[0])] if groups[-1] == "swivel" else getattr(structure, groups[0])
+        if groups[-1] == "swivel":
+            group = structure.swivels[SIDES.index(groups[0])]
+        else:
+            group = getattr(structure.shaft if groups[0] in PARTS_OF_SHAFT else structure, groups[0])
         if field.startswith("counts"):
             group.counts[int(field[-2]) - 1] = value
         else:

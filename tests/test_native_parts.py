@@ -26,6 +26,7 @@ from rope_model.native.structures import GROUPS, PathStructure, path_structure, 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
+from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.adaptation import nearest_turn
 from rope_model.simulation.audit import Audit
 from rope_model.simulation.diagnostics import LoopBottom, leg_clearance, loop_bottom, shape, shape_places
@@ -47,15 +48,18 @@ from rope_model.simulation.signals import (
     added_mass_signals,
     along_signals,
     audit_signals,
+    clearance_signals,
     end_signals,
     energy_signals,
     error_signals,
     group_of,
     loop_signals,
+    nearest_signals,
     shape_signals,
     stress_signals,
 )
-from rope_model.simulation.state import Counts, EnergyBalance, RopeState
+from rope_model.simulation.state import KINDS as KINDS_OF_BODIES
+from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest, RopeState
 from rope_model.simulation.statics import StaticsError, hanging_guess
 from rope_model.simulation.transfer import interpolate, transfer_fields
 
@@ -63,7 +67,7 @@ Array = NDArray[np.float64]
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("mesh.c", "transfer.c", "shape.c", "signals.c", "rigid.c", "ends.c", "parameters.c", "text.c")
+PARTS = ("mesh.c", "transfer.c", "shape.c", "shaft.c", "signals.c", "rigid.c", "ends.c", "parameters.c", "text.c")
 KINDS = ("tmn", "eem", "auto")
 MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
 FIDELITY_NAMES = ("auto", "torsional", "spatial", "planar", "rigid")
@@ -77,6 +81,8 @@ GROUPS_OF_SIGNALS = (
     shape_signals,
     along_signals,
     added_mass_signals,
+    clearance_signals,
+    nearest_signals,
 )
 MESSAGE, ROUNDING = 512, 1e-12
 
@@ -106,7 +112,7 @@ SIGNALS_BY_MEMBERS = """
 void signals_by_members(int group, const Scene *scene, int fidelity, double t, double loop_yaw, const double *offsets,
                         const double *means, const int *phases, const double *signs,
                         const Path *paths, const double *energy_balance, const double *counts, double given_up_since,
-                        const Audit *audit, const Arrays *arrays,
+                        const Audit *audit, const double *nearest, const double *crossing, const Arrays *arrays,
                         const double (*strains)[3], const LoopBottom *bottom, double *values) {
     State s;
     memset(&s, 0, sizeof s);
@@ -123,6 +129,8 @@ void signals_by_members(int group, const Scene *scene, int fidelity, double t, d
     s.counts.steps = (int64_t)n[0], s.counts.rejections = (int64_t)n[1], s.counts.newton = (int64_t)n[2];
     s.counts.transformations = (int64_t)n[3], s.counts.swivel_events = (int64_t)n[4];
     s.counts.given_up = (int64_t)n[5];
+    memcpy(s.nearest, nearest, sizeof s.nearest);
+    memcpy(&s.crossing, crossing, sizeof s.crossing);
     signals_of(group, scene, &s, arrays, strains, bottom, values);
 }
 
@@ -168,7 +176,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "shape_points": (None, n, p, p, n, p, p),
         "shape_hanging_guess": (None, n, p, p, p, p, p),
         "signal_group": (n, n),
-        "signals_by_members": (None, n, p, n, x, x, *[p] * 7, x, *[p] * 5),
+        "signals_by_members": (None, n, p, n, x, x, *[p] * 7, x, *[p] * 7),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -553,8 +561,20 @@ def any_rope(
         given_up_since=random.normal(),
         audit=Audit()._replace(**dict(zip(Audit._fields[5:], random.uniform(0, 3, 7), strict=True))),
         counts=Counts(*map(int, random.integers(0, 2**40, 6))),
+        nearest=tuple(Nearest(*random.normal(size=5)) for _ in KINDS_OF_BODIES),
+        crossing=Crossing(*random.normal(size=4)),
     )
-    scene = Scene(Rope(Qb=2.4e5, Qc=2.1e5), Layout(hanging[0]), *swivels)
+    shaft = Shaft(
+        Lining(8.0, 6.0, 0.3, *random.normal(size=2)),
+        Conveyance(*random.uniform(0.5, 2.0, 4)),
+        HeadRopes(0.05, 0.9),
+        *(
+            Divider(random.uniform(0.1, 0.5), y, random.normal(), random.normal(), part)
+            for y, part in zip(random.normal(-5.0, 10.0, 4), (0.0, 0.3, 0.7, 1.0), strict=True)
+        ),
+        Sump(-20.0),
+    )
+    scene = Scene(Rope(Qb=2.4e5, Qc=2.1e5), Layout(hanging[0]), *swivels, shaft=shaft)
     strains = random.normal(size=(lengths.size, 3))
     return SimpleNamespace(
         scene=scene,
@@ -573,12 +593,13 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     signs, offsets, means = (np.array(x) for x in ([x.sign for x in state.swivels], state.offsets, state.force_mean))
     paths = (PathStructure * 2)(*map(path_structure, state.paths))
     audit = np.concatenate([np.ravel(x) for x in state.audit])
+    nearest, crossing = np.ravel(state.nearest), np.array(state.crossing)
     energy_balance, counts = np.array(state.energy_balance), np.array(state.counts, dtype=float)
     arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
     parts.arrays_of(m.q, m.v, m.a, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
     parts.signals_by_members(
         group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, offsets,
-        means, phases, signs, paths, energy_balance, counts, state.given_up_since, audit, arrays,
+        means, phases, signs, paths, energy_balance, counts, state.given_up_since, audit, nearest, crossing, arrays,
         rope.system.strains(m.q), bottom, values
     )  # fmt: skip
     assert np.isnan(values[-1])

@@ -32,6 +32,7 @@ NO_ENTRY = {
     "installed_twist =": "part of 'hangs yawed'",
     "the ends, which twist the rope by": "part of 'hangs yawed'",
     "contact is not computed": "the end of 'have passed through each other'",
+    "s on (deepest by": "part of 'the rope has passed into'",
     "a transformation moves whole": "the end of 'element count of segment'",
     "all five segments, or none": "a bound in 'is out of range'",
     "the pattern is the same": "the end of 'is out of range'",

@@ -55,7 +55,7 @@ ARITHMETIC = {
     "shape_nearest_turn": (4, 0),
     "shape_interpolate_midpoints": (4, 0),
     "with_loop_yaw": (0, 1),
-    "direction": (0, 1),
+    "ends_direction": (0, 1),
     "shape_loop_bottom": (6, 1),
     "shape_tension": (5, 1),
     "smallest_distance": (0, 1),
@@ -63,12 +63,12 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2003, "C": 2312}
+MOST_LINES = {"Python": 2194, "C": 2509}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(
         f"simulation/{name}.py"
-        for name in ("adaptation", "result_warnings", "diagnostics", "ends", "mesh", "model", "rigid")
+        for name in ("adaptation", "result_warnings", "diagnostics", "ends", "mesh", "model", "rigid", "shaft")
     ),
     *(
         f"simulation/{name}.py"

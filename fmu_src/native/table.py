@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
+from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.signals import SIGNALS
 
@@ -14,7 +15,7 @@ from ..interface import Variable, choices_of
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
 _TEXTS = {"status.fidelity": "FIDELITY_NAME", "status.fidelity_reason": "FIDELITY_REASON", "status.warning": "WARNING"}
 #: fields of struct Scene whose names differ from the interface's
-_SCENE = {"left.swivel": "swivels[LEFT]", "right.swivel": "swivels[RIGHT]"}
+_SCENE = {"left.swivel": "swivels[LEFT]", "right.swivel": "swivels[RIGHT]"} | {part: f"shaft.{part}" for part in PARTS}
 _HEAD = """\
 /* Generated from the interface table: the variables, and where each lives in the rope. */
 #include "model.h"

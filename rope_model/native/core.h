@@ -48,6 +48,11 @@ LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s);
 /* scratch: 3 * 161 doubles and more are on the stack */
 double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                            double diameter, double above);
+/* turns of one side of the rope about the other, over the height, and the height around which they change most */
+typedef struct {
+    double number, sharpest_y;
+} LoopTurns;
+LoopTurns shape_loop_turns(int nodes, const double *q, const double *s, const LoopBottom *bottom);
 /* at (points): arc lengths from end to end, denser around the loop's lowest point; total: length of the rope;
    loop: loop_width() */
 void shape_places(double total, double bottom_s, double loop, int points, double *at);

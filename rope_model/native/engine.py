@@ -25,7 +25,7 @@ from ..simulation.mesh import Partition
 from ..simulation.paths import SHORTEST_AIM, SIDES, EndMotion, EndPath
 from ..simulation.result_warnings import WARNINGS
 from ..simulation.signals import SIGNALS, checked_names
-from ..simulation.state import Counts, EnergyBalance, Event, Powers, RopeState
+from ..simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, Powers, RopeState
 from .build import library
 from .layout import (
     ARRAYS,
@@ -33,9 +33,11 @@ from .layout import (
     SEGMENTS,
     AuditStructure,
     CountsStructure,
+    CrossingStructure,
     EnergyStructure,
     ErrorStructure,
     EventStructure,
+    NearestStructure,
     PathStructure,
     PatternStructure,
     StateStructure,
@@ -295,7 +297,10 @@ def _unpack(data: bytes) -> RopeState:
         powers=Powers(s.power_ends, s.power_swivel),
         counts=Counts(*(getattr(s.counts, name) for name in Counts._fields)),
         given_up_since=s.given_up_since,
+        looked_at=s.looked_at,
         audit=audit_of(getattr(s.audit, name) for name in Audit._fields),
+        nearest=tuple(Nearest(*(getattr(x, name) for name in Nearest._fields)) for x in s.nearest),
+        crossing=Crossing(*(getattr(s.crossing, name) for name in Crossing._fields)),
     )
 
 
@@ -310,6 +315,7 @@ def _pack(state: RopeState) -> bytes:
         loop_yaw=state.loop_yaw,
         snapped_at=state.snapped_at,
         given_up_since=state.given_up_since,
+        looked_at=state.looked_at,
         offsets=state.offsets,
         force_mean=state.force_mean,
         power_ends=state.powers.ends,
@@ -320,6 +326,8 @@ def _pack(state: RopeState) -> bytes:
         energy_balance=EnergyStructure(*state.energy_balance),
         errors=ErrorStructure(*state.errors),
         audit=AuditStructure(*state.audit),
+        nearest=tuple(NearestStructure(*x) for x in state.nearest),
+        crossing=CrossingStructure(*state.crossing),
         counts=CountsStructure(*state.counts),
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),

@@ -28,10 +28,13 @@ from ..physics import (
     hermite,
     inextensible,
     outline,
+    shaft,
     stress,
     swivel,
 )
+from ..shaft_parameters import FAR, PARTS
 from ..simulation import audit, ends, mesh, statics
+from ..simulation import shaft as shaft_search
 from ..simulation.audit import Audit
 from ..simulation.paths import EndMotion, EndPath
 from ..simulation.state import EnergyBalance
@@ -67,6 +70,21 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double squared_distance(const double point[3], const double start[3], const double along[3])": (
         outline.squared_distance
     ),
+    "void middle_of(double length, const double a[6], const double b[6], double middle[6])": outline.middle,
+    "void enclosing_box(double length, const double a[6], const double b[6], double box[6])": outline.enclosing_box,
+    "void heading(double yaw, double vector[2])": outline.heading,
+    "double turn_about_y(const double before[2], const double after[2])": outline.turn,
+    "double body_distance(const double point[3], const Body *body)": shaft.distance,
+    "double body_least_distance(const double point[3], const double extent[3], const Body *body)": (
+        shaft.least_distance
+    ),
+    "Body lining_body(const Lining *lining)": shaft.lining,
+    "Body conveyance_body(const Conveyance *conveyance, const double end[3])": shaft.conveyance,
+    "Body head_ropes_body(const HeadRopes *head_ropes, const Conveyance *conveyance, const double end[3])": (
+        shaft.head_ropes
+    ),
+    "Body divider_body(const Divider *divider)": shaft.divider,
+    "Body floor_body(const Sump *sump)": shaft.floor,
     "double bending_stress(const Rope *rope, double k)": stress.bending_stress,
     "double torsional_stress(const Rope *rope, double e, double tau)": stress.torsional_stress,
     "void energies_of(const double balance[9], double energies[3])": energy_balance.energies,
@@ -142,14 +160,27 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     mesh.FittedLengths,
     generalized_alpha.Coefficients,
     accuracy.StepLimits,
+    shaft.Body,
 )
 #: what a formula may take or return whole
 STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
-    for kind in (Rope, Layout, Scene, EndMotion, EnergyBalance, accuracy.ErrorSums, Audit, *DEFINED_HERE)
+    for kind in (
+        *(Rope, Layout, Scene, *PARTS.values(), EndMotion),
+        *(EnergyBalance, accuracy.ErrorSums, Audit),
+        *DEFINED_HERE,
+    )
 } | {"Path": EndPath}
 #: numbers of the formulas that switches look at
-CONSTANTS = {"LARGEST_YAW": estimates.LARGEST_YAW, "FADE_ERROR": mesh.FADE_ERROR, "MESH_SHARE": mesh.MESH_SHARE} | {
+CONSTANTS = {
+    "LARGEST_YAW": estimates.LARGEST_YAW,
+    "FADE_ERROR": mesh.FADE_ERROR,
+    "MESH_SHARE": mesh.MESH_SHARE,
+    "FAR": FAR,
+    "RESOLUTION": shaft_search.RESOLUTION,
+    "TURNED_FAR": shaft_search.TURNED_FAR,
+    "LOOK_EVERY": shaft_search.LOOK_EVERY,
+} | {
     name: getattr(audit, name)
     for name in ("MISSING_FORCE", "MISSING_MOMENT", "FEWEST_STEPS", "LARGE_CHANGE", "FEWEST_ELEMENTS")
 }

@@ -1,16 +1,16 @@
 /* Warnings about results that are valid: the port of rope_model.simulation.result_warnings, which see. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "simulator.h"
 #include "messages.h"
 
-#define TURNED_FAR (0.5 * PI)
+#define HALF_A_TURN 0.5
 #define YAWED_FAR (PI / 6)
 #define REST_SPEED 1e-3
 
-/* yaw of the line from the left to the right end */
-static double direction(const Arrays *m) {
+double ends_direction(const Arrays *m) {
     const double *left = end_row(m->q, m->nodes, LEFT), *right = end_row(m->q, m->nodes, RIGHT);
     return atan2(left[2] - right[2], right[0] - left[0]);
 }
@@ -18,7 +18,7 @@ static double direction(const Arrays *m) {
 /* of the loop against its ends */
 static double yaw_of(State *state) {
     const Arrays m = state_arrays(state);
-    return state->loop_yaw - direction(&m);
+    return state->loop_yaw - ends_direction(&m);
 }
 
 static void neglected_effects(Simulator *rope, char *message) {
@@ -27,21 +27,42 @@ static void neglected_effects(Simulator *rope, char *message) {
     if (fidelity == RIGID || scene_carries_torque(&rope->scene)) snprintf(message, MESSAGE, "%s", texts[fidelity]);
 }
 
+static void passed_bodies(Simulator *rope, char *message) {
+    static const char *const words[KINDS] = BODY_WORDS;
+    char told[MESSAGE] = "", before[MESSAGE], passed[MESSAGE];
+    for (int kind = 0; kind < KINDS; kind++) {
+        const Nearest *x = &rope->state->nearest[kind];
+        if (!(x->clearance <= 0)) continue;
+        say_passed_into(passed, words[kind], x->touched_at, -x->clearance, x->time, x->s, x->y);
+        memcpy(before, told, sizeof before);
+        if (before[0])
+            say_and_another(told, before, passed);
+        else
+            memcpy(told, passed, sizeof told);
+    }
+    if (told[0]) say_rope_passed_into(message, told);
+}
+
+static void passed_sides(Simulator *rope, char *message) {
+    const Crossing *crossing = &rope->state->crossing;
+    if (crossing->number > 0) say_sides_passed(message, crossing->number, crossing->since, crossing->y);
+}
+
 static void leg_contact(Simulator *rope, char *message) {
     const double yaw = yaw_of(rope->state);
-    if (fabs(yaw) > PI)
-        say_legs_passed(message, yaw);
-    else if (fabs(yaw) > TURNED_FAR) {
-        const double clearance = rope_signal(rope, SIGNAL_LOOP_CLEARANCE);
-        if (clearance <= 0) say_legs_touch(message, clearance, yaw);
-    }
+    if (fabs(yaw) <= TURNED_FAR || rope->state->crossing.number > 0) return;
+    const double turns = rope_signal(rope, SIGNAL_LOOP_TURNS), clearance = rope_signal(rope, SIGNAL_LOOP_CLEARANCE);
+    if (fabs(turns) >= HALF_A_TURN)
+        say_turned_around(message, turns);
+    else if (clearance <= 0)
+        say_legs_touch(message, clearance, yaw);
 }
 
 /* twist of the rope from end to end by conveyances and swivels that have turned against the ends' line */
 static double end_twist(State *state) {
     const Arrays m = state_arrays(state);
     const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
-    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * direction(&m);
+    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * ends_direction(&m);
 }
 
 /* why (MESSAGE): what makes the largest torque, and its cure */
@@ -68,7 +89,7 @@ static void yaw_at_rest(Simulator *rope, char *message) {
     State *state = rope->state;
     const double yaw = yaw_of(state);
     char why[MESSAGE];
-    if (!rests(rope) || state->fidelity != TORSIONAL || fabs(yaw) <= YAWED_FAR) return;
+    if (!rests(rope) || state->fidelity != TORSIONAL || fabs(yaw) <= YAWED_FAR || state->crossing.number > 0) return;
     leg_contact(rope, message);
     if (message[0]) {
         message[0] = '\0';
@@ -84,7 +105,7 @@ static void other_rests(Simulator *rope, char *message) {
     say_other_rests(message, angle);
 }
 
-static void missing_loads(const Simulator *rope, char *message) {
+static void missing_loads(Simulator *rope, char *message) {
     const Audit *audit = &rope->state->audit;
     const double bound = MISSING_FORCE * audit->force;
     const double of_moment = MISSING_MOMENT * audit->force * rope->scene.layout.spacing;
@@ -94,41 +115,28 @@ static void missing_loads(const Simulator *rope, char *message) {
         say_moments_missing(message, audit->missing_moment, of_moment);
 }
 
-static void unresolved_waves(const Simulator *rope, char *message) {
+static void unresolved_waves(Simulator *rope, char *message) {
     const Audit *audit = &rope->state->audit;
     if (audit->share * FEWEST_STEPS > 1 && audit->force_change > LARGE_CHANGE * audit->force)
         say_waves_unresolved(message, audit->force_change, 1 / audit->share, FEWEST_STEPS,
                              axial_step(&rope->scene.rope));
 }
 
-static void unresolved_bend(const Simulator *rope, char *message) {
+static void unresolved_bend(Simulator *rope, char *message) {
     const double bend = rope->state->audit.bend, elements = bend > 0 ? elements_per_bend(bend) : FEWEST_ELEMENTS;
     if (elements < FEWEST_ELEMENTS) say_bend_unresolved(message, elements, FEWEST_ELEMENTS);
 }
 
-static void accuracy_given_up(const Simulator *rope, char *message) {
+static void accuracy_given_up(Simulator *rope, char *message) {
     const State *state = rope->state;
     if (state->counts.given_up > 0)
         say_accuracy_given_up(message, (int)state->counts.given_up, state->given_up_since, rope->scene.solver.work_max);
 }
 
 void rope_warning(Simulator *rope, int number, char *message) {
+    static void (*const warnings[ROPE_WARNINGS])(Simulator *, char *) = {
+        passed_bodies, passed_sides,  neglected_effects, leg_contact,     yaw_at_rest,
+        other_rests,   missing_loads, unresolved_waves,  unresolved_bend, accuracy_given_up};
     message[0] = '\0';
-    if (!rope->initialized) return;
-    if (number == 0)
-        neglected_effects(rope, message);
-    else if (number == 1)
-        leg_contact(rope, message);
-    else if (number == 2)
-        yaw_at_rest(rope, message);
-    else if (number == 3)
-        other_rests(rope, message);
-    else if (number == 4)
-        missing_loads(rope, message);
-    else if (number == 5)
-        unresolved_waves(rope, message);
-    else if (number == 6)
-        unresolved_bend(rope, message);
-    else
-        accuracy_given_up(rope, message);
+    if (rope->initialized) warnings[number](rope, message);
 }

@@ -141,6 +141,56 @@ double shape_leg_clearance(int nodes, const double *q, const double *s, const Lo
            diameter;
 }
 
+/* A leg on the way up: the last of its places that is higher than all before it, and the next such place; where there
+   is none, the leg's end with what hangs above it. */
+typedef struct {
+    const double *q;
+    int node, last;
+    double low[3], high[3];
+} Climb;
+
+static void climb_on(Climb *leg) {
+    const int step = leg->last == 0 ? -1 : 1;
+    memcpy(leg->low, leg->high, sizeof leg->low);
+    leg->high[1] = HUGE_VAL;
+    for (; (leg->last - leg->node) * step >= 0 && leg->high[1] == HUGE_VAL; leg->node += step) {
+        const double *place = leg->q + (ptrdiff_t)DOF * leg->node;
+        if (place[1] > leg->low[1]) memcpy(leg->high, place, sizeof leg->high);
+    }
+}
+
+/* its place along an axis at a height between low and high */
+static double climb_at(const Climb *leg, double height, int axis) {
+    const double part = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
+    return leg->low[axis] + part * (leg->high[axis] - leg->low[axis]);
+}
+
+LoopTurns shape_loop_turns(int nodes, const double *q, const double *s, const LoopBottom *bottom) {
+    int next = 1;
+    while (next < nodes - 1 && s[next] < bottom->s) next++;
+    Climb left = {q, next - 1, 0, {0}, {0}}, right = {q, next, nodes - 1, {0}, {0}};
+    memcpy(left.high, bottom->position, sizeof left.high);
+    memcpy(right.high, bottom->position, sizeof right.high);
+    climb_on(&left);
+    climb_on(&right);
+    double across[2], angle = 0, sharpest = -1, below = bottom->position[1];
+    LoopTurns turns = {0, below};
+    heading(bottom->yaw, across);
+    for (double height; (height = fmin(left.high[1], right.high[1])) < HUGE_VAL;) {
+        const double then[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
+                                climb_at(&right, height, 2) - climb_at(&left, height, 2)};
+        const double turned = turn_about_y(across, then);
+        if (fabs(turned) > sharpest) sharpest = fabs(turned), turns.sharpest_y = 0.5 * (below + height);
+        angle -= turned;
+        below = height;
+        memcpy(across, then, sizeof across);
+        if (left.high[1] <= height) climb_on(&left);
+        if (right.high[1] <= height) climb_on(&right);
+    }
+    turns.number = angle / (2 * PI);
+    return turns;
+}
+
 /* length of the elements at arc length `at`, interpolated between their middles */
 static double cell_at(int nodes, const double *s, double at) {
     int k = shape_middle_before(nodes, s, at);

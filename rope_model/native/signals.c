@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "formulas.h"
+#include "shaft.h"
 #include "energy_values.h" /* energy_signals: generated */
 
 int signal_group(int signal) {
@@ -38,6 +38,16 @@ static void loop_signals(const Scene *scene, const State *state, const Arrays *a
     values[SIGNAL_LOOP_YAW] = shape_nearest_turn(bottom->yaw, state->loop_yaw);
     values[SIGNAL_LOOP_CLEARANCE] = shape_leg_clearance(arrays->nodes, arrays->q, arrays->s, bottom, loop_width(scene),
                                                         scene->rope.diameter, scene->layout.spacing);
+    values[SIGNAL_LOOP_TURNS] = shape_loop_turns(arrays->nodes, arrays->q, arrays->s, bottom).number;
+    values[SIGNAL_LOOP_CROSSINGS] = state->crossing.number;
+    values[SIGNAL_LOOP_CROSSED_AT] = state->crossing.since;
+    values[SIGNAL_LOOP_CROSSED_Y] = state->crossing.y;
+}
+
+static void clearance_signals(const Scene *scene, const State *state, const Arrays *arrays, double *values) {
+    Nearest nearest[KINDS];
+    shaft_clearances(scene, arrays, state->t, nearest);
+    for (int kind = 0; kind < KINDS; kind++) values[SIGNAL_CLEARANCE_LINING + kind] = nearest[kind].clearance;
 }
 
 /* of an element; a fidelity without torsion has no torque */
@@ -129,6 +139,12 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         break;
     case ALONG_SIGNALS:
         along_signals(scene, state->fidelity, arrays, strains, bottom, values);
+        break;
+    case CLEARANCE_SIGNALS:
+        clearance_signals(scene, state, arrays, values);
+        break;
+    case NEAREST_SIGNALS: /* the same numbers in the same order */
+        memcpy(values + SIGNAL_NEAREST_LINING_CLEARANCE, state->nearest, sizeof state->nearest);
         break;
     default: /* the simulator computes added masses itself */
         break;

@@ -15,7 +15,9 @@ enum {
     ERROR_SIGNALS,
     SHAPE_SIGNALS,
     ALONG_SIGNALS,
-    ADDED_MASS_SIGNALS
+    ADDED_MASS_SIGNALS,
+    CLEARANCE_SIGNALS,
+    NEAREST_SIGNALS
 };
 
 /* -1 for a number that is no signal's */

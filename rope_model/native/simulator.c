@@ -167,6 +167,24 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
     return 1;
 }
 
+/* what the rope came near to, and passed through, at the state's instant */
+static void see_passages(const Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    Crossing *crossing = &state->crossing;
+    state->looked_at = state->t;
+    const double line = ends_direction(&m);
+    const int bodies = shaft_nearer(&rope->scene, &m, state->t, state->nearest);
+    if (bodies == 0 && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
+    const LoopBottom bottom = shape_loop_bottom(m.nodes, m.q, m.s);
+    const double yaw = shape_nearest_turn(bottom.yaw, state->loop_yaw) - line;
+    const LoopTurns turns = shape_loop_turns(m.nodes, m.q, m.s, &bottom);
+    const double net = rint(yaw / (2 * PI) - turns.number);
+    if (net == crossing->net) return;
+    if (crossing->number == 0) crossing->since = state->t, crossing->y = turns.sharpest_y;
+    crossing->number += fabs(net - crossing->net);
+    crossing->net = net;
+}
+
 static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     const Scene *scene = &rope->scene;
     State *state = rope->next;
@@ -198,6 +216,8 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     state->energy_balance.start = energy_total(&state->energy_balance);
     state->event_count = 0;
     audit_begin(rope, state);
+    shaft_not_near(state->nearest);
+    see_passages(rope, state);
     return accept_next(rope);
 }
 
@@ -369,6 +389,7 @@ static int advance(Simulator *rope, double t, const EndMotion ends[2], double wi
         if (state->counts.steps + state->counts.rejections - steps_before >= MOST_STEPS)
             return say_too_many_steps(rope->message, t_before, MOST_STEPS, begin, t);
         if (!step_towards(rope, state, t, why)) return say_fails_at(rope->message, t_before, why);
+        if (state->t >= t || state->t - state->looked_at >= LOOK_EVERY) see_passages(rope, state);
         for (int side = LEFT; side <= RIGHT; side++)
             impulse[side] -= 0.5 * (state->t - t_before) * (before[side] + end_row(m.reaction, m.nodes, side)[1]);
     }

@@ -85,7 +85,7 @@ int state_plausible(const Simulator *rope, State *state) {
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
         !all_finite(m.q, (size_t)(m.s + m.nodes - m.q)) ||
         !all_finite(&state->energy_balance.kinetic,
-                    (sizeof(EnergyBalance) + sizeof(ErrorSums) + sizeof(Audit)) / sizeof(double)))
+                    (offsetof(State, counts) - offsetof(State, energy_balance)) / sizeof(double)))
         return 0;
     if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0)) return 0;
     for (int side = LEFT; side <= RIGHT; side++) {

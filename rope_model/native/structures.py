@@ -11,6 +11,7 @@ from dataclasses import astuple, fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from ..parameters import Accuracy, Layout, Mesh, Model, Rope, Scene, Solver, Swivel
+from ..shaft_parameters import PARTS
 from ..simulation.paths import PATH, EndMotion, EndPath
 from .layout import PathStructure
 
@@ -43,7 +44,14 @@ def _type(member: Member) -> type[Any]:
     return kind * member.length if member.length else kind
 
 
-GROUPS = {kind: _structure(kind) for kind in (Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model)}
+_KINDS = (Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, *PARTS.values())
+GROUPS = {kind: _structure(kind) for kind in dict.fromkeys(_KINDS)}
+
+
+class ShaftStructure(ctypes.Structure):
+    """rope_model.shaft_parameters.Shaft"""
+
+    _fields_ = tuple((name, GROUPS[kind]) for name, kind in PARTS.items())
 
 
 class SceneStructure(ctypes.Structure):
@@ -57,6 +65,7 @@ class SceneStructure(ctypes.Structure):
         ("accuracy", GROUPS[Accuracy]),
         ("solver", GROUPS[Solver]),
         ("model", GROUPS[Model]),
+        ("shaft", ShaftStructure),
     )
 
 
@@ -70,7 +79,8 @@ def scene_structure(scene: Scene) -> SceneStructure:
     """The scene as C sees it."""
     swivels = (GROUPS[Swivel] * 2)(_fill(scene.left), _fill(scene.right))
     groups = (_fill(group) for group in (scene.mesh, scene.accuracy, scene.solver, scene.model))
-    return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups)
+    shaft = ShaftStructure(*(_fill(getattr(scene.shaft, name)) for name in PARTS))
+    return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups, shaft)
 
 
 def end_structure(motion: EndMotion) -> EndStructure:

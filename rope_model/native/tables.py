@@ -9,14 +9,16 @@ from typing import Any, get_args
 
 from ..parameter_table import Parameter, check_order, parameters_of
 from ..parameters import MOST_ELEMENTS, FidelityChoice, Mesh, Rope, Swivel
+from ..shaft_parameters import PARTS
 from ..simulation.fidelity import FIDELITIES
 from ..simulation.neglected_effects import neglected_text
 from ..simulation.paths import HARDEST, REACH, SIDES
+from ..simulation.shaft import BODIES
 from ..simulation.signals import SHAPE_POINTS, SIGNALS, group_of
 from ..simulation.state import EnergyBalance
 from .formulas import host_formulas
 from .layout import structure_code
-from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, members
+from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.native.tables. */\n"
 #: checks of several parameters at once, in parameters.c
@@ -41,6 +43,7 @@ def signal_numbers() -> str:
         "#ifndef SIGNAL_NUMBERS_H\n#define SIGNAL_NUMBERS_H\n\n"
         f"enum {{\n{numbers}    SIGNALS,\n    SHAPE_POINTS = {SHAPE_POINTS}\n}};\n\n"
         f"/* of each signal, an enum of signals.h */\n#define SIGNAL_GROUPS \\\n{groups}\n\n"
+        f"/* kinds of bodies in words */\n#define BODY_WORDS {{{', '.join(map(json.dumps, BODIES.values()))}}}\n\n"
         f"/* the warning of each fidelity, by its code */\n#define LEFT_OUT_TEXTS {{ \\\n{texts}}}\n\n#endif\n"
     )
 
@@ -77,11 +80,8 @@ def parameter_structures() -> str:
     )
     parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
     groups = {structure: kind.__name__ for kind, structure in GROUPS.items()}
-    parts += [
-        structure_code(SceneStructure, "Scene", groups),
-        structure_code(EndStructure, "EndMotion", groups),
-        host_formulas(),
-    ]
+    wholes = {ShaftStructure: "Shaft", SceneStructure: "Scene", EndStructure: "EndMotion"}
+    parts += [*(structure_code(kind, name, groups | wholes) for kind, name in wholes.items()), host_formulas()]
     text = "\n".join(parts)
     return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
 
@@ -129,16 +129,24 @@ def _bounds(kind: type[Any]) -> str:
 
 def _scene_check() -> str:
     """check_scene: every group by the name that it has for hosts."""
-    kinds: dict[Any, type[Any]] = {structure: kind for kind, structure in GROUPS.items()}
-    calls = []
-    for member, of in SceneStructure._fields_:
-        sides = enumerate(SIDES) if member == "swivels" else ()
-        places = [(f"{side}.swivel", f"swivels[{k}]") for k, side in sides] or [(member, member)]
-        kind = Swivel if member == "swivels" else kinds[of]
-        for name, place in places:
-            for check in (f"check_{kind.__name__.lower()}", *JOINT_CHECKS.get(kind, ())):
-                calls.append(f'    {check}(&(Check){{"{name}", message}}, &scene->{place});\n')
+    calls = [
+        f'    {check}(&(Check){{"{name}", message}}, &scene->{place});\n'
+        for name, place, kind in _groups_of_scene()
+        for check in (f"check_{kind.__name__.lower()}", *JOINT_CHECKS.get(kind, ()))
+    ]
     return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
+
+
+def _groups_of_scene() -> Iterator[tuple[str, str, type[Any]]]:
+    """Of each group its name for hosts, its place in C's Scene, and its data class."""
+    kinds: dict[Any, type[Any]] = {structure: kind for kind, structure in GROUPS.items()}
+    for member, of in SceneStructure._fields_:
+        if member == "swivels":
+            yield from ((f"{side}.swivel", f"swivels[{k}]", Swivel) for k, side in enumerate(SIDES))
+        elif member == "shaft":
+            yield from ((part, f"shaft.{part}", kind) for part, kind in PARTS.items())
+        else:
+            yield member, member, kinds[of]
 
 
 def _choice(name: str, p: Parameter) -> str:

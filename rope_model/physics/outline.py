@@ -1,4 +1,4 @@
-"""Geometry of the rope's centre line: where it is sampled, and how far points are from it.
+"""Geometry of the rope's centre line: where it is sampled, how far points are from it, what encloses a piece of it.
 
 Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
 """
@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .elementary import dot, larger, smaller
+from .elementary import atan2, cos, dot, larger, sin, smaller
+from .hermite import interpolate
 
 
 def suspension_points(layout: Any, left: Any, right: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
@@ -32,3 +33,31 @@ def squared_distance(point: Any, start: Any, along: Any) -> Any:
     part = smaller(larger(dot(across, along) / dot(along, along), 0.0), 1.0)
     x, y, z = across[0] - part * along[0], across[1] - part * along[1], across[2] - part * along[2]
     return x * x + y * y + z * z
+
+
+def middle(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
+    """Place and r' (6,) midway between two places of an element with theirs, ``length`` (m) apart along the rope."""
+    values = [interpolate(0.5, length, a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
+    return (*(r for r, _ in values), *(d for _, d in values))
+
+
+def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
+    """Centre and half widths (6,) of an upright box that holds the cubic between them: it holds its control points."""
+    centre, extent = [], []
+    for k in range(3):
+        near, far = a[k] + length * a[3 + k] / 3.0, b[k] - length * b[3 + k] / 3.0
+        low = smaller(smaller(a[k], b[k]), smaller(near, far))
+        high = larger(larger(a[k], b[k]), larger(near, far))
+        centre.append(0.5 * (low + high))
+        extent.append(0.5 * (high - low))
+    return (*centre, *extent)
+
+
+def heading(yaw: Any) -> tuple[Any, Any]:
+    """The horizontal unit vector (X, Z) of a yaw (rad) about Y."""
+    return cos(yaw), -sin(yaw)
+
+
+def turn(before: Any, after: Any) -> Any:
+    """Angle (rad) about Y from one horizontal vector (X, Z) to another."""
+    return atan2(before[1] * after[0] - before[0] * after[1], before[0] * after[0] + before[1] * after[1])

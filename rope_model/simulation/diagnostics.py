@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
 from ..physics.hermite import integral, integral_to
-from ..physics.outline import place, squared_distance
+from ..physics.outline import heading, place, squared_distance, turn
 from .rope_system import POSITION, SLOPE, Array, arc_lengths
 from .transfer import interpolate
 
@@ -53,6 +54,42 @@ def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, dia
     if min(len(left), len(right)) < 2:
         return math.inf
     return min(_distance(left, right), _distance(right, left)) - diameter
+
+
+class LoopTurns(NamedTuple):
+    """Turns of one side of the rope about the other, and the height (m) around which they change most."""
+
+    number: float
+    sharpest_y: float
+
+
+def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
+    """Turns about Y of the right side about the left one, from the top down to the loop: what the yaw ends in.
+
+    A side is a leg and, straight above it, the conveyance and its head ropes.  Counted is the direction of the
+    horizontal vector between the sides over the height,
+
+        1/(2 pi) int dpsi,    psi from the higher end down to the lowest point, where it is that of the tangent,
+
+    between the nodes, straight from one to the next; what hangs lower than rope below it is passed over.
+    """
+    k = int(np.clip(np.searchsorted(arc_lengths(lengths), bottom.s), 1, lengths.size))
+    place = bottom.position[None, :]
+    legs = [_rising(np.vstack((place, leg))) for leg in (q[k - 1 :: -1, POSITION], q[k:, POSITION])]
+    every = np.union1d(legs[0][:, 1], legs[1][:, 1])
+    heights = every[1:]
+    left, right = (np.array([np.interp(heights, leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
+    across = np.hstack((np.array(heading(bottom.yaw))[:, None], right - left))
+    turned = turn(across[:, :-1], across[:, 1:])
+    sharpest = int(np.argmax(np.abs(turned)))
+    return LoopTurns(-float(np.sum(turned)) / (2 * math.pi), float(0.5 * (every[sharpest] + every[sharpest + 1])))
+
+
+def _rising(leg: Array) -> Array:
+    """The points of a leg (points, 3), from the bottom upwards, that are higher than all before them."""
+    highest = np.maximum.accumulate(leg[:, 1])
+    higher: Array = leg[np.append(True, leg[1:, 1] > highest[:-1])]
+    return higher
 
 
 def _distance(points: Array, line: Array) -> float:

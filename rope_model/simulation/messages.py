@@ -218,11 +218,35 @@ def errs_little(
 # warnings
 
 
-def legs_passed(yaw: float) -> str:
+def passed_into(body: str, touched: float, depth: float, t: float, s: float, y: float) -> str:
     return (
-        f"the rope's legs have passed through each other: the loop has yawed by {yaw:.3g} rad against its ends, and "
-        "legs cross at half a turn; contact is not computed, and a real rope would lie against itself; lower Qb, Qc or "
-        "installed_twist, free the swivels, or widen the spacing"
+        f"{body} from t = {touched:.6g} s on (deepest by {depth:.3g} m at {t:.6g} s, {s:.4g} m along it, at y = "
+        f"{y:.4g} m)"
+    )
+
+
+def and_another(before: str, passed: str) -> str:
+    return f"{before:.380} and {passed:.120}"
+
+
+def rope_passed_into(what: str) -> str:
+    return f"the rope has passed into {what:.400}; contact is not computed: nothing after that is what a real rope does"
+
+
+def sides_passed(number: float, since: float, y: float) -> str:
+    return (
+        "the rope's legs have passed through each other, or one of them through the conveyance and head ropes above "
+        f"the other: {number:g} times (loop.crossings), the first at t = {since:.6g} s around y = {y:.4g} m; contact "
+        "is not computed: nothing after that is what a real rope does; lower Qb, Qc or installed_twist, free the "
+        "swivels, or widen the spacing"
+    )
+
+
+def turned_around(turns: float) -> str:
+    return (
+        f"the rope is turned around itself: one leg has swung {turns:.3g} turns about the other and the conveyance and "
+        "head ropes above it (loop.turns); half a turn is a loop turned over; lower Qb, Qc or installed_twist, free "
+        "the swivels, or widen the spacing"
     )
 
 

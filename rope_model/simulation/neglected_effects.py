@@ -31,7 +31,9 @@ EFFECTS = (
         ("fx", "mz", "energy.strain", "energy.dissipated_material"),
         by_torque=False,
     ),
-    Effect("spatial", "yaw and all else out of the plane", ("fz", "mx", "loop.z", "loop.yaw"), by_torque=True),
+    Effect(
+        "spatial", "yaw and all else out of the plane", ("fz", "mx", "loop.z", "loop.yaw", "loop.turns"), by_torque=True
+    ),
     Effect(
         "torsional",
         "torque, twist, turning swivels and torsional stress",

@@ -1,7 +1,9 @@
 """Warnings about results that are valid: they are those of the model, and a real rope would do something else.
 
+    passed_bodies       the rope has passed into bodies of its shaft: contact is not in the model
+    passed_sides        the legs have passed through each other, or one through what hangs above the other
     neglected_effects   the model computes no torsion, and the rope carries torque; or it is the rigid one
-    leg_contact         the legs touch, or have passed through each other: contact is not in the model
+    leg_contact         the loop is turned over, or the legs touch
     yaw_at_rest         the loop hangs far out of its ends' plane at rest, by a torque that is too large for a shaft
     other_rests         the rope has more than one way to hang, and snapped over on the way to this one
     missing_loads       momentum changes otherwise than the end forces and the weight say
@@ -10,8 +12,8 @@
     accuracy_given_up   steps err more than they should because work_max allows for no more of them
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
-as cos(psi / 2) of it: they meet at half a turn, and beyond it they have passed through each other.  Once through,
-their clearance is large again; only the count of the yaw tells.
+as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not: the long leg can swing around the short
+one and what hangs above it.  That is half a turn over the height (diagnostics.loop_turns), too.
 """
 
 from __future__ import annotations
@@ -31,14 +33,15 @@ from .audit import (
     axial_step,
     elements_per_bend,
 )
-from .diagnostics import leg_clearance, loop_bottom
+from .diagnostics import leg_clearance, loop_bottom, loop_turns
 from .fidelity import carries_torque
 from .neglected_effects import neglected_text
 from .rope_system import ANGLE
-from .state import RopeState
+from .shaft import BODIES, TURNED_FAR, direction
+from .state import KINDS, RopeState
 
-#: rad: below, a turned loop brings no legs together
-TURNED_FAR = 0.5 * math.pi
+#: of the legs: the loop is turned over
+HALF_A_TURN = 0.5
 #: rad: yaw at rest of a rope whose data should be looked at
 YAWED_FAR = math.pi / 6
 #: m/s: a rope with less kinetic energy than all of it has at this speed is at rest
@@ -50,13 +53,29 @@ def neglected_effects(scene: Scene, state: RopeState) -> str:
     return neglected_text(state.fidelity) if state.fidelity == "rigid" or carries_torque(scene) else ""
 
 
+def passed_bodies(scene: Scene, state: RopeState) -> str:
+    """'' while the rope touches nothing; otherwise what it passed into, when and where."""
+    told = ""
+    for name, x in zip(KINDS, state.nearest, strict=True):
+        if x.clearance <= 0:
+            passed = messages.passed_into(BODIES[name], x.touched_at, -x.clearance, x.time, x.s, x.y)
+            told = messages.and_another(told, passed) if told else passed
+    return messages.rope_passed_into(told) if told else ""
+
+
+def passed_sides(scene: Scene, state: RopeState) -> str:
+    """'' while no side of the rope has passed through the other; otherwise how often, and since when."""
+    _, number, since, y = state.crossing
+    return messages.sides_passed(number, since, y) if number else ""
+
+
 def leg_contact(scene: Scene, state: RopeState) -> str:
     """'' while the legs hang free of each other; otherwise how they do not."""
     q, lengths, yaw = state.motion.q, state.partition.lengths, _yaw(state)
-    if abs(yaw) > math.pi:
-        return messages.legs_passed(yaw)
-    if abs(yaw) > TURNED_FAR:
+    if abs(yaw) > TURNED_FAR and not state.crossing.number:
         bottom, loop = loop_bottom(q, lengths), loop_width(scene)
+        if abs(turns := loop_turns(q, lengths, bottom).number) >= HALF_A_TURN:
+            return messages.turned_around(turns)
         clearance = leg_clearance(q, lengths, bottom, loop, scene.rope.diameter, scene.layout.spacing)
         if clearance <= 0:
             return messages.legs_touch(clearance, yaw)
@@ -69,6 +88,7 @@ def yaw_at_rest(scene: Scene, state: RopeState) -> str:
         not _rests(scene, state)
         or state.fidelity != "torsional"
         or abs(_yaw(state)) <= YAWED_FAR
+        or state.crossing.number
         or leg_contact(scene, state)
     ):
         return ""
@@ -129,26 +149,22 @@ def _torque_source(scene: Scene, state: RopeState) -> str:
     return max(causes, key=causes.__getitem__)
 
 
-def _direction(state: RopeState) -> float:
-    """Yaw (rad) of the line from the left to the right end."""
-    across = state.motion.q[-1] - state.motion.q[0]
-    return math.atan2(-across[2], across[0])
-
-
 def _yaw(state: RopeState) -> float:
     """Yaw (rad) of the loop against its ends."""
-    return state.loop_yaw - _direction(state)
+    return state.loop_yaw - direction(state.motion.q)
 
 
 def _end_twist(state: RopeState) -> float:
     """Twist (rad) of the rope from end to end by conveyances and swivels that have turned against the ends' line."""
     (left, right), q = state.offsets, state.motion.q
     # a yaw about Y twists either end by itself, and both when the whole rope is turned
-    return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * _direction(state)
+    return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * direction(q)
 
 
 #: each tells of one thing, in the order of rope_warning in rope.h
 WARNINGS: tuple[Callable[[Scene, RopeState], str], ...] = (
+    passed_bodies,
+    passed_sides,
     neglected_effects,
     leg_contact,
     yaw_at_rest,

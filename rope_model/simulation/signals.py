@@ -17,13 +17,14 @@ from ..physics.frame import end_moment
 from ..physics.stress import bending_stress, torsional_stress
 from .adaptation import nearest_turn
 from .audit import signal_values as audit_values
-from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, shape, shape_places, tension
+from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, loop_turns, shape, shape_places, tension
 from .ends import HangingEnds, Phase
 from .fidelity import Fidelity
 from .paths import SIDES
 from .rigid import rigid_tension
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
-from .state import RopeState
+from .shaft import BODIES, clearances
+from .state import KINDS, RopeState
 
 SHAPE_POINTS = 81
 
@@ -59,6 +60,13 @@ def _table() -> Iterator[tuple[str, Signal]]:
         "loop.clearance",
         Signal("m", "smallest free distance between the legs, from one spacing above the loop's bottom"),
     )
+    yield (
+        "loop.turns",
+        Signal("1", "turns of one side of the rope, leg, conveyance and head ropes, about the other, over the height"),
+    )
+    yield "loop.crossings", Signal("1", "times so far that one side of the rope has passed through the other")
+    yield "loop.crossed_at", Signal("s", "time at which it first did; 0 before")
+    yield "loop.crossed_y", Signal("m", "height at which it first did; 0 before")
     for place in (*SIDES, "loop"):
         where = "at the loop's lowest point" if place == "loop" else f"at the {place} end"
         yield f"{place}.twist", Signal("rad/m", f"twist of the rope {where}: change of its lay")
@@ -104,6 +112,15 @@ def _table() -> Iterator[tuple[str, Signal]]:
         Signal("1", "time steps since the start less accurate than asked for, because of solver.work_max", "integer"),
     )
     yield "status.given_up_since", Signal("s", "time from which on status.given_up counts; 0 before")
+    for kind in KINDS:
+        yield f"clearance.{kind}", Signal("m", f"least distance of the rope from {BODIES[kind]}; 1e6: there is none")
+    for kind in KINDS:
+        of = f"nearest.{kind}"
+        yield f"{of}.clearance", Signal("m", f"smallest clearance.{kind} so far")
+        yield f"{of}.time", Signal("s", f"time of {of}.clearance")
+        yield f"{of}.s", Signal("m", f"place of {of}.clearance along the rope, from its left end")
+        yield f"{of}.y", Signal("m", f"height of {of}.clearance")
+        yield f"{of}.touched_at", Signal("s", f"time at which clearance.{kind} was first 0 or less; 0 before")
     for axis in "xyz":
         for i in range(1, SHAPE_POINTS + 1):
             yield f"shape.{axis}[{i}]", Signal("m", f"{axis.upper()} of point {i} of {SHAPE_POINTS} along the rope")
@@ -158,7 +175,8 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
         return stress_signals
     if name.startswith(("shape.tension", "shape.bending", "shape.torsion")):
         return along_signals
-    groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
+    groups = {"clearance": clearance_signals, "nearest": nearest_signals}
+    groups |= {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
     groups |= {"energy": energy_signals, "count": energy_signals, "status": error_signals, "audit": audit_signals}
     return groups.get(name.partition(".")[0], end_signals)
 
@@ -193,7 +211,26 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
     q, lengths = state.motion.q, state.partition.lengths
     clearance = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing)
-    return out | {"loop.yaw": nearest_turn(bottom.yaw, state.loop_yaw), "loop.clearance": clearance}
+    return out | {
+        "loop.yaw": nearest_turn(bottom.yaw, state.loop_yaw),
+        "loop.clearance": clearance,
+        "loop.turns": loop_turns(q, lengths, bottom).number,
+        "loop.crossings": state.crossing.number,
+        "loop.crossed_at": state.crossing.since,
+        "loop.crossed_y": state.crossing.y,
+    }
+
+
+def clearance_signals(rope: Evaluated) -> dict[str, float]:
+    """Distances of the rope from the bodies of its scene."""
+    found = clearances(rope.scene, rope.state)
+    return {f"clearance.{kind}": nearest.clearance for kind, nearest in zip(KINDS, found, strict=True)}
+
+
+def nearest_signals(rope: Evaluated) -> dict[str, float]:
+    """Where and when it was nearest to them so far."""
+    found = zip(KINDS, rope.state.nearest, strict=True)
+    return {f"nearest.{kind}.{key}": x for kind, nearest in found for key, x in nearest._asdict().items()}
 
 
 def stress_signals(rope: Evaluated) -> dict[str, float]:

@@ -33,6 +33,7 @@ from .paths import SHORTEST_AIM, SIDES, EndMotion, EndPath, ends_at
 from .result_warnings import WARNINGS
 from .rigid import rigid_added_mass
 from .rope_system import Array, KernelCache, RopeSystem
+from .shaft import LOOK_EVERY, with_passages
 from .signals import checked_names, group_of
 from .state import RopeState
 from .statics import StaticsError, hanging_guess
@@ -197,7 +198,7 @@ class RopeSimulator(BalanceRope):
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
-        self._accept(self.model.audit_begun(state))
+        self._accept(with_passages(scene, self.model.audit_begun(state)))
         return Status(True)
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
@@ -231,8 +232,9 @@ class RopeSimulator(BalanceRope):
             advanced = step_towards(self.model, state, t, work_end)
             if isinstance(advanced, str):
                 return Status(False, messages.fails_at(before.t, advanced))
-            state = advanced
-            now = state.motion
+            state, now = advanced, advanced.motion
+            if now.t >= t or now.t - state.looked_at >= LOOK_EVERY:
+                state = with_passages(self.scene, state)
             for node in (0, -1):
                 impulse[node] -= 0.5 * (now.t - before.t) * float(before.reaction[node, 1] + now.reaction[node, 1])
         mean = impulse[0] / (t - start), impulse[1] / (t - start)

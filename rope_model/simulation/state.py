@@ -11,11 +11,15 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..physics.accuracy import ErrorSums
 from ..physics.energy_balance import residual, total
+from ..shaft_parameters import FAR
 from .audit import Audit
 from .ends import Phase, SwivelState
 from .fidelity import Fidelity
 from .mesh import Partition
 from .paths import EndPath
+
+#: kinds of bodies
+KINDS = ("lining", "conveyance", "head_ropes", "divider", "floor")
 
 
 class EnergyBalance(NamedTuple):
@@ -73,6 +77,25 @@ class Powers(NamedTuple):
     swivel: float = 0.0
 
 
+class Nearest(NamedTuple):
+    """Where the rope came nearest to the bodies of a kind; see simulation.shaft."""
+
+    clearance: float = FAR  # m, of its surface
+    time: float = 0.0  # s
+    s: float = 0.0  # m, arc length from the left end
+    y: float = 0.0  # m, height
+    touched_at: float = 0.0  # s, when the clearance was first 0 or less
+
+
+class Crossing(NamedTuple):
+    """How often one side of the rope has passed through the other; see simulation.shaft."""
+
+    net: float = 0.0  # those that were not undone, with their sense
+    number: float = 0.0  # all
+    since: float = 0.0  # s, the first
+    y: float = 0.0  # m, height of the first
+
+
 class RopeState(NamedTuple):
     """Immutable: a step makes a new one, and keeping the old one is the rollback."""
 
@@ -96,6 +119,9 @@ class RopeState(NamedTuple):
     snapped_at: float = 0.0  # rad: twist at which the rope last snapped over when it was turned in; 0: never
     given_up_since: float = 0.0  # s, when counts.given_up began
     audit: Audit = Audit()
+    nearest: tuple[Nearest, ...] = (Nearest(),) * len(KINDS)
+    crossing: Crossing = Crossing()
+    looked_at: float = 0.0  # s, when nearest and crossing were brought up to date
 
     def to_bytes(self) -> bytes:
         """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
@@ -151,6 +177,8 @@ _KINDS: dict[str, Any] = {
     "powers": Powers,
     "counts": Counts,
     "audit": Audit,
+    "nearest": lambda *rows: tuple(Nearest(*row) for row in rows),
+    "crossing": Crossing,
 }
 
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from importlib.metadata import version
+from operator import attrgetter
 from typing import Any, Literal, get_args, get_type_hints
 
 import numpy as np
@@ -21,7 +22,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stam
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
 from hoist_demo.parameters.quantity import units_of
 from hoist_demo.recording.fidelity import FIDELITY, code_of
-from rope_model import SIGNALS, Level, RopeState, Scene, Snapshot, Status, at_level, balance_rope
+from rope_model import SIGNALS, Level, RopeState, Scene, Shaft, Snapshot, Status, at_level, balance_rope
 from rope_model import EndMotion as RopeEndMotion
 
 _log = logging.getLogger(__name__)
@@ -29,6 +30,7 @@ _log = logging.getLogger(__name__)
 _PARTS = {
     **{name: name for name in ("rope", "layout", "mesh", "accuracy", "solver", "model")},
     **{f"{side}.swivel": side for side in ("left", "right")},
+    **{field.name: f"shaft.{field.name}" for field in fields(Shaft)},
 }
 """Part of the rope's data for each group of FMI names."""
 
@@ -68,7 +70,7 @@ class InProcessRope:
         model = {"rope": f"in process, {type(self._rope).__name__}", "version": version("balance-rope")}
         values, units = dict[str, Value](), dict[str, str]()
         for group, part in _PARTS.items():
-            data = getattr(self._rope.scene, part)
+            data = attrgetter(part)(self._rope.scene)
             for item, unit in _units(data).items():
                 value = getattr(data, item)
                 values[f"{group}.{item}"] = str(value) if isinstance(value, tuple) else value
@@ -137,7 +139,7 @@ def rope_parameters() -> dict[str, FmuParameter]:
     """What can be set of a rope in process, as an FMU would state it; the data classes know the bounds."""
     found = {}
     for group, part in _PARTS.items():
-        data = getattr(Scene(), part)
+        data = attrgetter(part)(Scene())
         units, hints = _units(data), get_type_hints(type(data))
         for item, unit in units.items():
             name, value, words = f"{group}.{item}", getattr(data, item), get_args(hints[item])
@@ -162,16 +164,23 @@ def rope_data(parameters: Mapping[str, Value], level: Level = "standard") -> Sce
     chosen: dict[str, dict[str, Any]] = {}
     for name, value in parameters.items():
         group, _, item = name.rpartition(".")
-        part = getattr(data, _PARTS.get(group, ""), None)
+        part = attrgetter(_PARTS[group])(data) if group in _PARTS else None
         if part is None or item not in {f.name for f in fields(part)}:
             raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/interface.md")
         chosen.setdefault(group, {})[item] = _decode(part, name, value)
     for group, values in chosen.items():
         try:
-            data = data.with_(**{_PARTS[group]: replace(getattr(data, _PARTS[group]), **values)})
+            data = _with_values(data, _PARTS[group].split("."), values)
         except ValueError as error:
             raise ValueError(f"{group}: {error}") from error
     return data
+
+
+def _with_values(data: Any, path: Sequence[str], values: Mapping[str, Any]) -> Any:
+    """``data`` with other values in the part at the end of ``path``."""
+    if not path:
+        return replace(data, **values)
+    return replace(data, **{path[0]: _with_values(getattr(data, path[0]), path[1:], values)})
 
 
 def _motion(end: EndMotion) -> RopeEndMotion:

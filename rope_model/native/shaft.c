@@ -1,0 +1,113 @@
+/* The bodies of a scene, and the rope among them: the port of rope_model.simulation.shaft. */
+#include "shaft.h"
+
+#include <string.h>
+
+static int add(Placed *bodies, int number, int kind, int moves_with, Body body) {
+    bodies[number] = (Placed){kind, moves_with, body};
+    return number + 1;
+}
+
+int shaft_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies) {
+    const Divider dividers[] = {shaft->divider_1, shaft->divider_2, shaft->divider_3, shaft->divider_4};
+    int n = 0;
+    if (shaft->lining.width > 0) n = add(bodies, n, LINING, FIXED, lining_body(&shaft->lining));
+    for (int side = LEFT; side <= RIGHT; side++) {
+        if (shaft->conveyance.width > 0)
+            n = add(bodies, n, CONVEYANCE, side, conveyance_body(&shaft->conveyance, ends[side]));
+        if (shaft->head_ropes.diameter > 0)
+            n = add(bodies, n, HEAD_ROPES, side, head_ropes_body(&shaft->head_ropes, &shaft->conveyance, ends[side]));
+    }
+    for (int k = 0; k < 4; k++)
+        if (dividers[k].size > 0) n = add(bodies, n, DIVIDER, FIXED, divider_body(&dividers[k]));
+    if (shaft->sump.level > -FAR) n = add(bodies, n, FLOOR, FIXED, floor_body(&shaft->sump));
+    return n;
+}
+
+void shaft_not_near(Nearest nearest[KINDS]) {
+    memset(nearest, 0, KINDS * sizeof *nearest);
+    for (int kind = 0; kind < KINDS; kind++) nearest[kind].clearance = FAR;
+}
+
+/* the part of the rope between two nodes, and its place that is nearest to a body */
+typedef struct {
+    Placed placed;
+    int first, last;
+    double radius, t;
+    Nearest nearest;
+} Search;
+
+/* whether what is in the box may be nearer than what is known */
+static int beats(const Search *search, const double box[6]) {
+    const double least = body_least_distance(box, box + 3, &search->placed.body);
+    return least - search->radius < search->nearest.clearance - RESOLUTION;
+}
+
+static void look(Search *search, double s, const double *place) {
+    const double clearance = body_distance(place, &search->placed.body) - search->radius;
+    const double known = search->nearest.clearance;
+    if (!(clearance < known)) return;
+    const double touched = clearance <= 0 && 0 < known ? search->t : search->nearest.touched_at;
+    search->nearest = (Nearest){clearance, search->t, s, place[1], touched};
+}
+
+/* the piece of this length from s on, between the places and slopes a and b */
+static void refine(Search *search, double s, double length, const double *a, const double *b) {
+    double box[6], between[6];
+    enclosing_box(length, a, b, box);
+    if (!beats(search, box)) return;
+    const double half = 0.5 * length;
+    middle_of(length, a, b, between);
+    look(search, s + half, between);
+    refine(search, s, half, a, between);
+    refine(search, s + half, half, between, b);
+}
+
+/* one for each body, all from what is known: their number */
+static int searches_of(const Scene *scene, const Arrays *m, double t, const Nearest nearest[KINDS], Search *searches) {
+    const double *const ends[2] = {m->q, m->q + (size_t)m->elements * DOF};
+    Placed bodies[MOST_BODIES];
+    const int number = shaft_bodies(&scene->shaft, ends, bodies);
+    const int lowest = number > 0 ? shape_lowest_node(m->nodes, m->q) : 0;
+    for (int n = 0; n < number; n++) {
+        const int first = bodies[n].moves_with == LEFT ? lowest : 0;
+        const int last = bodies[n].moves_with == RIGHT ? lowest : m->elements;
+        searches[n] = (Search){bodies[n], first, last, 0.5 * scene->rope.diameter, t, nearest[bodies[n].kind]};
+    }
+    return number;
+}
+
+static void take_nearest(int number, const Search *searches, Nearest nearest[KINDS]) {
+    for (int n = 0; n < number; n++) {
+        Nearest *known = &nearest[searches[n].placed.kind];
+        if (searches[n].nearest.clearance < known->clearance) *known = searches[n].nearest;
+    }
+}
+
+int shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
+    Search searches[MOST_BODIES];
+    const int number = searches_of(scene, m, t, nearest, searches);
+    for (int k = 0; number > 0 && k < m->elements; k++) {
+        const double *a = m->q + (size_t)k * DOF, *b = a + DOF;
+        double box[6];
+        enclosing_box(m->lengths[k], a, b, box);
+        for (Search *search = searches; search < searches + number; search++) {
+            if (k < search->first || k >= search->last || !beats(search, box)) continue;
+            look(search, m->s[k], a);
+            look(search, m->s[k + 1], b);
+            refine(search, m->s[k], m->lengths[k], a, b);
+        }
+    }
+    take_nearest(number, searches, nearest);
+    return number;
+}
+
+void shaft_clearances(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
+    Search searches[MOST_BODIES];
+    shaft_not_near(nearest);
+    const int number = searches_of(scene, m, t, nearest, searches);
+    for (int n = 0; n < number; n++)
+        for (int k = searches[n].first; k <= searches[n].last; k++) look(&searches[n], m->s[k], m->q + (size_t)k * DOF);
+    take_nearest(number, searches, nearest);
+    shaft_nearer(scene, m, t, nearest);
+}

@@ -1,0 +1,101 @@
+"""Bodies in the shaft, and how far the rope is from them.
+
+All are upright boxes with rounded edges, turned about Y, of which those that are long have no end within reach.  With
+the place x of a point in the body's axes, from its centre, the half widths h and the radius c of the edges
+
+    q_k = |x_k| - h_k,    d = side ( |max(q, 0)| + min(max_k q_k, 0) - c )
+
+is the distance from the body's surface, negative in the body: side is 1 where the rope hangs outside of the box, -1 in
+a shaft, whose lining is the box.  Outside of a box, and inside of a shaft, d is exact; its gradient is the unit normal,
+away from the body.  Its second derivatives jump where the nearest place of the surface changes from a face to an edge.
+
+Of all points of an upright box about x, e its half widths in the body's axes, the least distance is that with
+q_k = |x_k| - h_k - side e_k: what the rope's centre line cannot come below between two of its places.
+
+Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from .elementary import cos, larger, sin, smaller, sqrt
+
+#: m: longer than any shaft
+ENDLESS = 1e6
+#: m: how thick the ground is, and how far up head ropes go; in such lengths places are rounded by less than 1e-11 m
+DEEP = 1e4
+#: m^2: the root is smooth where all of max(q, 0) vanishes, and 1e-12 m off
+TINY = 1e-24
+
+
+class Body(NamedTuple):
+    """A box in m: centre, half widths without the rounded edges, radius of these, cosine and sine of its yaw, side."""
+
+    centre: tuple[float, float, float]
+    half: tuple[float, float, float]
+    radius: float
+    cosine: float
+    sine: float
+    side: float
+
+
+def distance(point: Any, body: Any) -> Any:
+    """Distance (m) of ``point`` (3,) from the body's surface; negative inside of the body."""
+    x, y, z = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
+    return _distance(abs(x) - body.half[0], abs(y) - body.half[1], abs(z) - body.half[2], body)
+
+
+def least_distance(point: Any, extent: Any, body: Any) -> Any:
+    """Least distance (m) over the upright box of half widths ``extent`` (3,), along X, Y, Z, about ``point``."""
+    x, y, z = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
+    c, s = abs(body.cosine), abs(body.sine)
+    across, along = c * extent[0] + s * extent[2], s * extent[0] + c * extent[2]
+    return _distance(
+        abs(x) - body.half[0] - body.side * across,
+        abs(y) - body.half[1] - body.side * extent[1],
+        abs(z) - body.half[2] - body.side * along,
+        body,
+    )
+
+
+def _in_axes(x: Any, y: Any, z: Any, body: Any) -> tuple[Any, Any, Any]:
+    return body.cosine * x - body.sine * z, y, body.sine * x + body.cosine * z
+
+
+def _distance(x: Any, y: Any, z: Any, body: Any) -> Any:
+    a, b, c = larger(x, 0.0), larger(y, 0.0), larger(z, 0.0)
+    within = smaller(larger(larger(x, y), z), 0.0)
+    return body.side * (sqrt(a * a + b * b + c * c + TINY) + within - body.radius)
+
+
+def lining(lining: Any) -> Body:
+    """The wall, seen from inside."""
+    x, z = 0.5 * lining.width, 0.5 * lining.depth
+    radius = lining.rounding * smaller(x, z)
+    return Body((lining.x, 0.0, lining.z), (x - radius, ENDLESS, z - radius), radius, 1.0, 0.0, -1.0)
+
+
+def conveyance(conveyance: Any, end: Any) -> Body:
+    """The conveyance from which the rope's ``end`` (3,) hangs; it moves as that does."""
+    half = 0.5 * conveyance.width, 0.5 * conveyance.height, 0.5 * conveyance.depth
+    centre = end[0], end[1] + conveyance.above + half[1], end[2]
+    return Body(centre, half, 0.0, 1.0, 0.0, 1.0)
+
+
+def head_ropes(head_ropes: Any, conveyance: Any, end: Any) -> Body:
+    """The ropes above that conveyance; they move sideways as it does, and begin at its top."""
+    centre = end[0], end[1] + conveyance.above + conveyance.height + DEEP, end[2]
+    return Body(centre, (0.0, DEEP, 0.5 * head_ropes.row), 0.5 * head_ropes.diameter, 1.0, 0.0, 1.0)
+
+
+def divider(divider: Any) -> Body:
+    """A horizontal beam."""
+    radius = 0.5 * divider.rounding * divider.size
+    half, c, s = 0.5 * divider.size - radius, cos(divider.direction), sin(divider.direction)
+    return Body((divider.offset * c, divider.y, -divider.offset * s), (half, half, ENDLESS), radius, c, s, 1.0)
+
+
+def floor(sump: Any) -> Body:
+    """The ground below the sump's level."""
+    return Body((0.0, sump.level - DEEP, 0.0), (ENDLESS, DEEP, ENDLESS), 0.0, 1.0, 0.0, 1.0)

@@ -1,0 +1,126 @@
+"""The shaft that the rope hangs in, and what stands or moves in it: bodies that the rope may come near.
+
+Sizes in m, heights as those of the conveyances, from the same origin.  All is absent unless it is given: without a
+width, a diameter or a size a body is not there.  `physics.shaft` makes the bodies of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .parameter_table import parameter, require_in_bounds
+
+#: m: no shaft reaches so far; a clearance of that much says that there is no such body
+FAR = 1e6
+#: m: places and sizes within it
+REACH = 1e4
+
+_NONE = "use 0 for none, or give it in metres"
+_ROUNDING = "0 is sharp-edged, 1 as round as it can be"
+
+
+def _size(default: float, description: str) -> float:
+    return parameter(default, "m", description, lower=0.0, upper=REACH, cure=_NONE)
+
+
+def _place(description: str) -> float:
+    return parameter(0.0, "m", description, lower=-REACH, upper=REACH, cure="give it in metres")
+
+
+def _rounding(default: float, description: str) -> float:
+    return parameter(default, "1", description, lower=0.0, upper=1.0, cure=_ROUNDING)
+
+
+@dataclass(frozen=True)
+class Lining:
+    """The shaft's wall, seen from inside: a rectangle with rounded corners or, wholly rounded, a circle."""
+
+    width: float = _size(0.0, "width of the shaft in X, between its linings; 0: none")
+    depth: float = _size(0.0, "width of the shaft in Z")
+    rounding: float = _rounding(0.0, "radius of the lining's corners over half its smaller width; 1: round")
+    x: float = _place("X of the shaft's axis from midway between the suspension points")
+    z: float = _place("Z of the shaft's axis from the suspension points")
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
+@dataclass(frozen=True)
+class Conveyance:
+    """Either conveyance: an upright box over the suspension point, which it moves with; its yaw is left out."""
+
+    width: float = _size(0.0, "width of a conveyance in X; 0: none")
+    depth: float = _size(0.0, "width of a conveyance in Z")
+    height: float = _size(0.0, "height of a conveyance")
+    above: float = _size(0.0, "height of a conveyance's underside above the rope's end")
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
+@dataclass(frozen=True)
+class HeadRopes:
+    """Those above each conveyance: an upright row of ropes; what lies between two of them counts as one of them."""
+
+    diameter: float = _size(0.0, "diameter of a head rope; 0: none")
+    row: float = _size(0.0, "distance of a conveyance's outermost head ropes, which stand in a row along Z")
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
+@dataclass(frozen=True)
+class Divider:
+    """A horizontal beam from wall to wall, of square or round section."""
+
+    size: float = _size(0.0, "side or diameter of the divider's section; 0: none")
+    y: float = _place("height of the divider's axis, from the origin of left.y and right.y")
+    offset: float = _place("place of the divider's axis across it, X where it lies along Z")
+    direction: float = parameter(
+        0.0, "rad", "yaw of the divider about Y, 0: along Z", lower=-10.0, upper=10.0, cure="give it in radians"
+    )
+    rounding: float = _rounding(1.0, "radius of the section's corners over half its side: 0 square, 1 round")
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
+@dataclass(frozen=True)
+class Sump:
+    """The shaft's end below: its floor, or water standing in it."""
+
+    level: float = parameter(
+        -FAR,
+        "m",
+        "height of the sump's floor or water, from the origin of left.y and right.y; -1e6: none",
+        lower=-FAR,
+        upper=REACH,
+        cure="give it in metres, or -1e6 for none",
+    )
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """All bodies that the rope may come near."""
+
+    lining: Lining = field(default_factory=Lining)
+    conveyance: Conveyance = field(default_factory=Conveyance)
+    head_ropes: HeadRopes = field(default_factory=HeadRopes)
+    divider_1: Divider = field(default_factory=Divider)
+    divider_2: Divider = field(default_factory=Divider)
+    divider_3: Divider = field(default_factory=Divider)
+    divider_4: Divider = field(default_factory=Divider)
+    sump: Sump = field(default_factory=Sump)
+
+
+#: parts of a shaft by name
+PARTS: dict[str, type] = {
+    "lining": Lining,
+    "conveyance": Conveyance,
+    "head_ropes": HeadRopes,
+    **{f"divider_{k}": Divider for k in (1, 2, 3, 4)},
+    "sump": Sump,
+}
