@@ -27,6 +27,7 @@ from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
+from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals, shape_rows, write_csv, write_shapes
 from hoist_demo.report.summary import CAUSE, OUTCOME, WARNING, SummaryRow, render, slip_warning, summarize
 from hoist_demo.study.catalogue import Catalogue, Value
@@ -136,7 +137,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
         data = rope.data()
     finally:
         rope.close()
-    result = replace(result, recording=mask_neglected(result.recording, data.torque_free))
+    result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
     contradiction = contradictions(hoist, data.parameters)
     for text in (contradiction, slip_warning(result.recording, hoist)):
         _tell(text)

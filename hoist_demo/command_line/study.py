@@ -87,12 +87,17 @@ def _study(options: argparse.Namespace) -> int:
         left = "no run was finished" if kept is None else f"what is finished is kept in {kept}"
         print(f"\ninterrupted: {left}; the same command goes on", file=sys.stderr)
         return 130
+    for run, passed in performed.passages.items():
+        print(f"{run}: {passed}", file=sys.stderr)
     for text, runs in performed.warnings.items():
         more = f" and {len(runs) - 1} more" if len(runs) > 1 else ""
         print(f"{runs[0]}{more}: warning: {text}", file=sys.stderr)
     for run, cause in performed.causes.items():
         print(f"{run}: {cause}", file=sys.stderr)
-    print(f"{performed.runs - len(performed.causes)} of {performed.runs} runs wound to the end: {performed.table}")
+    passed = f", in {len(performed.passages)} the rope passed through something" if performed.passages else ""
+    print(
+        f"{performed.runs - len(performed.causes)} of {performed.runs} runs wound to the end{passed}: {performed.table}"
+    )
     if performed.best is not None:
         units = study.units
         print("best: " + ", ".join(f"{key} = {value:.6g} {units[key]}" for key, value in performed.best.items()))

@@ -9,12 +9,14 @@ import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of, remark
+from hoist_demo.recording.passages import BODIES, outcome_of, passages
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number
 
@@ -85,7 +87,7 @@ def render(rows: Sequence[SummaryRow]) -> str:
 def _outcome(result: Result, hoist: Hoist, coupling: Coupling) -> list[SummaryRow]:
     group = OUTCOME
     rows = [
-        SummaryRow(group, "status", "completed" if result.completed else "stopped"),
+        SummaryRow(group, "status", outcome_of(result.completed, passages(result.recording))),
         SummaryRow(group, "simulated time", result.steps * coupling.step, "s"),
         SummaryRow(group, "communication step", coupling.step, "s"),
         SummaryRow(group, "communication steps done", float(result.steps)),
@@ -199,9 +201,14 @@ def _rope(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
         rows.append(SummaryRow(group, "fidelity of the model that ran", ", then ".join(fidelities)))
     for end in ("left", "right"):
         rows.append(SummaryRow(group, f"largest pull on the {end} conveyance", _pull(recording[f"{end}.fy"]), "kN"))
-    extremes = (
+    extremes: tuple[tuple[str, str, float, str, Any], ...] = (
         ("loop.y", "lowest point of the loop", 1.0, "m", np.nanmin),
         ("loop.clearance", "smallest clearance between the legs", 1.0, "m", np.nanmin),
+        *(
+            (f"nearest.{kind}.clearance", f"smallest clearance from {words}", 1.0, "m", np.nanmin)
+            for kind, words in BODIES.items()
+        ),
+        ("loop.turns", "largest turns of the legs about each other", 1.0, "", _largest),
         ("loop.yaw", "largest yaw of the loop", 180.0 / math.pi, "deg", _largest),
         ("loop.z", "largest out-of-plane position of the loop", 1.0, "m", _largest),
         ("left.swivel.torque", "largest torque at the left swivel", 1.0, "N m", _largest),

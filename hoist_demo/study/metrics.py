@@ -17,6 +17,7 @@ from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
 from hoist_demo.recording.fidelity import FIDELITY
+from hoist_demo.recording.passages import PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import exchange_energy
 
@@ -68,6 +69,7 @@ ROPE_SIGNALS = frozenset(
         for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
     }
     | {"loop.x", "loop.z", "loop.yaw", "loop.clearance", "stress.bending_max", "energy.work_ends", FIDELITY}
+    | PASSAGE_SIGNALS
 )
 """Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them."""
 

@@ -43,6 +43,7 @@ class Performed:
     table: Path  # results.parquet
     runs: int
     causes: Mapping[str, str]  # of the runs that did not complete, by number and name
+    passages: Mapping[str, str]  # what the rope passed through, likewise
     warnings: Mapping[str, list[str]]  # numbers and names of the runs, by the first text of each kind
     best: Mapping[str, Value] | None  # values of a search; None where no point keeps its bounds
     nearest: str  # what the best point of a search exceeds, where none keeps its bounds
@@ -145,6 +146,7 @@ def _write(
 ) -> Performed:
     rows: list[dict[str, object]] = []
     causes: dict[str, str] = {}
+    passages: dict[str, str] = {}
     warnings: dict[str, list[str]] = {}
     varied = [name for name in study.units if len({sample.values.get(name) for sample in samples}) > 1]
     for number, (sample, key) in enumerate(zip(samples, keys, strict=True), 1):
@@ -160,6 +162,9 @@ def _write(
         chosen = {name: sample.values.get(name) for name in study.units if name != "controller"}
         head = {"run": number, "key": key, "variant": sample.variant, "controller": sample.data.controller}
         result = {name: outcome[name] for name in ("status", "cause", "fidelity")}
+        if passed := outcome.get("passed", ""):
+            result["status"] += f", but {passed}"
+            passages[named] = passed
         result[WARNINGS] = "; ".join(outcome["warnings"])
         if searched is not None:
             result[COST] = searched.costs[number - 1]
@@ -168,9 +173,9 @@ def _write(
         rows.append(head | chosen | result | {name: outcome["metrics"].get(name, math.nan) for name in UNITS})
     table = store.write_table(rows, {**study.units, **UNITS, COST: "1", EXCESS: "1"}, study.title)
     if searched is None:
-        return Performed(table, len(rows), causes, warnings, None, "", study.best)
+        return Performed(table, len(rows), causes, passages, warnings, None, "", study.best)
     judged = {"metric": COST, "sense": "min"}
-    return Performed(table, len(rows), causes, warnings, searched.best, searched.nearest, judged)
+    return Performed(table, len(rows), causes, passages, warnings, searched.best, searched.nearest, judged)
 
 
 def _named(sample: Sample, varied: Sequence[str]) -> str:

@@ -30,6 +30,7 @@ from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
+from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
@@ -90,6 +91,7 @@ class Outcome:
     units: Mapping[str, str] = field(default_factory=dict)  # of the signals
     fidelity: str = ""  # of the rope's model, that ran: why a metric may be missing
     warnings: tuple[str, ...] = ()  # of coupling and rope
+    passed: str = ""  # what the rope passed through
 
 
 def build(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
@@ -146,7 +148,8 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     units, fidelity = {name: result.recording.units[name] for name in kept}, ", ".join(fidelities_of(result.recording))
     status = "completed" if result.completed else "stopped"
     clock |= {"all": time.perf_counter() - begin, "processor": time.process_time() - worked}
-    return Outcome(status, result.cause, metrics, kept, clock, units, fidelity)
+    passed = passages(result.recording)
+    return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, passed=passed)
 
 
 def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:

@@ -75,6 +75,7 @@ class Store:
             "cause": outcome.cause,
             "fidelity": outcome.fidelity,
             "warnings": outcome.warnings,
+            "passed": outcome.passed,
         }
         kept = {**said, "metrics": dict(outcome.metrics)}
         record = {"key": key, "data": asdict(run), "outcome": kept, "clock": dict(outcome.clock), "worker": worker}

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hoist_demo.parameters import Hoist
+from hoist_demo.recording.passages import BODIES
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import exchange_energy
 
@@ -164,6 +165,14 @@ def _rope() -> tuple[Panel, ...]:
             0.02,
         ),
         Panel("Balance rope", "Yaw of the loop", "deg", (Line("loop.yaw", "yaw", "b", _DEGREES),), 0.02),
+        Panel("Balance rope", "Turns of the legs about each other", "1", (Line("loop.turns", "turns", "b"),), 0.01),
+        Panel(
+            "Balance rope",
+            "Clearance from what is in the shaft",
+            "m",
+            tuple(Line(f"clearance.{k}", w, style) for (k, w), style in zip(BODIES.items(), "abcde", strict=True)),
+            0.02,
+        ),
         Panel("Balance rope", "Clearance between the legs", "m", (Line("loop.clearance", "clearance", "c"),), 0.02),
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
+from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME, Array, Recording
 from hoist_demo.report import events
 from hoist_demo.report.html import packing, page, panels, parameter_tables
@@ -41,6 +42,8 @@ def run_report(
     Same run, same bytes but the clock's.
     """
     said = [] if result.completed else [("Stopped.", result.cause)]
+    if passed := passages(result.recording):
+        said.insert(0, ("Passed through.", f"{passed}: nothing after that is what a real rope does."))
     said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
     note = "".join(f'<p class="note stopped"><strong>{w}</strong> {page.escape(text)}</p>' for w, text in said)
     numbers = "".join(

@@ -67,7 +67,9 @@ def study_report(table: pd.DataFrame, stated: Mapping[str, str], meta: Mapping[s
         data,
         title=page.escape(title),
         assumed=page.escape(ASSUMED_DATA),
-        outcome=page.escape(_outcome(causes, chosen, best, table, stated) + _warned(table) + _early(table)),
+        outcome=page.escape(
+            _passed(table) + _outcome(causes, chosen, best, table, stated) + _warned(table) + _early(table)
+        ),
         given=page.table("Study", rest)
         + page.table(
             "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
@@ -87,6 +89,12 @@ def _in_engineering_units(
         factor, units[name] = page.engineering(max(numbers, default=0.0), stated.get(name, ""))
         shown[name] = [factor * value if isinstance(value, float) else value for value in column]
     return shown, units
+
+
+def _passed(table: pd.DataFrame) -> str:
+    """A sentence about runs in which the rope passed through something; "" where there are none."""
+    runs = [k + 1 for k, text in enumerate(table[STATUS]) if "passed through" in str(text)]
+    return f"In {_listed(runs)} the rope passed through something, the status says what. " if runs else ""
 
 
 def _warned(table: pd.DataFrame) -> str:

@@ -1,0 +1,62 @@
+"""What the rope passed through: a run in which it did has wound to its end, but shows no real rope after that."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from hoist_demo.recording.time_series import Recording
+
+BODIES = {
+    "lining": "the shaft's lining",
+    "conveyance": "a conveyance",
+    "head_ropes": "head ropes",
+    "divider": "a divider",
+    "floor": "the sump's floor",
+}
+"""Kinds of bodies in the rope's shaft, in words."""
+
+_ABSENT = 1e6
+"""Clearance from bodies that are not there [m]."""
+
+PASSAGE_SIGNALS = frozenset(
+    {"loop.crossings", "loop.crossed_at", "loop.crossed_y"}
+    | {f"nearest.{name}.{key}" for name in BODIES for key in ("clearance", "touched_at", "y")}
+)
+"""Outputs of the rope that tell it."""
+
+
+def passages(recording: Recording) -> str:
+    """What the rope has passed through by the end of the record, with times and places; "" for nothing."""
+    told = [
+        f"{words} (from t = {_last(recording, f'nearest.{name}.touched_at'):.4g} s on, deepest at y = "
+        f"{_last(recording, f'nearest.{name}.y'):.4g} m)"
+        for name, words in BODIES.items()
+        if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0
+    ]
+    if _last(recording, "loop.crossings") > 0.0:
+        told.append(
+            f"its other leg or what hangs above that (t = {_last(recording, 'loop.crossed_at'):.4g} s, around y = "
+            f"{_last(recording, 'loop.crossed_y'):.4g} m)"
+        )
+    return f"the rope passed through {' and '.join(told)}" if told else ""
+
+
+def without_absent(recording: Recording) -> Recording:
+    """The recording with NaN for the clearances from bodies that are not there."""
+    signals = dict(recording.signals)
+    for kind in BODIES:
+        names = [n for n in signals if n == f"clearance.{kind}" or n.startswith(f"nearest.{kind}.")]
+        if any(bool(np.all(signals[n] == _ABSENT)) for n in names):
+            signals |= {n: np.full_like(signals[n], np.nan) for n in names}
+    return replace(recording, signals=signals)
+
+
+def outcome_of(completed: bool, passed: str) -> str:
+    """How a run ended, in words."""
+    return ("completed" if completed else "stopped") + (f", but {passed}" if passed else "")
+
+
+def _last(recording: Recording, name: str, absent: float = 0.0) -> float:
+    return float(recording[name][-1]) if name in recording else absent

@@ -1,0 +1,294 @@
+"""How near the rope is to the bodies of its shaft, and how often it is turned about itself: exact geometry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+from numpy.typing import NDArray
+
+from hoist_demo.recording.passages import PASSAGE_SIGNALS, outcome_of, passages, without_absent
+from hoist_demo.recording.time_series import TIME, Recording
+from rope_model import (
+    SIGNALS,
+    BalanceRope,
+    Conveyance,
+    Divider,
+    EndMotion,
+    HeadRopes,
+    Lining,
+    Mesh,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Shaft,
+    Sump,
+    balance_rope,
+)
+from rope_model.physics import shaft as physics
+from rope_model.physics.shaft import Body, distance, least_distance
+from rope_model.simulation.diagnostics import LoopBottom, loop_turns
+from rope_model.simulation.mesh import Partition
+from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.shaft import RESOLUTION, clearances
+from rope_model.simulation.state import KINDS
+from rope_model.simulation.transfer import interpolate
+
+Array = NDArray[np.float64]
+#: of the distances: sqrt(TINY), and places to 1e4 m in double precision
+EXACT = 1e-10
+RECTANGLE, CIRCLE = Lining(6.0, 4.0, 0.5, 1.0, -1.0), Lining(6.0, 6.0, 1.0)
+CAGE, ROPES = Conveyance(2.0, 1.0, 4.0, 0.5), HeadRopes(0.04, 0.6)
+#: turned by 30 degrees, its axis through X = 1 / cos 30 degrees
+ACROSS = Divider(0.2, -3.0, 1.0, math.pi / 6, 0.0)
+END = (10.0, 20.0, 30.0)
+
+
+@pytest.mark.parametrize(
+    ("body", "point", "expected"),
+    [
+        (physics.lining(RECTANGLE), (3.5, 1e3, -1.0), 0.5),  # from the wall at X = 4
+        (physics.lining(RECTANGLE), (1.0, 0.0, 1.5), -0.5),  # behind the wall at Z = 1
+        # the corner of radius 1 has its centre at (3, 0)
+        (physics.lining(RECTANGLE), (3.3, 0.0, 0.4), 0.5),
+        (physics.lining(CIRCLE), (1.2, -7.0, 1.6), 1.0),
+        (physics.conveyance(CAGE, END), (10.0, 20.1, 30.0), 0.4),  # below its underside at 20.5
+        (physics.conveyance(CAGE, END), (11.3, 22.0, 30.9), 0.5),  # from its upright edge at (11, 30.5)
+        (physics.conveyance(CAGE, END), (12.0, 18.5, 32.5), 3.0),  # from its corner: 1, 2, 2
+        (physics.conveyance(CAGE, END), (10.8, 22.0, 30.1), -0.2),  # inside, nearest to the face at 11
+        (physics.head_ropes(ROPES, CAGE, END), (10.3, 900.0, 30.7), 0.48),  # from the outermost rope at 30.3
+        (physics.head_ropes(ROPES, CAGE, END), (10.5, 30.0, 30.1), 0.48),  # from the row
+        (physics.divider(ACROSS), (2.0 / math.sqrt(3.0), -2.5, 0.0), 0.4),  # above its axis
+        (physics.divider(ACROSS), (0.0, -3.0, 0.0), 0.9),  # beside it
+        # over its edge, along it by any length
+        (physics.divider(ACROSS), (1.4 * 3**0.5 / 2 + 50.0, -2.5, -0.7 + 50.0 * 3**0.5), 0.5),
+        (physics.divider(Divider(0.2, -3.0)), (0.3, -2.6, 5.0), 0.4),  # round
+        (physics.floor(Sump(-20.0)), (3.0, -19.0, 5.0), 1.0),
+        (physics.floor(Sump(-20.0)), (3.0, -20.3, 5.0), -0.3),
+    ],
+)
+def test_distance_from_a_body_is_exact(body: Body, point: tuple[float, float, float], expected: float) -> None:
+    assert_allclose(distance(point, body), expected, atol=EXACT)
+
+
+bodies = st.sampled_from(
+    [
+        physics.lining(RECTANGLE),
+        physics.conveyance(CAGE, (0.0, 0.0, 0.0)),
+        physics.head_ropes(ROPES, CAGE, (0.0, -5.0, 0.0)),
+        physics.divider(ACROSS),
+        physics.divider(replace(ACROSS, direction=-2.0, rounding=0.6)),
+        physics.floor(Sump(-1.0)),
+    ]
+)
+points = st.tuples(*[st.floats(-6.0, 6.0)] * 3)
+
+
+@given(bodies, points, st.tuples(*[st.floats(0.0, 2.0)] * 3), st.lists(points, min_size=1, max_size=20))
+def test_no_point_of_a_box_is_nearer_than_its_least_distance(body: Body, centre: Any, extent: Any, others: Any) -> None:
+    least = least_distance(centre, extent, body)
+    for part in others:  # of the half widths, as sixths
+        point = tuple(c + e * p / 6.0 for c, e, p in zip(centre, extent, part, strict=True))
+        assert distance(point, body) >= least - EXACT
+    assert least <= distance(centre, body) <= least + 2 * math.hypot(*extent) + EXACT
+
+
+@given(bodies, points)
+def test_its_gradient_is_the_unit_normal_outside_of_the_body(body: Body, point: tuple[float, float, float]) -> None:
+    x = ca.SX.sym("x", 3)
+    d = distance((x[0], x[1], x[2]), body)
+    value, gradient = ca.Function("d", [x], [d, ca.gradient(d, x)])(point)
+    if body.side * float(value) > 1e-3:  # in a shaft: behind its wall
+        assert_allclose(float(ca.norm_2(gradient)), 1.0, atol=1e-8)
+
+
+def rope_at(q: Array, lengths: Array) -> Any:
+    """What `clearances` takes of a state."""
+    return SimpleNamespace(motion=SimpleNamespace(q=q, t=7.0), partition=Partition(lengths))
+
+
+def hanging(radius: float, depth: float, elements: int, sideways: float = 0.0) -> tuple[Array, Array]:
+    """Nodes of two straight legs of this depth and half a circle between them, which leans out of plane: q, lengths."""
+    total = 2 * depth + math.pi * radius
+    s = np.linspace(0.0, total, elements + 1)
+    phi = np.clip((s - depth) / radius, 0.0, math.pi)
+    q = np.zeros((s.size, 7))
+    down = np.minimum(s, depth) - np.maximum(s - depth - math.pi * radius, 0.0)
+    q[:, 0], q[:, 1] = -radius * np.cos(phi), -down - radius * np.sin(phi)
+    q[:, 3], q[:, 4] = np.sin(phi), -np.cos(phi)
+    q[:, 2] = sideways * np.sin(phi)
+    return q, np.diff(s)
+
+
+EVERYTHING = Shaft(
+    Lining(6.0, 4.0, 0.3),
+    Conveyance(1.2, 1.0, 3.0, 0.4),
+    HeadRopes(0.03, 0.5),
+    Divider(0.2, -4.0, 0.3, 0.4, 0.0),
+    Divider(0.1, -10.7, -0.2, -1.0),
+    sump=Sump(-14.0),
+)
+
+
+@given(st.integers(12, 60), st.floats(0.5, 1.5), st.floats(-2.0, 2.0), st.integers(0, 100))
+@settings(max_examples=50, deadline=None)
+def test_clearance_is_the_least_over_the_centre_line(elements: int, radius: float, sideways: float, seed: int) -> None:
+    q, lengths = hanging(radius, 10.0, elements, sideways)
+    q[1:-1, :3] += 0.1 * np.random.default_rng(seed).normal(size=q[1:-1, :3].shape)
+    scene = Scene(Rope(diameter=0.05), shaft=EVERYTHING)
+    found = clearances(scene, rope_at(q, lengths))
+    s, lowest = arc_lengths(lengths), int(np.argmin(q[:, 1]))
+    at = np.linspace(0.0, s[-1], 20001)
+    line = interpolate(q, s, at).T[:3]
+    ends, both = q[[0, -1], :3].tolist(), (at >= s[lowest], at <= s[lowest])
+    cages = [physics.conveyance(EVERYTHING.conveyance, end) for end in ends]
+    ropes = [physics.head_ropes(EVERYTHING.head_ropes, EVERYTHING.conveyance, end) for end in ends]
+    expected = (
+        distance(line, physics.lining(EVERYTHING.lining)).min(),
+        min(distance(line[:, leg], cage).min() for leg, cage in zip(both, cages, strict=True)),
+        min(distance(line[:, leg], row).min() for leg, row in zip(both, ropes, strict=True)),
+        min(distance(line, physics.divider(x)).min() for x in (EVERYTHING.divider_1, EVERYTHING.divider_2)),
+        distance(line, physics.floor(EVERYTHING.sump)).min(),
+    )
+    # the samples stand at most that far apart
+    apart = float(np.linalg.norm(np.diff(line), axis=0).max())
+    for nearest, least in zip(found, expected, strict=True):
+        assert least - 0.025 - 0.5 * apart <= nearest.clearance <= least - 0.025 + RESOLUTION + EXACT
+        place = interpolate(q, s, np.array([nearest.s]))[0]
+        assert_allclose(place[1], nearest.y, atol=1e-9)
+        assert nearest.time == 7.0
+
+
+def test_without_bodies_nothing_is_near() -> None:
+    found = clearances(Scene(), rope_at(*hanging(1.0, 10.0, 20)))
+    assert {(x.clearance, x.touched_at) for x in found} == {(1e6, 0.0)}
+
+
+@pytest.mark.parametrize("turns", [0.0, 0.2, 0.5, -0.5, 1.3, -2.75])
+def test_turns_of_a_helix_are_counted(turns: float) -> None:
+    """The right leg winds about the left one, and the short left leg's side goes on straight above it."""
+    depth, short = 40.0, 12.0
+    y = np.linspace(0.0, depth, 161)
+    angle = 2 * math.pi * turns * (1.0 - y / depth)  # yaw of the right side as seen from the left one
+    right = np.column_stack((np.cos(angle), y, -np.sin(angle)))
+    left = np.column_stack((np.zeros(40), np.linspace(short, 0.0, 40), np.zeros(40)))
+    q = np.zeros((201, 7))
+    q[:40, :3], q[40:, :3] = left, right
+    s = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(q[:, :3], axis=0), axis=1))))
+    yaw = 2 * math.pi * turns
+    middle = 0.5 * (q[39, :3] + q[40, :3]) - [0.0, 0.5, 0.0]
+    bottom = LoopBottom(0.5 * (s[39] + s[40]), middle, math.atan2(math.sin(yaw), math.cos(yaw)))
+    found = loop_turns(q, np.diff(s), bottom)
+    assert_allclose(found.number, turns, atol=1e-12)
+    assert 0.0 < found.sharpest_y + 0.5 < depth
+
+
+NOW, SO_FAR = ([name.format(kind) for kind in KINDS] for name in ("clearance.{}", "nearest.{}.clearance"))
+SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16), shaft=EVERYTHING)
+
+
+def stations(rope: BalanceRope, steps: int = 25) -> Iterator[BalanceRope]:
+    """The rope each 10 ms while both ends move, the left one sideways too."""
+    assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
+    yield rope
+    for k in range(1, steps + 1):
+        t = 0.01 * k
+        left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
+        assert rope.advance_to(t, left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)).valid
+        yield rope
+
+
+def wound(rope: BalanceRope) -> BalanceRope:
+    return [*stations(rope)][-1]
+
+
+def native() -> BalanceRope:
+    return balance_rope(SHORT, "native")
+
+
+def test_both_forms_come_equally_near() -> None:
+    names = [name for name in SIGNALS if name.startswith(("clearance.", "nearest.", "loop."))]
+    python, native = (wound(make).signals(names) for make in (RopeSimulator(SHORT), balance_rope(SHORT, "native")))
+    # both take the same steps; what Newton's method leaves is 1e-7 m
+    for name in names:
+        assert_allclose(native[name], python[name], atol=1e-5, err_msg=name)
+
+
+def test_the_nearest_so_far_is_the_least_of_all_clearances() -> None:
+    seen = np.array([[*rope.signals(NOW).values(), *rope.signals(SO_FAR).values()] for rope in stations(native())])
+    now, so_far = seen[:, : len(NOW)], seen[:, len(NOW) :]
+    least = np.minimum.accumulate(now, axis=0)
+    assert np.all(so_far <= least + RESOLUTION)
+    assert np.all(so_far >= least - RESOLUTION)
+    times = wound(native()).signals([f"nearest.{kind}.time" for kind in KINDS]).values()
+    assert 0.0 in times  # what moves away
+    assert 0.0 < max(times) <= 0.25
+
+
+def test_bodies_do_not_change_the_motion_by_a_bit() -> None:
+    with_them, without = (wound(balance_rope(scene, "native")) for scene in (SHORT, SHORT.with_(shaft=Shaft())))
+    assert_array_equal(with_them.state.motion.q, without.state.motion.q)
+
+
+def test_a_restored_rope_remembers_what_it_came_near_to() -> None:
+    rope = wound(balance_rope(SHORT, "native"))
+    other = RopeSimulator(SHORT)
+    other.restore(rope.save())
+    assert other.state.nearest == rope.state.nearest
+    assert other.state.crossing == rope.state.crossing
+
+
+@cache
+def struck() -> BalanceRope:
+    """A rope that hangs into a divider, and whose legs have passed through each other while it was turned in."""
+    beam = Divider(0.5, -14.0)  # where the loop of 120 m between ends at 0 and 90 m has its bottom
+    rope = balance_rope(Scene(Rope(installed_twist=12.0), shaft=Shaft(divider_3=beam)), "native")
+    assert rope.initialize(1.5, EndMotion(), EndMotion(y=90.0)).valid
+    return rope
+
+
+def test_what_the_rope_passed_into_is_told_first() -> None:
+    rope = struck()
+    other = RopeSimulator(rope.scene)
+    other.restore(rope.save())
+    assert other.warnings() == rope.warnings()
+    assert [*rope.warnings()][:2] == ["passed_bodies", "passed_sides"]
+    assert "passed into a divider from t = 1.5 s on" in rope.warnings()["passed_bodies"]
+
+
+def test_turns_are_the_yaw_but_for_what_passed_through() -> None:
+    values = struck().signals(("loop.yaw", "loop.turns", "loop.crossings", "loop.crossed_at"))
+    assert values["loop.crossings"] == 1.0
+    assert values["loop.crossed_at"] == 1.5
+    assert_allclose(values["loop.yaw"] / (2 * math.pi) - values["loop.turns"], 1.0, atol=1e-9)
+
+
+def test_no_run_is_completed_without_the_word() -> None:
+    signals = {name: np.array([value]) for name, value in struck().signals(sorted(PASSAGE_SIGNALS)).items()}
+    passed = passages(Recording(signals, {}))
+    assert "a divider (from t = 1.5 s on" in passed
+    assert "its other leg" in passed
+    assert outcome_of(True, passed) == f"completed, but {passed}"
+    assert outcome_of(True, passages(Recording({}, {}))) == "completed"
+
+
+def test_bodies_that_are_not_there_are_left_out_of_a_record() -> None:
+    names = ("clearance.divider", "clearance.floor", "nearest.floor.y", "loop.turns")
+    values = {name: np.array([value]) for name, value in struck().signals(names).items()}
+    kept = without_absent(Recording(values | {TIME: np.array([1.5])}, {})).signals
+    assert [name for name in names if np.isnan(kept[name][0])] == ["clearance.floor", "nearest.floor.y"]
+
+
+def test_every_kind_of_body_has_its_outputs() -> None:
+    assert [f"clearance.{kind}" for kind in KINDS] == [name for name in SIGNALS if name.startswith("clearance.")]
+    assert {name for name in SIGNALS if name in PASSAGE_SIGNALS} == PASSAGE_SIGNALS
