@@ -16,6 +16,7 @@ from evidence.chart.figures import FIGURES as CHART
 from evidence.chart.levels import block as levels
 from evidence.chart.page import page as chart_page
 from evidence.choice.page import page as choice_page
+from evidence.contact.page import page as contact_page
 from evidence.coupling.figures import FIGURES as COUPLING
 from evidence.coupling.page import page as coupling_page
 from evidence.discrete_rod.page import page as reference_solver_page
@@ -58,6 +59,7 @@ def _stability() -> dict[str, Page]:
 PAGES: dict[str, Page] = {
     "chart": Page("chart.md", "chart", chart_page, CHART),
     "choice": Page("choice.md", "choice", choice_page),
+    "contact": Page("contact.md", "contact", contact_page),
     "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
     "mesh_rule": Page("mesh_rule.md", "mesh_rule", mesh_rule_page, MESH_RULE),
     "promise": Page("promise.md", "promise", promise_page, PROMISE),

@@ -75,7 +75,8 @@ _WARNINGS = """\
 `status.warning` holds warnings about results that are valid, as long as they apply; the log has each of them once
 (category logStatusWarning). `status.valid` stays true:
 
-- *The rope has passed into a body of its shaft*, with time, depth and place: contact is not in the model, and every
+- *The rope has struck a body of its shaft* or *was pressed into* it, with time, depth and place: it was held there.
+- *The rope has passed into a body of its shaft*, the same without contact (`contact.stiffness` = 0), and every
   result after that is one that a real rope cannot have. [In the shaft](shaft.md) tells what bodies there are.
 - *The legs have passed through each other, or one of them through what hangs above the other* (`loop.crossings`), with
   the time and height of the first time. At rest, too: a long rope with the default `rope.Qb` and `rope.Qc` and locked

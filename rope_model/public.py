@@ -5,7 +5,8 @@ rope        balance_rope makes a BalanceRope in a Form: auto, native or python; 
             FIDELITIES has the fidelities of the model; neglected_effects the Effects that one of them neglects: outputs
             that are then 0 and no results
 data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
-            Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump
+            Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump; Contact is how
+            they hold it
 cases       rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
             at_level puts any scene on one
 analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
@@ -36,7 +37,7 @@ from .parameters import (
     rope_120,
     rope_240,
 )
-from .shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
+from .shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from .simulation.balance_rope import BalanceRope, Snapshot, Status
 from .simulation.fidelity import FIDELITIES
 from .simulation.neglected_effects import Effect, neglected_effects
@@ -52,6 +53,7 @@ __all__ = [
     "SIGNALS",
     "Accuracy",
     "BalanceRope",
+    "Contact",
     "Conveyance",
     "Divider",
     "Effect",

@@ -103,6 +103,42 @@ class Sump:
 
 
 @dataclass(frozen=True)
+class Contact:
+    """What a body does to the rope that touches it, per length of rope: see physics.contact."""
+
+    stiffness: float = parameter(
+        1e6,
+        "N/m2",
+        "stiffness of the contact of rope and body, per length of rope; 0: bodies do not hold the rope [assumed]",
+        lower=0.0,
+        upper=1e9,
+        cure="1e6 holds a falling rope within a diameter",
+    )
+    damping: float = parameter(
+        0.5,
+        "s/m",
+        "part that the contact force grows by per speed of approach [assumed]",
+        lower=0.0,
+        upper=100.0,
+        cure="use 0 for a perfect rebound",
+    )
+    friction: float = parameter(
+        0.2, "1", "coefficient of friction of rope and body [assumed]", lower=0.0, upper=10.0, cure="use 0 for none"
+    )
+    slip_speed: float = parameter(
+        0.01,
+        "m/s",
+        "speed at which friction has reached 71 % of its force; slower ropes creep",
+        lower=1e-6,
+        upper=10.0,
+        cure="use 0.01",
+    )
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
+@dataclass(frozen=True)
 class Shaft:
     """All bodies that the rope may come near."""
 
@@ -114,6 +150,7 @@ class Shaft:
     divider_3: Divider = field(default_factory=Divider)
     divider_4: Divider = field(default_factory=Divider)
     sump: Sump = field(default_factory=Sump)
+    contact: Contact = field(default_factory=Contact)
 
 
 #: parts of a shaft by name
@@ -123,4 +160,5 @@ PARTS: dict[str, type] = {
     "head_ropes": HeadRopes,
     **{f"divider_{k}": Divider for k in (1, 2, 3, 4)},
     "sump": Sump,
+    "contact": Contact,
 }

@@ -26,6 +26,7 @@ from rope_model.native.structures import GROUPS, PathStructure, path_structure, 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
+from rope_model.physics.shaft import KINDS as KINDS_OF_BODIES
 from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.adaptation import nearest_turn
 from rope_model.simulation.audit import Audit
@@ -49,6 +50,7 @@ from rope_model.simulation.signals import (
     along_signals,
     audit_signals,
     clearance_signals,
+    contact_signals,
     end_signals,
     energy_signals,
     error_signals,
@@ -58,7 +60,6 @@ from rope_model.simulation.signals import (
     shape_signals,
     stress_signals,
 )
-from rope_model.simulation.state import KINDS as KINDS_OF_BODIES
 from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest, RopeState
 from rope_model.simulation.statics import StaticsError, hanging_guess
 from rope_model.simulation.transfer import interpolate, transfer_fields
@@ -83,7 +84,10 @@ GROUPS_OF_SIGNALS = (
     added_mass_signals,
     clearance_signals,
     nearest_signals,
+    contact_signals,
 )
+#: groups that are computed where the equations are
+ELSEWHERE = (added_mass_signals, contact_signals)
 MESSAGE, ROUNDING = 512, 1e-12
 
 
@@ -123,9 +127,10 @@ void signals_by_members(int group, const Scene *scene, int fidelity, double t, d
     }
     const double *l = energy_balance, *n = counts;
     EnergyBalance *e = &s.energy_balance;
-    e->kinetic = l[0], e->strain = l[1], e->gravity = l[2], e->work_ends = l[3];
-    e->dissipated_material = l[4], e->dissipated_swivel = l[5], e->nonconservative = l[6];
-    e->transformations = l[7], e->start = l[8];
+    e->kinetic = l[0], e->strain = l[1], e->gravity = l[2], e->contact = l[3];
+    e->work_ends = l[4], e->dissipated_material = l[5], e->dissipated_swivel = l[6];
+    e->dissipated_contact = l[7], e->nonconservative = l[8];
+    e->transformations = l[9], e->start = l[10];
     s.counts.steps = (int64_t)n[0], s.counts.rejections = (int64_t)n[1], s.counts.newton = (int64_t)n[2];
     s.counts.transformations = (int64_t)n[3], s.counts.swivel_events = (int64_t)n[4];
     s.counts.given_up = (int64_t)n[5];
@@ -557,7 +562,7 @@ def any_rope(
         loop_yaw=20 * random.normal(),
         fidelity=fidelity,
         fidelity_reason="",
-        energy_balance=EnergyBalance(*random.normal(size=9)),
+        energy_balance=EnergyBalance(*random.normal(size=11)),
         given_up_since=random.normal(),
         audit=Audit()._replace(**dict(zip(Audit._fields[5:], random.uniform(0, 3, 7), strict=True))),
         counts=Counts(*map(int, random.integers(0, 2**40, 6))),
@@ -624,7 +629,7 @@ def test_signals_are_the_same(
 ) -> None:
     assume(hanging[-1] > 15 * hanging[3])
     rope = any_rope(hanging, seed, phases, modes, fidelity)
-    computed = (function(rope) for function in GROUPS_OF_SIGNALS if function is not added_mass_signals)
+    computed = (function(rope) for function in GROUPS_OF_SIGNALS if function not in ELSEWHERE)
     expected, ours = {name: value for values in computed for name, value in values.items()}, {}
     for group in range(len(GROUPS_OF_SIGNALS)):
         values = group_values(parts, group, rope)
@@ -647,6 +652,6 @@ def test_group_of_a_signal_holds_it(parts: SimpleNamespace) -> None:
         assert members == [name for name in SIGNALS if group_of(name) is function]
         computed = ~np.isnan(group_values(parts, group, rope))
         assert [name for name, is_there in zip(SIGNALS, computed, strict=True) if is_there] == (
-            [] if function is added_mass_signals else members
+            [] if function in ELSEWHERE else members
         )
     assert {parts.signal_group(k) for k in (-1, len(SIGNALS), 10**6)} == {-1}

@@ -5,10 +5,13 @@
 
 #include "simulator.h"
 
-/* what the conveyances put on the rope: force and moment about the origin */
+/* what conveyances and bodies put on the rope: force and moment about the origin */
 static void loads_on(const Simulator *rope, State *state, double load[6]) {
     const Arrays m = state_arrays(state);
-    memset(load, 0, sizeof(double) * 6);
+    const System s = system_of(rope, state);
+    double contact[CONTACT_BALANCE];
+    contact_balance(&s, m.q, m.v, contact);
+    memcpy(load, contact + CONTACT_LOAD, sizeof(double) * 6);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(m.q, m.nodes, side), *R = end_row(m.reaction, m.nodes, side);
         double moment[3], one[6];

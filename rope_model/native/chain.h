@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "rope.h"
+#include "shaft.h"
 
 enum { PARAMETERS = 9, BALANCE = 9, FRAME = 21, STRAINS = 3, MOMENTUM = 9 };
 /* of physics.element.BALANCE */
@@ -13,13 +14,34 @@ enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER,
 /* numerics.newton.NewtonStatus */
 enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
 
+/* of physics.contact_element.CONTACT_BALANCE */
+enum {
+    CONTACT_ENERGY,
+    CONTACT_DISSIPATED,
+    CONTACT_MOVED,
+    CONTACT_LOAD,
+    CONTACT_FORCES = CONTACT_LOAD + 6,
+    CONTACT_BALANCE = CONTACT_FORCES + KINDS
+};
+
+/* the bodies around the rope: where they were last looked for, their speeds, and of each element which it may touch, as
+   bits; any: whether there are such.  seen: q and lengths as they were then, free: how far all bodies were, in m */
+typedef struct {
+    const Scene *scene;
+    int bodies, any;
+    Placed placed[MOST_BODIES];
+    double speeds[MOST_BODIES][3], free, *seen, *seen_lengths;
+    unsigned *near;
+} Surroundings;
+
 /* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
    newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
-   elements' frames are counted from, as `refer` of the chain wrote them. */
+   elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies. */
 typedef struct {
     int elements, free[2][DOF];
     const double *lengths;
     double *frames;
+    Surroundings *around;
     double P[PARAMETERS], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
@@ -46,6 +68,19 @@ typedef struct {
     /* the same, and what the angles gain by it: each element's `transport` of physics.element */
     void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
 } Chain;
+
+/* chain_contact.c: rope_model.simulation.surroundings, physics.contact_element; q, v: of all nodes.  In an element, r
+   and r' of its two nodes are twelve numbers */
+enum { CONTACT_DOF = 12 };
+/* sees which elements may touch a body, or would if they moved by margin (m) */
+void look_for_bodies(const System *s, const double *q, const double *v, double margin);
+/* looks for more than were seen before; whether there are any */
+int see_more_bodies(const System *s, const double *q);
+void contact_force(const System *s, int element, const double *q, const double *v, double force[CONTACT_DOF]);
+void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
+                     double tangent[CONTACT_DOF][CONTACT_DOF]);
+/* all elements, where they are; zeros without bodies */
+void contact_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
 /* bytes of work that a chain of so many elements needs, whatever the fidelity; aligned to 64 bytes */
 size_t chain_work_bytes(int elements);

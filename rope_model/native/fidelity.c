@@ -4,6 +4,7 @@
 
 #include "formulas.h"
 #include "messages.h"
+#include "shaft.h"
 
 /* inputs that act out of the plane, turn a rope whose swivels hold, and move the ends along the plane */
 static const int OUT_OF_PLANE[] = {2, 5, 8, -1}, TURNED[] = {9, 10, -1}, ALONG[] = {3, 6, -1};
@@ -107,6 +108,10 @@ int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason) {
     if (scene->model.fidelity != AUTO_FIDELITY) {
         say_as_asked(reason);
         return scene->model.fidelity;
+    }
+    if (shaft_may_touch(&scene->shaft)) {
+        say_may_touch(reason);
+        return TORSIONAL;
     }
     if (nonzero_input(ends, OUT_OF_PLANE_OR_TURNED, why)) {
         say_held_where_initialised(reason, why);

@@ -11,10 +11,11 @@ from itertools import pairwise
 from typing import Any
 
 from ..physics.accuracy import ErrorSums
+from ..physics.shaft import KINDS
 from ..simulation.audit import Audit
 from ..simulation.ends import Phase
 from ..simulation.paths import PATH
-from ..simulation.state import KINDS, Counts, Crossing, EnergyBalance, Nearest
+from ..simulation.state import Counts, Crossing, EnergyBalance, Nearest
 from ..simulation.switching import CHATTER
 
 MESSAGE, SEGMENTS, CHATTER_EVENTS, LOGGED_EVENTS = 512, 7, CHATTER[0], 128

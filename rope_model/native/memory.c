@@ -17,7 +17,8 @@ Simulator *with_memory(int elements, const Memory *memory, char *message) {
     const size_t state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);
     const size_t bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) +
                          align(sizeof(double) * STRAINS * (size_t)elements) + align(chain_frames_bytes(elements)) +
-                         align(chain_work_bytes(elements));
+                         align(chain_work_bytes(elements)) + align(sizeof(Surroundings)) +
+                         sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements;
     Simulator *rope = memory->take(1, sizeof *rope);
     if (rope != NULL) {
         memset(rope, 0, sizeof *rope);
@@ -46,7 +47,11 @@ Simulator *with_memory(int elements, const Memory *memory, char *message) {
     rope->strains = (double (*)[STRAINS])(void *)at;
     at += align(sizeof(double) * STRAINS * (size_t)elements);
     rope->frames = (double *)(void *)at;
-    rope->work = at + align(chain_frames_bytes(elements));
+    rope->work = at += align(chain_frames_bytes(elements));
+    rope->around = (Surroundings *)(void *)(at += align(chain_work_bytes(elements)));
+    rope->around->seen = (double *)(void *)(at + align(sizeof(Surroundings)));
+    rope->around->seen_lengths = rope->around->seen + size;
+    rope->around->near = (unsigned *)(void *)(rope->around->seen_lengths + elements);
     return rope;
 }
 

@@ -136,6 +136,11 @@ double rope_signal(Simulator *rope, int signal) {
             added_masses(rope, masses);
             rope->values[SIGNAL_LEFT_ADDED_MASS] = masses[LEFT];
             rope->values[SIGNAL_RIGHT_ADDED_MASS] = masses[RIGHT];
+        } else if (group == CONTACT_SIGNALS) {
+            const System s = system_of(rope, rope->state);
+            double sums[CONTACT_BALANCE] = {0};
+            if (rope->state->fidelity != RIGID) contact_balance(&s, m.q, m.v, sums);
+            memcpy(rope->values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * KINDS);
         } else {
             if (group == STRESS_SIGNALS || group == ALONG_SIGNALS) {
                 const System s = system_of(rope, rope->state);

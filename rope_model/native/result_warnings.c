@@ -30,8 +30,10 @@ static void neglected_effects(Simulator *rope, char *message) {
 static void passed_bodies(Simulator *rope, char *message) {
     static const char *const words[KINDS] = BODY_WORDS;
     char told[MESSAGE] = "", before[MESSAGE], passed[MESSAGE];
+    double deepest = FAR;
     for (int kind = 0; kind < KINDS; kind++) {
         const Nearest *x = &rope->state->nearest[kind];
+        deepest = smaller(deepest, x->clearance);
         if (!(x->clearance <= 0)) continue;
         say_passed_into(passed, words[kind], x->touched_at, -x->clearance, x->time, x->s, x->y);
         memcpy(before, told, sizeof before);
@@ -40,7 +42,13 @@ static void passed_bodies(Simulator *rope, char *message) {
         else
             memcpy(told, passed, sizeof told);
     }
-    if (told[0]) say_rope_passed_into(message, told);
+    if (!told[0]) return;
+    if (!shaft_may_touch(&rope->scene.shaft))
+        say_rope_passed_into(message, told);
+    else if (deepest > -rope->scene.rope.diameter)
+        say_rope_struck(message, told);
+    else
+        say_rope_pressed_into(message, told, rope->scene.shaft.contact.stiffness);
 }
 
 static void passed_sides(Simulator *rope, char *message) {

@@ -146,7 +146,7 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
     case NEAREST_SIGNALS: /* the same numbers in the same order */
         memcpy(values + SIGNAL_NEAREST_LINING_CLEARANCE, state->nearest, sizeof state->nearest);
         break;
-    default: /* the simulator computes added masses itself */
+    default: /* the simulator computes added masses and contact itself */
         break;
     }
 }

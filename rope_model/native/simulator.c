@@ -31,6 +31,8 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     if (rope == NULL) return NULL;
     rope->scene = *scene;
     rope->mesh = mesh;
+    rope->around->scene = &rope->scene;
+    rope->around->bodies = shaft_may_touch(&scene->shaft);
     return rope;
 }
 

@@ -31,6 +31,7 @@ struct Simulator {
     double (*strains)[STRAINS]; /* scratch */
     double *frames;             /* counted from the state, but from what is worked on while it is */
     void *work;                 /* of the chain */
+    Surroundings *around;
     double values[SIGNALS];
     unsigned known; /* bit g: the values of group g are those of the state */
     LoopBottom bottom;

@@ -21,6 +21,7 @@ System system_of(const Simulator *rope, State *state) {
     System s = {.elements = x.elements,
                 .lengths = x.lengths,
                 .frames = rope->frames,
+                .around = rope->around->bodies > 0 ? rope->around : NULL,
                 .P = {data->mass_per_length, rope->scene.layout.gravity, data->Qa, 0.5 * (data->Qb + data->Qc),
                       0.5 * (data->Qb - data->Qc), data->Qd, data->EI, data->rhoJ, data->beta_K},
                 .shortest = x.lengths[0]};
@@ -191,9 +192,9 @@ void set_powers(const Simulator *rope, State *state) {
 }
 
 /* from the sums over the elements; the inertia of the swivels counts as kinetic energy of the rope */
-static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *s,
+static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *s, const double *q,
                          const double *v) {
-    double sums[BALANCE], energies[3];
+    double sums[BALANCE], energies[3], contact[CONTACT_BALANCE];
     memcpy(sums, balance, sizeof sums);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double rate = end_row(v, s->elements + 1, side)[ANGLE];
@@ -203,6 +204,8 @@ static void set_energies(EnergyBalance *energy_balance, const double balance[BAL
     energy_balance->kinetic = energies[0];
     energy_balance->strain = energies[1];
     energy_balance->gravity = energies[2];
+    contact_balance(s, q, v, contact);
+    energy_balance->contact = contact[CONTACT_ENERGY];
 }
 
 double update_energies(Simulator *rope, State *state) {
@@ -211,7 +214,7 @@ double update_energies(Simulator *rope, State *state) {
     const double before = energy_total(&state->energy_balance);
     double balance[BALANCE];
     chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
-    set_energies(&state->energy_balance, balance, &s, m.v);
+    set_energies(&state->energy_balance, balance, &s, m.q, m.v);
     return energy_total(&state->energy_balance) - before;
 }
 
@@ -225,7 +228,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const double moved_by = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
     const double bottom = bottom_of(rope, state, state->t), speed = apart(&m);
-    double losses[2], force = 0;
+    double losses[2], contact[CONTACT_BALANCE], force = 0;
     /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
        integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
     for (size_t i = 0; i < size; i++) {
@@ -234,6 +237,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
         m.v[i] = (now->q[i] - q) / h;
     }
     chain_of_state(state)->losses(&s, m.q, m.v, losses);
+    contact_balance(&s, m.q, m.v, contact);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);
     double *const to[] = {m.q, m.v, m.a, m.b, m.a_rate, m.reaction};
     double *const from[] = {now->q, now->v, now->a, now->b, now->a_rate, now->reaction};
@@ -244,10 +248,11 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
     state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, trial->strains, trial->place, force);
     set_powers(rope, state);
-    set_energies(energy, trial->balance, &s, m.v);
-    energy->work_ends += 0.5 * h * (before[0] + state->power_ends);
+    set_energies(energy, trial->balance, &s, m.q, m.v);
+    energy->work_ends += 0.5 * h * (before[0] + state->power_ends) + h * contact[CONTACT_MOVED];
     energy->dissipated_swivel += 0.5 * h * (before[1] + state->power_swivel);
     energy->dissipated_material += h * losses[0];
+    energy->dissipated_contact += h * contact[CONTACT_DISSIPATED];
     energy->nonconservative += h * losses[1];
     audit_step(rope, state, h, moved_by, forces);
 }

@@ -60,6 +60,16 @@ def where(condition: Any, x: Any, y: Any) -> Any:
     return np.where(condition, x, y) if isinstance(condition, np.ndarray) else x if condition else y
 
 
+def less(x: Any, y: Any) -> Any:
+    """1 where ``x`` is less than ``y``, else 0."""
+    return float(x < y) if isinstance(x, float) and isinstance(y, float) else x < y
+
+
+def sign(x: Any) -> Any:
+    """1 with the sign of ``x``."""
+    return math.copysign(1.0, x) if isinstance(x, float) else ca.copysign(1.0, x)
+
+
 def dot(a: Any, b: Any) -> Any:
     """Scalar product of vectors; their three components come first."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -15,8 +15,8 @@ def energies(balance: Any) -> tuple[Any, Any, Any]:
 
 
 def total(energy_balance: Any) -> Any:
-    """Kinetic, strain and potential energy."""
-    return energy_balance.kinetic + energy_balance.strain + energy_balance.gravity
+    """Kinetic, strain and potential energy, and what contact stores."""
+    return energy_balance.kinetic + energy_balance.strain + energy_balance.gravity + energy_balance.contact
 
 
 def residual(energy_balance: Any) -> Any:
@@ -26,5 +26,6 @@ def residual(energy_balance: Any) -> Any:
         + energy_balance.transformations
         - energy_balance.dissipated_material
         - energy_balance.dissipated_swivel
+        - energy_balance.dissipated_contact
     )
     return total(energy_balance) - energy_balance.start - explained + energy_balance.nonconservative

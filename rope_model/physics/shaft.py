@@ -19,12 +19,14 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .elementary import cos, larger, sin, smaller, sqrt
+from .elementary import cos, larger, less, sign, sin, smaller, sqrt
 
 #: m: longer than any shaft
 ENDLESS = 1e6
 #: m: how thick the ground is, and how far up head ropes go; in such lengths places are rounded by less than 1e-11 m
 DEEP = 1e4
+#: kinds of bodies; a number is a place among them
+KINDS = ("lining", "conveyance", "head_ropes", "divider", "floor")
 #: m^2: the root is smooth where all of max(q, 0) vanishes, and 1e-12 m off
 TINY = 1e-24
 
@@ -57,6 +59,19 @@ def least_distance(point: Any, extent: Any, body: Any) -> Any:
         abs(z) - body.half[2] - body.side * along,
         body,
     )
+
+
+def normal(point: Any, body: Any) -> tuple[Any, Any, Any]:
+    """The unit normal at ``point`` (3,), away from the body: the gradient of its distance."""
+    place = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
+    q = [abs(x) - h for x, h in zip(place, (body.half[0], body.half[1], body.half[2]), strict=True)]
+    out = [larger(x, 0.0) for x in q]
+    root = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + TINY)
+    # within the box it is that of the nearest face
+    within = smaller(larger(larger(q[0], q[1]), q[2]), 0.0)
+    faces = [(1.0 - less(0.0, x)) * (1.0 - less(x, within)) for x in q]
+    x, y, z = (body.side * sign(p) * (o / root + face) for p, o, face in zip(place, out, faces, strict=True))
+    return body.cosine * x + body.sine * z, y, body.cosine * z - body.sine * x
 
 
 def _in_axes(x: Any, y: Any, z: Any, body: Any) -> tuple[Any, Any, Any]:

@@ -31,6 +31,7 @@ from ..physics.estimates import (
     travel_estimate,
 )
 from . import messages
+from .bodies import may_touch
 from .paths import SIDES, EndMotion
 from .rigid import lowest_tension
 
@@ -112,6 +113,8 @@ def force_error(scene: Scene, fidelity: Fidelity, travel: Travel) -> float:
 
 
 def _lowest(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
+    if may_touch(scene.shaft):
+        return Choice("torsional", messages.may_touch())
     if why := _nonzero_input(ends, OUT_OF_PLANE + TURNED):
         return Choice("torsional", messages.held_where_initialised(why))
     fidelity = lowest_sufficient(scene, ends) if scene.model.force_tolerance > 0 else "torsional"

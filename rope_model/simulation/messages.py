@@ -190,6 +190,10 @@ def held_where_initialised(why: str) -> str:
     return f"{why:.300} where the rope is initialised with its swivels held"
 
 
+def may_touch() -> str:
+    return "the rope may touch a body in the shaft"
+
+
 def no_torque() -> str:
     return "no torque acts and nothing acts out of plane"
 
@@ -227,6 +231,17 @@ def passed_into(body: str, touched: float, depth: float, t: float, s: float, y: 
 
 def and_another(before: str, passed: str) -> str:
     return f"{before:.380} and {passed:.120}"
+
+
+def rope_struck(what: str) -> str:
+    return f"the rope has struck {what:.430}; the outputs contact.* have the forces"
+
+
+def rope_pressed_into(what: str, stiffness: float) -> str:
+    return (
+        f"the rope was pressed into {what:.330}, by more than its diameter: contact.stiffness = {stiffness:g} is too "
+        "soft for it"
+    )
 
 
 def rope_passed_into(what: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from .fidelity import flexible
 from .paths import EndPath
 from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, KernelCache, RopeSystem, parameter_vector
 from .state import Powers, RopeState
+from .surroundings import surroundings
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,18 @@ class RopeModel:
         else:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
-            P, kernels = parameter_vector(scene.rope, scene.layout.gravity), self.kernels.of(flexible(state.fidelity))
-            system = RopeSystem(kernels, state.partition.lengths, P, ends, state.motion.q, node_mass)
+            P, fidelity = parameter_vector(scene.rope, scene.layout.gravity), flexible(state.fidelity)
+            around = surroundings(scene)
+            system = RopeSystem(
+                self.kernels.of(fidelity),
+                state.partition.lengths,
+                P,
+                ends,
+                state.motion.q,
+                node_mass,
+                around,
+                partial(self.kernels.of, fidelity, around.kinds if around else ()),
+            )
         self._latest[:] = [(key, system)]
         return system
 
@@ -83,7 +95,7 @@ class RopeModel:
         m = state.motion
         system = self.system(state)
         motion, _ = restart(system, m.t, m.q, m.v, m.reaction)
-        audit = restarted(state.audit, load_on(ends_of(system), motion))
+        audit = restarted(state.audit, load_on(ends_of(system), motion, system))
         return state._replace(motion=motion, powers=powers(system, motion), audit=audit)
 
     def commit(self, old: RopeState, system: RopeSystem, result: StepResult[Evaluation]) -> RopeState:
@@ -98,18 +110,19 @@ class RopeModel:
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
-        damping, nonconservative = system.losses(middle, rate)
+        losses = system.losses(middle, rate)
         energy_balance = old.energy_balance._replace(
             **energies(evaluation.balance),
-            work_ends=old.energy_balance.work_ends + 0.5 * h * (before.ends + now.ends),
+            work_ends=old.energy_balance.work_ends + 0.5 * h * (before.ends + now.ends) + h * losses.moved,
             dissipated_swivel=old.energy_balance.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
-            dissipated_material=old.energy_balance.dissipated_material + h * damping,
-            nonconservative=old.energy_balance.nonconservative + h * nonconservative,
+            dissipated_material=old.energy_balance.dissipated_material + h * losses.damping,
+            dissipated_contact=old.energy_balance.dissipated_contact + h * losses.contact,
+            nonconservative=old.energy_balance.nonconservative + h * losses.nonconservative,
         )
         after = old._replace(motion=motion, energy_balance=energy_balance, errors=errors, powers=now)
-        return self._with_step_audited(old.motion, with_angles_along(system, after))
+        return self._with_step_audited(old.motion, with_angles_along(system, after), system)
 
-    def _with_step_audited(self, old: Motion, state: RopeState) -> RopeState:
+    def _with_step_audited(self, old: Motion, state: RopeState, system: RopeSystem) -> RopeState:
         """``state`` after a time step from ``old``; its loads are compared when the communication step ends."""
         m, method, (left, right) = state.motion, self.method, old.reaction[[0, -1], 1].tolist()
         now, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
@@ -118,7 +131,7 @@ class RopeModel:
             method,
             h,
             recentring(method, m.h, old.h),
-            load_on(self.ends(state), m),
+            load_on(self.ends(state), m, system),
             max(map(abs, now)),
             max(abs(now[0] - left), abs(now[1] - right)),
             axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),
@@ -130,7 +143,7 @@ class RopeModel:
         if state.fidelity == "rigid":
             return state
         m, system = state.motion, self.system(state)
-        audit = restarted(state.audit, load_on(ends_of(system), m))
+        audit = restarted(state.audit, load_on(ends_of(system), m, system))
         return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD))
 
     def audited(self, before: RopeState, state: RopeState) -> RopeState:
@@ -171,13 +184,14 @@ def ends_of(system: RopeSystem) -> HangingEnds:
     return system.boundary
 
 
-def load_on(ends: HangingEnds, motion: Motion) -> Load:
-    """What the conveyances put on the rope."""
-    loads = []
+def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
+    """What the conveyances put on the rope, its ends held so, and the bodies that it touches."""
+    contact = system.contact(motion.q, motion.v)
+    loads = [tuple(contact[f"contact_{name}"] for name in ("fx", "fy", "fz", "mx", "my", "mz"))]
     for side in (0, 1):
         q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
         loads.append(end_load(q, R, end_moment(q[SLOPE], R[SLOPE], ends.moment(side, motion.reaction))))
-    return tuple(left + right for left, right in zip(*loads, strict=True))
+    return tuple(sum(parts) for parts in zip(*loads, strict=True))
 
 
 def restarted(audit: Audit, load: Load) -> Audit:
@@ -187,7 +201,8 @@ def restarted(audit: Audit, load: Load) -> Audit:
 
 def energies(balance: dict[str, float]) -> dict[str, float]:
     """The energies of a EnergyBalance (J) from a balance."""
-    return dict(zip(("kinetic", "strain", "gravity"), energies_of(tuple(balance.values())), strict=True))
+    kinetic, strain, gravity = energies_of(tuple(balance.values()))
+    return {"kinetic": kinetic, "strain": strain, "gravity": gravity, "contact": balance["contact"]}
 
 
 def powers(system: RopeSystem, motion: Motion) -> Powers:

@@ -27,8 +27,8 @@ class Effect(NamedTuple):
 EFFECTS = (
     Effect(
         "planar",
-        "side forces, strain energy and damping in the rope",
-        ("fx", "mz", "energy.strain", "energy.dissipated_material"),
+        "side forces, strain energy and damping in the rope, bodies that it touches",
+        ("fx", "mz", "energy.strain", "energy.dissipated_material", "contact", "energy.dissipated_contact"),
         by_torque=False,
     ),
     Effect(

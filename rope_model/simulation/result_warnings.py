@@ -23,6 +23,7 @@ from collections.abc import Callable
 
 from ..parameters import Scene
 from ..physics.estimates import coupling_torque, loop_width, twist_torque
+from ..physics.shaft import KINDS
 from . import messages
 from .audit import (
     FEWEST_ELEMENTS,
@@ -33,12 +34,13 @@ from .audit import (
     axial_step,
     elements_per_bend,
 )
+from .bodies import may_touch
 from .diagnostics import leg_clearance, loop_bottom, loop_turns
 from .fidelity import carries_torque
 from .neglected_effects import neglected_text
 from .rope_system import ANGLE
 from .shaft import BODIES, TURNED_FAR, direction
-from .state import KINDS, RopeState
+from .state import RopeState
 
 #: of the legs: the loop is turned over
 HALF_A_TURN = 0.5
@@ -54,13 +56,17 @@ def neglected_effects(scene: Scene, state: RopeState) -> str:
 
 
 def passed_bodies(scene: Scene, state: RopeState) -> str:
-    """'' while the rope touches nothing; otherwise what it passed into, when and where."""
+    """'' while the rope touches nothing; otherwise what it struck or passed into, when and where."""
     told = ""
     for name, x in zip(KINDS, state.nearest, strict=True):
         if x.clearance <= 0:
             passed = messages.passed_into(BODIES[name], x.touched_at, -x.clearance, x.time, x.s, x.y)
             told = messages.and_another(told, passed) if told else passed
-    return messages.rope_passed_into(told) if told else ""
+    if not told or not may_touch(scene.shaft):
+        return messages.rope_passed_into(told) if told else ""
+    if min(x.clearance for x in state.nearest) > -scene.rope.diameter:
+        return messages.rope_struck(told)
+    return messages.rope_pressed_into(told, scene.shaft.contact.stiffness)
 
 
 def passed_sides(scene: Scene, state: RopeState) -> str:

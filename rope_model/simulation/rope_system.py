@@ -9,11 +9,12 @@ from __future__ import annotations
 import copy
 import logging
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
+from itertools import product
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,13 +37,20 @@ from ..numerics.kernels import (
 )
 from ..numerics.newton import PROGRESS, report
 from ..parameters import Rope
+from ..physics.contact import LOOK_AHEAD, largest_motion
+from ..physics.contact_element import CONTACT_BALANCE, contact_element
 from ..physics.element import BALANCE, ELEMENT_DOF, MOMENTUM, NODE_DOF, STRAINS, ElementFidelity, element_functions
+from ..physics.shaft import KINDS
 
 Array = NDArray[np.float64]
 log = logging.getLogger(__name__)
 
 #: places of r, r' and theta in a node's row
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
+#: kinds of the bodies that a rope may touch
+Kinds = tuple[int, ...]
+_BALANCE = (*BALANCE, *CONTACT_BALANCE)
+_NOTHING = np.zeros((1, 1), dtype=bool)
 
 
 class RopeKernels:
@@ -59,21 +67,22 @@ class RopeKernels:
         form: KernelForm = "auto",
         bundle: Path | None = None,
         fidelity: ElementFidelity = "torsional",
+        bodies: Kinds = (),
     ) -> None:
-        library, portable = _bundle_files(bundle, elements, fidelity) if bundle else (None, None)
+        library, portable = _bundle_files(bundle, elements, fidelity, bodies) if bundle else (None, None)
         if portable is not None and portable.exists():
             functions = load_portable(portable)
         else:
-            functions = list(rope_functions(elements, fidelity).all())
+            functions = list(rope_functions(elements, fidelity, bodies).all())
         (solve, newton_step, evaluate, losses, strains, momentum, reference, transport), self.form = prepare(
-            functions, partial(_build, elements, fidelity), form, library
+            functions, partial(_build, elements, fidelity, bodies), form, library
         )
-        nodes, balance = (elements + 1, NODE_DOF), (len(BALANCE),)
+        nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity = elements, fidelity
         self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
         self.newton_step = Kernel(newton_step, (nodes, nodes))
         self.evaluate = Kernel(evaluate, (nodes, balance))
-        self.losses = Kernel(losses, ((2,),))
+        self.losses = Kernel(losses, ((losses.size1_out(0),),))
         self.strains = Kernel(strains, ((elements, len(STRAINS)),))
         self.momentum = Kernel(momentum, ((len(MOMENTUM),),))
         self.reference = Kernel(reference, ((elements, reference.size1_out(0)),))
@@ -85,17 +94,20 @@ class KernelCache:
 
     def __init__(self, elements: int, form: KernelForm = "auto", bundle: Path | None = None) -> None:
         self.elements, self._form, self._bundle = elements, form, bundle
-        self._made: dict[ElementFidelity, RopeKernels] = {}
+        self._made: dict[tuple[ElementFidelity, Kinds], RopeKernels] = {}
 
-    def of(self, fidelity: ElementFidelity) -> RopeKernels:
-        """Those of ``fidelity``."""
-        if fidelity not in self._made:
-            self._made[fidelity] = RopeKernels(self.elements, self._form, self._bundle, fidelity)
-        return self._made[fidelity]
+    def of(self, fidelity: ElementFidelity, bodies: Kinds = ()) -> RopeKernels:
+        """Those of ``fidelity``, of a rope that is near one of the ``bodies``, or far from all."""
+        if (fidelity, bodies) not in self._made:
+            self._made[fidelity, bodies] = RopeKernels(self.elements, self._form, self._bundle, fidelity, bodies)
+        return self._made[fidelity, bodies]
 
 
-def write_bundle(elements: int, folder: Path) -> list[Path]:
-    """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every fidelity."""
+def write_bundle(elements: int, folder: Path, bodies: Kinds = ()) -> list[Path]:
+    """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every fidelity.
+
+    With ``bodies`` also those of a rope that is near one of them.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     written, compiler = [], find_compiler()
     if compiler is None:
@@ -104,45 +116,46 @@ def write_bundle(elements: int, folder: Path) -> list[Path]:
             "long; install a compiler, or pip install 'balance-rope[compiler]'",
             folder.name,
         )
-    for fidelity in ELEMENT_DOF:
-        library, portable = _bundle_files(folder, elements, fidelity)
-        save_portable(rope_functions(elements, fidelity).all(), portable)
+    for fidelity, near in product(ELEMENT_DOF, dict.fromkeys(((), bodies))):
+        library, portable = _bundle_files(folder, elements, fidelity, near)
+        save_portable(rope_functions(elements, fidelity, near).all(), portable)
         written.append(portable)
         if compiler is not None:
-            shutil.copyfile(_build(elements, fidelity, compiler), library)
+            shutil.copyfile(_build(elements, fidelity, near, compiler), library)
             written.append(library)
     return written
 
 
-def _build(elements: int, fidelity: ElementFidelity, compiler: Sequence[str]) -> Path:
+def _build(elements: int, fidelity: ElementFidelity, bodies: Kinds, compiler: Sequence[str]) -> Path:
     """The compiled library: the element is the same in ropes of any number of elements, and compiled once."""
-    parts = build_parts(rope_parts(fidelity), compiler, cache_folder(), f"element-{fidelity}")
-    functions = _linked_functions(elements, fidelity, parts.library).all()
-    return build_library(functions, compiler, cache_folder(), f"kernels-{fidelity}-{elements}", [parts.linked])
+    kind = "-".join((fidelity, *(KINDS[kind] for kind in bodies)))
+    parts = build_parts(rope_parts(fidelity, bodies), compiler, cache_folder(), f"element-{kind}")
+    functions = _linked_functions(elements, fidelity, bodies, parts.library).all()
+    return build_library(functions, compiler, cache_folder(), f"kernels-{kind}-{elements}", [parts.linked])
 
 
 @cache
-def _linked_functions(elements: int, fidelity: ElementFidelity, library: Path) -> ChainFunctions:
+def _linked_functions(elements: int, fidelity: ElementFidelity, bodies: Kinds, library: Path) -> ChainFunctions:
     """Those of ``rope_functions``, but calling what ropes of any size have in common."""
-    parts = ChainParts(*load_compiled(rope_parts(fidelity), library))
+    parts = ChainParts(*load_compiled(rope_parts(fidelity, bodies), library))
     return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
 
 
-def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity) -> tuple[Path, Path]:
-    name = f"{fidelity}-{elements}"
+def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies: Kinds) -> tuple[Path, Path]:
+    name = "-".join((fidelity, *(KINDS[kind] for kind in bodies), str(elements)))
     return folder / f"{name}-{platform_tag()}{LIBRARY_SUFFIX}", folder / f"{name}.casadi"
 
 
 @cache
-def rope_parts(fidelity: ElementFidelity) -> ChainParts:
+def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     """CasADi functions that ropes of any number of elements have in common."""
-    return chain_parts(element_functions(fidelity))
+    return chain_parts(contact_element(fidelity, bodies) if bodies else element_functions(fidelity))
 
 
 @cache
-def rope_functions(elements: int, fidelity: ElementFidelity = "torsional") -> ChainFunctions:
-    """CasADi functions of a rope of ``elements`` elements."""
-    return chain_functions(elements, rope_parts(fidelity), NODE_DOF, ELEMENT_DOF[fidelity])
+def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", bodies: Kinds = ()) -> ChainFunctions:
+    """CasADi functions of a rope of ``elements`` elements, with ``bodies`` that it may touch."""
+    return chain_functions(elements, rope_parts(fidelity, bodies), NODE_DOF, ELEMENT_DOF[fidelity])
 
 
 def parameter_vector(rope: Rope, gravity: float) -> Array:
@@ -154,6 +167,16 @@ def parameter_vector(rope: Rope, gravity: float) -> Array:
 def arc_lengths(lengths: Array) -> Array:
     """Arc length (m) of the nodes from the left end, for element lengths from left to right."""
     return np.concatenate(([0.0], np.cumsum(lengths)))
+
+
+class Around(Protocol):
+    """The bodies that a rope may touch: simulation.surroundings."""
+
+    def numbers(self, q: Array, v: Array) -> Array:
+        """What P has beyond element.PARAMETERS, for physics.contact_element."""
+
+    def distances(self, q: Array, lengths: Array) -> Array:
+        """(elements, bodies): what an element's distance from a body (m) is at least."""
 
 
 class Boundary(Protocol):
@@ -172,9 +195,18 @@ class Boundary(Protocol):
         """Loads per newton of the node's own vertical reaction, where that pulls upwards: friction."""
 
 
+class Losses(NamedTuple):
+    """Power of material damping, of the coupling without energy, of contact's losses, and of moving bodies, W."""
+
+    damping: float
+    nonconservative: float
+    contact: float = 0.0
+    moved: float = 0.0
+
+
 @dataclass(frozen=True)
 class Evaluation:
-    """Residual (reactions where held) and the balance of physics.element by name, J and W."""
+    """Residual (reactions where held) and the balance of physics.element and contact_element by name, J, W and N."""
 
     reaction: Array
     balance: dict[str, float]
@@ -194,8 +226,14 @@ class RopeSystem:
         boundary: Boundary,
         reference: Array,
         node_mass: Array | None = None,
+        around: Around | None = None,
+        touching: Callable[[], RopeKernels] | None = None,
     ) -> None:
         nodes = lengths.size + 1
+        self.around, self._touching = around, touching
+        # where the rope was when bodies were last looked for, and how far they were from it, m
+        self._seen: list[tuple[Array, float]] = []
+        self._motion = np.array([largest_motion(lengths.max(), row, np.zeros(6)) for row in np.eye(NODE_DOF)])
         self.kernels, self.lengths, self.P, self.boundary = kernels, lengths, P, boundary
         self.reference = reference
         self.free = boundary.free(nodes)
@@ -246,29 +284,68 @@ class RopeSystem:
         return self.boundary.prescribed_motion(t, self.lengths.size + 1)
 
     def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Evaluation]:
-        q, v, a, R, sums, progress = self.kernels.solve(
-            q, v, a, reaction, *self._constants, self._free, self.P, c, self._scale, tolerance
-        )
-        return Solution(q, v, a, self._evaluation(v, R, sums), report(progress.tolist()))
+        near = self._near(q, LOOK_AHEAD)
+        while True:
+            kernels, constants, P = self._with_bodies(near, q, v)
+            q, v, a, reaction, sums, progress = kernels.solve(
+                q, v, a, reaction, *constants, self._free, P, c, self._scale, tolerance
+            )
+            newton = report(progress.tolist())
+            more = self._near(q, 0.0) if newton.converged else _NOTHING
+            if not more.any() or (near.any() and not (more & ~near).any()):
+                return Solution(q, v, a, self._evaluation(v, reaction, sums), newton)
+            near = near | more
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
-        x, R = self.kernels.newton_step(q, v, a, reaction, *self._constants, self._free, self.P, c)
+        kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
+        x, R = kernels.newton_step(q, v, a, reaction, *constants, self._free, P, c)
         return x, R
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
         """Residual and balance; the inertia of concentrated masses is added to the kinetic energy."""
-        R, sums = self.kernels.evaluate(q, v, a, reaction, *self._constants, self.P)
+        kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
+        R, sums = kernels.evaluate(q, v, a, reaction, *constants, P)
         return self._evaluation(v, R, sums)
 
     def _evaluation(self, v: Array, R: Array, sums: Array) -> Evaluation:
-        balance = dict(zip(BALANCE, sums.tolist(), strict=True))
+        balance = dict.fromkeys(_BALANCE, 0.0) | dict(zip(_BALANCE, sums.tolist(), strict=False))
         balance["kinetic"] += 0.5 * float(np.vdot(self.node_mass, v * v))
         return Evaluation(R, balance)
 
-    def losses(self, q: Array, v: Array) -> tuple[float, float]:
-        """Damping power and the power of the non-conservative coupling, W."""
-        damping, nonconservative = self.kernels.losses(q, v, self.lengths, self.frames, self.P)[0].tolist()
-        return damping, nonconservative
+    def contact(self, q: Array, v: Array) -> dict[str, float]:
+        """What bodies do to the rope: physics.contact_element.CONTACT_BALANCE by name."""
+        kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
+        sums = np.zeros(len(CONTACT_BALANCE))
+        if kernels is not self.kernels:
+            rest = np.zeros_like(q)
+            sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1][len(BALANCE) :]
+        return dict(zip(CONTACT_BALANCE, sums.tolist(), strict=True))
+
+    def losses(self, q: Array, v: Array) -> Losses:
+        """What flows out in the rope and in its contacts, W."""
+        kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
+        return Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
+
+    def _near(self, q: Array, margin: float) -> NDArray[np.bool_]:
+        """(elements, bodies): which elements may touch a body, or would if they moved by ``margin`` (m)."""
+        if self.around is None:
+            return _NOTHING
+        if self._seen:
+            # nothing can have come near that was far and has hardly moved since
+            before, free = self._seen[0]
+            if free > margin and free - (np.abs(q - before) @ self._motion).max() > margin:
+                return _NOTHING
+        found = self.around.distances(q, self.lengths)
+        self._seen[:] = [(q, float(found.min()))]
+        return found < margin
+
+    def _with_bodies(self, near: NDArray[np.bool_], q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
+        """Kernels, their constants and parameters, with or without bodies."""
+        if self.around is None or self._touching is None or not near.any():
+            return self.kernels, self._constants, self.P
+        lengths, frames, *loads = self._constants
+        P = np.concatenate((self.P, self.around.numbers(q, v)))
+        return self._touching(), (lengths, np.hstack((frames, near)), *loads), P
 
     def strains(self, q: Array) -> Array:
         """(elements, 3), columns as in physics.element.STRAINS."""

@@ -13,20 +13,19 @@ height (diagnostics.loop_turns) jump by one, which the loop's yaw, counted in ti
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ..parameters import Scene
-from ..physics import shaft as physics
 from ..physics.outline import enclosing_box, middle
-from ..physics.shaft import Body, distance, least_distance
-from ..shaft_parameters import FAR, Shaft
+from ..physics.shaft import KINDS, distance, least_distance
 from .adaptation import nearest_turn
+from .bodies import Placed, bodies
 from .diagnostics import loop_bottom, loop_turns
 from .rope_system import SLOPE, Array
-from .state import KINDS, Crossing, Nearest, RopeState
+from .state import Crossing, Nearest, RopeState
 
 #: kinds of bodies in words
 BODIES = {
@@ -36,9 +35,6 @@ BODIES = {
     "divider": "a divider",
     "floor": "the sump's floor",
 }
-LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
-#: what moves with no end of the rope
-FIXED = -1
 #: m: by how much a clearance may be less than what is found
 RESOLUTION = 1e-3
 #: rad: while the loop has yawed by less, and no body is there, it is not looked whether legs have crossed
@@ -47,30 +43,6 @@ TURNED_FAR = 0.5 * math.pi
 LOOK_EVERY = 0.01
 #: of each kind
 NOT_NEAR = (Nearest(),) * len(KINDS)
-
-
-class Placed(NamedTuple):
-    """A body, of which kind it is, and with which end of the rope (0 left, 1 right) it moves."""
-
-    kind: int
-    moves_with: int
-    body: Body
-
-
-def bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
-    """The bodies that are there with the rope's ``ends`` (2 of (3,)) at these places."""
-    if shaft.lining.width > 0:
-        yield Placed(LINING, FIXED, physics.lining(shaft.lining))
-    for side, end in enumerate(ends):
-        if shaft.conveyance.width > 0:
-            yield Placed(CONVEYANCE, side, physics.conveyance(shaft.conveyance, end))
-        if shaft.head_ropes.diameter > 0:
-            yield Placed(HEAD_ROPES, side, physics.head_ropes(shaft.head_ropes, shaft.conveyance, end))
-    for divider in (shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4):
-        if divider.size > 0:
-            yield Placed(DIVIDER, FIXED, physics.divider(divider))
-    if shaft.sump.level > -FAR:
-        yield Placed(FLOOR, FIXED, physics.floor(shaft.sump))
 
 
 class _Search:

@@ -14,6 +14,7 @@ from ..parameters import Rope, Scene
 from ..physics.accuracy import end_force_error, loop_error
 from ..physics.estimates import loop_width
 from ..physics.frame import end_moment
+from ..physics.shaft import KINDS
 from ..physics.stress import bending_stress, torsional_stress
 from .adaptation import nearest_turn
 from .audit import signal_values as audit_values
@@ -24,7 +25,7 @@ from .paths import SIDES
 from .rigid import rigid_tension
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 from .shaft import BODIES, clearances
-from .state import KINDS, RopeState
+from .state import RopeState
 
 SHAPE_POINTS = 81
 
@@ -76,15 +77,20 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("kinetic", "kinetic energy"),
         ("strain", "strain energy"),
         ("gravity", "potential energy of the weight, zero at height zero"),
-        ("total", "kinetic, strain and potential energy"),
-        ("work_ends", "work done on the rope by the conveyances since the start"),
+        ("contact", "energy stored where bodies in the shaft press the rope"),
+        ("total", "kinetic, strain and potential energy, and that of contact"),
+        ("work_ends", "work done on the rope by the conveyances since the start, where they strike it too"),
         ("dissipated_material", "energy dissipated by material damping since the start"),
         ("dissipated_swivel", "energy dissipated by swivel friction since the start"),
+        ("dissipated_contact", "energy dissipated by damping and friction of contact since the start"),
         ("nonconservative", "energy taken up by the difference of Qb and Qc since the start"),
         ("transformations", "energy change of all mesh transformations since the start"),
         ("residual", "residual of the energy balance: numerical dissipation is negative"),
     ):
         yield f"energy.{name}", Signal("J", what)
+    for kind in KINDS:
+        words = {"conveyance": "a conveyance", "divider": "dividers"}.get(kind, f"the {kind.replace('_', ' ')}")
+        yield f"contact.{kind}", Signal("N", f"pressure of the rope and {words} on each other, summed along the rope")
     for name, what in (
         ("steps", "accepted time steps"),
         ("rejections", "rejected time steps"),
@@ -178,6 +184,7 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
     groups = {"clearance": clearance_signals, "nearest": nearest_signals}
     groups |= {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
     groups |= {"energy": energy_signals, "count": energy_signals, "status": error_signals, "audit": audit_signals}
+    groups |= {"contact": contact_signals}
     return groups.get(name.partition(".")[0], end_signals)
 
 
@@ -256,6 +263,14 @@ def energy_signals(rope: Evaluated) -> dict[str, float]:
         for name in SIGNALS
         if name.startswith(("energy.", "count."))
     }
+
+
+def contact_signals(rope: Evaluated) -> dict[str, float]:
+    """Forces between the rope and the bodies in the shaft."""
+    m, forces = rope.state.motion, dict.fromkeys(KINDS, 0.0)
+    if rope.state.fidelity != "rigid":
+        forces |= rope.system.contact(m.q, m.v)
+    return {f"contact.{kind}": forces[kind] for kind in KINDS}
 
 
 def error_signals(rope: Evaluated) -> dict[str, float]:

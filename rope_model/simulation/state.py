@@ -11,15 +11,13 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..physics.accuracy import ErrorSums
 from ..physics.energy_balance import residual, total
+from ..physics.shaft import KINDS
 from ..shaft_parameters import FAR
 from .audit import Audit
 from .ends import Phase, SwivelState
 from .fidelity import Fidelity
 from .mesh import Partition
 from .paths import EndPath
-
-#: kinds of bodies
-KINDS = ("lining", "conveyance", "head_ropes", "divider", "floor")
 
 
 class EnergyBalance(NamedTuple):
@@ -28,9 +26,11 @@ class EnergyBalance(NamedTuple):
     kinetic: float = 0.0
     strain: float = 0.0
     gravity: float = 0.0
+    contact: float = 0.0  # stored where bodies press the rope
     work_ends: float = 0.0  # put in by the conveyances
     dissipated_material: float = 0.0
     dissipated_swivel: float = 0.0
+    dissipated_contact: float = 0.0
     nonconservative: float = 0.0  # taken up by Qb != Qc
     transformations: float = 0.0  # sum of the energy changes of mesh changes
     start: float = 0.0  # total energy at the start

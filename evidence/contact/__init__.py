@@ -1,0 +1,6 @@
+"""Contact with bodies in the shaft against what is exact, and docs/contact.md.
+
+rebound    a rope that strikes a floor flat: speed after it, order in the step
+scenes     ropes that lie on a floor, fall on it, slide around a divider, and strike bodies of every kind
+page       the checks, and what the page contact.md.j2 says
+"""

@@ -1,0 +1,35 @@
+"""Check contact against what is exact and write docs/contact.md; some seconds.  Exits with 1 where a check misses."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from evidence.pages import PAGES, publish
+from evidence.rendering import DOCS
+from evidence.tables import write
+
+from .checks import checks
+from .page import as_table
+
+PAGE = PAGES["contact"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command line."""
+    parser = argparse.ArgumentParser("python -m evidence.contact", description=__doc__)
+    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (docs)")
+    options = parser.parse_args(arguments)
+    found = list(checks())
+    for case, m in found:
+        print(f"{'holds ' if m.holds else 'MISSES'} {case}: {m.what} {m.value:.3g} {m.relation} {m.bound:g}")
+    write({"checks": as_table(found)}, options.out / "data" / PAGE.data)
+    for path in publish(PAGE, options.out):
+        print(path)
+    return int(not all(m.holds for _, m in found))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,76 @@
+"""What contact must satisfy, measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from evidence.claims import Measurement
+
+from .rebound import exact_speed, rebound
+from .scenes import fallen, pulled, struck, touch_down
+
+#: s, steps of the rebound; and s/m, its damping
+STEPS, DAMPING = (2e-3, 1e-3, 5e-4, 2.5e-4), 0.5
+
+
+def checks() -> Iterator[tuple[str, Measurement]]:
+    """Each with the case that it belongs to."""
+    for case, measure in CASES.items():
+        for measurement in measure():
+            yield case, measurement
+
+
+def _touch_down() -> Iterator[Measurement]:
+    x = touch_down(EI=10.0, element=0.08, stiffness=1e7)
+    off = float(np.abs(x.y - x.exact).max() / x.exact.max())
+    yield Measurement("height in the bending layer, off by, of the largest", off, "1", "<", 0.01)
+    yield Measurement("height half way up the leg, off by", abs(x.leg), "1", "<", 1e-4)
+    yield Measurement("force of the floor, off by", abs(x.force), "1", "<", 1e-6)
+
+
+def _fallen() -> Iterator[Measurement]:
+    for EI, element, bound in ((1.0, 0.1, 0.1), (0.1, 0.05, 0.05)):
+        x = fallen(EI, element, 0.8)
+        what = f"impulse of the floor after 0.8 s, EI = {EI:g} N m^2, off by"
+        yield Measurement(what, abs(float(x.impulse[-1] / x.exact[-1]) - 1.0), "1", "<", bound)
+
+
+def _pulled() -> Iterator[Measurement]:
+    for friction, bound in ((0.0, 1e-4), (0.2, 5e-4), (0.5, 3e-3)):
+        x = pulled(friction, 0.1)
+        yield Measurement(f"tension, friction {friction:g}, off by", abs(x.tight / x.exact - 1.0), "1", "<", bound)
+
+
+def _rebound() -> Iterator[Measurement]:
+    exact = exact_speed(1.0, DAMPING)
+    off = [rebound(1.0, DAMPING, 1e6, h).speed / exact - 1.0 for h in STEPS]
+    yield Measurement(f"speed after it, steps of {1e3 * STEPS[-1]:g} ms, off by", abs(off[-1]), "1", "<", 1e-3)
+    order = float(np.polyfit(np.log(STEPS), np.log(np.abs(off)), 1)[0])
+    yield Measurement("order in the step", order, "1", ">", 1.8)
+    for stiffness in (1e5, 1e7):
+        h = STEPS[-1] * math.sqrt(1e6 / stiffness)
+        off_by = abs(rebound(1.0, DAMPING, stiffness, h).speed / exact - 1.0)
+        yield Measurement(f"speed after it, stiffness {stiffness:g} N/m^2, off by", off_by, "1", "<", 1e-3)
+    deep = [rebound(1.0, DAMPING, k, STEPS[-1] * math.sqrt(1e6 / k)).depth for k in (1e4, 1e6)]
+    yield Measurement("order of the depth in 1/stiffness", math.log10(deep[0] / deep[1]) / 2.0, "1", ">", 0.4)
+    free = rebound(1.0, 0.0, 1e6, STEPS[-1])
+    yield Measurement("energy unexplained without damping, of the kinetic", abs(free.unexplained), "1", "<", 1e-4)
+
+
+def _struck() -> Iterator[Measurement]:
+    for stiffness in (1e5, 1e6):
+        x = struck(stiffness)
+        what = f"energy unexplained, stiffness {stiffness:g} N/m^2, of the work done"
+        yield Measurement(what, abs(x.unexplained) / x.work, "1", "<", 1e-3)
+
+
+CASES = {
+    "a rope that lies on a floor": _touch_down,
+    "a rope that falls on a floor": _fallen,
+    "a rope pulled half around a divider": _pulled,
+    "a rope that strikes a floor flat": _rebound,
+    "a loop let down among bodies of every kind": _struck,
+}

@@ -1,0 +1,37 @@
+"""What docs/contact.md says, from the recorded checks."""
+
+from __future__ import annotations
+
+from evidence.claims import Measurement
+from evidence.rendering import number, render
+from evidence.tables import Table, Tables, table
+from rope_model.physics import contact, contact_element
+from rope_model.shaft_parameters import Contact
+
+from .scenes import GRAVITY
+
+_COLUMNS = ("case", "what", "value", "unit", "relation", "bound")
+
+
+def as_table(found: list[tuple[str, Measurement]]) -> Table:
+    """One row per check."""
+    return table(_COLUMNS, [(case, m.what, m.value, m.unit, m.relation, m.bound) for case, m in found])
+
+
+def page(tables: Tables) -> str:
+    """The whole page."""
+    t = tables["checks"]
+    found = [Measurement(*(t[name][k] for name in _COLUMNS[1:])) for k in range(len(t["case"]))]
+    rows = [
+        (str(case), m.what, number(m.value), f"{m.relation} {number(m.bound)}", "holds" if m.holds else "misses")
+        for case, m in zip(t["case"], found, strict=True)
+    ]
+    data = {
+        "rows": rows,
+        "law": Contact(),
+        "onset": contact.ONSET,
+        "own": contact.OWN_LENGTH,
+        "points": len(contact_element.POINTS),
+        "gravity": GRAVITY,
+    }
+    return render("contact/contact.md.j2", data)

@@ -1,0 +1,84 @@
+"""A straight rope that strikes a floor flat, all of it at once: exact for any spring, by Hunt and Crossley's integral.
+
+Without weight the rope's depth p obeys rho p_tt = -s(p) (1 + lambda p_t), so that over the whole contact
+
+    p_t / lambda - log(1 + lambda p_t) / lambda^2
+
+is the same as it comes and as it goes: the rebound depends on the speed alone, not on the spring.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from evidence.stability.chain import StaticBoundary
+from rope_model.numerics.generalized_alpha import Coefficients, restart, step
+from rope_model.parameters import Rope, Scene
+from rope_model.shaft_parameters import Contact, Shaft, Sump
+from rope_model.simulation.rope_system import RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.surroundings import surroundings
+
+#: m of rope, in so many elements, and the gap below it
+LENGTH, ELEMENTS, GAP = 2.0, 2, 0.01
+
+
+@dataclass(frozen=True)
+class Rebound:
+    """Speeds (m/s) and largest depth (m) of an impact, and its energy unexplained over the kinetic energy before."""
+
+    speed: float
+    depth: float
+    unexplained: float
+
+
+def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound:
+    """An impact at ``speed`` (m/s), with steps of ``h`` (s), without numerical dissipation."""
+    rope = Rope(length=LENGTH, Qb=0.0, Qc=0.0, beta_K=0.0)
+    contact = Contact(stiffness=stiffness, damping=damping, friction=0.0)
+    around = surroundings(Scene(rope=rope, shaft=Shaft(sump=Sump(level=-GAP - 0.5 * rope.diameter), contact=contact)))
+    assert around
+    q = np.zeros((ELEMENTS + 1, 7))
+    q[:, 0], q[:, 3] = np.linspace(0.0, LENGTH, ELEMENTS + 1), 1.0
+    lengths = np.diff(q[:, 0])
+    boundary = StaticBoundary.without_supports(q)
+    boundary.held[:, [2, 5, 6]] = True
+    system = RopeSystem(
+        RopeKernels(ELEMENTS, "portable", fidelity="planar"),
+        lengths,
+        parameter_vector(rope, 0.0),
+        boundary,
+        q,
+        around=around,
+        touching=lambda: RopeKernels(ELEMENTS, "portable", fidelity="planar", bodies=around.kinds),
+    )
+    v = np.zeros_like(q)
+    v[:, 1] = -speed
+    motion, start = restart(system, 0.0, q, v, np.zeros_like(q))
+    before, dissipated, depth, method = start.balance["kinetic"], 0.0, 0.0, Coefficients(1.0)
+    while motion.v[0, 1] <= 0 or motion.q[0, 1] < -GAP:
+        result = step(system, motion, h, method, 1e-12)
+        assert result.motion is not None, result.newton
+        dissipated += h * system.losses(0.5 * (motion.q + result.motion.q), (result.motion.q - motion.q) / h).contact
+        motion = result.motion
+        depth = max(depth, -GAP - float(motion.q[0, 1]))
+    after = system.evaluate(motion.q, motion.v, motion.a, motion.reaction).balance
+    left = after["kinetic"] + after["contact"] + dissipated - before
+    return Rebound(float(motion.v[:, 1].mean()), depth, left / before)
+
+
+def exact_speed(speed: float, damping: float) -> float:
+    """Of the rebound, m/s."""
+    if damping == 0:
+        return speed
+
+    def integral(p_t: float) -> float:
+        return p_t / damping - math.log1p(damping * p_t) / damping**2
+
+    low, high = 0.0, min(speed, (1.0 - 1e-12) / damping)
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if integral(-middle) < integral(speed) else (low, middle)
+    return low

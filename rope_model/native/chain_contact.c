@@ -1,0 +1,159 @@
+/* Contact of the rope with bodies in the shaft: rope_model.simulation.surroundings and physics.contact_element. */
+
+#include <string.h>
+
+#include "chain.h"
+
+/* the bodies as the ends hold them */
+static void place_bodies(const System *s, const double *q, const double *v) {
+    Surroundings *around = s->around;
+    const size_t last = (size_t)s->elements * DOF;
+    const double *const ends[2] = {q, q + last}, *const speeds[2] = {v, v + last};
+    around->bodies = shaft_bodies(&around->scene->shaft, ends, around->placed);
+    for (int k = 0; k < around->bodies; k++) {
+        const int end = around->placed[k].moves_with;
+        for (int i = 0; i < 3; i++) around->speeds[k][i] = end == FIXED ? 0 : speeds[end][i];
+    }
+}
+
+/* what the distance of an element's surface from body k is at least; own: arc lengths of its middle from both ends */
+static double least_distance(const System *s, int k, const double middle[3], const double half[3],
+                             const double own[2]) {
+    const Placed *at = &s->around->placed[k];
+    if (at->moves_with != FIXED && own[at->moves_with] < OWN_LENGTH) return INFINITY;
+    return body_least_distance(middle, half, &at->body) - 0.5 * s->around->scene->rope.diameter;
+}
+
+/* sees, besides those to keep, which elements are nearer than margin; whether there are any */
+static int look(const System *s, const double *q, double margin, unsigned keep) {
+    Surroundings *around = s->around;
+    double total = 0, at = 0;
+    int more = 0;
+    for (int e = 0; e < s->elements; e++) total += s->lengths[e];
+    around->free = INFINITY;
+    around->any = 0;
+    for (int e = 0; e < s->elements; at += s->lengths[e++]) {
+        const double *x = q + (size_t)e * DOF, along = at + 0.5 * s->lengths[e], own[2] = {along, total - along};
+        const unsigned before = around->near[e] & keep;
+        double range[2], middle[3], half[3];
+        for (int i = 0; i < 3; i++) {
+            hermite_extent(s->lengths[e], x[i], x[SLOPE + i], x[DOF + i], x[DOF + SLOPE + i], range);
+            middle[i] = range[0];
+            half[i] = range[1];
+        }
+        around->near[e] = before;
+        for (int k = 0; k < around->bodies; k++) {
+            const double distance = least_distance(s, k, middle, half, own);
+            around->free = fmin(around->free, distance);
+            if (distance < margin) around->near[e] |= 1u << k;
+        }
+        more |= around->near[e] != before;
+        around->any |= around->near[e] != 0;
+    }
+    memcpy(around->seen, q, sizeof(double) * DOF * (size_t)(s->elements + 1));
+    memcpy(around->seen_lengths, s->lengths, sizeof(double) * (size_t)s->elements);
+    return more;
+}
+
+/* whether nothing can be nearer than margin, by how far the rope and its ends have moved since it was last looked at */
+static int surely_far(const System *s, const double *q, double margin) {
+    const Surroundings *around = s->around;
+    const double *before = around->seen;
+    double longest = 0, moved = 0;
+    if (!(around->free > margin)) return 0;
+    if (memcmp(around->seen_lengths, s->lengths, sizeof(double) * (size_t)s->elements) != 0) return 0;
+    for (int e = 0; e < s->elements; e++) longest = larger(longest, s->lengths[e]);
+    for (int node = 0; node <= s->elements; node++, q += DOF, before += DOF)
+        moved = larger(moved, largest_motion(longest, q, before));
+    return around->free - moved > margin;
+}
+
+void look_for_bodies(const System *s, const double *q, const double *v, double margin) {
+    if (s->around == NULL || (!s->around->any && surely_far(s, q, margin))) return;
+    place_bodies(s, q, v);
+    look(s, q, margin, 0);
+}
+
+int see_more_bodies(const System *s, const double *q) {
+    return s->around != NULL && !surely_far(s, q, 0) && look(s, q, 0, ~0u);
+}
+
+/* where a point of the element is, or how fast */
+static void interpolate(const double *x, const double shares[4], double y[3]) {
+    for (int i = 0; i < 3; i++)
+        y[i] = shares[0] * x[i] + shares[1] * x[SLOPE + i] + shares[2] * x[DOF + i] + shares[3] * x[DOF + SLOPE + i];
+}
+
+typedef struct {
+    int body; /* the one looked at next */
+    double point[3], speed[3], shares[4], weight;
+} Place;
+
+static Place place_of(const System *s, int element, int number, const double *q, const double *v) {
+    static const double places[] = CONTACT_PLACES, weights[] = CONTACT_WEIGHTS;
+    Place place = {.body = 0, .weight = s->lengths[element] * weights[number]};
+    hermite_shares(places[number], s->lengths[element], place.shares);
+    interpolate(q + (size_t)element * DOF, place.shares, place.point);
+    interpolate(v + (size_t)element * DOF, place.shares, place.speed);
+    return place;
+}
+
+/* the next of the near bodies that is touched there: 0 when there is none */
+static int next_touch(const System *s, int element, Place *place, double cq, double cv, Touch *found, int *kind) {
+    const Surroundings *around = s->around;
+    const double diameter = around->scene->rope.diameter;
+    for (; place->body < around->bodies; place->body++) {
+        const Placed *at = &around->placed[place->body];
+        if (!(around->near[element] & 1u << place->body)) continue;
+        if (body_distance(place->point, &at->body) >= 0.5 * diameter) continue;
+        *found = touch(&around->scene->shaft.contact, diameter, &at->body, around->speeds[place->body], place->point,
+                       place->speed, cq, cv);
+        *kind = at->kind;
+        place->body++;
+        return 1;
+    }
+    return 0;
+}
+
+void contact_force(const System *s, int element, const double *q, const double *v, double force[CONTACT_DOF]) {
+    Touch one;
+    int kind;
+    memset(force, 0, sizeof(double) * CONTACT_DOF);
+    for (int number = 0; number < CONTACT_POINTS; number++) {
+        Place at = place_of(s, element, number, q, v);
+        while (next_touch(s, element, &at, 0, 0, &one, &kind))
+            for (int k = 0; k < CONTACT_DOF; k++) force[k] += at.weight * at.shares[k / 3] * one.force[k % 3];
+    }
+}
+
+void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
+                     double tangent[CONTACT_DOF][CONTACT_DOF]) {
+    static const int upper[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    Touch one;
+    int kind;
+    memset(tangent, 0, sizeof(double) * CONTACT_DOF * CONTACT_DOF);
+    for (int number = 0; number < CONTACT_POINTS; number++) {
+        Place at = place_of(s, element, number, q, v);
+        while (next_touch(s, element, &at, c[0], c[1], &one, &kind))
+            for (int k = 0; k < CONTACT_DOF; k++)
+                for (int n = k; n < CONTACT_DOF; n++)
+                    tangent[k][n] += at.weight * at.shares[k / 3] * at.shares[n / 3] * one.tangent[upper[k % 3][n % 3]];
+    }
+}
+
+void contact_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
+    Touch one;
+    int kind;
+    memset(sums, 0, sizeof(double) * CONTACT_BALANCE);
+    if (s->around == NULL) return;
+    look_for_bodies(s, q, v, 0);
+    if (!s->around->any) return;
+    for (int e = 0; e < s->elements; e++)
+        for (int number = 0; s->around->near[e] && number < CONTACT_POINTS; number++) {
+            Place at = place_of(s, e, number, q, v);
+            while (next_touch(s, e, &at, 0, 0, &one, &kind)) {
+                for (int k = 0; k < CONTACT_FORCES; k++) sums[k] += at.weight * one.sums[k];
+                sums[CONTACT_FORCES + kind] += at.weight * one.sums[CONTACT_FORCES];
+            }
+        }
+}

@@ -1,0 +1,277 @@
+"""Contact: the law, the element that has it, both forms of the rope in it, and exact cases (evidence.contact)."""
+
+from __future__ import annotations
+
+import math
+import random
+from functools import cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from evidence.contact.checks import CASES
+from rope_model import EndMotion, balance_rope
+from rope_model.parameters import Mesh, Rope, Scene
+from rope_model.physics.contact import SUMS, Touch, touch
+from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
+from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
+from rope_model.physics.shaft import KINDS, Body, distance, normal
+from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
+from rope_model.simulation.rope_system import parameter_vector
+
+DIAMETER = 0.044
+REST = (0.0, 0.0, 0.0)
+
+
+def some_body(chance: random.Random, side: float) -> Body:
+    def vector(low: float, high: float) -> tuple[float, float, float]:
+        return chance.uniform(low, high), chance.uniform(low, high), chance.uniform(low, high)
+
+    yaw = chance.uniform(-3, 3)
+    return Body(vector(-1, 1), vector(0.1, 1), chance.uniform(0.01, 0.3), math.cos(yaw), math.sin(yaw), side)
+
+
+def touched(seed: int) -> tuple[Body, tuple[float, ...]]:
+    """A body and a point at which the rope is pressed."""
+    chance = random.Random(seed)
+    while True:
+        body = some_body(chance, 1.0 if seed % 2 else -1.0)
+        point = tuple(c + chance.uniform(-1.5, 1.5) for c in body.centre)
+        if 0 < 0.5 * DIAMETER - distance(point, body) < DIAMETER:
+            return body, point
+
+
+def law(body: Body, point: Any, speed: Any = REST, cq: float = 0.0, cv: float = 0.0, **changed: float) -> Touch:
+    return touch(Contact(**changed), DIAMETER, body, (0.1, -0.2, 0.3), tuple(point), tuple(speed), cq, cv)
+
+
+def differences(f: Any, x: Any, size: float = 1e-6) -> Any:
+    """Derivatives of f to the components of x, columns."""
+    x = np.array(x)
+    return np.array([(np.array(f(x + e)) - np.array(f(x - e))) / (2 * size) for e in size * np.eye(x.size)]).T
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_normal_is_the_gradient_of_the_distance(side: float) -> None:
+    chance, x = random.Random(1), ca.SX.sym("x", 3)
+    for _ in range(50):
+        body = some_body(chance, side)
+        gradient = ca.Function("gradient", [x], [ca.gradient(distance(x, body), x)])
+        point = tuple(c + chance.uniform(-1.5, 1.5) for c in body.centre)
+        assert_allclose(normal(point, body), np.array(gradient(point)).ravel(), atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_force_is_the_energys_gradient_without_losses(seed: int) -> None:
+    body, point = touched(seed)
+
+    def energy(p: Any) -> list[float]:
+        return [law(body, p).sums[0]]
+
+    force = law(body, point, friction=0.0, damping=0.0).force
+    assert_allclose(differences(energy, point)[0], -np.array(force), atol=1e-5 * np.abs(force).max())
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out(seed: int) -> None:
+    """Across the surface, and along it where the pressure does not change with the speed."""
+    body, point = touched(seed)
+    n = np.array(normal(point, body))
+    upper = np.zeros((3, 3))
+    upper[np.triu_indices(3)] = law(body, point, cq=1.0, friction=0.0, damping=0.0).tangent
+    stiffness = differences(lambda p: law(body, p, friction=0.0, damping=0.0).force, point)
+    assert_allclose(n @ (np.triu(upper, 1).T + upper) @ n, -n @ stiffness @ n, rtol=1e-5)
+    speed = np.array((0.3, 0.1, -0.2))
+    upper[np.triu_indices(3)] = law(body, point, speed, cv=1.0, damping=0.0).tangent
+    damping = differences(lambda v: law(body, point, v, damping=0.0).force, speed)
+    assert_allclose(np.triu(upper, 1).T + upper, -damping, atol=1e-6 * np.abs(damping).max())
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_losses_are_never_negative_and_the_body_never_draws(seed: int) -> None:
+    body, point = touched(seed)
+    chance = random.Random(seed)
+    for _ in range(20):
+        sums = law(body, point, [chance.uniform(-9, 9) for _ in range(3)], damping=1.0).sums
+        assert sums[SUMS.index("pressure")] >= 0
+        assert sums[SUMS.index("dissipated")] >= 0
+
+
+def element_case(fidelity: ElementFidelity, contact: Contact) -> tuple[list[Any], list[Any]]:
+    """Inputs of the plain element, and of that with a floor and a divider, which lies on and in them."""
+    rng, dof = np.random.default_rng(3), ELEMENT_DOF[fidelity]
+    q = np.array([0, 0, 0, 1, 0.1, 0, 0.1, 1, 0.05, 0, 1, -0.1, 0, 0.3]) + 0.005 * rng.normal(size=14)
+    kept = [*dof, *(7 + i for i in dof)]
+    q, v, a = q[kept], rng.normal(size=len(kept)), rng.normal(size=len(kept))
+    element, l = element_functions(fidelity), 1.01
+    F = np.array(element.reference(q, l)).ravel()
+    P = parameter_vector(Rope(), 9.81)
+    floor = Body((0.0, -10.0, 0.0), (1e3, 10.02, 1e3), 0.0, 1.0, 0.0, 1.0)
+    bar = Body((0.6, 0.2, 0.0), (0.0, 0.0, 9.0), 0.16, 1.0, 0.0, 1.0)
+    numbers = [contact.stiffness, contact.damping, contact.friction, contact.slip_speed, 0.2]
+    for body in (floor, bar):
+        numbers += [*body.centre, *body.half, *body[2:], 0.0, 0.1, 0.2]
+    return [q, v, a, l, F, P], [q, v, a, l, np.append(F, (1.0, 1.0)), np.append(P, numbers)]
+
+
+@cache
+def touching(fidelity: ElementFidelity) -> Any:
+    return contact_element(fidelity, (KINDS.index("floor"), KINDS.index("divider")))
+
+
+@pytest.mark.parametrize("fidelity", ELEMENT_DOF)
+def test_the_elements_contact_residual_is_its_energys_gradient(fidelity: ElementFidelity) -> None:
+    plain, near = element_case(fidelity, Contact(friction=0.0, damping=0.0))
+    element = touching(fidelity)
+
+    def energy(q: Any) -> list[float]:
+        return [float(element.balance(q, near[1], *near[3:])[BALANCE.index("damping_power") + 2])]
+
+    added = np.array(element.residual(*near) - element_functions(fidelity).residual(*plain)).ravel()
+    assert np.abs(added).max() > 1e3
+    assert_allclose(added, differences(energy, near[0])[0], atol=1e-5 * np.abs(added).max())
+
+
+@pytest.mark.parametrize("fidelity", ELEMENT_DOF)
+def test_the_elements_tangent_is_its_residuals_derivative_across_a_flat_floor(fidelity: ElementFidelity) -> None:
+    plain, near = element_case(fidelity, Contact(friction=0.0, damping=0.0))
+    near[4][-1] = 0.0
+    element = touching(fidelity)
+    c = (1.0, 0.0, 0.0)
+    added = np.array(element.tangent(*near, *c)[1] - element_functions(fidelity).tangent(*plain, *c)[1])
+
+    def residual(q: Any) -> Any:
+        added = element.residual(q, *near[1:]) - element_functions(fidelity).residual(q, *plain[1:])
+        return np.array(added).ravel()
+
+    assert np.abs(added).max() > 1e3
+    assert_allclose(added, differences(residual, near[0]), atol=1e-5 * np.abs(added).max())
+
+
+def test_an_element_near_no_body_is_the_plain_one() -> None:
+    plain, near = element_case("torsional", Contact())
+    near[4][-2:] = 0.0
+    element, without = touching("torsional"), element_functions()
+    assert_array_equal(np.array(element.residual(*near)), np.array(without.residual(*plain)))
+    assert_array_equal(np.array(element.tangent(*near, 1, 2, 3)[1]), np.array(without.tangent(*plain, 1, 2, 3)[1]))
+    assert not np.array(element.balance(near[0], near[1], *near[3:]))[-len(CONTACT_BALANCE) :].any()
+
+
+# whole ropes
+
+LENGTH, STEP = 10.0, 0.01
+
+
+def shaft(level: float, **contact: float) -> Shaft:
+    """A narrow shaft with bodies of every kind."""
+    return Shaft(
+        sump=Sump(level=level),
+        divider_1=Divider(size=0.2, y=level + 0.7, offset=0.3),
+        lining=Lining(width=2.8, depth=2.0),
+        conveyance=Conveyance(width=1.0, depth=1.0, height=3.0, above=0.3),
+        head_ropes=HeadRopes(diameter=0.04, row=0.5),
+        contact=Contact(**contact),
+    )
+
+
+def short(**parts: Any) -> Scene:
+    return Scene(rope=Rope(length=LENGTH), mesh=Mesh("eem", elements=10)).with_(**parts)
+
+
+def ends(t: float) -> tuple[EndMotion, EndMotion]:
+    """Both go down at a growing speed, the right one less."""
+    left, right = (EndMotion(y=-y * t**3, vy=-3 * y * t**2, ay=-6 * y * t) for y in (2.0, 1.0))
+    return left, right
+
+
+def wind(rope: Any, start: int, steps: int) -> Any:
+    for k in range(start, start + steps):
+        status = rope.advance_to((k + 1) * STEP, *ends((k + 1) * STEP))
+        assert status.valid, status.message
+    return rope
+
+
+def begun(scene: Scene, form: Any) -> Any:
+    rope = balance_rope(scene, form)
+    status = rope.initialize(0.0, EndMotion(), EndMotion())
+    assert status.valid, status.message
+    return rope
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_bodies_that_are_far_change_no_bit(form: Any) -> None:
+    far = shaft(-30.0).lining, shaft(-30.0).conveyance
+    bodies = Shaft(lining=Lining(width=9.0, depth=9.0), conveyance=far[1], sump=Sump(level=-30.0))
+    one, other = (wind(begun(short(shaft=s), form), 0, 20).state for s in (Shaft(), bodies))
+    assert_array_equal(one.motion.q, other.motion.q)
+    assert_array_equal(one.motion.reaction, other.motion.reaction)
+    assert one.counts == other.counts
+
+
+def test_both_forms_agree_in_contact() -> None:
+    python, native = (wind(begun(short(shaft=shaft(-4.2)), form), 0, 30) for form in ("python", "native"))
+    one, other = python.state, native.state
+    assert other.energy_balance.dissipated_contact > 0.01
+    # rounding, by some hundred steps of a stiff contact
+    assert_allclose(one.motion.q, other.motion.q, atol=1e-9)
+    assert one.counts == other.counts
+    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-6)
+    # the momentum is that of end forces, weight and what the bodies do: to Newton's tolerance over the step's square
+    assert other.audit.force > 100
+    assert max(one.audit.missing_force, other.audit.missing_force) < 1e-3 * other.audit.force
+    names = [f"contact.{kind}" for kind in KINDS]
+    pressures = native.signals(names)
+    assert pressures["contact.floor"] > 100
+    assert pressures["contact.lining"] > 0
+    assert_allclose([*python.signals(names).values()], [*pressures.values()], rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_a_rope_saved_in_contact_goes_on_bit_by_bit(form: Any) -> None:
+    rope = wind(begun(short(shaft=shaft(-4.2)), form), 0, 15)
+    saved = rope.state.to_bytes()
+    straight = wind(rope, 15, 5).state
+    other = balance_rope(rope.scene, form)
+    other.restore(saved)
+    after = wind(other, 15, 5).state
+    assert_array_equal(after.motion.q, straight.motion.q)
+    assert_array_equal(after.motion.reaction, straight.motion.reaction)
+    assert after.energy_balance == straight.energy_balance
+
+
+def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> None:
+    """TMN-ETM on 30 m of rope, whose loop drags over the floor through several transformations."""
+    scene = Scene(
+        rope=Rope(length=30.0),
+        mesh=Mesh("tmn", coarse_length=1.0, counts=(2, 4, 40, 4, 2)),
+        shaft=Shaft(sump=Sump(level=-13.6)),
+    )
+    rope, speed, ramp = begun(scene, "native"), 3.0, 1.0
+    for k in range(1, 251):
+        t = k * STEP
+        s = min(t / ramp, 1.0)
+        y = speed * ramp * s**4 * (2.5 - 3 * s + s * s) if s < 1 else speed * (0.5 * ramp + t - ramp)
+        v, a = speed * s**3 * (10 - 15 * s + 6 * s * s), speed * 30 * (s * (1 - s)) ** 2 / ramp
+        status = rope.advance_to(t, EndMotion(y=y, vy=v, ay=a), EndMotion(y=-y, vy=-v, ay=-a))
+        assert status.valid, status.message
+    state = rope.state
+    energy = state.energy_balance
+    assert state.counts.transformations > 2
+    assert rope.signals(["contact.floor"])["contact.floor"] > 10
+    assert energy.dissipated_contact > 10
+    assert abs(energy.residual) < 1e-3 * energy.work_ends
+    assert abs(energy.transformations) < 1e-3 * energy.work_ends
+
+
+def test_bodies_that_do_not_hold_the_rope_are_passed() -> None:
+    rope = begun(short(shaft=shaft(-4.2, stiffness=0.0)), "native")
+    assert rope.signals(["loop.y"])["loop.y"] < -4.3
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_exact_case(case: str) -> None:
+    for measurement in CASES[case]():
+        assert measurement.holds, measurement
