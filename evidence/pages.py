@@ -22,6 +22,8 @@ from evidence.coupling.page import page as coupling_page
 from evidence.discrete_rod.page import page as reference_solver_page
 from evidence.drawing import draw_to
 from evidence.hoist.page import cases
+from evidence.integrators.page import FIGURES as INTEGRATORS
+from evidence.integrators.page import page as integrators_page
 from evidence.latency.figures import FIGURES as LATENCY
 from evidence.latency.page import page as latency_page
 from evidence.mesh_rule.page import FIGURES as MESH_RULE
@@ -61,6 +63,7 @@ PAGES: dict[str, Page] = {
     "choice": Page("choice.md", "choice", choice_page),
     "contact": Page("contact.md", "contact", contact_page),
     "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
+    "integrators": Page("integrators.md", "integrators", integrators_page, INTEGRATORS),
     "mesh_rule": Page("mesh_rule.md", "mesh_rule", mesh_rule_page, MESH_RULE),
     "promise": Page("promise.md", "promise", promise_page, PROMISE),
     "latency": Page("latency.md", "latency", latency_page, LATENCY),

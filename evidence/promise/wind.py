@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchmarks.kinematic import ends_at
 from hoist_demo.control.trajectory import s_curve
-from rope_model import Accuracy, Mesh, Scene, Solver, balance_rope
+from rope_model import Accuracy, BalanceRope, Mesh, Scene, Solver, balance_rope
 
 from .scenes import Sample
 
@@ -53,10 +54,10 @@ class Run:
     failure: str = ""
 
 
-def wind(sample: Sample, interval: float, **changes: Any) -> Run:
+def wind(sample: Sample, interval: float, build: Callable[[Scene], BalanceRope] = balance_rope, **changes: Any) -> Run:
     """The scene on its trip, with parts of it changed."""
     scene: Scene = sample.scene.with_(**changes)
-    trip, rope = s_curve(sample.trip), balance_rope(scene)
+    trip, rope = s_curve(sample.trip), build(scene)
     status = rope.initialize(0.0, *ends_at(trip, sample.trip.travel, 0.0))
     read, rows = rope.reader(_SIGNALS), []
     for k in range(1, round((trip.duration + SETTLE) / interval) + 1) if status.valid else ():

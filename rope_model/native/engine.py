@@ -63,10 +63,11 @@ class _Memory(Structure):
 
 @cache
 def _load() -> ctypes.CDLL:
-    return _declare(ctypes.CDLL(str(library())))
+    return declare(ctypes.CDLL(str(library())))
 
 
-def _declare(lib: ctypes.CDLL) -> ctypes.CDLL:
+def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
+    """The library with its functions' types."""
     rope = c_void_p
     results = {
         "rope_create": (c_void_p, (c_void_p, c_void_p, c_char_p)),
@@ -100,8 +101,10 @@ class NativeRope(BalanceRope):
     the library does not load or the compiler fails.
     """
 
+    _library = staticmethod(_load)
+
     def __init__(self, scene: Scene) -> None:
-        self._lib = _load()
+        self._lib = self._library()
         memory = _memory()
         message = ctypes.create_string_buffer(MESSAGE)
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), message)
