@@ -9,9 +9,6 @@
 #define ACCEPT_BELOW 2.
 #define GROW_BELOW 0.05
 #define CALM 0.5
-#define TWIST_STEP 1.
-#define LEAST_TWIST_STEP 0.01
-#define MOST_TURN 2.
 #define FARTHEST_START 1e10
 enum { MOST_STEPS = 20000 };
 
@@ -83,66 +80,6 @@ int rope_retune(Simulator *rope, const Scene *scene) {
     memcpy(rope->scene.swivels, scene->swivels, sizeof scene->swivels);
     rope->known = 0;
     return 1;
-}
-
-/* the state at rest in equilibrium */
-static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn, char *message) {
-    const Arrays m = state_arrays(state);
-    const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
-    const double offset = state->offsets[RIGHT];
-    if (!find_equilibrium(rope, state, most_turn, message)) return 0;
-    memset(m.v, 0, bytes);
-    memset(m.a, 0, bytes);
-    memset(m.b, 0, bytes);
-    memset(m.a_rate, 0, bytes);
-    state->h = 0;
-    update_energies(rope, state);
-    /* a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way */
-    state->loop_yaw -= 0.5 * (state->offsets[RIGHT] - offset);
-    with_loop_yaw(state);
-    return 1;
-}
-
-/* the state at rest with so much more twist, put in so slowly that the speed does not matter; spare is where it was
-   last */
-static int turn_in(Simulator *rope, State *state, double twist, char *message) {
-    const Arrays m = state_arrays(state);
-    double left = twist, step = copysign(TWIST_STEP, twist);
-    while (left != 0) {
-        step = fabs(step) < fabs(left) ? step : left;
-        const int last = fabs(step) <= LEAST_TWIST_STEP;
-        state_copy(rope, rope->spare, state);
-        state->offsets[RIGHT] += step;
-        for (int k = 0; k < m.nodes; k++) m.q[(size_t)k * DOF + ANGLE] += step * (m.s[k] / m.s[m.elements]);
-        if (!equilibrium_in_frame(rope, state, last ? INFINITY : MOST_TURN, message)) {
-            if (last) {
-                char why[MESSAGE];
-                memcpy(why, message, MESSAGE);
-                return say_fails_at_twist(message, twist - left, twist, why);
-            }
-            state_copy(rope, state, rope->spare);
-            message[0] = '\0';
-            step *= 0.5;
-            continue;
-        }
-        const double turn = state->offsets[RIGHT] - rope->spare->offsets[RIGHT] - step;
-        left -= step;
-        if (fabs(turn) > MOST_TURN) state->snapped_at = twist - left;
-        step = copysign(fmin(2 * fabs(step), TWIST_STEP), twist);
-    }
-    return 1;
-}
-
-/* the state at rest, hung up untwisted and then turned in */
-static int hang(Simulator *rope, State *state, char *message) {
-    const Arrays m = state_arrays(state);
-    double left[3][DOF], right[3][DOF];
-    prescribed_motion(rope, state, LEFT, state->t, left);
-    prescribed_motion(rope, state, RIGHT, state->t, right);
-    for (int node = 0; node < m.nodes; node++) m.q[(size_t)node * DOF + ANGLE] = left[0][ANGLE];
-    const double twist = right[0][ANGLE] - left[0][ANGLE];
-    state->offsets[RIGHT] -= twist;
-    return equilibrium_in_frame(rope, state, INFINITY, message) && turn_in(rope, state, twist, message);
 }
 
 /* as mesh_placement_problem; where the mesh was fitted to the rope, with what it was fitted to */

@@ -83,6 +83,9 @@ double transport_angles(Simulator *rope, State *state, double *q, double *v, dou
    0 and a message when there is none, or when theta gains more than most_turn (rad) at the right end on the way */
 int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message);
 
+/* hang.c: the state at rest, hung up untwisted and then turned in; 0 and a message when it cannot be */
+int hang(Simulator *rope, State *state, char *message);
+
 /* switching.c */
 void release_swivels(Simulator *rope, State *state);
 double next_release(const Simulator *rope, const State *state);
