@@ -6,9 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
+from evidence.rendering import quantity
 from evidence.tables import Tables
 
-from .measure import EARLIER, EVEN, RICHARDSON, TODAY
+from .measure import EARLIER, EVEN, RICHARDSON, STEP, TODAY
 from .reading import Verdict, kinds, verdicts
 
 _CURVES = {
@@ -40,8 +41,12 @@ def _curves(ax: Axes, found: list[Verdict]) -> None:
     for name, (colour, style) in _CURVES.items():
         _curve(ax, [v for v in found if v.name == name], style, label=name, color=colour)
     asked = [v for v in found if v.name.startswith("control, ")]
-    _curve(ax, asked, "*-", label="control, 20 ms at most", color="black", ms=9)
-    _curve(ax, [v for v in asked if v.name == TODAY], "o", label="default", ms=15, mfc="none", color="k")
+    for part, style in ((1, "*-"), (2, "*:")):
+        mine = [v for v in asked if v.step == STEP / part]
+        _curve(ax, mine, style, label=f"control, up to {quantity(STEP / part, 'ms', 'g')}", color="black", ms=9)
+    _curve(
+        ax, [v for v in asked if (v.name, v.step) == (TODAY, STEP)], "o", label="default", ms=15, mfc="none", color="k"
+    )
     _curve(ax, [v for v in found if v.name == EARLIER], "P", label=EARLIER, color=REFERENCE, ms=9)
 
 

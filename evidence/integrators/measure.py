@@ -49,12 +49,17 @@ def even(name: str, part: int, method: Method = ALPHA, **solver: Any) -> Candida
     return Candidate(name, step, method, {"solver": Solver(step_max=step, tolerance=1e6, **solver)})
 
 
+def _controlled(force: float, step: float) -> Candidate:
+    """The product's steps for an error of the end force, and as much less of the loop's place."""
+    asked = Accuracy(end_force=force, loop=ASKED.loop * force / ASKED.end_force)
+    return Candidate(f"control, {force:g}", step, changes={"accuracy": asked, "solver": Solver(step_max=step)})
+
+
 def candidates() -> Iterator[Candidate]:
     """All that are compared."""
     yield Candidate(EARLIER, STEP, changes=BEFORE)
-    for force in (1e-3, 1e-4, 1e-5):
-        asked = Accuracy(end_force=force, loop=ASKED.loop * force / ASKED.end_force)
-        yield Candidate(f"control, {force:g}", STEP, changes={"accuracy": asked})
+    for force, parts in ((1e-3, (1, 2)), (1e-4, (1, 2)), (1e-5, (1,))):
+        yield from (_controlled(force, STEP / part) for part in parts)
     for rho in (0.3, 0.6, 0.8, 0.9):
         shortest = CHECK_PARTS if rho == 0.6 else ()
         yield from (even(f"generalized-alpha, rho {rho:g}", part, rho_inf=rho) for part in (*PARTS, *shortest))

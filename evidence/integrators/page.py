@@ -45,6 +45,7 @@ def page(tables: Tables) -> str:
             max((v for v in found if v.errors["end force"] >= USEFUL), key=_gain) for found in (everywhere, stops)
         ],
         "default": [_by_name(found)[TODAY, 1e3 * STEP] for found in (trips, stops)],
+        "limited": [_by_name(found)[TODAY, 1e3 * SHOWN] for found in (trips, stops)],
         "trips": _by_name(trips),
         "stops": _by_name(stops),
         "failing": [f"{v.name} with {quantity(v.step, 'ms', 'g')}" for v in everywhere if v.failures],
