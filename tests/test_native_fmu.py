@@ -157,7 +157,7 @@ def test_values_beyond_min_and_max_of_a_parameter_are_refused_by_the_rope() -> N
             continue
         for bound, beyond in ((v.minimum, -1), (v.maximum, 1)):
             if bound is not None:
-                size = 1 if v.kind == "Integer" else 1e-9
+                size = 1 if v.kind == "Integer" else 1e-9 * max(1.0, abs(bound))
                 with pytest.raises(ValueError, match=r".+"):
                     scene_of(start | {v.name: type(v.start)(bound + beyond * size)})
 

@@ -102,7 +102,7 @@ class Phased:
         _, v, _, reaction = self.motion(t, y)
         state = self.ends.states[side]
         if state.phase is Phase.SLIP:
-            yaw_rate = self.ends.paths[side](t)[1][3] * (-1, 1)[side]
+            yaw_rate = self.ends.paths[side].motion(t)[1][3] * (-1, 1)[side]
             # just after release the rate is zero: look a little later
             return state.sign * (v[-side, 6] - yaw_rate) + (1e-3 if t < self.since + 1e-4 else 0.0)
         tension = reaction[-side, 1]
@@ -113,7 +113,7 @@ class Phased:
         state = self.ends.states[side]
         if state.phase is Phase.STICK:
             return state._replace(phase=Phase.SLIP, sign=-np.sign(reaction[-side, 6]))
-        angle = q[-side, 6] - self.ends.offsets[side] - (-1, 1)[side] * self.ends.paths[side](t)[0][3]
+        angle = q[-side, 6] - self.ends.offsets[side] - (-1, 1)[side] * self.ends.paths[side].motion(t)[0][3]
         return SwivelState(Phase.STICK, float(angle), 0.0)
 
 

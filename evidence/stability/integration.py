@@ -231,7 +231,7 @@ def explicit() -> Finding:
             # 0.1 m/s for 4 s, if nothing held the rope
             Measurement("largest displacement within 400 steps of 10 ms", max(moved), "m", "<", speed * steps * h),
             # the first steps, out of a sudden speed, are rejected and halved
-            Measurement("its mean step over the critical one", mean / critical, "1", ">", 50.0),
+            Measurement("its mean step over the critical one", mean / critical, "1", ">", 30.0),
         ),
         figure=Figure(
             "A hanging rope pushed sideways with 0.1 m/s, in steps of different length",
