@@ -82,9 +82,9 @@ def test_elements_for_an_error_have_half_of_it_to_all_of_it(EI: float, error: fl
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
 def test_even_steps_put_the_loop_off_by_what_the_flow_through_it_lets_expect() -> None:
     """Of the fourth power of the speed and the second of the step: not a scene that any constant was found on."""
-    trip = Trip(travel=120.0, speed=12.0, acceleration=1.0, jerk=1.0, start_delay=0.0)
-    sample = Sample(0, Scene(Rope(length=160.0, EI=800.0)), trip, 0.02)
-    long, short, fine = (wind(sample, 0.02, solver=Solver(step_max=h, tolerance=1e6)) for h in (0.02, 0.01, 0.0025))
+    trip = Trip(travel=90.0, speed=12.0, acceleration=1.5, jerk=2.0, start_delay=0.0)
+    sample = Sample(0, Scene(Rope(length=130.0, EI=800.0)), trip, 0.02)
+    long, short, fine = (wind(sample, 0.02, solver=Solver(step_max=h, tolerance=1e6)) for h in (0.02, 0.01, 0.004))
     peak = s_curve(trip).peak_speed
     for h, run in ((0.02, long), (0.01, short)):
         off = np.linalg.norm(run.signals[:, 6:9] - fine.signals[:, 6:9], axis=1).max()

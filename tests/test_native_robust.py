@@ -207,7 +207,7 @@ def hostile(name: str, kind: str) -> list[float]:
     return TAME.get(name, HOSTILE if kind in ("Real", "Float64") else list(map(float, WHOLE)))
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_absurd_parameters_are_refused_with_name_value_and_cure(libraries: dict[int, Library], version: int) -> None:
     library = libraries[version]
     rope = Instance(library)

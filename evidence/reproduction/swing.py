@@ -128,6 +128,7 @@ def claims(tables: Tables) -> list[Claim]:
                 Measurement(
                     "median change across a switching over the mean of others", jump(tables, quantity), "1", ">", 10.0
                 ),
+                "between switchings torsional waves change the swivel's acceleration, too",
             )
             for words, quantity in (("friction torque", SWIVEL[3]), ("angular acceleration", SWIVEL[0]))
         ),
