@@ -181,7 +181,7 @@ def test_the_deeper_the_shaft_the_more_is_saved(coupling: str) -> None:
     assert len(found) == len(depth.TRIPS) * len(depth.LOOP_ERRORS)
     for wanted in depth.LOOP_ERRORS:
         of_one_mesh = [s for s in found if s.wanted == wanted and s.speed <= 10.0]
-        if wanted == min(depth.LOOP_ERRORS):  # on short ropes better than the finest equal elements, with nothing to save
+        if wanted == min(depth.LOOP_ERRORS):  # on short ropes finer than any of the equal elements
             of_one_mesh = [s for s in of_one_mesh if np.isfinite(s.saved)]
         assert all(a.length < b.length and a.saved < b.saved for a, b in itertools.pairwise(of_one_mesh))
 
