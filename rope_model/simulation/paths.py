@@ -116,23 +116,16 @@ class EndPath(NamedTuple):
         where this path was aimed.  Until then the motion goes on with the target's accelerations.
         """
         start, step = self.stop, stop - self.stop
-        missing = self._missing_time(target.extrapolate(-step))
+        now = self.motion(start)
+        missing = _missing_time(now, target.extrapolate(-step))
         h = larger(step, smaller(missing, larger(self.aim - start, within)))
         h = where(h <= step * (1.0 + ALIKE), step, h)
         target = target.extrapolate(h - step)
-        now = self.motion(start)
         # FMI gives no yaw acceleration: take the mean over the step
         then = (*target.position, target.yaw), (*target.velocity, target.yaw_rate), target.acceleration
         accelerations = (*then[2], (target.yaw_rate - now[1][3]) / h)
         x, y, z, yaw = (quintic.coefficients(h, *axis) for axis in zip(*now, *then[:2], accelerations, strict=True))
         return EndPath(start, stop, start + h, (x, y, z, yaw))
-
-    def _missing_time(self, motion: EndMotion) -> Any:
-        """The longest of what this path's end misses of ``motion``."""
-        places, speeds, _ = self.motion(self.stop)
-        missed = zip((*motion.position, motion.yaw), (*motion.velocity, motion.yaw_rate), places, speeds, strict=True)
-        x, y, z, yaw = (missing_time(x - x0, v - v0) for x, v, x0, v0 in missed)
-        return larger(larger(yaw, x), larger(y, z))
 
     def at_constant_acceleration(self, t: float) -> EndPath:
         """The motion at ``t`` with its accelerations kept, before and after."""
@@ -160,6 +153,14 @@ class EndPath(NamedTuple):
         times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
         x, y, z, yaw = (reduce(larger, (abs(quintic.acceleration(c, s)) for s in times)) for c in self.coefficients)
         return x, y, z, yaw
+
+
+def _missing_time(now: tuple[OfAxes, OfAxes, OfAxes], motion: EndMotion) -> Any:
+    """The longest of what a path's end, with its motion ``now``, misses of another."""
+    places, speeds, _ = now
+    missed = zip((*motion.position, motion.yaw), (*motion.velocity, motion.yaw_rate), places, speeds, strict=True)
+    x, y, z, yaw = (missing_time(x - x0, v - v0) for x, v, x0, v0 in missed)
+    return larger(larger(yaw, x), larger(y, z))
 
 
 def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMotion]:
