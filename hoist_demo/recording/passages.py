@@ -7,18 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from hoist_demo.recording.time_series import Recording
-
-BODIES = {
-    "lining": "the shaft's lining",
-    "conveyance": "a conveyance",
-    "head_ropes": "head ropes",
-    "divider": "a divider",
-    "floor": "the sump's floor",
-}
-"""Kinds of bodies in the rope's shaft, in words."""
-
-_ABSENT = 1e6
-"""Clearance from bodies that are not there [m]."""
+from rope_model import BODIES as BODIES
+from rope_model import FAR
 
 PASSAGE_SIGNALS = frozenset(
     {"loop.crossings", "loop.crossed_at", "loop.crossed_y"}
@@ -53,7 +43,7 @@ def without_absent(recording: Recording) -> Recording:
     signals = dict(recording.signals)
     for kind in BODIES:
         names = [n for n in signals if n == f"clearance.{kind}" or n.startswith(f"nearest.{kind}.")]
-        if any(bool(np.all(signals[n] == _ABSENT)) for n in names):
+        if any(bool(np.all(signals[n] == FAR)) for n in names):
             signals |= {n: np.full_like(signals[n], np.nan) for n in names}
     return replace(recording, signals=signals)
 
