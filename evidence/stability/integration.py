@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
 
+from benchmarks.kinematic import fixed_steps
 from evidence.claims import Measurement
 from rope_model.numerics.generalized_alpha import Coefficients, Motion, restart, step
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
@@ -197,9 +198,10 @@ def central_differences(K: Array, M: Array, v: Array, h: float, steps: int) -> A
 
 def explicit() -> Finding:
     """The critical step of a hanging rope, runs on either side of it, and ours in steps of 10 ms."""
-    rope = hang(Scene(rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6)), right=6.0)
-    system, m = rope.system, rope.state.motion
     speed, steps, h = 0.1, 400, 0.01
+    # what limits ours is to be its stability, not the accuracy that is asked of it
+    rope = hang(Scene(rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6), solver=fixed_steps(h)), right=6.0)
+    system, m = rope.system, rope.state.motion
     v = np.zeros_like(m.q)
     v[:, 0] = speed * np.sin(np.pi * rope.state.partition.nodes_s / 30.0) ** 2
     v[:, 3] = speed * np.pi / 30.0 * np.sin(2 * np.pi * rope.state.partition.nodes_s / 30.0)
@@ -230,8 +232,7 @@ def explicit() -> Finding:
         ours=(
             # 0.1 m/s for 4 s, if nothing held the rope
             Measurement("largest displacement within 400 steps of 10 ms", max(moved), "m", "<", speed * steps * h),
-            # the first steps, out of a sudden speed, are rejected and halved
-            Measurement("its mean step over the critical one", mean / critical, "1", ">", 30.0),
+            Measurement("its mean step over the critical one", mean / critical, "1", ">", 100.0),
         ),
         figure=Figure(
             "A hanging rope pushed sideways with 0.1 m/s, in steps of different length",
