@@ -144,8 +144,8 @@ def test_end_that_is_out_of_bounds_has_the_same_message(native: Any, side: int, 
     path = EndPath.at_rest(0.0, EndMotion())
     for value in (math.nan, -math.nan, math.inf, -math.inf, -100000.25, 1.234567e9, 60.0, 60.001, 100.0, 100.1, 1e4):
         target = EndMotion(**{name: value})
-        assert end_message(native, target, path, side) == refusal(target, path, SIDES[side])
-    assert refusal(EndMotion(**{name: 1e9}), path, SIDES[side])
+        assert end_message(native, target, path, side) == refusal(target, path.peak_accelerations(), SIDES[side])
+    assert refusal(EndMotion(**{name: 1e9}), path.peak_accelerations(), SIDES[side])
 
 
 @pytest.mark.parametrize("name", ["x", "y", "z", "yaw", "vx", "vy", "vz", "yaw_rate"])
@@ -153,8 +153,8 @@ def test_motion_that_does_not_fit_together_has_the_same_message(native: Any, nam
     for value in (0.001, 0.4321, 1.0, 50.0):
         target = EndMotion(**{name: value})
         path = EndPath.at_rest(0.0, EndMotion()).to(0.02, target)
-        assert end_message(native, target, path, 1) == refusal(target, path, "right")
-    assert "do not fit together" in refusal(target, path, "right")
+        assert end_message(native, target, path, 1) == refusal(target, path.peak_accelerations(), "right")
+    assert "do not fit together" in refusal(target, path.peak_accelerations(), "right")
 
 
 @pytest.mark.parametrize("mode", ["locked", "free", "coulomb"])

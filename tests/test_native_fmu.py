@@ -186,15 +186,15 @@ def test_min_and_max_of_a_parameter_are_taken_by_the_rope() -> None:
 
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
-    resting = EndPath.at_rest(0.0, EndMotion())
+    peaks = EndPath.at_rest(0.0, EndMotion()).peak_accelerations()
     inputs = [v for v in variables(rope_120()) if v.causality == "input"]
     assert len(inputs) == 22
     for v in inputs:
         side, name = v.name.split(".")
         for bound in (v.minimum, v.maximum):
             assert bound is not None
-            assert refusal(EndMotion(**{name: bound}), resting, side) == ""
-            assert "beyond" in refusal(EndMotion(**{name: math.nextafter(bound, math.inf * bound)}), resting, side)
+            assert refusal(EndMotion(**{name: bound}), peaks, side) == ""
+            assert "beyond" in refusal(EndMotion(**{name: math.nextafter(bound, math.inf * bound)}), peaks, side)
 
 
 def test_sources_rebuild_with_fmpy_compile(fmi: int, fmus: dict[int, Path], tmp_path: Path) -> None:

@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from itertools import product
 from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import casadi as ca
 
 from ..numerics import generalized_alpha
+from ..numerics.program import no_simplification
 from ..parameters import Accuracy, Layout, Rope, Scene
 from ..physics import (
     accuracy,
@@ -306,10 +306,10 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
     assert match, prototype
     result, arguments = match[1], [argument_of(text) for text in match[2].split(", ")]
     given = arguments[:-1] if result == "void" else arguments
-    with _no_simplification():
+    with no_simplification():
         symbols = [symbols_of(argument) for argument in given]
-        values = _numbers(formula(*symbols))
-        traced = ca.Function("formula", [x for s in symbols for x in _numbers(s)], values)
+        inputs = [x for s in symbols for x in _numbers(s)]  # before objects keep what the formula computes
+        traced = ca.Function("formula", inputs, _numbers(formula(*symbols)))
         lines, texts = _statements(traced)
     if result == "void":
         taker = arguments[-1]
@@ -327,16 +327,6 @@ def argument_of(text: str) -> Argument:
     match = re.fullmatch(r"(const )?(\w+) \*?(\w+)((?:\[\d+\])*)", text)
     assert match, text
     return Argument(bool(match[1]), match[2], match[3], tuple(int(n) for n in re.findall(r"\d+", match[4])))
-
-
-@contextmanager
-def _no_simplification() -> Iterator[None]:
-    before = ca.GlobalOptions.getSimplificationOnTheFly()
-    ca.GlobalOptions.setSimplificationOnTheFly(False)
-    try:
-        yield
-    finally:
-        ca.GlobalOptions.setSimplificationOnTheFly(before)
 
 
 def symbols_of(argument: Argument) -> Any:

@@ -15,12 +15,17 @@ def solve_banded(band: Array, b: Array) -> Array:
     A is not looked at.
     """
     rows, width = band.shape[0], band.shape[1] - 1
-    band, x = band.copy(), b.copy()
-    for i in range(rows):
+    rest, x = band.tolist(), b.copy()
+    factors = np.zeros((rows, width, 1))
+    # few numbers are eliminated faster one by one than as arrays
+    for i, row in enumerate(rest):
         for k in range(1, min(width, rows - 1 - i) + 1):
-            factor = band[i, k] / band[i, 0]
-            band[i + k, : width + 1 - k] -= factor * band[i, k:]
-            x[i + k] -= factor * x[i]
+            factors[i, k - 1] = factor = row[k] / row[0]
+            below = rest[i + k]
+            for j in range(width + 1 - k):
+                below[j] -= factor * row[j + k]
+        x[i + 1 : i + 1 + width] -= factors[i, : rows - 1 - i] * x[i]
+    band = np.array(rest)
     for i in reversed(range(rows)):
         below = min(width, rows - 1 - i)
         x[i] = (x[i] - band[i, 1 : below + 1] @ x[i + 1 : i + below + 1]) / band[i, 0]

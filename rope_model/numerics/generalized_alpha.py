@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
@@ -103,23 +104,23 @@ class Coefficients:
 
     rho: float
 
-    @property
+    @cached_property
     def alpha_m(self) -> float:
         return (2 * self.rho - 1) / (self.rho + 1)
 
-    @property
+    @cached_property
     def alpha_f(self) -> float:
         return self.rho / (self.rho + 1)
 
-    @property
+    @cached_property
     def gamma(self) -> float:
         return 0.5 + self.alpha_f - self.alpha_m
 
-    @property
+    @cached_property
     def beta(self) -> float:
         return 0.25 * ((1 + self.alpha_f - self.alpha_m) * (1 + self.alpha_f - self.alpha_m))
 
-    @property
+    @cached_property
     def shift(self) -> float:
         """Where b lives, in steps from t_n."""
         return self.alpha_m - self.alpha_f

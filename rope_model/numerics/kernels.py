@@ -49,7 +49,6 @@ class Kernel:
 
     def __init__(self, function: ca.Function, shapes: Sequence[tuple[int, ...]]) -> None:
         self.function = function
-        self._shapes = shapes
         buffer: Any
         buffer, self.evaluate = function.buffer()  # the stubs of casadi do not know the buffer's methods
         self._buffer = buffer
@@ -59,12 +58,16 @@ class Kernel:
             buffer.set_arg(i, x.data)
         for i, x in enumerate(self.outputs):
             buffer.set_res(i, x.data)
+        self._taken: list[Array] = []  # views of the inputs in the shapes of the arguments, which never change
+        self._returned = [x.reshape(shape) for x, shape in zip(self.outputs, shapes, strict=True)]
 
     def __call__(self, *arguments: Array | float) -> list[Array]:
-        for destination, source in zip(self.inputs, arguments, strict=True):
-            destination[:] = source.ravel() if isinstance(source, np.ndarray) else source
+        if not self._taken:
+            self._taken = [x.reshape(np.shape(argument)) for x, argument in zip(self.inputs, arguments, strict=True)]
+        for destination, source in zip(self._taken, arguments, strict=True):
+            destination[...] = source
         self.evaluate()
-        return [x.reshape(shape).copy() for x, shape in zip(self.outputs, self._shapes, strict=True)]
+        return [x.copy() for x in self._returned]
 
 
 def prepare(

@@ -37,6 +37,9 @@ class NewtonStatus(Enum):
         self.code, self.text = code, text
 
 
+_STATUS = {status.code: status for status in NewtonStatus}
+
+
 @dataclass(frozen=True)
 class NewtonReport:
     """Status, corrections computed, and the estimated norm of what is left."""
@@ -62,8 +65,7 @@ def initial_progress() -> ca.DM:
 
 def report(progress: list[float]) -> NewtonReport:
     """What a finished progress vector says."""
-    status = next(s for s in NewtonStatus if s.code == int(progress[0]))
-    return NewtonReport(status, int(progress[1]), progress[4])
+    return NewtonReport(_STATUS[int(progress[0])], int(progress[1]), progress[4])
 
 
 def judge() -> ca.Function:

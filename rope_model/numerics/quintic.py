@@ -18,12 +18,17 @@ def coefficients(h: Any, x0: Any, v0: Any, a0: Any, x1: Any, v1: Any, a1: Any) -
 
 def rates(c: Any, s: Any) -> tuple[Any, Any, Any]:
     """Value, rate and acceleration at ``s``."""
-    c0, c1, c2, c3, c4, c5 = c
+    _, c1, c2, c3, c4, c5 = c
     return (
-        c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5)))),
+        value(c, s),
         c1 + s * (2 * c2 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5))),
         acceleration(c, s),
     )
+
+
+def value(c: Any, s: Any) -> Any:
+    """Value at ``s``."""
+    return c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))))
 
 
 def acceleration(c: Any, s: Any) -> Any:

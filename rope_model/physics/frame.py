@@ -37,5 +37,5 @@ def smallest_rotation_rate(p: Any, turn: Any, d: Any, change: Any) -> Any:
 def end_moment(d: Any, f: Any, torque: Any) -> tuple[Any, Any, Any]:
     """Moment (N m) of the conveyance on the rope's end, from the reaction ``f`` to r' = ``d`` and the torque."""
     length = sqrt(dot(d, d))
-    x, y, z = (m + torque * (d_k / length) for m, d_k in zip(cross(d, f), (d[0], d[1], d[2]), strict=True))
-    return x, y, z
+    x, y, z = cross(d, f)
+    return x + torque * (d[0] / length), y + torque * (d[1] / length), z + torque * (d[2] / length)

@@ -95,7 +95,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
 def with_loop_yaw(state: RopeState) -> RopeState:
     """The loop's yaw at its lowest node, counted on from its last value."""
     q = state.motion.q
-    d = q[np.argmin(q[:, 1]), SLOPE]
+    d = q[q[:, 1].argmin(), SLOPE].tolist()
     return state._replace(loop_yaw=nearest_turn(math.atan2(-d[2], d[0]), state.loop_yaw))
 
 

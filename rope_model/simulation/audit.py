@@ -62,7 +62,8 @@ class Audit(NamedTuple):
 
 def end_load(r: Any, f: Any, moment: Any) -> tuple[Any, ...]:
     """Force and moment about the origin of an end at ``r`` (6,)."""
-    return (f[0], f[1], f[2], *(x + m for x, m in zip(cross(r, f), (moment[0], moment[1], moment[2]), strict=True)))
+    x, y, z = cross(r, f)
+    return f[0], f[1], f[2], x + moment[0], y + moment[1], z + moment[2]
 
 
 def axial_share(rope: Any, bottom: Any, h: Any) -> Any:
@@ -92,11 +93,11 @@ def signal_values(audit: Any) -> tuple[Any, ...]:
 def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, share: Any) -> Any:
     """``audit`` after a time step to ``load``; ``force`` is the largest end force, ``change`` that of one, N."""
     of_load, of_auxiliary, _, of_next = auxiliary_weights(method, 0.0)
-    impulse, auxiliary, rate = [], [], []
+    gamma, impulse, auxiliary, rate = method.gamma, [], [], []
     for k in range(6):
         before = audit.auxiliary[k] + recentring * audit.rate[k]
         after = of_load * audit.load[k] + of_auxiliary * before + of_next * load[k]
-        impulse.append(audit.impulse[k] + h * ((1.0 - method.gamma) * before + method.gamma * after))
+        impulse.append(audit.impulse[k] + h * ((1.0 - gamma) * before + gamma * after))
         auxiliary.append(after)
         rate.append((load[k] - audit.load[k]) / h)
     return audit._replace(

@@ -24,7 +24,7 @@ from ..parameters import Swivel
 from ..physics.elementary import atan2
 from ..physics.swivel import friction_moment
 from . import messages
-from .paths import HARDEST, PATH, REACH, EndMotion, EndPath
+from .paths import HARDEST, PATH, REACH, EndMotion, EndPath, OfAxes
 from .rope_system import ANGLE, Array
 
 #: sense of the conveyance's yaw in theta, left and right
@@ -109,18 +109,17 @@ class HangingEnds:
 
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
         """The swivel's angle b (rad) and rate b_t (rad/s)."""
-        now = self.paths[side].at(t)
-        return theta - self.offsets[side] - YAW_SENSE[side] * now.yaw, theta_t - YAW_SENSE[side] * now.yaw_rate
+        yaw, yaw_rate = self.paths[side].yaw(t)
+        return theta - self.offsets[side] - YAW_SENSE[side] * yaw, theta_t - YAW_SENSE[side] * yaw_rate
 
 
 def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: float) -> tuple[tuple[Any, ...], ...]:
     """(3, 7): position, velocity and acceleration at ``t`` of an end that is held ``angle`` off its conveyance."""
     (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, yaw_acceleration) = path.motion(t)
-    no_slope = 0.0, 0.0, 0.0
     return (
-        (nominal_x + x, y, z, *no_slope, sense * yaw + angle),
-        (vx, vy, vz, *no_slope, sense * yaw_rate),
-        (ax, ay, az, *no_slope, sense * yaw_acceleration),
+        (nominal_x + x, y, z, 0.0, 0.0, 0.0, sense * yaw + angle),
+        (vx, vy, vz, 0.0, 0.0, 0.0, sense * yaw_rate),
+        (ax, ay, az, 0.0, 0.0, 0.0, sense * yaw_acceleration),
     )
 
 
@@ -137,15 +136,14 @@ def right_offset(left: Any, right: Any) -> Any:
     return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
 
 
-def refusal(target: EndMotion, path: EndPath, side: str) -> str:
-    """'' when an end can follow ``path`` to ``target``; otherwise what is wrong, with bound and cure."""
+def refusal(target: EndMotion, peak: OfAxes, side: str) -> str:
+    """'' when an end can follow a path with these peak accelerations to ``target``; else what is wrong, and a cure."""
     for name, bound in REACH.items():
-        value = getattr(target, name)
+        if -bound <= (value := getattr(target, name)) <= bound:
+            continue
         if not math.isfinite(value):
             return messages.input_not_finite(side, name, value)
-        if not -bound <= value <= bound:
-            return messages.input_out_of_range(side, name, value, bound)
-    peak = path.peak_accelerations()
+        return messages.input_out_of_range(side, name, value, bound)
     worst = max(range(4), key=peak.__getitem__)
     if not peak[worst] <= HARDEST:
         unit = "rad/s^2" if worst == 3 else "m/s^2"

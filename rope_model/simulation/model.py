@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -33,10 +33,12 @@ class RopeModel:
 
     def system(self, state: RopeState) -> RopeSystem:
         """The equations of motion of ``state``: its mesh, swivel phases and end paths, the frame counted from it."""
-        scene, ends = self.scene, self.ends(state)
-        key = (state.partition, state.swivels, state.fidelity)
+        scene, key = self.scene, (state.partition, state.swivels, state.fidelity)
         if self._latest and all(one is other for one, other in zip(self._latest[0][0], key, strict=True)):
-            system = self._latest[0][1].with_boundary(ends).with_reference(state.motion.q)
+            latest = self._latest[0][1]
+            ends = ends_of(latest)
+            alike = ends.paths is state.paths and ends.offsets is state.offsets
+            system = (latest if alike else latest.with_boundary(self.ends(state))).with_reference(state.motion.q)
         else:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
@@ -46,7 +48,7 @@ class RopeModel:
                 self.kernels.of(fidelity),
                 state.partition.lengths,
                 P,
-                ends,
+                self.ends(state),
                 state.motion.q,
                 node_mass,
                 around,
@@ -61,7 +63,7 @@ class RopeModel:
         points = nominal_points(scene.layout.spacing)
         return HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
 
-    @property
+    @cached_property
     def method(self) -> Coefficients:
         """The integration method."""
         return Coefficients(self.scene.solver.rho_inf)
@@ -79,8 +81,8 @@ class RopeModel:
 
     def strain_errors(self, motion: Motion) -> list[float]:
         """Local errors of the strains at both ends in the step that led to ``motion``."""
-        changes = motion.h * motion.a_rate[[0, -1], SLOPE.start + 1]
-        return [float(local_error(self.method, motion.h, change)) for change in changes]
+        per_change = local_error(self.method, motion.h, 1.0)
+        return [float(per_change * (motion.h * motion.a_rate[node, SLOPE.start + 1])) for node in (0, -1)]
 
     def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
@@ -159,7 +161,7 @@ class RopeModel:
             self.system(state).momentum(m.q, m.v),
             (0.5 * (m.q[0, POSITION] + m.q[-1, POSITION])).tolist(),
             state.energy_balance.residual - before.energy_balance.residual,
-            float(np.square(np.diff(m.q[:, SLOPE], axis=0)).sum(axis=1).max()),
+            float(np.square(m.q[1:, SLOPE] - m.q[:-1, SLOPE]).sum(axis=1).max()),
         )
         return state._replace(audit=audit)
 
@@ -169,13 +171,13 @@ def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
 
     The rate of theta is then the spin.  b differs from a by what happens within a step: both change alike.
     """
-    m, changed = state.motion, {}
+    m = state.motion
     gained = system.transport(m.q, m.v, m.a)
-    for name, more in zip(("q", "v", "a", "b"), (*gained, gained[2]), strict=True):
-        changed[name] = getattr(m, name).copy()
-        changed[name][:, ANGLE] += more
+    q, v, a, b = fields = [x.copy() for x in (m.q, m.v, m.a, m.b)]
+    for x, more in zip(fields, (*gained, gained[2]), strict=True):
+        x[:, ANGLE] += more
     offsets = state.offsets[0], state.offsets[1] + float(gained[0, -1])
-    return state._replace(motion=replace(m, **changed), offsets=offsets)
+    return state._replace(motion=Motion(m.t, q, v, a, b, m.a_rate, m.h, m.reaction), offsets=offsets)
 
 
 def ends_of(system: RopeSystem) -> HangingEnds:
@@ -187,11 +189,14 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
     """What the conveyances put on the rope, its ends held so, and the bodies that it touches."""
     contact = system.contact(motion.q, motion.v)
-    loads = [tuple(contact[f"contact_{name}"] for name in ("fx", "fy", "fz", "mx", "my", "mz"))]
+    loads = [tuple(contact[name] for name in _CONTACT_LOAD)]
     for side in (0, 1):
         q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
         loads.append(end_load(q, R, end_moment(q[SLOPE], R[SLOPE], ends.moment(side, motion.reaction))))
     return tuple(sum(parts) for parts in zip(*loads, strict=True))
+
+
+_CONTACT_LOAD = tuple(f"contact_{name}" for name in ("fx", "fy", "fz", "mx", "my", "mz"))
 
 
 def restarted(audit: Audit, load: Load) -> Audit:

@@ -11,11 +11,14 @@ Works on numbers and CasADi expressions: C has its structures and formulas from 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import reduce
+from itertools import chain
 from typing import Any, NamedTuple
 
 from ..numerics import quintic
+from ..numerics.program import Program
 from ..parameter_table import numeric_bounds, parameter, parameters_of
 from ..physics.elementary import larger, smaller, sqrt, where
 
@@ -60,9 +63,10 @@ class EndMotion:
 
     def extrapolate(self, h: float) -> EndMotion:
         """The motion ``h`` seconds later if the accelerations stay as they are."""
-        states = zip(self.position, self.velocity, self.acceleration, strict=True)
-        (x, vx), (y, vy), (z, vz) = (quintic.extrapolate(*state, h) for state in states)
-        return replace(self, x=x, y=y, z=z, vx=vx, vy=vy, vz=vz, yaw=self.yaw + self.yaw_rate * h)
+        x, vx = quintic.extrapolate(self.x, self.vx, self.ax, h)
+        y, vy = quintic.extrapolate(self.y, self.vy, self.ay, h)
+        z, vz = quintic.extrapolate(self.z, self.vz, self.az, h)
+        return EndMotion(x, y, z, vx, vy, vz, *self.acceleration, self.yaw + self.yaw_rate * h, self.yaw_rate)
 
     @property
     def position(self) -> tuple[float, float, float]:
@@ -134,14 +138,17 @@ class EndPath(NamedTuple):
 
     def height(self, t: float) -> Any:
         """y at ``t``."""
-        return quintic.rates(self.coefficients[1], smaller(t, self.stop) - self.start)[0]
+        return quintic.value(self.coefficients[1], smaller(t, self.stop) - self.start)
+
+    def yaw(self, t: float) -> tuple[Any, Any]:
+        """Yaw and its rate at ``t``."""
+        return quintic.rates(self.coefficients[3], smaller(t, self.stop) - self.start)[:2]
 
     def motion(self, t: float) -> tuple[OfAxes, OfAxes, OfAxes]:
         """Position, velocity and acceleration at ``t``."""
         s = smaller(t, self.stop) - self.start
-        (x, v, a), *rest = (quintic.rates(c, s) for c in self.coefficients)
-        positions, velocities, accelerations = zip((x, v, a), *rest, strict=True)
-        return positions, velocities, accelerations
+        (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_t, yaw_tt) = [quintic.rates(c, s) for c in self.coefficients]
+        return (x, y, z, yaw), (vx, vy, vz, yaw_t), (ax, ay, az, yaw_tt)
 
     def at(self, t: float) -> EndMotion:
         """The motion at ``t``."""
@@ -153,6 +160,34 @@ class EndPath(NamedTuple):
         times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
         x, y, z, yaw = (reduce(larger, (abs(quintic.acceleration(c, s)) for s in times)) for c in self.coefficients)
         return x, y, z, yaw
+
+
+class Aimed(NamedTuple):
+    """A path from where another ended, and its peak_accelerations."""
+
+    path: EndPath
+    peaks: OfAxes
+
+
+def path_program() -> Program:
+    """EndPath.to in CasADi's virtual machine, for ``aim``."""
+    return Program(_aimed, 29 + len(EndMotion.__dataclass_fields__))
+
+
+def aim(program: Program, path: EndPath, stop: float, target: EndMotion, within: float) -> Aimed:
+    """``path.to(stop, target, within)``."""
+    found = program(*path[:3], *chain(*path.coefficients), stop, within, *vars(target).values())
+    return Aimed(_path(found[:27]), (found[27], found[28], found[29], found[30]))
+
+
+def _aimed(numbers: Sequence[Any]) -> tuple[Any, ...]:
+    path = _path(numbers[:27]).to(numbers[27], EndMotion(*numbers[29:]), numbers[28])
+    return (*path[:3], *chain(*path.coefficients), *path.peak_accelerations())
+
+
+def _path(x: Sequence[Any]) -> EndPath:
+    """The path of these 27 numbers."""
+    return EndPath(x[0], x[1], x[2], (tuple(x[3:9]), tuple(x[9:15]), tuple(x[15:21]), tuple(x[21:27])))
 
 
 def _missing_time(now: tuple[OfAxes, OfAxes, OfAxes], motion: EndMotion) -> Any:

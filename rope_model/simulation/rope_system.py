@@ -6,7 +6,6 @@ Anything that changes makes a new one (cheap: the kernels are shared).
 
 from __future__ import annotations
 
-import copy
 import logging
 import shutil
 from collections.abc import Callable, Sequence
@@ -51,6 +50,8 @@ POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 Kinds = tuple[int, ...]
 _BALANCE = (*BALANCE, *CONTACT_BALANCE)
 _NOTHING = np.zeros((1, 1), dtype=bool)
+_NO_BALANCE = dict.fromkeys(_BALANCE, 0.0)
+_NO_CONTACT = dict.fromkeys(CONTACT_BALANCE, 0.0)
 
 
 class RopeKernels:
@@ -251,7 +252,7 @@ class RopeSystem:
 
     def with_boundary(self, boundary: Boundary) -> RopeSystem:
         """The same system with the ends held in the same way but moved otherwise."""
-        other = copy.copy(self)
+        other = self._alike()
         other.boundary = boundary
         return other
 
@@ -259,9 +260,15 @@ class RopeSystem:
         """The same system with the frame counted from ``q``."""
         if q is self.reference:
             return self
-        other = copy.copy(self)
+        other = self._alike()
         other.reference = q
         other._refer()
+        return other
+
+    def _alike(self) -> RopeSystem:
+        """A copy, without the ceremony of copy.copy."""
+        other = object.__new__(RopeSystem)
+        vars(other).update(vars(self))
         return other
 
     def transport(self, q: Array, v: Array, a: Array) -> Array:
@@ -271,7 +278,7 @@ class RopeSystem:
         """
         gained = np.zeros((3, q.shape[0]))
         gained[:, 1:] = self.kernels.transport(q, v, a, self.lengths, self.frames)[0].T
-        gained[0] = np.cumsum(gained[0])
+        gained[0] = gained[0].cumsum()
         return gained
 
     def frame_turn(self, q: Array) -> Array:
@@ -308,12 +315,14 @@ class RopeSystem:
         return self._evaluation(v, R, sums)
 
     def _evaluation(self, v: Array, R: Array, sums: Array) -> Evaluation:
-        balance = dict.fromkeys(_BALANCE, 0.0) | dict(zip(_BALANCE, sums.tolist(), strict=False))
+        balance = _NO_BALANCE | dict(zip(_BALANCE, sums.tolist(), strict=False))
         balance["kinetic"] += 0.5 * float(np.vdot(self.node_mass, v * v))
         return Evaluation(R, balance)
 
     def contact(self, q: Array, v: Array) -> dict[str, float]:
         """What bodies do to the rope: physics.contact_element.CONTACT_BALANCE by name."""
+        if self.around is None:
+            return _NO_CONTACT
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         sums = np.zeros(len(CONTACT_BALANCE))
         if kernels is not self.kernels:

@@ -77,11 +77,12 @@ class _Search:
 def _searches(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
     """One for each body, all from what is known."""
     q, t, last = state.motion.q, state.motion.t, state.partition.lengths.size
-    lowest, ends = int(np.argmin(q[:, 1])), q[[0, -1], : SLOPE.stop].tolist()
+    around = [*bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
+    lowest = int(q[:, 1].argmin()) if around else 0
     parts = (0, last), (lowest, last), (0, lowest)
     return [
         _Search(placed, parts[placed.moves_with + 1], 0.5 * scene.rope.diameter, t, known[placed.kind])
-        for placed in bodies(scene.shaft, ends)
+        for placed in around
     ]
 
 
@@ -121,8 +122,7 @@ def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
 
 def direction(q: Array) -> float:
     """Yaw (rad) of the line from the left to the right end."""
-    across = q[-1] - q[0]
-    return math.atan2(-across[2], across[0])
+    return math.atan2(q[0, 2] - q[-1, 2], q[-1, 0] - q[0, 0])
 
 
 def with_passages(scene: Scene, state: RopeState) -> RopeState:

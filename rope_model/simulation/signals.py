@@ -188,20 +188,22 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
     return groups.get(name.partition(".")[0], end_signals)
 
 
+_OF_AN_END: tuple[str, ...] = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")
+_OF_AN_END += ("swivel.angle", "swivel.rate", "swivel.torque", "swivel.slipping")
+
+
 def end_signals(rope: Evaluated) -> dict[str, float]:
     """Forces, moments and swivels of both ends."""
     state, m = rope.state, rope.state.motion
     ends = rope.ends
     out: dict[str, float] = {}
     for side, name in enumerate(SIDES):
-        on_rope = ends.moment(side, m.reaction)
-        d, f = m.q[-side, SLOPE].tolist(), m.reaction[-side, SLOPE].tolist()
-        moment = end_moment(d, f, on_rope)
-        angle, rate = ends.relative(side, m.t, m.q[-side, ANGLE], m.v[-side, ANGLE])
-        values = (*-m.reaction[-side, POSITION], *(-x for x in moment), state.force_mean[side], angle, rate, on_rope)
-        keys = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean", "swivel.angle", "swivel.rate", "swivel.torque")
-        out |= {f"{name}.{key}": float(value) for key, value in zip(keys, values, strict=True)}
-        out[f"{name}.swivel.slipping"] = float(ends.states[side].phase is Phase.SLIP)
+        on_rope, slips = ends.moment(side, m.reaction), float(ends.states[side].phase is Phase.SLIP)
+        q, R = m.q[-side].tolist(), m.reaction[-side].tolist()
+        moment = end_moment(q[SLOPE], R[SLOPE], on_rope)
+        angle, rate = ends.relative(side, m.t, q[ANGLE], float(m.v[-side, ANGLE]))
+        values = (*(-x for x in (*R[POSITION], *moment)), state.force_mean[side], angle, rate, on_rope, slips)
+        out |= {f"{name}.{key}": value for key, value in zip(_OF_AN_END, values, strict=True)}
     return out
 
 

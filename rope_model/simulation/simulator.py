@@ -29,7 +29,7 @@ from .fidelity import Fidelity, choose_fidelity, unsupported_motion
 from .hang import hang
 from .mesh import Partition, fit_mesh, partition
 from .model import RopeModel, ends_of
-from .paths import SHORTEST_AIM, SIDES, EndMotion, EndPath, ends_at
+from .paths import SHORTEST_AIM, SIDES, EndMotion, EndPath, aim, ends_at, path_program
 from .result_warnings import WARNINGS
 from .rigid import rigid_added_mass
 from .rope_system import Array, KernelCache, RopeSystem
@@ -67,6 +67,7 @@ class RopeSimulator(BalanceRope):
                 raise
             raise ValueError(messages.fitted_mesh_fails(str(error))) from error
         self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
+        self._paths = path_program()
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
@@ -163,7 +164,7 @@ class RopeSimulator(BalanceRope):
             return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
         paths = (EndPath.at_rest(t, left), EndPath.at_rest(t, right))
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
-            if message := refusal(target, path, side):
+            if message := refusal(target, path.peak_accelerations(), side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
                 return Status(False, messages.moves_at_start(side))
@@ -211,11 +212,11 @@ class RopeSimulator(BalanceRope):
         step_max, steps_before = self.scene.solver.step_max, state.counts.steps + state.counts.rejections
         if t - start > MOST_STEPS * step_max:
             return Status(False, messages.too_far_at_once(start, t, MOST_STEPS, step_max, MOST_STEPS * step_max))
-        paths = tuple(path.to(t, target, within) for path, target in zip(state.paths, (left, right), strict=True))
-        for side, target, path in zip(SIDES, (left, right), paths, strict=True):
-            if message := refusal(target, path, side):
+        aimed = [aim(self._paths, path, t, end, within) for path, end in zip(state.paths, (left, right), strict=True)]
+        for side, target, (_, peaks) in zip(SIDES, (left, right), aimed, strict=True):
+            if message := refusal(target, peaks, side):
                 return Status(False, message)
-        state = state._replace(paths=(paths[0], paths[1]), events=())
+        state = state._replace(paths=(aimed[0].path, aimed[1].path), events=())
         if why := unsupported_motion(self.scene, state.fidelity, (left, right)):
             if self.scene.model.fidelity != "auto":
                 return Status(False, messages.fixed_model_cannot_follow(state.fidelity, why))

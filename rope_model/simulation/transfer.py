@@ -19,16 +19,17 @@ Indices = NDArray[np.intp]
 
 
 def interpolate(x: Array, s: Array, at: Array) -> Array:
-    """What the elements between nodes at ``s`` (m) with the values ``x`` (nodes, 7) have at ``at`` (m): (places, 7).
+    """What elements between nodes at ``s`` (m) with values ``x`` (..., nodes, 7) have at ``at`` (m): (..., places, 7).
 
     Cubic Hermite for r and, its derivative, r'; linear for theta.  A node's own place has its values to the bit.
     """
     i = _element_at(s, at)
-    l = s[i + 1] - s[i]
-    y = np.array(hermite.node_values(np.clip((at - s[i]) / l, 0.0, 1.0), l, (*x[i].T, *x[i + 1].T))).T
+    l, of_axis = s[i + 1] - s[i], np.moveaxis(x, -1, 0)
+    nodes = (*of_axis[..., i], *of_axis[..., i + 1])
+    y = np.stack(hermite.node_values(np.clip((at - s[i]) / l, 0.0, 1.0), l, nodes), axis=-1)
     nearest = np.where(at - s[i] < s[i + 1] - at, i, i + 1)
     same = np.abs(s[nearest] - at) <= _tolerance(s)
-    y[same] = x[nearest[same]]
+    y[..., same, :] = x[..., nearest[same], :]
     return y
 
 
@@ -37,7 +38,7 @@ def transfer_fields(fields: Array, old_s: Array, new_s: Array) -> Array:
 
     The ends of the rope keep their values; where no elements merge, every node that stays does.
     """
-    y = np.array([interpolate(x, old_s, new_s) for x in fields])
+    y = interpolate(fields, old_s, new_s)
     # between neighbours among all nodes, old and new, both are polynomials
     knots = np.union1d(old_s, new_s)
     knots = knots[np.append(True, np.diff(knots) > _tolerance(old_s))]

@@ -1,0 +1,53 @@
+"""A formula of numbers as a program of CasADi's virtual machine.
+
+It does what Python does with the formula's text, the same operations in the same order, and gives the same bits, some
+ten times as fast: for formulas of hundreds of operations in every step.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache
+from typing import Any
+
+import casadi as ca
+
+
+@contextmanager
+def no_simplification() -> Iterator[None]:
+    """Expressions made meanwhile keep every operation."""
+    before = ca.GlobalOptions.getSimplificationOnTheFly()
+    ca.GlobalOptions.setSimplificationOnTheFly(False)
+    try:
+        yield
+    finally:
+        ca.GlobalOptions.setSimplificationOnTheFly(before)
+
+
+@cache
+def trace(formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> ca.Function:
+    """What ``formula`` makes of so many numbers."""
+    with no_simplification():
+        symbols = [ca.SX.sym(f"x{k}") for k in range(numbers)]
+        return ca.Function("formula", [ca.vertcat(*symbols)], [ca.vertcat(*formula(symbols))])
+
+
+class Program:
+    """``formula`` of so many ``numbers``, to be called with them.  Not to be shared between threads."""
+
+    def __init__(self, formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> None:
+        traced = trace(formula, numbers)
+        self._given, self._found = (struct.Struct(f"{n}d") for n in (traced.numel_in(0), traced.numel_out(0)))
+        self._input, self._output = bytearray(self._given.size), bytearray(self._found.size)
+        buffer: Any
+        buffer, self._evaluate = traced.buffer()  # the stubs of casadi do not know the buffer's methods
+        buffer.set_arg(0, memoryview(self._input))
+        buffer.set_res(0, memoryview(self._output))
+        self._buffer = buffer
+
+    def __call__(self, *numbers: float) -> tuple[float, ...]:
+        self._given.pack_into(self._input, 0, *numbers)
+        self._evaluate()
+        return self._found.unpack(self._output)
