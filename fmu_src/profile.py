@@ -23,6 +23,7 @@ GROUPS = {
     "shape": "points along the rope, with tension and stresses there: 486 numbers",
     "clearance": "distances of the rope from the bodies in its shaft",
     "nearest": "the smallest of these so far, when and where",
+    "guard": "whether a guard of the loop has tripped, which one and when",
     "status": "whether results are valid, messages, the fidelity of the model",
 }
 #: groups that every FMU describes

@@ -6,7 +6,8 @@ rope        balance_rope makes a BalanceRope in a Form: auto, native or python; 
             that are then 0 and no results
 data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
             Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump; Contact is how
-            they hold it.  BODIES are their kinds in words, FAR the clearance from what is not there
+            they hold it, Guard what trips when the loop moves too far, for one of GUARD_CAUSES.  BODIES are their kinds
+            in words, FAR the clearance from what is not there
 cases       rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
             at_level puts any scene on one
 analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
@@ -37,7 +38,8 @@ from .parameters import (
     rope_120,
     rope_240,
 )
-from .shaft_parameters import FAR, Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
+from .physics.guard import CAUSES as GUARD_CAUSES
+from .shaft_parameters import FAR, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
 from .simulation.balance_rope import BalanceRope, Snapshot, Status
 from .simulation.fidelity import FIDELITIES
 from .simulation.neglected_effects import Effect, neglected_effects
@@ -52,6 +54,7 @@ __all__ = [
     "CHOICES",
     "FAR",
     "FIDELITIES",
+    "GUARD_CAUSES",
     "ROPE_CASES",
     "SIGNALS",
     "Accuracy",
@@ -62,6 +65,7 @@ __all__ = [
     "Effect",
     "EndMotion",
     "Form",
+    "Guard",
     "HeadRopes",
     "Layout",
     "Level",

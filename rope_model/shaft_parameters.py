@@ -138,9 +138,55 @@ class Contact:
         require_in_bounds(self)
 
 
+def _threshold(unit: str, description: str, cure: str) -> float:
+    return parameter(0.0, unit, f"{description}; 0: no such guard", lower=0.0, upper=FAR, cure=cure)
+
+
+def _delay(what: str) -> float:
+    return parameter(
+        0.0, "s", f"how long {what} before the guard trips", lower=0.0, upper=REACH, cure="use 0 to trip at once"
+    )
+
+
+def _switch(description: str) -> float:
+    return parameter(
+        -FAR, "m", description, lower=-FAR, upper=REACH, cure="give it in metres, or -1e6 to follow the loop"
+    )
+
+
+_OFF = "use 0 for no such guard"
+
+
+@dataclass(frozen=True)
+class Guard:
+    """Guards of the loop: thresholds, delays, and heights of those that are switches: see physics.guard."""
+
+    rise: float = _threshold("m", "rise of the loop above which a guard trips", _OFF)
+    rise_delay: float = _delay("the loop is above it")
+    rise_y: float = _switch(
+        "height that the rise counts from, from the origin of left.y and right.y; -1e6: the loop's quasi-static place"
+    )
+    window: float = _threshold(
+        "m", "distance from the upright plane through both ends beyond which a guard trips", _OFF
+    )
+    window_delay: float = _delay("the rope is beyond it")
+    window_y: float = _switch(
+        "height at which the legs are seen, from the origin of left.y and right.y; -1e6: the loop's lowest point is"
+    )
+    clearance: float = _threshold("m", "distance from any body of the shaft below which a guard trips", _OFF)
+    clearance_delay: float = _delay("the rope is nearer")
+    turns: float = _threshold("1", "turns of one side of the rope about the other beyond which a guard trips", _OFF)
+    turns_delay: float = _delay("it is turned further")
+    torque: float = _threshold("N.m", "moment of a swivel beyond which a guard trips", _OFF)
+    torque_delay: float = _delay("the moment is larger")
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
 @dataclass(frozen=True)
 class Shaft:
-    """All bodies that the rope may come near."""
+    """All bodies that the rope may come near, and the guards of its loop."""
 
     lining: Lining = field(default_factory=Lining)
     conveyance: Conveyance = field(default_factory=Conveyance)
@@ -151,6 +197,7 @@ class Shaft:
     divider_4: Divider = field(default_factory=Divider)
     sump: Sump = field(default_factory=Sump)
     contact: Contact = field(default_factory=Contact)
+    guard: Guard = field(default_factory=Guard)
 
 
 #: parts of a shaft by name
@@ -161,4 +208,5 @@ PARTS: dict[str, type] = {
     **{f"divider_{k}": Divider for k in (1, 2, 3, 4)},
     "sump": Sump,
     "contact": Contact,
+    "guard": Guard,
 }

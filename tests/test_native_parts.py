@@ -26,6 +26,7 @@ from rope_model.native.structures import GROUPS, PathStructure, path_structure, 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
+from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS as KINDS_OF_BODIES
 from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.adaptation import nearest_turn
@@ -68,7 +69,18 @@ Array = NDArray[np.float64]
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("mesh.c", "transfer.c", "shape.c", "shaft.c", "signals.c", "rigid.c", "ends.c", "parameters.c", "text.c")
+PARTS = (
+    "mesh.c",
+    "transfer.c",
+    "shape.c",
+    "shaft.c",
+    "guards.c",
+    "signals.c",
+    "rigid.c",
+    "ends.c",
+    "parameters.c",
+    "text.c",
+)
 KINDS = ("tmn", "eem", "auto")
 MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
 FIDELITY_NAMES = ("auto", "torsional", "spatial", "planar", "rigid")
@@ -116,8 +128,8 @@ SIGNALS_BY_MEMBERS = """
 void signals_by_members(int group, const Scene *scene, int fidelity, double t, double loop_yaw, const double *offsets,
                         const double *means, const int *phases, const double *signs,
                         const Path *paths, const double *energy_balance, const double *counts, double given_up_since,
-                        const Audit *audit, const double *nearest, const double *crossing, const Arrays *arrays,
-                        const double (*strains)[3], const LoopBottom *bottom, double *values) {
+                        const Audit *audit, const double *nearest, const double *crossing, const double *guard,
+                        const Arrays *arrays, const double (*strains)[3], const LoopBottom *bottom, double *values) {
     State s;
     memset(&s, 0, sizeof s);
     s.t = t, s.loop_yaw = loop_yaw, s.fidelity = fidelity, s.given_up_since = given_up_since, s.audit = *audit;
@@ -136,6 +148,7 @@ void signals_by_members(int group, const Scene *scene, int fidelity, double t, d
     s.counts.given_up = (int64_t)n[5];
     memcpy(s.nearest, nearest, sizeof s.nearest);
     memcpy(&s.crossing, crossing, sizeof s.crossing);
+    memcpy(&s.guard, guard, sizeof s.guard);
     signals_of(group, scene, &s, arrays, strains, bottom, values);
 }
 
@@ -181,7 +194,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "shape_points": (None, n, p, p, n, p, p),
         "shape_hanging_guess": (None, n, p, p, p, p, p),
         "signal_group": (n, n),
-        "signals_by_members": (None, n, p, n, x, x, *[p] * 7, x, *[p] * 7),
+        "signals_by_members": (None, n, p, n, x, x, *[p] * 7, x, *[p] * 8),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -568,6 +581,7 @@ def any_rope(
         counts=Counts(*map(int, random.integers(0, 2**40, 6))),
         nearest=tuple(Nearest(*random.normal(size=5)) for _ in KINDS_OF_BODIES),
         crossing=Crossing(*random.normal(size=4)),
+        guard=GuardState(*random.normal(size=3)),
     )
     shaft = Shaft(
         Lining(8.0, 6.0, 0.3, *random.normal(size=2)),
@@ -599,13 +613,14 @@ def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
     paths = (PathStructure * 2)(*map(path_structure, state.paths))
     audit = np.concatenate([np.ravel(x) for x in state.audit])
     nearest, crossing = np.ravel(state.nearest), np.array(state.crossing)
+    guard = np.array([*state.guard[:3], *state.guard.since])
     energy_balance, counts = np.array(state.energy_balance), np.array(state.counts, dtype=float)
     arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
     parts.arrays_of(m.q, m.v, m.a, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
     parts.signals_by_members(
         group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, offsets,
-        means, phases, signs, paths, energy_balance, counts, state.given_up_since, audit, nearest, crossing, arrays,
-        rope.system.strains(m.q), bottom, values
+        means, phases, signs, paths, energy_balance, counts, state.given_up_since, audit, nearest, crossing, guard,
+        arrays, rope.system.strains(m.q), bottom, values
     )  # fmt: skip
     assert np.isnan(values[-1])
     return values[:-1]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..numerics.generalized_alpha import Motion
 from ..parameters import FidelityChoice, Scene
 from ..physics.accuracy import ErrorSums
+from ..physics.guard import GuardState
 from ..simulation import messages
 from ..simulation.audit import Audit, audit_of
 from ..simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
@@ -37,6 +38,7 @@ from .layout import (
     EnergyStructure,
     ErrorStructure,
     EventStructure,
+    GuardStructure,
     NearestStructure,
     PathStructure,
     PatternStructure,
@@ -304,6 +306,7 @@ def _unpack(data: bytes) -> RopeState:
         audit=audit_of(getattr(s.audit, name) for name in Audit._fields),
         nearest=tuple(Nearest(*(getattr(x, name) for name in Nearest._fields)) for x in s.nearest),
         crossing=Crossing(*(getattr(s.crossing, name) for name in Crossing._fields)),
+        guard=GuardState(*(_numbers_of(getattr(s.guard, name)) for name in GuardState._fields)),
     )
 
 
@@ -331,6 +334,7 @@ def _pack(state: RopeState) -> bytes:
         audit=AuditStructure(*state.audit),
         nearest=tuple(NearestStructure(*x) for x in state.nearest),
         crossing=CrossingStructure(*state.crossing),
+        guard=GuardStructure(*state.guard),
         counts=CountsStructure(*state.counts),
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),

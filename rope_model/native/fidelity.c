@@ -113,6 +113,10 @@ int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason) {
         say_may_touch(reason);
         return TORSIONAL;
     }
+    if (guarded(&scene->shaft.guard) > 0) {
+        say_guards_watch(reason);
+        return TORSIONAL;
+    }
     if (nonzero_input(ends, OUT_OF_PLANE_OR_TURNED, why)) {
         say_held_where_initialised(reason, why);
         return TORSIONAL;

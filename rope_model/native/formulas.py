@@ -26,6 +26,7 @@ from ..physics import (
     energy_balance,
     estimates,
     frame,
+    guard,
     hanging,
     hermite,
     inextensible,
@@ -92,6 +93,14 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "Body divider_body(const Divider *divider)": shaft.divider,
     "Body floor_body(const Sump *sump)": shaft.floor,
+    "double guarded(const Guard *guard)": guard.guarded,
+    "double loop_height(const Rope *rope, const Layout *layout, double lowest, double left, double right)": (
+        guard.loop_height
+    ),
+    "double sideways(const double point[3], const double left[3], const double right[3])": guard.sideways,
+    "double sideways_at(double height, const double a[3], const double b[3], const double left[3], "
+    "const double right[3])": guard.sideways_at,
+    "GuardState watch(const Guard *guard, const GuardState *state, double t, const double seen[5])": guard.watch,
     "double bending_stress(const Rope *rope, double k)": stress.bending_stress,
     "double torsional_stress(const Rope *rope, double e, double tau)": stress.torsional_stress,
     "void energies_of(const double balance[9], double energies[3])": energy_balance.energies,
@@ -175,7 +184,7 @@ STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         *(Rope, Layout, Scene, *PARTS.values(), EndMotion),
-        *(EnergyBalance, accuracy.ErrorSums, Audit),
+        *(EnergyBalance, accuracy.ErrorSums, Audit, guard.GuardState),
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
@@ -186,6 +195,7 @@ CONSTANTS = (
         "FADE_ERROR": mesh.FADE_ERROR,
         "MESH_SHARE": mesh.MESH_SHARE,
         "FAR": FAR,
+        "NEVER": guard.NEVER,
         "RESOLUTION": shaft_search.RESOLUTION,
         "TURNED_FAR": shaft_search.TURNED_FAR,
         "LOOK_EVERY": shaft_search.LOOK_EVERY,

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "guards.h"
 #include "shaft.h"
 #include "energy_values.h" /* energy_signals: generated */
 
@@ -42,6 +43,14 @@ static void loop_signals(const Scene *scene, const State *state, const Arrays *a
     values[SIGNAL_LOOP_CROSSINGS] = state->crossing.number;
     values[SIGNAL_LOOP_CROSSED_AT] = state->crossing.since;
     values[SIGNAL_LOOP_CROSSED_Y] = state->crossing.y;
+    values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, arrays, bottom);
+    values[SIGNAL_LOOP_SIDEWAYS] = guards_sideways(arrays, bottom);
+}
+
+static void guard_signals(const GuardState *guard, double *values) {
+    values[SIGNAL_GUARD_TRIPPED] = guard->cause > 0;
+    values[SIGNAL_GUARD_CAUSE] = guard->cause;
+    values[SIGNAL_GUARD_TIME] = guard->time;
 }
 
 static void clearance_signals(const Scene *scene, const State *state, const Arrays *arrays, double *values) {
@@ -145,6 +154,9 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         break;
     case NEAREST_SIGNALS: /* the same numbers in the same order */
         memcpy(values + SIGNAL_NEAREST_LINING_CLEARANCE, state->nearest, sizeof state->nearest);
+        break;
+    case GUARD_SIGNALS:
+        guard_signals(&state->guard, values);
         break;
     default: /* the simulator computes added masses and contact itself */
         break;

@@ -18,7 +18,8 @@ enum {
     ADDED_MASS_SIGNALS,
     CLEARANCE_SIGNALS,
     NEAREST_SIGNALS,
-    CONTACT_SIGNALS
+    CONTACT_SIGNALS,
+    GUARD_SIGNALS
 };
 
 /* -1 for a number that is no signal's */

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "guards.h"
 #include "messages.h"
 #include "simulator.h"
 
@@ -156,7 +157,9 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     state->event_count = 0;
     audit_begin(rope, state);
     shaft_not_near(state->nearest);
+    guards_start(scene, state);
     see_passages(rope, state);
+    guards_look(scene, state);
     return accept_next(rope);
 }
 
@@ -328,7 +331,10 @@ static int advance(Simulator *rope, double t, const EndMotion ends[2], double wi
         if (state->counts.steps + state->counts.rejections - steps_before >= MOST_STEPS)
             return say_too_many_steps(rope->message, t_before, MOST_STEPS, begin, t);
         if (!step_towards(rope, state, t, why)) return say_fails_at(rope->message, t_before, why);
-        if (state->t >= t || state->t - state->looked_at >= LOOK_EVERY) see_passages(rope, state);
+        if (state->t >= t || state->t - state->looked_at >= LOOK_EVERY) {
+            see_passages(rope, state);
+            guards_look(&rope->scene, state);
+        }
         for (int side = LEFT; side <= RIGHT; side++)
             impulse[side] -= 0.5 * (state->t - t_before) * (before[side] + end_row(m.reaction, m.nodes, side)[1]);
     }

@@ -30,6 +30,7 @@ from ..physics.estimates import (
     release_error,
     travel_estimate,
 )
+from ..physics.guard import guarded
 from . import messages
 from .bodies import may_touch
 from .paths import SIDES, EndMotion
@@ -115,6 +116,8 @@ def force_error(scene: Scene, fidelity: Fidelity, travel: Travel) -> float:
 def _lowest(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
     if may_touch(scene.shaft):
         return Choice("torsional", messages.may_touch())
+    if guarded(scene.shaft.guard):
+        return Choice("torsional", messages.guards_watch())
     if why := _nonzero_input(ends, OUT_OF_PLANE + TURNED):
         return Choice("torsional", messages.held_where_initialised(why))
     fidelity = lowest_sufficient(scene, ends) if scene.model.force_tolerance > 0 else "torsional"

@@ -194,6 +194,10 @@ def may_touch() -> str:
     return "the rope may touch a body in the shaft"
 
 
+def guards_watch() -> str:
+    return "guards watch the loop, which may turn and swing"
+
+
 def no_torque() -> str:
     return "no torque acts and nothing acts out of plane"
 

@@ -14,6 +14,7 @@ from ..parameters import Rope, Scene
 from ..physics.accuracy import end_force_error, loop_error
 from ..physics.estimates import loop_width
 from ..physics.frame import end_moment
+from ..physics.guard import CAUSES, sideways
 from ..physics.shaft import KINDS
 from ..physics.stress import bending_stress, torsional_stress
 from .adaptation import nearest_turn
@@ -21,6 +22,7 @@ from .audit import signal_values as audit_values
 from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, loop_turns, shape, shape_places, tension
 from .ends import HangingEnds, Phase
 from .fidelity import Fidelity
+from .guards import rise
 from .paths import SIDES
 from .rigid import rigid_tension
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
@@ -68,6 +70,12 @@ def _table() -> Iterator[tuple[str, Signal]]:
     yield "loop.crossings", Signal("1", "times so far that one side of the rope has passed through the other")
     yield "loop.crossed_at", Signal("s", "time at which it first did; 0 before")
     yield "loop.crossed_y", Signal("m", "height at which it first did; 0 before")
+    yield "loop.rise", Signal("m", "height of the rope's lowest point over its quasi-static place")
+    yield "loop.sideways", Signal("m", "distance of the rope's lowest point from the upright plane through both ends")
+    yield "guard.tripped", Signal("1", "whether a guard of the loop has tripped", "boolean")
+    causes = ", ".join(f"{code} {cause}" for code, cause in enumerate(("none", *CAUSES)))
+    yield "guard.cause", Signal("1", f"the guard that has tripped first: {causes}", "integer")
+    yield "guard.time", Signal("s", "time at which it has tripped; 0 before")
     for place in (*SIDES, "loop"):
         where = "at the loop's lowest point" if place == "loop" else f"at the {place} end"
         yield f"{place}.twist", Signal("rad/m", f"twist of the rope {where}: change of its lay")
@@ -184,7 +192,7 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
     groups = {"clearance": clearance_signals, "nearest": nearest_signals}
     groups |= {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
     groups |= {"energy": energy_signals, "count": energy_signals, "status": error_signals, "audit": audit_signals}
-    groups |= {"contact": contact_signals}
+    groups |= {"contact": contact_signals, "guard": guard_signals}
     return groups.get(name.partition(".")[0], end_signals)
 
 
@@ -227,7 +235,15 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
         "loop.crossings": state.crossing.number,
         "loop.crossed_at": state.crossing.since,
         "loop.crossed_y": state.crossing.y,
+        "loop.rise": rise(scene, state, bottom),
+        "loop.sideways": float(sideways(bottom.position, q[0], q[-1])),
     }
+
+
+def guard_signals(rope: Evaluated) -> dict[str, float]:
+    """Whether and when a guard of the loop has tripped."""
+    _, cause, time, _ = rope.state.guard
+    return {"guard.tripped": float(cause > 0), "guard.cause": cause, "guard.time": time}
 
 
 def clearance_signals(rope: Evaluated) -> dict[str, float]:

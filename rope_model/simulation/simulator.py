@@ -26,6 +26,7 @@ from .balance_rope import BalanceRope, Snapshot, Status, state_in
 from .diagnostics import LoopBottom, loop_bottom
 from .ends import HangingEnds, Phase, SwivelState, refusal, right_offset
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
+from .guards import at_rest, with_guards
 from .hang import hang
 from .mesh import Partition, fit_mesh, partition
 from .model import RopeModel, ends_of
@@ -199,7 +200,8 @@ class RopeSimulator(BalanceRope):
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
-        self._accept(with_passages(scene, self.model.audit_begun(state)))
+        state = with_passages(scene, at_rest(scene, self.model.audit_begun(state)))
+        self._accept(with_guards(scene, state, self.model.ends(state)))
         return Status(True)
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
@@ -236,6 +238,7 @@ class RopeSimulator(BalanceRope):
             state, now = advanced, advanced.motion
             if now.t >= t or now.t - state.looked_at >= LOOK_EVERY:
                 state = with_passages(self.scene, state)
+                state = with_guards(self.scene, state, self.model.ends(state))
             for node in (0, -1):
                 impulse[node] -= 0.5 * (now.t - before.t) * float(before.reaction[node, 1] + now.reaction[node, 1])
         mean = impulse[0] / (t - start), impulse[1] / (t - start)

@@ -11,6 +11,7 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..physics.accuracy import ErrorSums
 from ..physics.energy_balance import residual, total
+from ..physics.guard import GuardState
 from ..physics.shaft import KINDS
 from ..shaft_parameters import FAR
 from .audit import Audit
@@ -121,7 +122,8 @@ class RopeState(NamedTuple):
     audit: Audit = Audit()
     nearest: tuple[Nearest, ...] = (Nearest(),) * len(KINDS)
     crossing: Crossing = Crossing()
-    looked_at: float = 0.0  # s, when nearest and crossing were brought up to date
+    looked_at: float = 0.0  # s, when nearest, crossing and guard were brought up to date
+    guard: GuardState = GuardState()
 
     def to_bytes(self) -> bytes:
         """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
@@ -179,6 +181,7 @@ _KINDS: dict[str, Any] = {
     "audit": Audit,
     "nearest": lambda *rows: tuple(Nearest(*row) for row in rows),
     "crossing": Crossing,
+    "guard": GuardState,
 }
 
 

@@ -1,0 +1,143 @@
+"""The guards of the loop: what they see, when they trip, and that they change nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Guard,
+    Mesh,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Shaft,
+    Sump,
+    balance_rope,
+)
+from rope_model.physics.guard import CAUSES, NEVER, GuardState, sideways, sideways_at, watch
+
+SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16))
+LEFT, RIGHT = (-1.0, 20.0, 0.0), (2.0, 10.0, 4.0)
+#: the upright plane through both ends, 3 m apart in X and 4 m in Z, has the normal (0.8, 0, -0.6)
+POINT = (-1.0 + 3.0 + 0.8 * 0.7, -5.0, 4.0 - 0.6 * 0.7)
+NOTHING = dict.fromkeys(CAUSES, 0.0) | {"clearance": 1e6}
+
+
+def guarded(guard: Guard, scene: Scene = SHORT) -> Scene:
+    return scene.with_(shaft=replace(scene.shaft, guard=guard))
+
+
+def stations(rope: BalanceRope, steps: int = 30) -> Iterator[BalanceRope]:
+    """The rope each 10 ms while both ends move, the left one sideways too."""
+    assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
+    yield rope
+    for k in range(1, steps + 1):
+        t = 0.01 * k
+        left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
+        assert rope.advance_to(t, left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)).valid
+        yield rope
+
+
+def wound(scene: Scene) -> BalanceRope:
+    return [*stations(balance_rope(scene, "native"))][-1]
+
+
+def test_distance_from_the_plane_of_the_ends_is_exact() -> None:
+    assert_allclose(sideways(POINT, LEFT, RIGHT), 0.7, rtol=1e-14)
+    assert_allclose(sideways_at(0.0, (0.0, -5.0, 0.0), (4.0, 15.0, 8.0), LEFT, RIGHT), 0.4, rtol=1e-14)
+
+
+def after(guard: Guard, *looks: tuple[float, str, float]) -> GuardState:
+    """What the guards remember after having seen, each time, one quantity of this size."""
+    state = GuardState()
+    for t, what, size in looks:
+        state = watch(guard, state, t, tuple((NOTHING | {what: size}).values()))
+    return state
+
+
+@pytest.mark.parametrize("cause", CAUSES)
+def test_a_guard_trips_beyond_its_threshold_and_no_other_does(cause: str) -> None:
+    guard, inside, outside = Guard(**{cause: 1.0}), 1.0, 0.99 if cause == "clearance" else 1.01
+    others = [(1.0, other, 0.5 if other == "clearance" else 2.0) for other in CAUSES if other != cause]
+    assert after(guard, (0.0, cause, inside), *others).cause == 0
+    assert after(guard, (0.0, cause, inside), (3.0, cause, outside))[1:3] == (CAUSES.index(cause) + 1, 3.0)
+
+
+def test_a_guard_waits_for_its_delay_without_a_break() -> None:
+    guard = Guard(rise=1.0, rise_delay=0.5)
+    broken = (0.0, "rise", 2.0), (0.4, "rise", 1.0), (0.6, "rise", 2.0), (1.0, "rise", 2.0)
+    assert after(guard, *broken).cause == 0
+    assert after(guard, *broken, (1.1, "rise", 2.0), (1.2, "rise", 2.0))[1:3] == (1.0, 1.1)
+
+
+def test_the_first_cause_stays() -> None:
+    guard = Guard(rise=1.0, torque=10.0)
+    tripped = after(guard, (1.0, "torque", 11.0), (2.0, "rise", 2.0), (3.0, "rise", 0.0))
+    assert tripped[1:3] == (5.0, 1.0)
+    assert tripped.since == (NEVER,) * 5
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_the_rise_is_nothing_wherever_the_ends_are_at_rest(form: str) -> None:
+    soft = Scene(Rope(length=60.0, Qa=2e5, Qb=0.0, Qc=0.0, EI=20.0), mesh=Mesh("eem", elements=120))
+    rope = balance_rope(soft, form)  # type: ignore[arg-type]
+    rests = []
+    for left, right in ((0.0, 0.0), (10.0, 30.0), (0.0, 40.0)):
+        assert rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)).valid
+        assert rope.signals(["loop.rise"])["loop.rise"] == 0.0
+        rests.append(rope.state.guard.rest)
+    # the legs stretch by 0.18 m and by 0.45 m in sum; their longer loop, and the bend at the ends, are left out
+    assert_allclose(rests, rests[0], atol=0.01)
+
+
+def test_both_forms_trip_alike() -> None:
+    cases = {
+        "window": Guard(window=0.01, window_delay=0.05),
+        "clearance": Guard(clearance=1.0, rise=5.0),
+        "rise": Guard(rise=0.5, rise_y=-14.0),
+        "turns": Guard(turns=1e-4, turns_delay=0.1),
+        "torque": Guard(torque=0.5),
+    }
+    for cause, guard in cases.items():
+        scene = guarded(guard, SHORT.with_(shaft=Shaft(sump=Sump(-11.9))))
+        python, native = ([*stations(make)][-1].state.guard for make in (RopeSimulator(scene), balance_rope(scene)))
+        assert python.cause == CAUSES.index(cause) + 1
+        assert (python.cause, python.time) == (native.cause, native.time)
+
+
+def test_a_switch_at_a_height_sees_the_legs_there() -> None:
+    rope = wound(guarded(Guard(window=1e-4, window_y=-6.0)))
+    assert rope.signals(["guard.cause"])["guard.cause"] == 2
+    above = wound(guarded(Guard(window=1e-4, window_y=-20.0)))  # of the loop no part is as low as this
+    assert above.signals(["guard.cause"])["guard.cause"] == 0
+
+
+def test_guards_change_nothing_in_the_motion() -> None:
+    watched, alone = wound(guarded(Guard(torque=1e-3, rise=1e-6))), wound(SHORT)
+    assert watched.signals(["guard.tripped"]) == {"guard.tripped": 1.0}
+    assert alone.signals(["guard.tripped"]) == {"guard.tripped": 0.0}
+    assert_array_equal(watched.state.motion.q, alone.state.motion.q)
+
+
+def test_a_restored_rope_trips_when_the_saved_one_does() -> None:
+    scene = guarded(Guard(window=0.01, window_delay=0.05))
+    run = [(rope.save(), rope.state.guard) for rope in stations(balance_rope(scene, "native"))]
+    last = run[-1][1]
+    begun = next(k for k, (_, guard) in enumerate(run) if guard.since[1] < NEVER)
+    assert run[begun][1].cause == 0
+    for other in (RopeSimulator(scene), balance_rope(scene, "native")):
+        other.restore(run[begun][0])
+        assert other.state.guard == run[begun][1]
+        t = 0.01 * (begun + 10)
+        left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
+        assert other.advance_to(t, left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)).valid
+        assert other.state.guard.cause == last.cause
+        assert abs(other.state.guard.time - last.time) <= 0.01 + 1e-9
+    assert np.isfinite(last.time)
