@@ -85,6 +85,7 @@ def invent_trip(swing: float, creep: float = 0.0) -> tuple[Result, Hoist, Windin
         cause="",
         steps=t.size,
         trajectory=reference,
+        winding=winding,
         drive_clock=Stopwatch(),
         rope_clock=Stopwatch(),
         start_clock=Stopwatch(),

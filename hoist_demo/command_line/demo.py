@@ -138,6 +138,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     finally:
         rope.close()
     result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
+    winding, run = result.winding, replace(run, winding=result.winding)
     contradiction = contradictions(hoist, data.parameters)
     for text in (contradiction, slip_warning(result.recording, hoist)):
         _tell(text)

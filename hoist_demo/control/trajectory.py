@@ -123,11 +123,15 @@ def s_curve(winding: Winding) -> Trajectory:
             f"emergency_at = {winding.emergency_at:g} s must be below {trip.duration:.3g} s, where the trip has ended: "
             "stop earlier"
         )
-    stop = emergency_stop(trip, winding.emergency_at, winding.emergency_deceleration, winding.emergency_jerk)
+    return stopped_at(trip, winding.emergency_at, winding)
+
+
+def stopped_at(trip: Trajectory, at: float, winding: Winding) -> Trajectory:
+    """`trip` with an emergency stop from time `at` [s] on, by the law of `winding`."""
+    stop = emergency_stop(trip, at, winding.emergency_deceleration, winding.emergency_jerk)
     if winding.emergency_law == "drive":
         return stop
-    braking = Braking(winding.emergency_law, -winding.emergency_at, winding.emergency_deceleration)
-    return replace(stop, trip=braking)
+    return replace(stop, trip=Braking(winding.emergency_law, -at, winding.emergency_deceleration))
 
 
 def emergency_stop(trip: Trajectory, at: float, deceleration: float, jerk: float) -> Trajectory:

@@ -3,7 +3,8 @@
     controller(t_k) -> record -> scheme over [t_k, t_k + T] in communication steps H -> ... ,      t_k = start + k T.
 
 T is H unless the controller samples less often. A rope or drive that cannot go on, or a coupling that cannot be
-solved, ends the loop; what was recorded stays, and the result names the cause. The state is kept once per second, and
+solved, ends the loop; what was recorded stays, and the result names the cause. A guard of the rope that trips stops the
+hoist (`hoist_demo.control.safety`) at the first sample that sees it. The state is kept once per second, and
 where the user stops the run, as a checkpoint, from which `run` goes on.
 """
 
@@ -19,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from hoist_demo.control.controller import Command, Controller, Gains, Measurement, SpeedController
+from hoist_demo.control.safety import Course
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, drive_signals
@@ -34,7 +36,7 @@ from hoist_demo.cosimulation.stability import estimate_stability_at_rest
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
 from hoist_demo.drive.plant import SHOWN, SIDE_FORCES, HoistPlant
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
-from hoist_demo.recording.time_series import Recorder
+from hoist_demo.recording.time_series import Array, Recorder
 
 _log = logging.getLogger(__name__)
 
@@ -45,6 +47,7 @@ Progress = Callable[[float, float], bool]
 KEPT_EVERY = 1.0
 """Simulated time from one state that is kept to the next [s]."""
 
+_GUARD = ("guard.tripped", "guard.time")
 _Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
 _NO_FORCES = np.zeros(len(SIDE_FORCES))
 
@@ -113,7 +116,7 @@ class Host:
         """
         run = self._start(resume)
         if isinstance(run, str):
-            return self._result(Recorder((), {}), 0, run)
+            return self._result(Recorder((), {}), 0, run, self._course)
         cause = self._wind(run, progress, save_to)
         start, T = self.coupling.start, self.coupling.sample_time
         checkpoint = run.checkpoint(start, T, self.data, cause) if cause else None
@@ -125,7 +128,7 @@ class Host:
                 saved = save_to
             except ValueError as error:  # the record of the run is worth more
                 cause += f"; {save_to} is not written: {error}"
-        return replace(self._result(run.recorder, run.steps, cause), checkpoint=checkpoint, saved=saved)
+        return replace(self._result(run.recorder, run.steps, cause, run.course), checkpoint=checkpoint, saved=saved)
 
     def _start(self, resume: Checkpoint | None) -> RunState | str:
         """A run at rest, or as it was when it stopped; the cause when the rope does not hang."""
@@ -142,7 +145,7 @@ class Host:
         drive = HoistParticipant(self.plant, state, held, self.drive_clock)
         if self.hoist.play is not None:
             rope.beside = drive.ends
-        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), self._recorder())
+        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), self._recorder(), self._course)
         self.stability = estimate_stability_at_rest(self.scheme, self.coupling, run.pair, run.memory)
         if resume is not None:
             run.go_on_from(resume, resume.sample * self.coupling.per_sample)
@@ -153,6 +156,7 @@ class Host:
         units = self.rope.units()
         names = [name for name in self.rope.signals() if name not in DRIVE_UNITS]
         self._read_signals, self._read_sides = self.rope.reader(names), self.rope.reader(SIDE_FORCES)
+        self._guard = [names.index(name) for name in _GUARD if name in names]
         return Recorder([*DRIVE_UNITS, *names], units | DRIVE_UNITS)
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
@@ -167,7 +171,13 @@ class Host:
                 run.keep(k)
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
-            command = self._sample(run, controller, t)
+            with self.rope_clock:
+                signals = self._read_signals()
+            try:
+                run.course = self._heeding(run.course, signals)
+            except ValueError as error:
+                return f"t = {t:.6g} s: the stop that a guard of the rope asks for: {error}"
+            command = self._sample(run, controller, t, signals)
             if k == run.first and save_to is not None:
                 encode(command.state, CONTROLLER)  # told now and not after a long run
             if k < last:
@@ -178,15 +188,25 @@ class Host:
             progress(1.0, start + last * T)
         return ""
 
-    def _sample(self, run: RunState, controller: Controller, t: float) -> Command:
+    def _heeding(self, course: Course, signals: Array) -> Course:
+        """The course after what the guards of the rope's loop tell: an emergency stop from their first sample on."""
+        tripped, time = signals[self._guard] if self._guard else (0.0, 0.0)
+        if not tripped > 0.0:
+            return course
+        start, T = self.coupling.start, self.coupling.sample_time
+        return course.stopped(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
+
+    @property
+    def _course(self) -> Course:
+        return Course(self.trajectory, self.winding)
+
+    def _sample(self, run: RunState, controller: Controller, t: float, signals: Array) -> Command:
         """The controller's command at t [s]; it and all signals are recorded."""
-        point, shown = self.trajectory.at(t - self.coupling.start), run.drive.outputs
+        point, shown = run.course.trajectory.at(t - self.coupling.start), run.drive.outputs
         travel, speed = shown.item(_Y_LEFT) - self._start_height, self.hoist.sheave_radius * shown.item(_RATE)
         command = controller.command(point, Measurement(travel, speed), run.controller, self.coupling.sample_time)
         if not isinstance(command, Command):
             raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")
-        with self.rope_clock:
-            signals = self._read_signals()
         run.recorder.add(drive_signals(t, point, command, run.drive, run.at_rest, run.memory), signals)
         return command
 
@@ -215,7 +235,7 @@ class Host:
         except (ValueError, RuntimeError) as error:
             return Advance(run.memory, f"t = {t:.6g} s: {error}")
 
-    def _result(self, recorder: Recorder, steps: int, cause: str) -> Result:
+    def _result(self, recorder: Recorder, steps: int, cause: str, course: Course) -> Result:
         if cause:
             planned = self.samples * self.coupling.per_sample
             _log.info("co-simulation stopped after %d of %d steps: %s", steps, planned, cause)
@@ -225,7 +245,8 @@ class Host:
             completed=not cause,
             cause=cause,
             steps=steps,
-            trajectory=self.trajectory,
+            trajectory=course.trajectory,
+            winding=course.winding,
             drive_clock=self.drive_clock,
             rope_clock=self.rope_clock,
             start_clock=self.start_clock,

@@ -8,6 +8,7 @@ from pathlib import Path
 from hoist_demo.control.trajectory import Trajectory
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.partners import Stopwatch
+from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recording
 
 
@@ -20,6 +21,7 @@ class Result:
     cause: str  # "" when completed
     steps: int  # communication steps done
     trajectory: Trajectory
+    winding: Winding  # with the emergency stop that a guard of the rope asked for
     drive_clock: Stopwatch  # of the drive's steps
     rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
     start_clock: Stopwatch  # of the rope's initialization

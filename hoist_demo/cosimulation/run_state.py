@@ -6,6 +6,7 @@ import logging
 from dataclasses import dataclass
 from typing import Any
 
+from hoist_demo.control.safety import Course
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant
 from hoist_demo.cosimulation.plain_data import private_copy
@@ -36,6 +37,7 @@ class RunState:
     memory: Memory
     at_rest: PlantOutput  # of the drive, at the start
     recorder: Recorder
+    course: Course
     controller: Any = None  # the controller's state
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done

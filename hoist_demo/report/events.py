@@ -8,6 +8,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Winding
+from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.time_series import Recording
 
 
@@ -27,6 +28,8 @@ def marks(result: Result, winding: Winding) -> list[Mark]:
     found = [Mark(start + result.trajectory.duration, "reference at rest")]
     if winding.emergency_at is not None:
         found.insert(0, Mark(start + winding.emergency_at, "emergency stop"))
+    if (trip := guard_trip(result.recording)) is not None:
+        found.insert(0, Mark(trip.t, f"guard: {trip.cause}"))
     if winding.creeps:
         found[:0] = [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
     found = [mark for mark in found if start <= mark.t <= float(times[-1])]

@@ -16,6 +16,7 @@ import numpy as np
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of, remark
+from hoist_demo.recording.guards import AFTER, after_trip, guard_trip, told
 from hoist_demo.recording.passages import BODIES, outcome_of, passages
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number
@@ -63,6 +64,7 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
         rows += (
             _trip(recording, hoist, winding)
             + _swing(recording, result.trajectory.duration)
+            + _after_guard(recording)
             + _rope(recording, hoist)
             + _energy(recording, hoist)
             + _counts(recording)
@@ -87,7 +89,7 @@ def render(rows: Sequence[SummaryRow]) -> str:
 def _outcome(result: Result, hoist: Hoist, coupling: Coupling) -> list[SummaryRow]:
     group = OUTCOME
     rows = [
-        SummaryRow(group, "status", outcome_of(result.completed, passages(result.recording))),
+        SummaryRow(group, "status", outcome_of(result.completed, passages(result.recording)) + told(result.recording)),
         SummaryRow(group, "simulated time", result.steps * coupling.step, "s"),
         SummaryRow(group, "communication step", coupling.step, "s"),
         SummaryRow(group, "communication steps done", float(result.steps)),
@@ -226,6 +228,15 @@ def _rope(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
             if math.isfinite(slipped):
                 rows.append(SummaryRow(group, f"time the {end} swivel slipped", slipped, "s"))
     return rows
+
+
+def _after_guard(recording: Recording) -> list[SummaryRow]:
+    """What the rope did in the seconds after a guard of its loop had tripped."""
+    if (trip := guard_trip(recording)) is None:
+        return []
+    group = f"After the guard's trip, {AFTER:g} s"
+    rows = [SummaryRow(group, "tripped at", trip.t, "s"), SummaryRow(group, "by", trip.cause)]
+    return rows + [SummaryRow(group, *row) for row in after_trip(recording, trip)]
 
 
 def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:

@@ -17,6 +17,7 @@ from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
 from hoist_demo.recording.fidelity import FIDELITY
+from hoist_demo.recording.guards import GUARD_CODES, GUARD_SIGNALS, guard_trip
 from hoist_demo.recording.passages import PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import exchange_energy
@@ -54,6 +55,9 @@ METRICS = {
     "right_starting_torque": ("N.m", "likewise, right"),
     "left_swivel_torque": ("N.m", "largest magnitude, left"),
     "right_swivel_torque": ("N.m", "likewise, right"),
+    "guard_tripped": ("1", "whether a guard of the loop has tripped, and stopped the hoist"),
+    "guard_cause": ("1", "which: {codes}".format(codes=", ".join(f"{k} {c}" for k, c in GUARD_CODES.items()))),
+    "guard_time": ("s", "when, in the record's time"),
     "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): below 1 they slip"),
     "simulated_time": ("s", "of the record"),
     "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
@@ -70,6 +74,7 @@ ROPE_SIGNALS = frozenset(
     }
     | {"loop.x", "loop.z", "loop.yaw", "loop.clearance", "stress.bending_max", "energy.work_ends", FIDELITY}
     | PASSAGE_SIGNALS
+    | GUARD_SIGNALS
 )
 """Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them."""
 
@@ -158,6 +163,11 @@ def _rope(recording: Recording, hoist: Hoist) -> dict[str, float]:
         found["loop_yaw"] = _largest(recording["loop.yaw"])
     if "loop.clearance" in recording:
         found["clearance"] = float(np.min(recording["loop.clearance"]))
+    if recording.has(*GUARD_SIGNALS):
+        trip = guard_trip(recording)
+        found["guard_tripped"] = float(trip is not None)
+        if trip is not None:
+            found |= {"guard_cause": float(trip.code), "guard_time": trip.t}
     if "energy.work_ends" in recording:
         found["coupling_energy"] = _largest(exchange_energy(recording, hoist))
     return found

@@ -136,7 +136,7 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
         finally:
             rope.close()
         result = replace(result, recording=mask_neglected(result.recording, torque_free))
-        metrics = measure(result, run.hoist, run.winding, run.arrival)
+        metrics = measure(result, run.hoist, result.winding, run.arrival)
     except Exception as error:  # recorded, so that the other runs go on
         where = traceback.extract_tb(error.__traceback__)[-1]
         cause = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
