@@ -38,10 +38,10 @@ from .parameters import (
     rope_120,
     rope_240,
 )
-from .physics.guard import CAUSES as GUARD_CAUSES
 from .shaft_parameters import FAR, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
 from .simulation.balance_rope import BalanceRope, Snapshot, Status
 from .simulation.fidelity import FIDELITIES
+from .simulation.guards import CAUSES as GUARD_CAUSES
 from .simulation.neglected_effects import Effect, neglected_effects
 from .simulation.paths import EndMotion
 from .simulation.shaft import BODIES

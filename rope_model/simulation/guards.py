@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..parameters import Scene
+from ..physics.guard import CAUSES as CAUSES
 from ..physics.guard import guarded, loop_height, sideways, sideways_at, watch
 from ..physics.shaft import KINDS
 from ..shaft_parameters import FAR
