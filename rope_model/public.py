@@ -6,8 +6,8 @@ rope        balance_rope makes a BalanceRope in a Form: auto, native or python; 
             that are then 0 and no results
 data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
             Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump; Contact is how
-            they hold it, Guard what trips when the loop moves too far, for one of GUARD_CAUSES.  BODIES are their kinds
-            in words, FAR the clearance from what is not there
+            they hold it, Air drags on it, Guard what trips when the loop moves too far, for one of GUARD_CAUSES.
+            BODIES are their kinds in words, FAR the clearance from what is not there
 cases       rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
             at_level puts any scene on one
 analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
@@ -38,7 +38,7 @@ from .parameters import (
     rope_120,
     rope_240,
 )
-from .shaft_parameters import FAR, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
+from .shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
 from .simulation.balance_rope import BalanceRope, Snapshot, Status
 from .simulation.fidelity import FIDELITIES
 from .simulation.guards import CAUSES as GUARD_CAUSES
@@ -58,6 +58,7 @@ __all__ = [
     "ROPE_CASES",
     "SIGNALS",
     "Accuracy",
+    "Air",
     "BalanceRope",
     "Contact",
     "Conveyance",

@@ -1,4 +1,4 @@
-"""The shaft that the rope hangs in, and what stands or moves in it: bodies that the rope may come near.
+"""The shaft that the rope hangs in, and what stands or moves in it: bodies that the rope may come near, and air.
 
 Sizes in m, heights as those of the conveyances, from the same origin.  All is absent unless it is given: without a
 width, a diameter or a size a body is not there.  `physics.shaft` makes the bodies of it.
@@ -184,9 +184,42 @@ class Guard:
         require_in_bounds(self)
 
 
+def _velocity(axis: str) -> float:
+    cure = "give it in m/s"
+    return parameter(0.0, "m/s", f"velocity of the shaft's air along {axis}", lower=-100.0, upper=100.0, cure=cure)
+
+
+@dataclass(frozen=True)
+class Air:
+    """The air in the shaft, which moves as one: see physics.air."""
+
+    density: float = parameter(
+        0.0,
+        "kg/m3",
+        "density of the air that drags on the rope; 0: none",
+        lower=0.0,
+        upper=100.0,
+        cure="air at the surface has 1.2, 1000 m deeper 1.35",
+    )
+    drag: float = parameter(
+        1.2,
+        "1",
+        "drag coefficient of the rope across the flow, of its diameter [assumed]",
+        lower=0.0,
+        upper=10.0,
+        cure="stranded ropes have 1.0 to 1.3",
+    )
+    vx: float = _velocity("X")
+    vy: float = _velocity("Y, upwards")
+    vz: float = _velocity("Z")
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
 @dataclass(frozen=True)
 class Shaft:
-    """All bodies that the rope may come near, and the guards of its loop."""
+    """All bodies that the rope may come near, the guards of its loop, and the air."""
 
     lining: Lining = field(default_factory=Lining)
     conveyance: Conveyance = field(default_factory=Conveyance)
@@ -198,6 +231,7 @@ class Shaft:
     sump: Sump = field(default_factory=Sump)
     contact: Contact = field(default_factory=Contact)
     guard: Guard = field(default_factory=Guard)
+    air: Air = field(default_factory=Air)
 
 
 #: parts of a shaft by name
@@ -209,4 +243,5 @@ PARTS: dict[str, type] = {
     "sump": Sump,
     "contact": Contact,
     "guard": Guard,
+    "air": Air,
 }

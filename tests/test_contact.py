@@ -119,7 +119,7 @@ def element_case(fidelity: ElementFidelity, contact: Contact) -> tuple[list[Any]
 
 @cache
 def touching(fidelity: ElementFidelity) -> Any:
-    return contact_element(fidelity, (KINDS.index("floor"), KINDS.index("divider")))
+    return contact_element(fidelity, element_functions(fidelity), (KINDS.index("floor"), KINDS.index("divider")))
 
 
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)

@@ -126,6 +126,7 @@ MAY_IMPORT = {
 HOMES = {
     "casadi": {
         "rope_model.physics.element",
+        "rope_model.physics.air_element",
         "rope_model.physics.contact_element",
         "rope_model.physics.elementary",
         "rope_model.numerics",

@@ -141,8 +141,8 @@ void signals_by_members(int group, const Scene *scene, int fidelity, double t, d
     EnergyBalance *e = &s.energy_balance;
     e->kinetic = l[0], e->strain = l[1], e->gravity = l[2], e->contact = l[3];
     e->work_ends = l[4], e->dissipated_material = l[5], e->dissipated_swivel = l[6];
-    e->dissipated_contact = l[7], e->nonconservative = l[8];
-    e->transformations = l[9], e->start = l[10];
+    e->dissipated_contact = l[7], e->given_to_air = l[8], e->nonconservative = l[9];
+    e->transformations = l[10], e->start = l[11];
     s.counts.steps = (int64_t)n[0], s.counts.rejections = (int64_t)n[1], s.counts.newton = (int64_t)n[2];
     s.counts.transformations = (int64_t)n[3], s.counts.swivel_events = (int64_t)n[4];
     s.counts.given_up = (int64_t)n[5];

@@ -20,6 +20,7 @@ CALLS = {"Status", "RopeStatus", "_fail_later", "warning"}
 NO_ENTRY = {
     "the rope may touch a body": "status.fidelity_reason",
     "guards watch the loop": "status.fidelity_reason",
+    "the air may carry the rope along": "status.fidelity_reason",
     "no torque acts and nothing acts out of plane": "status.fidelity_reason, not a failure",
     "model errs by an estimated": "status.fidelity_reason",
     "where the rope is initialised with its swivels held": "status.fidelity_reason",

@@ -5,13 +5,14 @@
 
 #include "simulator.h"
 
-/* what conveyances and bodies put on the rope: force and moment about the origin */
+/* what conveyances, bodies and air put on the rope: force and moment about the origin */
 static void loads_on(const Simulator *rope, State *state, double load[6]) {
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
-    double contact[CONTACT_BALANCE];
+    double contact[CONTACT_BALANCE], air[AIR_BALANCE];
     contact_balance(&s, m.q, m.v, contact);
-    memcpy(load, contact + CONTACT_LOAD, sizeof(double) * 6);
+    chain_of_state(state)->air(&s, m.q, m.v, air);
+    for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(m.q, m.nodes, side), *R = end_row(m.reaction, m.nodes, side);
         double moment[3], one[6];

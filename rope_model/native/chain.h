@@ -8,7 +8,7 @@
 #include "rope.h"
 #include "shaft.h"
 
-enum { PARAMETERS = 9, BALANCE = 9, FRAME = 21, STRAINS = 3, MOMENTUM = 9 };
+enum { PARAMETERS = 9, BALANCE = 9, FRAME = 21, STRAINS = 3, MOMENTUM = 9, AIR = 4, AIR_BALANCE = 7 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
 /* numerics.newton.NewtonStatus */
@@ -36,13 +36,14 @@ typedef struct {
 
 /* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
    newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
-   elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies. */
+   elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies.
+   air: the numbers of physics.air.AirLaw, the first 0 where there is none. */
 typedef struct {
     int elements, free[2][DOF];
     const double *lengths;
     double *frames;
     Surroundings *around;
-    double P[PARAMETERS], load[2], friction_load[2], inertia[2], shortest;
+    double P[PARAMETERS], air[AIR], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
 typedef struct {
@@ -60,6 +61,8 @@ typedef struct {
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
                      double balance[BALANCE]);
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
+    /* of physics.air.AIR_BALANCE */
+    void (*air)(const System *, const double *q, const double *v, double sums[AIR_BALANCE]);
     void (*strains)(const System *, const double *q, double (*strains)[STRAINS]);
     /* of physics.element.MOMENTUM, q being what the frames are counted from; with the spin of what turns at the ends */
     void (*momentum)(const System *, const double *q, const double *v, double sums[MOMENTUM]);

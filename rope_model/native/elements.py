@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import casadi as ca
 
+from ..physics.air_element import air_functions
 from ..physics.element import ELEMENT_DOF, ElementFidelity, element_functions
 
 #: text of the operations that an element has
@@ -30,12 +31,13 @@ def element_code() -> str:
 
 def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     e = element_functions(fidelity)
-    inputs = e.tangent.sx_in()
-    J = e.tangent(*inputs)[1]
-    half = ca.vertcat(*(J[i, j] for i in range(J.shape[0]) for j in range(i, J.shape[1])))
-    yield f"{fidelity}_tangent", ca.Function("tangent", inputs, [ca.cse(half)])
+    yield f"{fidelity}_tangent", _upper_half("tangent", e.tangent)
     for name in ("residual", "balance", "losses", "strains", "momentum"):
         yield f"{fidelity}_{name}", getattr(e, name)
+    air = air_functions(fidelity)
+    yield f"{fidelity}_air_residual", air.residual
+    yield f"{fidelity}_air_sums", air.sums
+    yield f"{fidelity}_air_tangent", _upper_half("air_tangent", air.tangent)
     if fidelity == "torsional":
         yield "torsional_reference", e.reference
         inputs = e.transport.sx_in()
@@ -43,8 +45,15 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
         yield "torsional_transport", ca.Function("transport", inputs, [ca.cse(transport)])
 
 
+def _upper_half(name: str, tangent: ca.Function) -> ca.Function:
+    """The last result of ``tangent``, a symmetric matrix, by its upper half row by row."""
+    inputs = tangent.sx_in()
+    J = ca.densify(tangent.call(inputs)[-1])
+    half = ca.vertcat(*(J[i, j] for i in range(J.shape[0]) for j in range(i, J.shape[1])))
+    return ca.Function(name, inputs, [ca.cse(half)])
+
+
 def _function_code(name: str, f: ca.Function) -> str:
-    """The symmetric tangent gives its upper half row by row."""
     arguments = "".join(f"const V *RESTRICT x{i}, " for i in range(f.n_in()))
     return f"static void {name}({arguments}V *RESTRICT y)\n{{\n" + "".join(_statements(f)) + "}\n"
 

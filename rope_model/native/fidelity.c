@@ -117,6 +117,10 @@ int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason) {
         say_guards_watch(reason);
         return TORSIONAL;
     }
+    if (scene->shaft.air.density > 0) {
+        say_in_air(reason);
+        return TORSIONAL;
+    }
     if (nonzero_input(ends, OUT_OF_PLANE_OR_TURNED, why)) {
         say_held_where_initialised(reason, why);
         return TORSIONAL;

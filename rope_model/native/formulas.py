@@ -20,6 +20,7 @@ from ..numerics.program import no_simplification
 from ..parameters import Accuracy, Layout, Rope, Scene
 from ..physics import (
     accuracy,
+    air,
     contact,
     contact_element,
     elementary,
@@ -86,6 +87,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Touch touch(const Contact *contact, double diameter, const Body *body, const double moves[3], "
     "const double point[3], const double speed[3], double cq, double cv)": contact.touch,
     "double largest_motion(double longest, const double q[6], const double before[6])": contact.largest_motion,
+    "AirLaw air_law(const Air *air, double diameter)": air.air_law,
     "Body lining_body(const Lining *lining)": shaft.lining,
     "Body conveyance_body(const Conveyance *conveyance, const double end[3])": shaft.conveyance,
     "Body head_ropes_body(const HeadRopes *head_ropes, const Conveyance *conveyance, const double end[3])": (
@@ -177,6 +179,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     generalized_alpha.Coefficients,
     accuracy.StepLimits,
     shaft.Body,
+    air.AirLaw,
     contact.Touch,
 )
 #: what a formula may take or return whole

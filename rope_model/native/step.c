@@ -25,6 +25,8 @@ System system_of(const Simulator *rope, State *state) {
                 .P = {data->mass_per_length, rope->scene.layout.gravity, data->Qa, 0.5 * (data->Qb + data->Qc),
                       0.5 * (data->Qb - data->Qc), data->Qd, data->EI, data->rhoJ, data->beta_K},
                 .shortest = x.lengths[0]};
+    const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter);
+    memcpy(s.air, &law, sizeof s.air);
     for (int k = 1; k < x.elements; k++) s.shortest = fmin(s.shortest, x.lengths[k]);
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &rope->scene.swivels[side];
@@ -228,7 +230,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const double moved_by = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
     const double bottom = bottom_of(rope, state, state->t), speed = apart(&m);
-    double losses[2], contact[CONTACT_BALANCE], force = 0;
+    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], force = 0;
     /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
        integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
     for (size_t i = 0; i < size; i++) {
@@ -238,6 +240,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     }
     chain_of_state(state)->losses(&s, m.q, m.v, losses);
     contact_balance(&s, m.q, m.v, contact);
+    chain_of_state(state)->air(&s, m.q, m.v, air);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);
     double *const to[] = {m.q, m.v, m.a, m.b, m.a_rate, m.reaction};
     double *const from[] = {now->q, now->v, now->a, now->b, now->a_rate, now->reaction};
@@ -253,6 +256,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     energy->dissipated_swivel += 0.5 * h * (before[1] + state->power_swivel);
     energy->dissipated_material += h * losses[0];
     energy->dissipated_contact += h * contact[CONTACT_DISSIPATED];
+    energy->given_to_air += h * air[0];
     energy->nonconservative += h * losses[1];
     audit_step(rope, state, h, moved_by, forces);
 }

@@ -19,8 +19,7 @@ import numpy as np
 
 from . import hermite
 from .contact import touch
-from .element import ELEMENT_DOF, PARAMETERS, ElementFidelity, ElementFunctions
-from .element import element_functions as plain_functions
+from .element import ELEMENT_DOF, ElementFidelity, ElementFunctions
 from .shaft import KINDS, Body
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(16)
@@ -41,15 +40,14 @@ CONTACT_BALANCE = (
 
 
 @cache
-def contact_element(fidelity: ElementFidelity, kinds: tuple[int, ...]) -> ElementFunctions:
-    """The element's functions, with as many bodies as ``kinds``.
+def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: tuple[int, ...]) -> ElementFunctions:
+    """The functions of the ``plain`` element of a fidelity, with as many bodies as ``kinds``.
 
     F has an entry more for each body, 1 where the element is near it, else 0; P those of LAW and of the bodies.
     residual, tangent, balance and losses have what contact adds, the latter two in further entries.
     """
-    plain = plain_functions(fidelity)
     m = len(ELEMENT_DOF[fidelity])
-    frame, own, bodies = plain.residual.size1_in(4), len(PARAMETERS), len(kinds)
+    frame, own, bodies = plain.residual.size1_in(4), plain.residual.size1_in(5), len(kinds)
     q, v, a = (ca.MX.sym(name, 2 * m) for name in ("q", "v", "a"))
     l, F = ca.MX.sym("l"), ca.MX.sym("F", frame + bodies)
     P = ca.MX.sym("P", own + len(LAW) + bodies * BODY_SIZE)

@@ -118,6 +118,8 @@ def _lowest(scene: Scene, ends: tuple[EndMotion, EndMotion]) -> Choice:
         return Choice("torsional", messages.may_touch())
     if guarded(scene.shaft.guard):
         return Choice("torsional", messages.guards_watch())
+    if scene.shaft.air.density > 0:
+        return Choice("torsional", messages.in_air())
     if why := _nonzero_input(ends, OUT_OF_PLANE + TURNED):
         return Choice("torsional", messages.held_where_initialised(why))
     fidelity = lowest_sufficient(scene, ends) if scene.model.force_tolerance > 0 else "torsional"

@@ -198,6 +198,10 @@ def guards_watch() -> str:
     return "guards watch the loop, which may turn and swing"
 
 
+def in_air() -> str:
+    return "the air may carry the rope along"
+
+
 def no_torque() -> str:
     return "no torque acts and nothing acts out of plane"
 

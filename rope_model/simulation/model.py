@@ -18,7 +18,17 @@ from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share
 from .ends import HangingEnds, Phase, nominal_points
 from .fidelity import flexible
 from .paths import EndPath
-from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, KernelCache, RopeSystem, parameter_vector
+from .rope_system import (
+    AIR,
+    ANGLE,
+    POSITION,
+    SLOPE,
+    Evaluation,
+    KernelCache,
+    RopeSystem,
+    air_parameters,
+    parameter_vector,
+)
 from .state import Powers, RopeState
 from .surroundings import surroundings
 
@@ -42,17 +52,18 @@ class RopeModel:
         else:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
-            P, fidelity = parameter_vector(scene.rope, scene.layout.gravity), flexible(state.fidelity)
+            own, blown = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
+            fidelity, air = flexible(state.fidelity), (AIR,) if blown.size else ()
             around = surroundings(scene)
             system = RopeSystem(
-                self.kernels.of(fidelity),
+                self.kernels.of(fidelity, air),
                 state.partition.lengths,
-                P,
+                np.concatenate((own, blown)),
                 self.ends(state),
                 state.motion.q,
                 node_mass,
                 around,
-                partial(self.kernels.of, fidelity, around.kinds if around else ()),
+                partial(self.kernels.of, fidelity, (*air, *around.kinds) if around else air),
             )
         self._latest[:] = [(key, system)]
         return system
@@ -119,6 +130,7 @@ class RopeModel:
             dissipated_swivel=old.energy_balance.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
             dissipated_material=old.energy_balance.dissipated_material + h * losses.damping,
             dissipated_contact=old.energy_balance.dissipated_contact + h * losses.contact,
+            given_to_air=old.energy_balance.given_to_air + h * system.outside(middle, rate)["given_to_air"],
             nonconservative=old.energy_balance.nonconservative + h * losses.nonconservative,
         )
         after = old._replace(motion=motion, energy_balance=energy_balance, errors=errors, powers=now)
@@ -187,16 +199,18 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 
 
 def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
-    """What the conveyances put on the rope, its ends held so, and the bodies that it touches."""
-    contact = system.contact(motion.q, motion.v)
-    loads = [tuple(contact[name] for name in _CONTACT_LOAD)]
+    """What the conveyances put on the rope, its ends held so, and the bodies that it touches, and the air."""
+    outside = system.outside(motion.q, motion.v)
+    loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side in (0, 1):
         q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
         loads.append(end_load(q, R, end_moment(q[SLOPE], R[SLOPE], ends.moment(side, motion.reaction))))
     return tuple(sum(parts) for parts in zip(*loads, strict=True))
 
 
-_CONTACT_LOAD = tuple(f"contact_{name}" for name in ("fx", "fy", "fz", "mx", "my", "mz"))
+_CONTACT_LOAD, _AIR_LOAD = (
+    tuple(f"{of}_{name}" for name in ("fx", "fy", "fz", "mx", "my", "mz")) for of in ("contact", "air")
+)
 
 
 def restarted(audit: Audit, load: Load) -> Audit:

@@ -27,8 +27,11 @@ class Effect(NamedTuple):
 EFFECTS = (
     Effect(
         "planar",
-        "side forces, strain energy and damping in the rope, bodies that it touches",
-        ("fx", "mz", "energy.strain", "energy.dissipated_material", "contact", "energy.dissipated_contact"),
+        "side forces, strain energy and damping in the rope, bodies that it touches, and air",
+        (
+            *("fx", "mz", "energy.strain", "energy.dissipated_material"),
+            *("contact", "energy.dissipated_contact", "energy.given_to_air"),
+        ),
         by_torque=False,
     ),
     Effect(

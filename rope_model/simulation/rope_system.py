@@ -35,7 +35,9 @@ from ..numerics.kernels import (
     save_portable,
 )
 from ..numerics.newton import PROGRESS, report
-from ..parameters import Rope
+from ..parameters import Rope, Scene
+from ..physics.air import air_law
+from ..physics.air_element import AIR_BALANCE, air_element
 from ..physics.contact import LOOK_AHEAD, largest_motion
 from ..physics.contact_element import CONTACT_BALANCE, contact_element
 from ..physics.element import BALANCE, ELEMENT_DOF, MOMENTUM, NODE_DOF, STRAINS, ElementFidelity, element_functions
@@ -46,12 +48,12 @@ log = logging.getLogger(__name__)
 
 #: places of r, r' and theta in a node's row
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
-#: kinds of the bodies that a rope may touch
+#: kinds of the bodies that a rope may touch, and AIR before them where there is air
 Kinds = tuple[int, ...]
-_BALANCE = (*BALANCE, *CONTACT_BALANCE)
+AIR = len(KINDS)
+_WORDS = (*KINDS, "air")
 _NOTHING = np.zeros((1, 1), dtype=bool)
-_NO_BALANCE = dict.fromkeys(_BALANCE, 0.0)
-_NO_CONTACT = dict.fromkeys(CONTACT_BALANCE, 0.0)
+_NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE), 0.0)
 
 
 class RopeKernels:
@@ -80,6 +82,9 @@ class RopeKernels:
         )
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity = elements, fidelity
+        # what solve and evaluate sum up
+        air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if set(bodies) - {AIR} else ()
+        self.balance = (*BALANCE, *air, *contact)
         self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
         self.newton_step = Kernel(newton_step, (nodes, nodes))
         self.evaluate = Kernel(evaluate, (nodes, balance))
@@ -129,7 +134,7 @@ def write_bundle(elements: int, folder: Path, bodies: Kinds = ()) -> list[Path]:
 
 def _build(elements: int, fidelity: ElementFidelity, bodies: Kinds, compiler: Sequence[str]) -> Path:
     """The compiled library: the element is the same in ropes of any number of elements, and compiled once."""
-    kind = "-".join((fidelity, *(KINDS[kind] for kind in bodies)))
+    kind = "-".join((fidelity, *(_WORDS[kind] for kind in bodies)))
     parts = build_parts(rope_parts(fidelity, bodies), compiler, cache_folder(), f"element-{kind}")
     functions = _linked_functions(elements, fidelity, bodies, parts.library).all()
     return build_library(functions, compiler, cache_folder(), f"kernels-{kind}-{elements}", [parts.linked])
@@ -143,14 +148,16 @@ def _linked_functions(elements: int, fidelity: ElementFidelity, bodies: Kinds, l
 
 
 def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies: Kinds) -> tuple[Path, Path]:
-    name = "-".join((fidelity, *(KINDS[kind] for kind in bodies), str(elements)))
+    name = "-".join((fidelity, *(_WORDS[kind] for kind in bodies), str(elements)))
     return folder / f"{name}-{platform_tag()}{LIBRARY_SUFFIX}", folder / f"{name}.casadi"
 
 
 @cache
 def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     """CasADi functions that ropes of any number of elements have in common."""
-    return chain_parts(contact_element(fidelity, bodies) if bodies else element_functions(fidelity))
+    element = air_element(fidelity) if AIR in bodies else element_functions(fidelity)
+    touched = tuple(kind for kind in bodies if kind != AIR)
+    return chain_parts(contact_element(fidelity, element, touched) if touched else element)
 
 
 @cache
@@ -163,6 +170,12 @@ def parameter_vector(rope: Rope, gravity: float) -> Array:
     """The element's parameters in the order of physics.element.PARAMETERS."""
     r = rope
     return np.array([r.mass_per_length, gravity, r.Qa, r.Qs, r.Qk, r.Qd, r.EI, r.rhoJ, r.beta_K])
+
+
+def air_parameters(scene: Scene) -> Array:
+    """What the element has beyond them where there is air; empty without."""
+    law = air_law(scene.shaft.air, scene.rope.diameter)
+    return np.array([law.factor, *law.velocity] if law.factor else [])
 
 
 def arc_lengths(lengths: Array) -> Array:
@@ -300,7 +313,7 @@ class RopeSystem:
             newton = report(progress.tolist())
             more = self._near(q, 0.0) if newton.converged else _NOTHING
             if not more.any() or (near.any() and not (more & ~near).any()):
-                return Solution(q, v, a, self._evaluation(v, reaction, sums), newton)
+                return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), newton)
             near = near | more
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
@@ -312,23 +325,22 @@ class RopeSystem:
         """Residual and balance; the inertia of concentrated masses is added to the kinetic energy."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         R, sums = kernels.evaluate(q, v, a, reaction, *constants, P)
-        return self._evaluation(v, R, sums)
+        return self._evaluation(v, R, kernels.balance, sums)
 
-    def _evaluation(self, v: Array, R: Array, sums: Array) -> Evaluation:
-        balance = _NO_BALANCE | dict(zip(_BALANCE, sums.tolist(), strict=False))
+    def _evaluation(self, v: Array, R: Array, names: tuple[str, ...], sums: Array) -> Evaluation:
+        balance = dict(zip(names, sums.tolist(), strict=True))
+        balance.setdefault("contact", 0.0)
         balance["kinetic"] += 0.5 * float(np.vdot(self.node_mass, v * v))
         return Evaluation(R, balance)
 
-    def contact(self, q: Array, v: Array) -> dict[str, float]:
-        """What bodies do to the rope: physics.contact_element.CONTACT_BALANCE by name."""
-        if self.around is None:
-            return _NO_CONTACT
+    def outside(self, q: Array, v: Array) -> dict[str, float]:
+        """What bodies and air do to the rope: physics.contact_element.CONTACT_BALANCE and air.AIR_BALANCE by name."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        sums = np.zeros(len(CONTACT_BALANCE))
-        if kernels is not self.kernels:
-            rest = np.zeros_like(q)
-            sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1][len(BALANCE) :]
-        return dict(zip(CONTACT_BALANCE, sums.tolist(), strict=True))
+        if len(kernels.balance) == len(BALANCE):
+            return _NOTHING_OUTSIDE
+        rest = np.zeros_like(q)
+        sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1]
+        return _NOTHING_OUTSIDE | dict(zip(kernels.balance, sums.tolist(), strict=True))
 
     def losses(self, q: Array, v: Array) -> Losses:
         """What flows out in the rope and in its contacts, W."""

@@ -91,6 +91,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("dissipated_material", "energy dissipated by material damping since the start"),
         ("dissipated_swivel", "energy dissipated by swivel friction since the start"),
         ("dissipated_contact", "energy dissipated by damping and friction of contact since the start"),
+        ("given_to_air", "energy given to the air since the start; negative where it blows and drives the rope"),
         ("nonconservative", "energy taken up by the difference of Qb and Qc since the start"),
         ("transformations", "energy change of all mesh transformations since the start"),
         ("residual", "residual of the energy balance: numerical dissipation is negative"),
@@ -287,7 +288,7 @@ def contact_signals(rope: Evaluated) -> dict[str, float]:
     """Forces between the rope and the bodies in the shaft."""
     m, forces = rope.state.motion, dict.fromkeys(KINDS, 0.0)
     if rope.state.fidelity != "rigid":
-        forces |= rope.system.contact(m.q, m.v)
+        forces |= rope.system.outside(m.q, m.v)
     return {f"contact.{kind}": forces[kind] for kind in KINDS}
 
 

@@ -32,6 +32,7 @@ class EnergyBalance(NamedTuple):
     dissipated_material: float = 0.0
     dissipated_swivel: float = 0.0
     dissipated_contact: float = 0.0
+    given_to_air: float = 0.0
     nonconservative: float = 0.0  # taken up by Qb != Qc
     transformations: float = 0.0  # sum of the energy changes of mesh changes
     start: float = 0.0  # total energy at the start

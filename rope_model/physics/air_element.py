@@ -1,0 +1,109 @@
+"""The beam element in air: physics.element with the drag of physics.air.
+
+An element integrates the drag f with the cubic Hermite shapes N of r over the four Gauss points of physics.hermite:
+
+    R -= int N^T f dx,   J += int N^T (-cv df/dv) N dx
+
+The power that the rope gives to the air is -f . r_t; where the air blows and drives the rope it is negative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import casadi as ca
+
+from . import hermite
+from .air import AirLaw, drag
+from .element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions, element_functions
+from .elementary import cross, dot
+
+#: what the balance of the element has beyond element.BALANCE
+AIR_BALANCE = (
+    "given_to_air",  # W
+    *("air_fx", "air_fy", "air_fz"),  # N, on the rope
+    *("air_mx", "air_my", "air_mz"),  # N m, about the origin
+)
+
+
+class AirFunctions(NamedTuple):
+    """What the air does to an element, ``A`` being an AirLaw's numbers (4,).
+
+    residual: (q, v, l, A) -> R (2 m,); tangent: (q, v, l, A, cv) -> J (2 m, 2 m); sums: (q, v, l, A) -> AIR_BALANCE.
+    """
+
+    residual: ca.Function
+    tangent: ca.Function
+    sums: ca.Function
+
+
+@cache
+def air_functions(fidelity: ElementFidelity) -> AirFunctions:
+    """Build the functions."""
+    kept = ELEMENT_DOF[fidelity]
+    entries = [*kept, *(NODE_DOF + k for k in kept)]
+    symbols = [ca.SX.sym(name, len(entries)) for name in "qv"]
+    l, A, cv = ca.SX.sym("l"), ca.SX.sym("A", 4), ca.SX.sym("cv")
+    q, v = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
+    for x, symbol in zip((q, v), symbols, strict=True):
+        x[entries] = symbol
+    numbers: Any = ca.vertsplit(A)
+    law = AirLaw(numbers[0], (numbers[1], numbers[2], numbers[3]))
+    R, J, sums = ca.SX.zeros(2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(len(AIR_BALANCE))
+    for xi, weight in hermite.GAUSS:
+        nodes = dict(_nodes(hermite.shares(xi, l)))
+        (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
+        force, tangent = drag(law, slope, speed)
+        w = weight * l
+        sums += w * ca.vertcat(-dot(force, speed), *force, *cross(point, force))
+        for row, (i, share) in nodes.items():
+            R[row] -= w * share * force[i]
+            for column, (j, other) in nodes.items():
+                J[row, column] += cv * w * share * other * tangent[i][j]
+    inputs = [*symbols, l, A]
+    return AirFunctions(
+        ca.Function("air_residual", inputs, [ca.cse(R[entries])]),
+        ca.Function("air_tangent", [*inputs, cv], [ca.cse(J[entries, entries])]),
+        ca.Function("air_sums", inputs, [ca.cse(sums)]),
+    )
+
+
+@cache
+def air_element(fidelity: ElementFidelity) -> ElementFunctions:
+    """The element's functions in air; P has the AirLaw's numbers behind its own, the balance AIR_BALANCE."""
+    plain, air, m = element_functions(fidelity), air_functions(fidelity), len(ELEMENT_DOF[fidelity])
+    q, v, a = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a"))
+    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", plain.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + 4)
+    cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
+    own, blown = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
+    R, J = plain.tangent(q, v, a, *own, cq, cv, c_a)
+    pushed = air.residual(*blown)
+
+    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+        return ca.Function(f"element_{name}", inputs, outputs)
+
+    tangent = [R + pushed, J + air.tangent(*blown, cv)]
+    return replace(
+        plain,
+        residual=function("residual", [q, v, a, l, F, P], [plain.residual(q, v, a, *own) + pushed]),
+        tangent=function("tangent", [q, v, a, l, F, P, cq, cv, c_a], tangent),
+        balance=function("balance", [q, v, l, F, P], [ca.vertcat(plain.balance(q, v, *own), air.sums(*blown))]),
+        losses=function("losses", [q, v, l, F, P], [plain.losses(q, v, *own)]),
+        momentum=function("momentum", [q, v, l, P], [plain.momentum(q, v, l, own[2])]),
+    )
+
+
+def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
+    """Value and slope of r, or of its rate, in the element."""
+    pairs = [hermite.interpolate(xi, l, x[i], x[3 + i], x[NODE_DOF + i], x[NODE_DOF + 3 + i]) for i in range(3)]
+    return [value for value, _ in pairs], [slope for _, slope in pairs]
+
+
+def _nodes(shares: tuple[Any, ...]) -> Iterator[tuple[int, tuple[int, Any]]]:
+    """Entries of r and r' in the element, each with its component and its share of a force."""
+    for first, share in zip((0, 3, NODE_DOF, NODE_DOF + 3), shares, strict=True):
+        for i in range(3):
+            yield first + i, (i, share)

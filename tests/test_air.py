@@ -1,0 +1,123 @@
+"""Drag of the air: the element that has it, and both forms of the rope in it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from rope_model import EndMotion, balance_rope
+from rope_model.parameters import Mesh, Rope, Scene
+from rope_model.physics.air import AirLaw, air_law
+from rope_model.physics.air_element import AIR_BALANCE, air_element, air_functions
+from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity, element_functions
+from rope_model.shaft_parameters import Air, Shaft, Sump
+from rope_model.simulation.rope_system import parameter_vector
+
+STEP, LENGTH = 0.01, 10.0
+LAW = air_law(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044)
+A = [LAW.factor, *LAW.velocity]
+
+
+def moved(fidelity: ElementFidelity, seed: int) -> tuple[np.ndarray[Any, Any], ...]:
+    """q and v of an element that is bent, stretched and moves."""
+    chance, kept = np.random.default_rng(seed), list(ELEMENT_DOF[fidelity])
+    q, v = np.zeros((2, NODE_DOF)), chance.normal(size=(2, NODE_DOF))
+    q[:, 3:6] = np.array([0.6, -0.8, 0.0]) + 0.1 * chance.normal(size=(2, 3))
+    q[1, :3] = [1.2, -1.6, 0.1]
+    return q[:, kept].ravel(), v[:, kept].ravel()
+
+
+def test_a_straight_element_has_the_drag_of_a_cylinder() -> None:
+    l, t, w = 2.0, np.array([0.6, -0.8, 0.0]), np.array([1.5, 0.5, 2.0])
+    q, v = np.zeros((2, NODE_DOF)), np.zeros((2, NODE_DOF))
+    q[:, 3:6], q[1, :3], v[:, :3] = t, l * t, w
+    against = w - np.array(LAW.velocity)
+    across = against - (against @ t) * t
+    force = -LAW.factor * np.linalg.norm(across) * across * l
+    sums = dict(
+        zip(AIR_BALANCE, np.array(air_functions("torsional").sums(q.ravel(), v.ravel(), l, A)).ravel(), strict=True)
+    )
+    assert_allclose([sums["air_fx"], sums["air_fy"], sums["air_fz"]], force, rtol=1e-12)
+    moment = np.cross(0.5 * l * t, force)
+    assert_allclose([sums["air_mx"], sums["air_my"], sums["air_mz"]], moment, rtol=1e-12)
+    assert sums["given_to_air"] == pytest.approx(-force @ w)
+    # what the air does to r of both nodes is the whole force; across no length of the rope twice
+    R = np.array(air_functions("torsional").residual(q.ravel(), v.ravel(), l, A)).reshape(2, NODE_DOF)
+    assert_allclose(-R[:, :3].sum(axis=0), force, rtol=1e-12)
+
+
+@pytest.mark.parametrize("fidelity", ELEMENT_DOF)
+def test_the_tangent_is_the_derivative_to_the_speed(fidelity: ElementFidelity) -> None:
+    air, (q, v) = air_functions(fidelity), moved(fidelity, 1)
+    J = np.array(air.tangent(q, v, 2.0, A, 1.0))
+    steps = 1e-6 * np.eye(v.size)
+    found = [np.array(air.residual(q, v + e, 2.0, A) - air.residual(q, v - e, 2.0, A)).ravel() / 2e-6 for e in steps]
+    assert_allclose(J, np.array(found).T, atol=1e-8)
+    assert_allclose(J, J.T, atol=1e-15)
+    assert np.abs(J).max() > 0.01
+
+
+def test_without_air_the_element_is_the_plain_one() -> None:
+    (q, v), F = moved("torsional", 2), np.array(element_functions().reference(moved("torsional", 3)[0], 2.0))
+    P = parameter_vector(Rope(), 9.81)
+    still = np.concatenate((P, [0.0, *LAW.velocity]))
+    one, other = (
+        np.array(f.residual(q, v, v, 2.0, F, p))
+        for f, p in ((element_functions(), P), (air_element("torsional"), still))
+    )
+    assert_array_equal(one, other)
+
+
+def scene(**air: float) -> Scene:
+    rope, shaft = Rope(length=LENGTH), Shaft(air=Air(**air), sump=Sump(level=-4.2))
+    return Scene(rope=rope, mesh=Mesh("eem", elements=10), shaft=shaft)
+
+
+def ends(t: float) -> tuple[EndMotion, EndMotion]:
+    """Both go aside and down at a growing speed."""
+    left, right = (
+        EndMotion(x=2 * t**3, vx=6 * t**2, ax=12 * t, y=-y * t**3, vy=-3 * y * t**2, ay=-6 * y * t) for y in (2.0, 1.0)
+    )
+    return left, right
+
+
+def wound(of: Scene, form: Any, steps: int) -> Any:
+    rope = balance_rope(of, form)
+    assert rope.initialize(0.0, *ends(0.0)).valid
+    for k in range(1, steps + 1):
+        status = rope.advance_to(k * STEP, *ends(k * STEP))
+        assert status.valid, status.message
+    return rope
+
+
+def test_both_forms_agree_in_the_wind_with_a_floor() -> None:
+    blown = scene(density=1.2, vx=4.0, vy=-3.0, vz=5.0)
+    python, native = (wound(blown, form, 30) for form in ("python", "native"))
+    one, other = python.state, native.state
+    assert_allclose(one.motion.q, other.motion.q, atol=1e-9)
+    assert one.counts == other.counts
+    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-6)
+    assert other.energy_balance.given_to_air < -0.1  # it drives the rope
+    # the momentum is that of end forces, weight, floor and air
+    assert max(one.audit.missing_force, other.audit.missing_force) < 1e-3 * other.audit.force
+
+
+def test_what_a_rope_loses_to_the_air_is_in_the_energy_balance() -> None:
+    """Denser than air, so that it counts: the drag takes a good part of the work done."""
+    still = replace(scene(density=50.0), shaft=Shaft(air=Air(density=50.0)))
+    energy = wound(still, "native", 100).state.energy_balance
+    assert energy.given_to_air > 0.2 * energy.work_ends > 10
+    assert abs(energy.residual) < 2e-3 * energy.given_to_air
+
+
+def test_ends_hold_what_the_wind_pushes() -> None:
+    """Across its plane: all of the rope has the whole wind, but for the square of its lean."""
+    law = AirLaw(0.5 * 1.2 * 1.2 * 0.044, (0.0, 0.0, 3.0))
+    rope = balance_rope(Scene(shaft=Shaft(air=Air(density=1.2, drag=1.2, vz=3.0))))
+    assert rope.initialize(0.0, EndMotion(), EndMotion(y=60.0)).valid
+    signals = rope.signals()
+    assert signals["left.fz"] + signals["right.fz"] == pytest.approx(law.factor * 9.0 * 120.0, rel=1e-4)
