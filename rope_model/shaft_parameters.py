@@ -167,11 +167,11 @@ class Guard:
         "height that the rise counts from, from the origin of left.y and right.y; -1e6: the loop's quasi-static place"
     )
     window: float = _threshold(
-        "m", "distance from the upright plane through both ends beyond which a guard trips", _OFF
+        "m", "horizontal distance of the loop from midway between the ends beyond which a guard trips", _OFF
     )
     window_delay: float = _delay("the rope is beyond it")
     window_y: float = _switch(
-        "height at which the legs are seen, from the origin of left.y and right.y; -1e6: the loop's lowest point is"
+        "height at which the legs are seen, against straight below their ends; -1e6: the loop's lowest point is"
     )
     clearance: float = _threshold("m", "distance from any body of the shaft below which a guard trips", _OFF)
     clearance_delay: float = _delay("the rope is nearer")

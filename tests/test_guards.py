@@ -21,12 +21,10 @@ from rope_model import (
     Sump,
     balance_rope,
 )
-from rope_model.physics.guard import CAUSES, NEVER, GuardState, sideways, sideways_at, watch
+from rope_model.physics.guard import CAUSES, NEVER, GuardState, off_plumb, sideways, watch
 
 SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16))
 LEFT, RIGHT = (-1.0, 20.0, 0.0), (2.0, 10.0, 4.0)
-#: the upright plane through both ends, 3 m apart in X and 4 m in Z, has the normal (0.8, 0, -0.6)
-POINT = (-1.0 + 3.0 + 0.8 * 0.7, -5.0, 4.0 - 0.6 * 0.7)
 NOTHING = dict.fromkeys(CAUSES, 0.0) | {"clearance": 1e6}
 
 
@@ -49,9 +47,10 @@ def wound(scene: Scene) -> BalanceRope:
     return [*stations(balance_rope(scene, "native"))][-1]
 
 
-def test_distance_from_the_plane_of_the_ends_is_exact() -> None:
-    assert_allclose(sideways(POINT, LEFT, RIGHT), 0.7, rtol=1e-14)
-    assert_allclose(sideways_at(0.0, (0.0, -5.0, 0.0), (4.0, 15.0, 8.0), LEFT, RIGHT), 0.4, rtol=1e-14)
+def test_distances_from_midway_and_from_plumb_are_exact() -> None:
+    assert_allclose(sideways((0.5 + 0.3, -5.0, 2.0 - 0.4), LEFT, RIGHT), 0.5, rtol=1e-14)
+    # at the height 0 the piece is at X = -0.7, Z = 0.4
+    assert_allclose(off_plumb(0.0, (-1.6, -5.0, 0.1), (2.0, 15.0, 1.3), LEFT), 0.5, rtol=1e-14)
 
 
 def after(guard: Guard, *looks: tuple[float, str, float]) -> GuardState:

@@ -56,7 +56,7 @@ def after_trip(recording: Recording, trip: GuardTrip) -> list[tuple[str, float, 
 
     asked = (
         (("loop.rise",), "largest rise of the loop, either way", "m", largest),
-        (("loop.sideways",), "largest distance of the loop from the plane of the ends", "m", largest),
+        (("loop.sideways",), "largest distance of the loop from midway between the ends", "m", largest),
         (("loop.turns",), "largest turns of the legs about each other", "", largest),
         (tuple(f"clearance.{kind}" for kind in BODIES), "smallest clearance from a body", "m", np.min),
         (("left.swivel.torque", "right.swivel.torque"), "largest torque at a swivel", "N m", largest),

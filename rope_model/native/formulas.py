@@ -100,8 +100,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
         guard.loop_height
     ),
     "double sideways(const double point[3], const double left[3], const double right[3])": guard.sideways,
-    "double sideways_at(double height, const double a[3], const double b[3], const double left[3], "
-    "const double right[3])": guard.sideways_at,
+    "double off_plumb(double height, const double a[3], const double b[3], const double end[3])": guard.off_plumb,
     "GuardState watch(const Guard *guard, const GuardState *state, double t, const double seen[5])": guard.watch,
     "double bending_stress(const Rope *rope, double k)": stress.bending_stress,
     "double torsional_stress(const Rope *rope, double e, double tau)": stress.torsional_stress,

@@ -14,13 +14,14 @@ double guards_sideways(const Arrays *m, const LoopBottom *bottom) {
     return sideways(bottom->position, m->q, m->q + (size_t)m->elements * DOF);
 }
 
-/* of what is farthest from the plane of the ends at the switch's height */
+/* how far the legs are from straight below their ends at the switch's height */
 static double sideways_at_switch(const Arrays *m, double height) {
     const double *last = m->q + (size_t)m->elements * DOF;
+    const double *lowest = m->q + (size_t)shape_lowest_node(m->nodes, m->q) * DOF;
     double farthest = 0;
     for (const double *a = m->q; a < last; a += DOF)
         if ((a[1] < height) != (a[DOF + 1] < height))
-            farthest = larger(farthest, sideways_at(height, a, a + DOF, m->q, last));
+            farthest = larger(farthest, off_plumb(height, a, a + DOF, a < lowest ? m->q : last));
     return farthest;
 }
 

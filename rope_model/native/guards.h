@@ -4,7 +4,7 @@
 
 #include "formulas.h"
 
-/* how far the loop's lowest point is above its quasi-static place, and from the upright plane through both ends */
+/* how far the loop's lowest point is above its quasi-static place, and horizontally from midway between the ends */
 double guards_rise(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom);
 double guards_sideways(const Arrays *arrays, const LoopBottom *bottom);
 /* the rope hangs at rest */

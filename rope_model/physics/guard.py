@@ -3,7 +3,8 @@
 Five quantities are watched, each against a threshold of its own, 0 for none:
 
     rise        how far the loop's lowest point is above its quasi-static place, or above a switch at a given height
-    window      how far it is from the upright plane through both ends, or the legs at the height of a switch are
+    window      how far it is, horizontally, from midway between the ends, or, at the height of a switch, a leg from
+                straight below its end
     clearance   distance of the rope's surface from the nearest body of the shaft, where it is less than the threshold
     turns       |loop.turns|
     torque      the larger moment of both swivels
@@ -62,15 +63,14 @@ def loop_height(rope: Any, layout: Any, lowest: Any, left: Any, right: Any) -> A
 
 
 def sideways(point: Any, left: Any, right: Any) -> Any:
-    """Distance (m) of ``point`` (3,) from the upright plane through both ends (3,)."""
-    x, z = right[0] - left[0], right[2] - left[2]
-    return abs((point[0] - left[0]) * z - (point[2] - left[2]) * x) / hypot(x, z)
+    """Horizontal distance (m) of ``point`` (3,) from midway between the ends (3,)."""
+    return hypot(point[0] - 0.5 * (left[0] + right[0]), point[2] - 0.5 * (left[2] + right[2]))
 
 
-def sideways_at(height: Any, a: Any, b: Any, left: Any, right: Any) -> Any:
-    """The same at a ``height`` (m) of the straight piece from ``a`` to ``b`` (3,), which passes it."""
+def off_plumb(height: Any, a: Any, b: Any, end: Any) -> Any:
+    """Horizontal distance (m) from ``end`` of the piece from ``a`` to ``b`` (3,), at a ``height`` that it passes."""
     part = (height - a[1]) / (b[1] - a[1])
-    return sideways((a[0] + part * (b[0] - a[0]), height, a[2] + part * (b[2] - a[2])), left, right)
+    return hypot(a[0] + part * (b[0] - a[0]) - end[0], a[2] + part * (b[2] - a[2]) - end[2])
 
 
 def watch(guard: Any, state: Any, t: Any, seen: Any) -> GuardState:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..parameters import Scene
 from ..physics.guard import CAUSES as CAUSES
-from ..physics.guard import guarded, loop_height, sideways, sideways_at, watch
+from ..physics.guard import guarded, loop_height, off_plumb, sideways, watch
 from ..physics.shaft import KINDS
 from ..shaft_parameters import FAR
 from .diagnostics import LoopBottom, loop_bottom, loop_turns
@@ -46,9 +46,9 @@ def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
 
 
 def _sideways(r: Array, height: float, bottom: LoopBottom) -> float:
-    """Distance (m) from the plane of the ends, of the lowest point or of what is farthest at the switch's height."""
+    """How far (m) the lowest point is from midway between the ends or, at the switch's height, a leg from its end."""
     if height <= -FAR:
         return float(sideways(bottom.position, r[0], r[-1]))
-    below = r[:, 1] < height
+    below, lowest = r[:, 1] < height, int(np.argmin(r[:, 1]))
     passing = np.flatnonzero(below[1:] != below[:-1])
-    return max((float(sideways_at(height, r[k], r[k + 1], r[0], r[-1])) for k in passing), default=0.0)
+    return max((float(off_plumb(height, r[k], r[k + 1], r[-int(k >= lowest)])) for k in passing), default=0.0)

@@ -71,7 +71,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
     yield "loop.crossed_at", Signal("s", "time at which it first did; 0 before")
     yield "loop.crossed_y", Signal("m", "height at which it first did; 0 before")
     yield "loop.rise", Signal("m", "height of the rope's lowest point over its quasi-static place")
-    yield "loop.sideways", Signal("m", "distance of the rope's lowest point from the upright plane through both ends")
+    yield "loop.sideways", Signal("m", "horizontal distance of the rope's lowest point from midway between the ends")
     yield "guard.tripped", Signal("1", "whether a guard of the loop has tripped", "boolean")
     causes = ", ".join(f"{code} {cause}" for code, cause in enumerate(("none", *CAUSES)))
     yield "guard.cause", Signal("1", f"the guard that has tripped first: {causes}", "integer")
