@@ -114,7 +114,8 @@ def _ends(t: Table) -> Fit:
 
 
 def _legs(t: Table, trip: str) -> Fit:
-    used = (t["what"] == "legs") & (t["trip"] == trip) & (t["part"] <= 1)  # beyond, short legs have no longer elements
+    used = (t["what"] == "legs") & (t["trip"] == trip) & (t["part"] <= 1)
+    used &= t["off [m]"] > 0  # legs that are too short, or held to LEG_SWAY, have no longer elements than others
     ratio = np.log(t["off [m]"][used] / (t["grading_length [m]"][used] * t["length [m]"][used]))
     return _fit((float(np.exp(np.median(ratio))),), ratio - np.median(ratio))
 

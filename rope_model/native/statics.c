@@ -15,6 +15,9 @@ enum { MAX_ITERATIONS = 10000 };
 /* s */
 #define SETTLED 1e3
 
+/* corrections with forces balanced to rounding, after which what still moves costs no energy */
+enum { BALANCED = 200 };
+
 /* what the residual R does along x, which is zero where the rope is held */
 static double work_along(const System *s, const double *R, const double *x) {
     double work = 0;
@@ -52,6 +55,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
+    int balanced = 0;
     const double rounding = 10 * DBL_EPSILON * rope->scene.rope.Qa * m.s[m.elements] / s.shortest;
     memset(rest, 0, bytes);
     memset(m.reaction, 0, bytes);
@@ -85,7 +89,8 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         if (fabs(turned) > most_turn) break;
         memcpy(m.q, trial, bytes);
         memcpy(m.reaction, R, bytes);
-        if (tau > 1e8 && norm < TOLERANCE * m.s[m.elements]) {
+        balanced += force <= rounding;
+        if (balanced > BALANCED || (tau > 1e8 && norm < TOLERANCE * m.s[m.elements])) {
             state->offsets[RIGHT] += turned;
             return 1;
         }

@@ -9,6 +9,9 @@ The tangent is symmetric and leaves out what Qk between strains has no energy fo
 multiplies the error by i r, turned by 90 degrees, where r may exceed 1; corrections shortened by 1 / (1 + r^2) make it
 fall fastest.
 
+Where a motion costs no energy, as the turn of a buckled rod's helix about its axis, corrections along it never get small;
+the search ends when forces have been balanced to rounding often enough for the others to have gone.
+
 Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
 """
 
@@ -28,6 +31,9 @@ from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 
 #: s: pseudo-time steps beyond leave no inertia that matters
 SETTLED = 1e3
+#: corrections with forces balanced to rounding, after which what still moves costs no energy; tau takes at most 51 from
+#: its first value to its last
+BALANCED = 200
 _QA, _QK = PARAMETERS.index("Qa"), PARAMETERS.index("Qk")
 
 
@@ -66,7 +72,7 @@ def find_equilibrium(
     scale = float(np.sum(system.lengths))
     rounding = 10.0 * float(np.finfo(float).eps * system.P[_QA] * scale / system.lengths.min())
     system, reaction, turn, previous = system.with_reference(q), rest, 0.0, 0.0
-    tau, largest_move, relaxed, last = 0.1, 0.3, 1.0, 0.0
+    tau, largest_move, relaxed, last, balanced = 0.1, 0.3, 1.0, 0.0, 0
     for k in range(1, max_iterations + 1):
         x, now = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
@@ -98,7 +104,8 @@ def find_equilibrium(
         if abs(turn) > most_turn:
             break
         system, q, reaction = system.with_reference(trial), trial, following
-        if tau > 1e8 and system.norm(x) < tolerance * scale:
+        balanced += force <= rounding
+        if balanced > BALANCED or (tau > 1e8 and system.norm(x) < tolerance * scale):
             return Equilibrium(q, reaction, k, turn)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
     raise StaticsError(messages.no_equilibrium(max_iterations, previous))
