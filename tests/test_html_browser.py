@@ -381,6 +381,48 @@ def test_a_run_that_never_began_says_why(tmp_path: Path) -> None:
     assert "no <shape>" in seen.said["note"]
 
 
+_SHAFT = """
+const slider = document.getElementById("slider"), loop = document.getElementById("loop");
+const at = (t) => {
+  slider.value = t; slider.dispatchEvent(new Event("input"));
+  const circle = loop.querySelector(".contact"), bottom = loop.querySelector(".bottom");
+  return {contacts: loop.dataset.contacts, tripped: loop.dataset.tripped,
+    label: loop.querySelector(".contact-label")?.textContent ?? "",
+    apart: circle && Math.hypot(...["cx", "cy"].map((c) => circle.getAttribute(c) - bottom.getAttribute(c)))};
+};
+[seen.free, seen.pressed] = [at(1), at(6)];
+seen.parts = ["lining", "floor", "divider", "guard"].map((kind) => loop.querySelectorAll("." + kind).length);
+const box = new Shaft(DATA.shaft, () => NaN).boxes([-1, 0, 0], [1, 90, 0]).find(({ kind }) => kind === "divider");
+seen.distance = distanceFrom(box, [0.5, -13, 7]);
+seen.stretch = document.getElementById("stretch").value;
+"""
+
+
+def test_the_shaft_is_drawn_with_its_contacts_and_the_guard_that_tripped(tmp_path: Path) -> None:
+    t = np.linspace(0.0, END, STEPS)
+    shapes = np.array([curve(float(s)) for s in t])
+    late = (t > 4.0).astype(float)
+    signals = {"time": t, "contact.floor": 50.0 * late, "contact.lining": 0.0 * t, "loop.rise": 0.01 * t}
+    signals |= {"guard.tripped": late, "guard.cause": late, "guard.time": 4.0 * late}
+    signals |= {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+    parameters = {"lining.width": 5.0, "lining.depth": 3.0, "lining.rounding": 0.5, "sump.level": -15.5}
+    parameters |= {"divider_2.size": 0.2, "divider_2.y": -13.0, "divider_2.rounding": 1.0, "guard.rise": 0.5}
+    result = SimpleNamespace(
+        recording=Recording(signals, {}), completed=True, cause="", trajectory=SimpleNamespace(duration=9.0)
+    )
+    page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html", parameters=parameters)
+    seen = look(page, _SHAFT, 1000)
+    assert seen.console == []
+    assert seen.said["free"] == {"contacts": "", "tripped": "", "label": "", "apart": None}
+    assert seen.said["pressed"]["contacts"] == "floor"
+    assert seen.said["pressed"]["tripped"] == "rise"
+    assert seen.said["pressed"]["label"].startswith("floor 50.0")
+    assert seen.said["pressed"]["apart"] < 0.1  # the lowest point is the nearest to the floor
+    assert all(seen.said["parts"])
+    assert seen.said["distance"] == pytest.approx(0.4)
+    assert seen.said["stretch"] == "1"
+
+
 def test_a_complaint_of_the_page_would_be_noticed(tmp_path: Path) -> None:
     seen = look(run(tmp_path), 'fetch("https://example.org/").catch(() => 0); await wait(100);', 800)
     assert any("Content Security Policy" in line for line in seen.console)

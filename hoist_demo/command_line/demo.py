@@ -344,6 +344,17 @@ def _write(
             pictures,
             [*tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more],
         ),
-        run_report(result, hoist, winding, coupling, rows, title, directory / "report.html", more, rope[0].locked),
+        run_report(
+            result,
+            hoist,
+            winding,
+            coupling,
+            rows,
+            title,
+            directory / "report.html",
+            more,
+            rope[0].locked,
+            rope[0].parameters,
+        ),
     ]
     return written + pictures + reports

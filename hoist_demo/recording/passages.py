@@ -8,7 +8,7 @@ import numpy as np
 
 from hoist_demo.recording.time_series import Recording
 from rope_model import BODIES as BODIES
-from rope_model import FAR
+from rope_model import FAR as FAR
 
 PASSAGE_SIGNALS = frozenset(
     {"loop.crossings", "loop.crossed_at", "loop.crossed_y"}

@@ -9,11 +9,13 @@ import numpy as np
 
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
+from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME, Array, Recording
 from hoist_demo.report import events
 from hoist_demo.report.html import packing, page, panels, parameter_tables
 from hoist_demo.report.html.along import along
+from hoist_demo.report.html.shaft import drawn_shaft
 from hoist_demo.report.summary import WARNING, SummaryRow
 
 MOST_TIMES = 2000
@@ -21,6 +23,9 @@ MOST_TIMES = 2000
 
 MOST_FRAMES = 600
 """Positions of the rope; the browser interpolates between them."""
+
+NONE_KNOWN: Mapping[str, object] = {}
+"""Parameters of a rope of which none are known."""
 
 SHAPE_RESOLUTION = 1e-4
 """Error that packing may bring into a point of the rope [m]."""
@@ -36,14 +41,20 @@ def run_report(
     path: Path,
     more: Sequence[parameter_tables.Table] = (),
     locked: Collection[str] = (),
+    parameters: Mapping[str, object] = NONE_KNOWN,
 ) -> Path:
     """Write the report of a run to `path`; `rows` are its summary, `more` further tables, `locked` ends cannot turn.
 
+    `parameters` of the rope by FMI name have the shaft that is drawn.
     Same run, same bytes but the clock's.
     """
     said = [] if result.completed else [("Stopped.", result.cause)]
     if passed := passages(result.recording):
-        said.insert(0, ("Passed through.", f"{passed}: nothing after that is what a real rope does."))
+        through = "passed through" in passed
+        after = ": nothing after that is what a real rope does." if through else "."
+        said.insert(0, ("Passed through." if through else "Struck.", passed + after))
+    if trip := guard_trip(result.recording):
+        said.append(("Guard.", f"{trip.cause} tripped at t = {trip.t:.4g} s; the safety circuit opened."))
     said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
     note = "".join(f'<p class="note stopped"><strong>{w}</strong> {page.escape(text)}</p>' for w, text in said)
     numbers = "".join(
@@ -53,8 +64,8 @@ def run_report(
     tables = [*parameter_tables.tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more]
     text = page.render(
         "run.html",
-        ("player.js", "plots.js", "rope.js", "run.js"),
-        _data(result, hoist, winding, locked),
+        ("player.js", "plots.js", "rope.js", "shaft.js", "run.js"),
+        _data(result, hoist, winding, locked) | {"shaft": drawn_shaft(parameters, result.recording)},
         title=page.escape(title),
         assumed=page.escape(ASSUMED_DATA),
         note=note,

@@ -40,8 +40,9 @@ const CAR = { width: 1.2, height: 3, depth: 1.6 }; // m, a drawing of a conveyan
 
 class RopeView {
   // fixed: the whole shaft, else the loop's lowest point
-  constructor(svg, curves, fixed) {
+  constructor(svg, curves, fixed, shaft) {
     this.svg = svg;
+    this.shaft = shaft;
     this.curves = curves;
     this.fixed = fixed;
     [this.turn, this.tilt] = fixed ? VIEWS.front : VIEWS.oblique;
@@ -92,16 +93,20 @@ class RopeView {
       this.scale = Math.min(this.width, this.height) / this.across;
       // from the front the bottom is shown in the lower third, from above in the middle
       this.centre = [0, bottom[1] + 0.25 * Math.cos(this.tilt) * (this.height / this.scale), 0];
-      this.drawShaft(points, bottom);
+      const tall = this.height / this.scale / Math.max(0.3, Math.cos(this.tilt));
+      [this.low, this.high] = [bottom[1] - 0.3 * tall, bottom[1] + tall];
+      this.drawLevels(points);
       this.drawTrace(t);
     }
     if (this.fixed) this.drawSheave(points);
+    this.shaft.draw(this, t, points);
     for (const end of [points[0], points[points.length - 1]]) this.drawCar(end);
     const rope = add(svg, "g", { class: "rope" });
     add(rope, "path", { class: "left", d: this.path(points, 0, k) });
     add(rope, "path", { class: "right", d: this.path(points, k) });
     const [x, y] = this.project(bottom);
     add(rope, "circle", { class: "bottom", cx: x.toFixed(2), cy: y.toFixed(2), r: this.fixed ? 2 : 3.5 });
+    this.shaft.drawContacts(this, t, points);
     svg.dataset.t = t.toFixed(3);
     svg.dataset.bottom = bottom.map((value) => value.toFixed(4)).join(" ");
   }
@@ -112,10 +117,9 @@ class RopeView {
   }
 
   // level frames at fixed heights of the shaft, to see the motion against, and the plumb lines of both suspensions
-  drawShaft(points, bottom) {
-    const tall = this.height / this.scale / Math.max(0.3, Math.cos(this.tilt));
-    const half = [Math.abs(points[0][0]) * 1.6, Math.max(0.3, 1.2 / this.stretch[2])];
-    const low = bottom[1] - 0.3 * tall, high = bottom[1] + tall, { values, step } = ticks(low, high, 6);
+  drawLevels(points) {
+    const { low, high } = this, { values, step } = ticks(low, high, 6);
+    const half = this.shaft.walled ? this.shaft.reach : [Math.abs(points[0][0]) * 1.6, Math.max(0.3, 1.2 / this.stretch[2])];
     for (const y of values) {
       const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => this.project([a * half[0], y, b * half[1]]));
       add(this.svg, "path", { class: "level", d: `M${corners.map(([a, b]) => `${a.toFixed(1)} ${b.toFixed(1)}`).join("L")}Z` });
@@ -140,14 +144,15 @@ class RopeView {
   }
 
   drawCar(end) {
-    const [x, y, z] = end, corner = ([a, b, c]) => this.project([x + (a * CAR.width) / 2, y + b * CAR.height, z + (c * CAR.depth) / 2 / this.stretch[2]]);
+    const [x, y, z] = end, car = this.shaft.car, depth = car.depth / (car.real ? 1 : this.stretch[2]);
+    const corner = ([a, b, c]) => this.project([x + (a * car.width) / 2, y + car.above + b * car.height, z + (c * depth) / 2]);
     const faces = [
       [[-1, 0, 1], [1, 0, 1], [1, 1, 1], [-1, 1, 1]], [[-1, 0, -1], [1, 0, -1], [1, 1, -1], [-1, 1, -1]],
       [[-1, 0, -1], [-1, 0, 1], [-1, 1, 1], [-1, 1, -1]], [[1, 0, -1], [1, 0, 1], [1, 1, 1], [1, 1, -1]],
       [[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], [[-1, 1, -1], [1, 1, -1], [1, 1, 1], [-1, 1, 1]],
     ].map((face) => face.map(corner));
-    const depth = (face) => face.reduce((sum, point) => sum + point[2], 0);
-    faces.sort((a, b) => depth(a) - depth(b));
+    const nearness = (face) => face.reduce((sum, point) => sum + point[2], 0);
+    faces.sort((a, b) => nearness(a) - nearness(b));
     for (const face of faces) {
       const d = face.map(([u, v]) => `${u.toFixed(1)} ${v.toFixed(1)}`).join("L");
       add(this.svg, "path", { class: "car", d: `M${d}Z` });
@@ -157,7 +162,7 @@ class RopeView {
   drawSheave(points) {
     const { height, radius } = DATA.sheave, [x, y] = this.project([0, height, 0]);
     for (const end of [points[0], points[points.length - 1]]) {
-      this.line([end[0], end[1] + CAR.height, 0], [end[0], height, 0], "head-rope");
+      this.line([end[0], end[1] + this.shaft.car.above + this.shaft.car.height, 0], [end[0], height, 0], "head-rope");
     }
     const rx = (Math.abs(points[0][0]) || radius) * this.scale * this.stretch[0];
     add(this.svg, "ellipse", { class: "sheave", cx: x, cy: y, rx, ry: Math.max(2, radius * this.scale) });

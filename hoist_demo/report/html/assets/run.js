@@ -10,7 +10,7 @@ function start() {
 
   byId("player").hidden = byId("plots-section").hidden = false;
   const plots = makePlots(player, times, values);
-  const rope = DATA.rope ? makeRope(player) : () => {};
+  const rope = DATA.rope ? makeRope(player, times, values) : () => {};
   const drawPlots = (some = plots) => {
     const width = Number(byId("window").value), [from, to] = DATA.span;
     // the plots move under the cursor, but never beyond the record
@@ -104,19 +104,23 @@ function freePlot(home, player, times, values) {
   return plot;
 }
 
-function makeRope(player) {
+function makeRope(player, times, values) {
+  const signal = (name, t) => (name in DATA.signals ? values(name)[indexBefore(times, t)] : NaN);
   byId("stage").hidden = byId("instants-section").hidden = false;
   const curves = new Curves(DATA.rope), [low] = curves.spread(1), [left, right] = curves.spread(0);
   const shaft = { low: low - 1, high: DATA.sheave.height + DATA.sheave.radius + 1 };
-  const loop = new RopeView(byId("loop"), curves, null);
-  const slim = new RopeView(byId("overview-true"), curves, shaft), wide = new RopeView(byId("overview-wide"), curves, shaft);
+  const bodies = new Shaft(DATA.shaft, signal), loop = new RopeView(byId("loop"), curves, null, bodies);
+  const slim = new RopeView(byId("overview-true"), curves, shaft, bodies);
+  const wide = new RopeView(byId("overview-wide"), curves, shaft, bodies);
   const all = [loop, slim, wide];
+  // a shaft that is drawn has a shape of its own
+  if (bodies.walled) byId("stretch").value = "1";
   const draw = () => all.forEach((view) => view.draw(player.t));
 
   const thumbs = Array.from({ length: INSTANTS }, (_, k) => {
     const t = DATA.span[0] + ((DATA.span[1] - DATA.span[0]) * k) / (INSTANTS - 1);
     const figure = add(byId("instants"), "figure");
-    const view = new RopeView(add(figure, "svg", { role: "img", "aria-label": `loop at ${t.toFixed(1)} s` }), curves, null);
+    const view = new RopeView(add(figure, "svg", { role: "img", "aria-label": `loop at ${t.toFixed(1)} s` }), curves, null, bodies);
     add(figure, "figcaption", {}, `${t.toFixed(1)} s`);
     figure.addEventListener("click", () => player.go(t));
     return { view, t };
@@ -165,6 +169,9 @@ function makeReadout(player, times, values) {
     ["loop.y", "loop, lowest point", "m", 1], ["loop.x", "in plane, x", "m", 1], ["loop.z", "out of plane, z", "m", 1],
     ["loop.yaw", "yaw", "deg", 180 / Math.PI], ["loop.clearance", "clearance", "m", 1],
     ["stress.bending_max", "largest bending stress", "MPa", 1e-6],
+    ["loop.rise", "rise of the loop", "m", 1], ["loop.sideways", "from midway", "m", 1],
+    ...["lining", "conveyance", "head_ropes", "divider", "floor"].filter((kind) => `clearance.${kind}` in DATA.signals)
+      .flatMap((kind) => [[`clearance.${kind}`, `to ${kind.replace("_", " ")}`, "m", 1], [`contact.${kind}`, `pressed by ${kind.replace("_", " ")}`, "N", 1]]),
   ].filter(([name]) => name in DATA.signals);
   const table = byId("readout");
   const cells = wanted.map(([, label, unit]) => {
