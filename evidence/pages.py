@@ -21,6 +21,8 @@ from evidence.coupling.figures import FIGURES as COUPLING
 from evidence.coupling.page import page as coupling_page
 from evidence.discrete_rod.page import page as reference_solver_page
 from evidence.drawing import draw_to
+from evidence.guards.page import FIGURES as GUARDS
+from evidence.guards.page import page as guards_page
 from evidence.hoist.page import cases
 from evidence.integrators.page import FIGURES as INTEGRATORS
 from evidence.integrators.page import page as integrators_page
@@ -63,6 +65,7 @@ PAGES: dict[str, Page] = {
     "choice": Page("choice.md", "choice", choice_page),
     "contact": Page("contact.md", "contact", contact_page),
     "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
+    "guards": Page("guards.md", "guards", guards_page, GUARDS),
     "integrators": Page("integrators.md", "integrators", integrators_page, INTEGRATORS),
     "mesh_rule": Page("mesh_rule.md", "mesh_rule", mesh_rule_page, MESH_RULE),
     "promise": Page("promise.md", "promise", promise_page, PROMISE),
