@@ -9,8 +9,8 @@ The tangent is symmetric and leaves out what Qk between strains has no energy fo
 multiplies the error by i r, turned by 90 degrees, where r may exceed 1; corrections shortened by 1 / (1 + r^2) make it
 fall fastest.
 
-Where a motion costs no energy, as the turn of a buckled rod's helix about its axis, corrections along it never get small;
-the search ends when forces have been balanced to rounding often enough for the others to have gone.
+Where a motion costs no energy, as the turn of a buckled rod's helix about its axis, corrections along it never get
+small; the search ends when forces have been balanced to rounding often enough for the others to have gone.
 
 Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
 """
