@@ -114,8 +114,7 @@ def _ends(t: Table) -> Fit:
 
 
 def _legs(t: Table, trip: str) -> Fit:
-    used = (t["what"] == "legs") & (t["trip"] == trip) & (t["part"] <= 1)
-    used &= t["off [m]"] > 0  # legs that are too short, or held to LEG_SWAY, have no longer elements than others
+    used = (t["what"] == "legs") & (t["trip"] == trip) & (t["off [m]"] > 0)  # short legs may have no longer elements
     ratio = np.log(t["off [m]"][used] / (t["grading_length [m]"][used] * t["length [m]"][used]))
     return _fit((float(np.exp(np.median(ratio))),), ratio - np.median(ratio))
 
