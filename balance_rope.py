@@ -19,6 +19,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.ssp import Component, export_ssp
     from hoist_demo.cases.table import CASES
     from hoist_demo.command_line.demo import add_demo
+    from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.study import add_study
     from hoist_demo.drive_fmu.description import drive_model, duration
     from rope_model import __version__
@@ -51,6 +52,7 @@ first steps:
   balance-rope demo --quick            wind 10 m only, to see that all is in place
   balance-rope demo --in-process       the same rope without the FMU
   balance-rope study STUDY.toml        wind many times, with parameters over grids, samples or a search
+  balance-rope duty SCHEDULE.toml      wind many trips as one run, each from where the last has left the rope
   balance-rope COMMAND --help          what a command can do
 """
 
@@ -65,6 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _add_export(commands)
     add_demo(commands, DEFAULT_FMU, _levels)
     add_study(commands)
+    add_duty(commands)
     for command in commands.choices.values():  # -v is understood behind the command as well
         command.add_argument(
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"

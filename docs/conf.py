@@ -13,7 +13,7 @@ author = project_copyright = "the balance-rope authors"
 release = version = PROJECT["version"]
 highlight_language = "none"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
-exclude_patterns = ["data/**", "studies/**"]
+exclude_patterns = ["data/**", "duties/**", "studies/**"]
 
 # links between pages and to headings are those of GitHub, and checked
 myst_heading_anchors = 4

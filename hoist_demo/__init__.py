@@ -11,7 +11,8 @@ Rooms, each on those above it; tests/test_layers.py holds the directions:
     cosimulation     participants (hoist, ropes), the schemes that couple them, the host's loop, checkpoints
     report           summary, figures, Markdown and HTML
     study            many windings over chosen parameters
-    command_line     the commands demo and study
+    duty             many trips as one run
+    command_line     the commands demo, study and duty
 
 Signs. Heights and vertical forces are positive upwards; a positive travel, sheave angle and torque lift the left
 conveyance. Forces of the balance rope are those on the conveyance, so that a hanging rope has `fy` < 0. SI units.

@@ -110,6 +110,15 @@ MAY_IMPORT = {
         "hoist_demo.cosimulation.participants",
         "hoist_demo.report",
     },
+    "hoist_demo.duty": {
+        "hoist_demo.cases",
+        "hoist_demo.design",
+        "hoist_demo.recording",
+        "hoist_demo.cosimulation",
+        "hoist_demo.cosimulation.participants",
+        "hoist_demo.study",
+        "rope_model",
+    },
     "hoist_demo.command_line": {
         "hoist_demo.parameters",
         "hoist_demo.cases",
@@ -119,6 +128,7 @@ MAY_IMPORT = {
         "hoist_demo.cosimulation.schemes",
         "hoist_demo.report",
         "hoist_demo.study",
+        "hoist_demo.duty",
     },
     "hoist_demo": set(),
 }

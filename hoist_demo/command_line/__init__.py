@@ -1,1 +1,1 @@
-"""The commands `balance-rope demo` and `balance-rope study`: all of this package that prints."""
+"""The commands `balance-rope demo`, `study` and `duty`: all of this package that prints."""

@@ -28,13 +28,13 @@ from hoist_demo.cosimulation.participants.partners import HoistParticipant, Rope
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
 from hoist_demo.cosimulation.plain_data import encode
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.cosimulation.run_state import RunState
+from hoist_demo.cosimulation.run_state import RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
-from hoist_demo.cosimulation.schemes.interface import Advance, Pair, Scheme
+from hoist_demo.cosimulation.schemes.interface import Advance, Pair, Scheme, Vector
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate
 from hoist_demo.cosimulation.stability import estimate_stability_at_rest
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
-from hoist_demo.drive.plant import SHOWN, SIDE_FORCES, HoistPlant
+from hoist_demo.drive.plant import SHOWN, SIDE_FORCES, HoistPlant, PlantState
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.recording.time_series import Array, Recorder
 
@@ -46,6 +46,10 @@ Progress = Callable[[float, float], bool]
 
 KEPT_EVERY = 1.0
 """Simulated time from one state that is kept to the next [s]."""
+LOADING = (0.25, 0.75)
+"""Parts of a dwell between which the payload changes to that of the next trip [assumed]."""
+LOADED_EVERY = 0.1
+"""Time between two changes of a payload that is being loaded [s]."""
 
 _GUARD = ("guard.tripped", "guard.time")
 _Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
@@ -66,17 +70,25 @@ class Host:
         *,
         trajectory: Trajectory | None = None,
         scheme: Scheme | None = None,
+        after: TripEnd | None = None,
+        next_hoist: Hoist | None = None,
     ) -> None:
         """`controller` makes one's own from the hoist and the motor's torque at rest [N m]; else a speed controller.
 
-        `reference` is the trip asked for, of its own shape; else the winding's S-curve. `scheme` is one that the
-        coupling cannot name.
+        `trajectory` is the trip asked for, of its own shape; else the winding's S-curve. `scheme` is one that the
+        coupling cannot name. `after` is where the trip before ended with the same rope, which goes on from its state;
+        else all begins at rest. `next_hoist` has the payloads of the trip that follows: in the middle of this
+        one's dwell they change evenly from these.
         """
         self.rope = rope
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
         self.coupling = Coupling() if coupling is None else coupling
+        if after is not None:
+            self.coupling = replace(self.coupling, start=after.t)
         self.scheme = find_scheme(self.coupling.scheme) if scheme is None else scheme
+        self._after = None if after is None else after.books_closed()
+        self._next_hoist = next_hoist
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
         self._controller = partial(SpeedController, gains=gains) if controller is None else controller
@@ -88,8 +100,13 @@ class Host:
 
     @property
     def start_heights(self) -> tuple[float, float]:
-        """Heights of left and right conveyance before the trip [m]: the landings, left below when it is to rise."""
+        """Heights of left and right conveyance before the trip [m].
+
+        Those of the trip before; else the landings, left below when it is to rise.
+        """
         low, high = 0.0, self.hoist.shaft_travel
+        if self._after is not None:
+            return self._after.landing, high - self._after.landing
         return (low, high) if self.winding.travel > 0.0 else (high, low)
 
     @property
@@ -128,13 +145,24 @@ class Host:
                 saved = save_to
             except ValueError as error:  # the record of the run is worth more
                 cause += f"; {save_to} is not written: {error}"
-        return replace(self._result(run.recorder, run.steps, cause, run.course), checkpoint=checkpoint, saved=saved)
+        result = replace(self._result(run.recorder, run.steps, cause, run.course), checkpoint=checkpoint, saved=saved)
+        landing = self._start_height + self.trajectory.points[-1].position
+        if cause or run.course != self._course:
+            return result
+        return replace(result, end=run.end(start + self.samples * T, landing))
 
     def _start(self, resume: Checkpoint | None) -> RunState | str:
-        """A run at rest, or as it was when it stopped; the cause when the rope does not hang."""
-        start, (y_left, y_right) = self.coupling.start, self.start_heights
+        """A run at rest, behind another trip, or as it was when it stopped; the cause when the rope does not hang."""
         if resume is not None:
             resume.require_fits(self.data)
+        run = self._hang() if self._after is None else self._go_on(self._after)
+        if resume is not None and isinstance(run, RunState):
+            run.go_on_from(resume, resume.sample * self.coupling.per_sample)
+        return run
+
+    def _hang(self) -> RunState | str:
+        """A run at rest; the cause when the rope does not hang."""
+        start, (y_left, y_right) = self.coupling.start, self.start_heights
         rope = RopeParticipant(self.rope, self.rope_clock)
         if cause := rope.start(start, EndMotion(y=y_left), EndMotion(y=y_right), self.start_clock):
             return cause
@@ -142,14 +170,29 @@ class Host:
         state = self.plant.equilibrium(y_left, y_right, *forces.tolist())
         held = np.zeros(len(INPUT_NAMES))
         held[0], held[list(FORCES)] = state.x[0], forces
+        drive = self._drive(state, held, rope)
+        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), self._recorder(), self._course)
+        self.stability = estimate_stability_at_rest(self.scheme, self.coupling, run.pair, run.memory)
+        return run
+
+    def _go_on(self, after: TripEnd) -> RunState:
+        """A run whose drive and rope are where the trip before has left them."""
+        rope = RopeParticipant(self.rope, self.rope_clock)
+        drive = self._drive(after.plant, after.input, rope)
+        return RunState(drive, rope, after.memory, drive.output(), self._recorder(), self._course)
+
+    def _drive(self, state: PlantState, held: Vector, rope: RopeParticipant) -> HoistParticipant:
         drive = HoistParticipant(self.plant, state, held, self.drive_clock)
         if self.hoist.play is not None:
             rope.beside = drive.ends
-        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), self._recorder(), self._course)
-        self.stability = estimate_stability_at_rest(self.scheme, self.coupling, run.pair, run.memory)
-        if resume is not None:
-            run.go_on_from(resume, resume.sample * self.coupling.per_sample)
-        return run
+        return drive
+
+    def _holding_torque(self, run: RunState) -> float:
+        """What the motor needs to hold the hoist at rest where the trip starts [N m]."""
+        if self._after is None:
+            return run.at_rest.torque
+        forces, _ = run.rope.forces()
+        return self.plant.equilibrium(*self.start_heights, *forces.tolist()).x.item(0)
 
     def _recorder(self) -> Recorder:
         """For all signals; of the rope's those that the drive has not got."""
@@ -161,7 +204,7 @@ class Host:
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
         """Sample and exchange until the end; the cause when that is not reached."""
-        controller = _made(self._controller, self.hoist, run.at_rest.torque)
+        controller = _made(self._controller, self.hoist, self._holding_torque(run))
         start, T, last = self.coupling.start, self.coupling.sample_time, self.samples
         between = max(1, round(KEPT_EVERY / T))
         for k in range(run.first, last + 1):
@@ -218,6 +261,7 @@ class Host:
             return f"t = {t:.6g} s: the controller's {numbers} must be finite: check its command()"
         # what the rope does to conveyances that have play is held until the next sample
         sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
+        self._load(k)
         run.drive.command(command.torque, command.brake, sides)
         H, per_sample = self.coupling.step, self.coupling.per_sample
         for j in range(per_sample):
@@ -227,6 +271,18 @@ class Host:
             run.memory = advance.memory
             run.steps += 1
         return ""
+
+    def _load(self, k: int) -> None:
+        """The payloads at sample k of a trip during the dwell of which they change; in stairs of LOADED_EVERY."""
+        if self._next_hoist is None or k % max(1, round(LOADED_EVERY / self.coupling.sample_time)):
+            return
+        dwelt = k * self.coupling.sample_time - self.trajectory.duration
+        if dwelt > LOADING[0] * self.winding.settle:
+            first, last = (part * self.winding.settle for part in LOADING)
+            part, now, then = min((dwelt - first) / (last - first), 1.0), self.hoist, self._next_hoist
+            left = now.payload_left + part * (then.payload_left - now.payload_left)
+            right = now.payload_right + part * (then.payload_right - now.payload_right)
+            self.plant.reload(replace(now, payload_left=left, payload_right=right))
 
     def _advance(self, run: RunState, t: float, h: float) -> Advance:
         """One communication step of the scheme; what it raises is the cause for which the run stops."""

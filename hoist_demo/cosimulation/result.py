@@ -8,6 +8,7 @@ from pathlib import Path
 from hoist_demo.control.trajectory import Trajectory
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.partners import Stopwatch
+from hoist_demo.cosimulation.run_state import TripEnd
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recording
 
@@ -28,3 +29,4 @@ class Result:
     warning: str = ""  # of the coupling, before the start
     checkpoint: Checkpoint | None = None  # the last state that was kept, when the run stopped after its first sample
     saved: Path | None = None  # where it was written
+    end: TripEnd | None = None  # for the trip after this one, when completed without an emergency stop by a guard

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from hoist_demo.control.safety import Course
 from hoist_demo.cosimulation.checkpoint import Checkpoint
@@ -26,6 +28,24 @@ class _Kept:
     controller: Any
     memory: Memory
     rope: Any
+
+
+@dataclass(frozen=True)
+class TripEnd:
+    """Drive and coupling where a trip has ended, for the trip after it; the rope keeps its own state."""
+
+    t: float  # s
+    landing: float  # m, at which the left conveyance was to arrive
+    plant: PlantState
+    input: Vector  # that acts on the drive, in the order of INPUT_NAMES
+    shown: PlantOutput  # by the drive
+    memory: Memory
+
+    def books_closed(self) -> TripEnd:
+        """The same with work and exchanges counted anew."""
+        none = np.zeros_like(self.plant.work), np.zeros_like(self.plant.losses)
+        plant = self.plant._replace(work=none[0], losses=none[1])
+        return replace(self, plant=plant, memory=self.memory._replace(exchanges=0, taken_back=0, residual=0.0))
 
 
 @dataclass
@@ -59,6 +79,10 @@ class RunState:
         if self._kept is not None:
             self.rope.free(self._kept.rope)
         self._kept = None
+
+    def end(self, t: float, landing: float) -> TripEnd:
+        """The state at t, where a trip to the landing has ended."""
+        return TripEnd(t, landing, self.drive.state, self.drive.input, self.drive.output(), self.memory)
 
     def go_on_from(self, checkpoint: Checkpoint, steps: int) -> None:
         """Take over a checkpoint, made after so many communication steps."""

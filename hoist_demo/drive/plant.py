@@ -192,6 +192,12 @@ class HoistPlant:
         self._rates = Kernel(kernels.rates, [(kernels.layout.states,)])
         self._mobility = Kernel(kernels.mobility, [(2, 2)])
 
+    def reload(self, hoist: Hoist) -> None:
+        """Go on with the numbers of a hoist of the same parts: with another payload."""
+        self.hoist = hoist
+        self._numbers[:] = numbers_of(hoist)
+        self._z[self._given["p"]] = self._numbers
+
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.
 

@@ -91,6 +91,30 @@ def write_figures(
     return paths
 
 
+def write_duty_figure(trips: Recording, path: Path) -> Path:
+    """What the trips of a duty show, over their number, of the table of `hoist_demo.duty`."""
+    degrees = 180.0 / math.pi
+    panels: tuple[tuple[str, str, float, dict[str, str]], ...] = (
+        ("Yaw of the loop", "yaw [deg]", degrees, {"loop_yaw": "largest", "yaw_start": "as the trip begins"}),
+        ("Sway of the loop", "[m]", 1.0, {"sway": "in plane", "sway_across": "out of plane"}),
+        ("Ripple of the end forces", "[N]", 1.0, {"rope_force_ripple": "worse end"}),
+        ("Smallest clearance between the legs", "[m]", 1.0, {"clearance": ""}),
+        ("Change against the trip a cycle before", "[%]", 100.0, {"difference": ""}),
+    )
+    with matplotlib.rc_context(_STYLE):
+        figure, axes = _panels([title for title, *_ in panels])
+        for ax, (_, label, factor, curves) in zip(axes, panels, strict=True):
+            for (name, words), colour in zip(curves.items(), ACCENTS, strict=False):
+                ax.plot(trips["trip"], factor * trips[name], ".-", ms=3.0, color=colour, label=words)
+            ax.set_ylabel(label)
+            if len(curves) > 1:
+                _legend(ax)
+        axes[-1].set_yscale("log")
+        axes[-1].set_xlabel("trip")
+        figure.savefig(path, dpi=150, metadata={"Software": None})
+    return path
+
+
 def tracking(recording: Recording, hoist: Hoist) -> Figure | None:
     """Heights, speeds and accelerations of both conveyances against the reference, and the error."""
     figure, axes = _stack(recording, ("Height in the shaft", "Speed", "Acceleration", "Tracking error, left"))
@@ -251,14 +275,20 @@ def _shows(recording: Recording, *names: str) -> bool:
 
 def _stack(recording: Recording, titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
     """Panels above one another over a common time axis."""
+    figure, axes = _panels(titles)
+    axes[-1].set_xlabel("time [s]")
+    axes[-1].set_xlim(float(recording.time[0]), max(float(recording.time[-1]), float(recording.time[0]) + 1e-9))
+    return figure, axes
+
+
+def _panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
+    """Panels above one another over a common axis."""
     figure = Figure(figsize=(8.0, 1.75 * len(titles) + 0.5))
     grid = figure.subplots(len(titles), 1, sharex=True, squeeze=False)
     axes: list[Axes] = list(grid[:, 0])
     for ax, title in zip(axes, titles, strict=True):
         ax.set_title(title)
     figure.align_ylabels(axes)
-    axes[-1].set_xlabel("time [s]")
-    axes[-1].set_xlim(float(recording.time[0]), max(float(recording.time[-1]), float(recording.time[0]) + 1e-9))
     return figure, axes
 
 

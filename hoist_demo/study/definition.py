@@ -259,12 +259,12 @@ class _Reader:
     def _values(self, where: str, table: Mapping[str, Any]) -> dict[str, Value]:
         """Single values of a table."""
         found: dict[str, Value] = {}
-        for key, content in _flat(table):
+        for key, content in flat(table):
             with self._collect(f"[{where}]"):
                 if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
-                content = self._strip_unit(parameter, content)
+                content = strip_unit(parameter, content)
                 if isinstance(content, (list, dict)):
                     raise ValueError(f"{key} = {content!r} must be one value here: vary it in [vary]")
                 found[key] = parameter.read(content)
@@ -272,12 +272,12 @@ class _Reader:
 
     def _vary(self) -> dict[str, tuple[Value, ...] | Range]:
         found: dict[str, tuple[Value, ...] | Range] = {}
-        for key, content in _flat(self._table("vary")):
+        for key, content in flat(self._table("vary")):
             with self._collect("[vary]"):
                 if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
-                content = self._strip_unit(parameter, content)
+                content = strip_unit(parameter, content)
                 if isinstance(content, dict):
                     found[key] = self._range(parameter, content)
                 elif isinstance(content, list) and content:
@@ -285,24 +285,6 @@ class _Reader:
                 else:
                     raise ValueError(f"{key} = {content!r} must be a list or {{ low, high }}: fix it in [fixed]")
         return found
-
-    def _strip_unit(self, parameter: Parameter, content: Any) -> Any:
-        """The content without its unit, which is checked: a value, a list, or a range's table."""
-        if not isinstance(content, dict):
-            return content
-        for name in content.keys() - _SPECIFICATION:
-            raise ValueError(
-                f"{parameter.key}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}"
-            )
-        unit = content.get("unit")
-        if unit is not None and fmi_unit(str(unit)) != parameter.unit:
-            raise ValueError(
-                f"{parameter.key} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
-            )
-        rest = {name: value for name, value in content.items() if name != "unit"}
-        if len(rest) == 1 and next(iter(rest)) in ("value", "values"):
-            return next(iter(rest.values()))
-        return rest
 
     def _range(self, parameter: Parameter, content: dict[str, Any]) -> Range:
         key = parameter.key
@@ -363,11 +345,28 @@ def _possible_values(case: str, values: Mapping[str, Value]) -> tuple[dict[str, 
     return possible, list(problems.values())
 
 
-def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Keys with dots, whether the file quotes them or not; a value's own table is left whole."""
     for name, content in table.items():
         key = f"{prefix}{name}"
         if isinstance(content, dict) and not content.keys() & _SPECIFICATION:
-            yield from _flat(content, f"{key}.")
+            yield from flat(content, f"{key}.")
         else:
             yield key, content
+
+
+def strip_unit(parameter: Parameter, content: Any) -> Any:
+    """The content without its unit, which is checked: a value, a list, or a range's table."""
+    if not isinstance(content, dict):
+        return content
+    for name in content.keys() - _SPECIFICATION:
+        raise ValueError(f"{parameter.key}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}")
+    unit = content.get("unit")
+    if unit is not None and fmi_unit(str(unit)) != parameter.unit:
+        raise ValueError(
+            f"{parameter.key} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
+        )
+    rest = {name: value for name, value in content.items() if name != "unit"}
+    if len(rest) == 1 and next(iter(rest)) in ("value", "values"):
+        return next(iter(rest.values()))
+    return rest

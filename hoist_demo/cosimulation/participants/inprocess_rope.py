@@ -6,7 +6,7 @@ The only module of the host that knows rope_model; it stands in for the FMU in c
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from importlib.metadata import version
@@ -40,8 +40,10 @@ _TAG = b"rope in process\n"
 class InProcessRope:
     """A RopePlant around rope_model's BalanceRope."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, read: Collection[str] | None = None) -> None:
+        """`read` are the outputs that a run records; None: all."""
         self._rope = balance_rope(scene)
+        self._told = None if read is None else tuple(name for name in SIGNALS if name in read)
         self._warned: set[str] = set()  # subjects of what was logged
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
@@ -63,7 +65,7 @@ class InProcessRope:
 
     def signals(self) -> dict[str, float]:
         """All outputs by FMI name, and the fidelity by its code."""
-        return self._rope.signals() | {FIDELITY: code_of(self._rope.fidelity)}
+        return self._rope.signals(self._told) | {FIDELITY: code_of(self._rope.fidelity)}
 
     def data(self) -> RopeData:
         """What this rope is: its engine, and all parameters by FMI name."""

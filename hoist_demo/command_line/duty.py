@@ -1,0 +1,165 @@
+"""The command `balance-rope duty`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hoist_demo.cosimulation.progress import progress_bar
+from hoist_demo.parameters import ASSUMED_DATA
+from hoist_demo.recording.passages import outcome_of, passages
+from hoist_demo.recording.time_series import Recording, write_csv
+from hoist_demo.report.summary import SummaryRow, render
+
+if TYPE_CHECKING:
+    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
+    from hoist_demo.duty.schedule import Schedule
+    from hoist_demo.duty.wind import Trip
+
+STATE = "last_trip.npz"
+"""File in the output folder with the state after the last trip that is wound."""
+
+_DESCRIPTION = """\
+Wind the trips of a schedule one after the other with the rope in this process: yaw, swing and swivel angles go on from
+trip to trip. After every trip the state is kept: start the same command again to go on after an interruption."""
+
+_EPILOG = """\
+examples:
+  balance-rope duty docs/studies/duty.toml
+  balance-rope duty SCHEDULE.toml --check       read and check the file, wind nothing
+  balance-rope duty SCHEDULE.toml --repeat 3    wind the trips of the file three times
+
+Results in --out: trips.csv, one row per trip, and duty.png. The file is explained in docs/duty.md.
+exit code: 0 all trips wound to the end, 1 the rope or the drive stopped one, 2 wrong schedule or arguments, 130
+interrupted.
+"""
+
+
+def add_duty(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the subcommand `duty`; its options hold the function to run as `run`."""
+    duty = commands.add_parser(
+        "duty",
+        help="wind many trips as one run, each from where the last has left the rope",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    duty.set_defaults(run=_duty)
+    duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/duty.md")
+    duty.add_argument("--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's")
+    duty.add_argument("--out", type=Path, metavar="DIR", help="results (out/duty/ and the file's name)")
+    duty.add_argument("--check", action="store_true", help="check only")
+
+
+def _duty(options: argparse.Namespace) -> int:
+    # the rope loads slowly and is needed here only
+    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
+    from hoist_demo.duty.schedule import read_schedule
+    from hoist_demo.duty.table import READ
+
+    schedule = read_schedule(options.schedule, rope_parameters(), options.repeat)
+    if options.check:
+        print(f"{options.schedule}: {schedule.count} trips, nothing wrong")
+        return 0
+    rope = InProcessRope(rope_data(schedule.pattern[0].fmu, schedule.level), READ)
+    out: Path = options.out or Path("out") / "duty" / options.schedule.stem
+    out.mkdir(parents=True, exist_ok=True)
+    with _interruption() as interrupted:
+        trips, last = _wind(schedule, rope, out / STATE, interrupted)
+    if trips is None:
+        print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
+        return 130
+    written = _write(trips, out)
+    print(f"{schedule.title}: case {schedule.case}, level {schedule.level}, {trips['trip'].size} trips\n")
+    print(render(_summary(trips, last, len(schedule.pattern))))
+    print(f"\n{ASSUMED_DATA}\n")
+    print("written: " + ", ".join(str(path) for path in written))
+    if interrupted():
+        print("balance-rope: interrupted; the same command goes on", file=sys.stderr)
+        return 130
+    if last is not None and not last.result.completed:
+        print(f"balance-rope: trip {last.number} stopped: {last.result.cause}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _wind(
+    schedule: Schedule, rope: InProcessRope, state: Path, interrupted: Callable[[], bool]
+) -> tuple[Recording | None, Trip | None]:
+    """The table of all trips, None for no trip, and the last trip that was wound here."""
+    from hoist_demo.duty.state import read_state, write_state
+    from hoist_demo.duty.table import place_at_rest, row, table
+    from hoist_demo.duty.wind import wind
+
+    cycle, rest = len(schedule.pattern), place_at_rest(schedule, rope)
+    rows, after, last = list[dict[str, float]](), None, None
+    if state.is_file():
+        standing = read_state(state, rope, schedule)
+        rows, after = standing.rows[: schedule.count], standing.end
+        print(f"{len(rows)} of {schedule.count} trips are there already")
+    with progress_bar() as bar:
+
+        def progress(number: int) -> Callable[[float, float], bool]:
+            return lambda part, t: bar((number - 1 + part) / schedule.count, t) and not interrupted()
+
+        for trip in wind(schedule, rope, rope.data().torque_free, progress, after, len(rows)):
+            if interrupted() and trip.result.end is None:
+                break
+            last = trip
+            rows.append(row(trip, rest))
+            if trip.result.end is not None:
+                write_state(state, table(rows, cycle), trip.result.end, rope, schedule)
+    return (table(rows, cycle) if rows else None), last
+
+
+def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow]:
+    """What of a duty is told."""
+    from hoist_demo.duty.table import STEADY, UNITS, steady_from, worst
+
+    rows = []
+    if last is not None:
+        recording = last.result.recording
+        rows += [
+            SummaryRow("Outcome", "status", outcome_of(last.result.completed, passages(recording))),
+            SummaryRow("Outcome", "simulated time", float(recording.time[-1]), "s"),
+        ]
+    steady, count = steady_from(trips, cycle), trips["trip"].size
+    group = f"Steady cycle: each trip as the one {cycle} before, within {100.0 * STEADY:g} %"
+    rows.append(SummaryRow(group, "from trip", f"{steady}" if steady else f"none of {count}"))
+    if math.isfinite(change := float(trips["difference"][-1])):
+        rows.append(SummaryRow(group, "last trip's change", 100.0 * change, "%"))
+    for one in worst(trips, cycle):
+        group = "Worst trip (in the first cycle, from rest)"
+        told = f"{one.value:.6g} {UNITS[one.name]} in trip {one.trip} ({one.first_cycle:.6g})"
+        rows.append(SummaryRow(group, one.name, told))
+    return rows
+
+
+def _write(trips: Recording, out: Path) -> list[Path]:
+    # matplotlib loads slowly and is needed here only
+    from hoist_demo.report.figures import write_duty_figure
+
+    write_csv(trips, out / "trips.csv")
+    return [out / "trips.csv", write_duty_figure(trips, out / "duty.png")]
+
+
+@contextmanager
+def _interruption() -> Iterator[Callable[[], bool]]:
+    """An interrupt is heard between two steps."""
+    heard = False
+
+    def hear(*_: object) -> None:
+        nonlocal heard
+        heard = True
+
+    before = signal.signal(signal.SIGINT, hear)
+    try:
+        yield lambda: heard
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,1 @@
+"""Many trips as one run: schedule -> wind -> table."""

@@ -1,0 +1,170 @@
+"""A duty's file (TOML), read and checked before anything runs.
+
+    [duty]     title, case, level, and repeat = how often the trips are wound one after the other
+    [fixed]    values of all trips
+    [[trip]]   values of one trip: winding.* and the payloads, hoist.payload_left and hoist.payload_right
+
+Keys and values are those of a study's [fixed]. A trip begins where the one before has ended: it waits for
+winding.start_delay, travels, and dwells for winding.settle, while its payloads change evenly to those of the next.
+All errors of a file are told at once.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, get_args
+
+from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
+from hoist_demo.study.catalogue import Catalogue, Value
+from hoist_demo.study.definition import StudyError, flat, strip_unit
+from hoist_demo.study.run import RunData, build
+from rope_model import Level
+
+_TABLES = ("duty", "fixed", "trip")
+_PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
+_ROUNDING = 1e-9
+"""Of heights [m]."""
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Trips that are wound one after the other, again and again."""
+
+    title: str
+    case: str
+    level: Level
+    pattern: tuple[RunData, ...]
+    repeat: int
+
+    @property
+    def count(self) -> int:
+        """Number of all trips."""
+        return self.repeat * len(self.pattern)
+
+    def trip(self, number: int) -> RunData:
+        """Data of a trip, the first being 1; beyond the last one the pattern goes on."""
+        return self.pattern[(number - 1) % len(self.pattern)]
+
+    def landing(self, number: int) -> float:
+        """Height of the left conveyance after so many trips [m]; the first begins at an end of the shaft."""
+        first = self.trip(1)
+        start = 0.0 if first.winding.travel > 0.0 else first.hoist.shaft_travel
+        return start + sum(self.trip(k).winding.travel for k in range(1, number + 1))
+
+    @property
+    def data(self) -> str:
+        """What must be the same for a duty to go on: all but how often it is repeated."""
+        return repr((self.case, self.level, self.pattern))
+
+
+def read_schedule(path: Path, rope: Mapping[str, FmuParameter], repeat: int | None = None) -> Schedule:
+    """The schedule of a file for a rope with these parameters; `repeat` replaces the file's.
+
+    Raises StudyError with all problems.
+    """
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StudyError(path, [f"cannot be read ({error.strerror}): give an existing schedule"]) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise StudyError(path, [f"is not TOML: {error}: correct it there"]) from error
+    return _Reader(path, raw, Catalogue(rope)).schedule({} if repeat is None else {"repeat": repeat})
+
+
+class _Reader:
+    """Collects the problems while it reads."""
+
+    def __init__(self, path: Path, raw: dict[str, Any], catalogue: Catalogue) -> None:
+        self._path, self._raw, self._catalogue = path, raw, catalogue
+        self._problems = [
+            f"[{name}] is not a table of a duty: the tables are {', '.join(_TABLES)}"
+            for name in raw.keys() - set(_TABLES)
+        ]
+
+    def schedule(self, given: Mapping[str, Value]) -> Schedule:
+        """The schedule, where nothing is wrong; what is given replaces the file's."""
+        head = self._head(given)
+        fixed = self._values("[fixed]", self._raw.get("fixed", {}))
+        trips = self._raw.get("trip", [])
+        if not (isinstance(trips, list) and trips):
+            self._problems.append("a duty needs trips: give at least one [[trip]]")
+            trips = []
+        own = [self._values(f"trip {k}", trip) for k, trip in enumerate(trips, 1)]
+        for k, values in enumerate(own, 1):
+            for key in values:
+                if not (key.startswith("winding.") or key in _PAYLOADS):
+                    known = f"winding.* and {' and '.join(_PAYLOADS)}"
+                    self._problems.append(f"trip {k}: {key} must be the same in all trips: a trip has {known}")
+        self._stop_where_wrong()
+        pattern: list[RunData] = []
+        for k, values in enumerate(own, 1):
+            try:
+                pattern.append(build(head["case"], {**fixed, **values}))
+            except ValueError as error:
+                self._problems.append(f"trip {k}: {error}")
+        self._stop_where_wrong()
+        schedule = Schedule(pattern=tuple(pattern), **head)
+        if problem := _impossible(schedule):
+            raise StudyError(self._path, [problem])
+        return schedule
+
+    def _stop_where_wrong(self) -> None:
+        if self._problems:
+            raise StudyError(self._path, self._problems)
+
+    def _head(self, given: Mapping[str, Value]) -> dict[str, Any]:
+        """Title, case, level and repeat."""
+        head: dict[str, Any] = {"title": self._path.stem, "case": "rope-120", "level": "standard", "repeat": 1}
+        head |= {**self._raw.get("duty", {}), **given}
+        for name in head.keys() - {"title", "case", "level", "repeat"}:
+            self._problems.append(f"[duty] {name} = {head[name]!r} is not a key: it has title, case, level and repeat")
+        if head["level"] not in get_args(Level):
+            known = ", ".join(get_args(Level))
+            self._problems.append(f"[duty] level = {head['level']!r} must be one of {known}: choose one")
+        if type(head["repeat"]) is not int or head["repeat"] < 1:
+            self._problems.append(
+                f"[duty] repeat = {head['repeat']!r} must be a whole number from 1 on: count the cycles"
+            )
+        try:
+            find_case(str(head["case"]))
+        except ValueError as error:
+            self._problems.append(f"[duty] {error}")
+        return head
+
+    def _values(self, where: str, table: Any) -> dict[str, Value]:
+        """The values of a table, each checked by itself."""
+        found: dict[str, Value] = {}
+        for key, content in flat(table):
+            try:
+                parameter = self._catalogue[key]
+                found[key] = parameter.read(strip_unit(parameter, content))
+            except ValueError as error:
+                self._problems.append(f"{where}: {error}")
+        return found
+
+
+def _impossible(schedule: Schedule) -> str:
+    """What is wrong with trips that follow one another; "" for nothing."""
+    top = schedule.trip(1).hoist.shaft_travel
+    for number in range(1, schedule.count + 1):
+        winding, end = schedule.trip(number).winding, schedule.landing(number)
+        if not -_ROUNDING <= end <= top + _ROUNDING:
+            return (
+                f"trip {number}: winding.travel = {winding.travel:g} m leads to {end:g} m, which must be within 0 and "
+                f"hoist.shaft_travel = {top:g} m: shorten it, or let the trips lead back"
+            )
+        if winding.emergency_at is not None:
+            return f"trip {number}: winding.emergency_at must be left out: a trip of a duty ends at a landing"
+        if winding.settle == 0.0 and _payloads(schedule.trip(number)) != _payloads(schedule.trip(number + 1)):
+            return (
+                f"trip {number}: winding.settle = 0 s must be above 0, for the payload changes: give the dwell's time"
+            )
+    return ""
+
+
+def _payloads(run: RunData) -> tuple[float, float]:
+    return run.hoist.payload_left, run.hoist.payload_right

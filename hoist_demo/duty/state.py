@@ -1,0 +1,70 @@
+"""Where a duty stands between two trips, in a file from which it goes on with the same bits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.participants.rope_plant import RopePlant
+from hoist_demo.cosimulation.run_state import TripEnd
+from hoist_demo.duty.schedule import Schedule
+from hoist_demo.recording.time_series import Recording
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Trips that are wound, and the state after the last of them."""
+
+    rows: list[dict[str, float]]
+    end: TripEnd
+
+
+def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, schedule: Schedule) -> None:
+    """Write the state after the last row of `trips`, whole or not at all."""
+    snapshot = rope.save()
+    checkpoint = Checkpoint(
+        sample=trips["trip"].size,
+        t=end.t,
+        plant=end.plant,
+        controller=None,
+        input=end.input,
+        at_rest=end.shown,
+        memory=end.memory,
+        rope=rope.to_bytes(snapshot),
+        recording=trips,
+        data=schedule.data,
+        cause="",
+    )
+    rope.free(snapshot)
+    part = path.with_suffix(".part")
+    checkpoint.write(part)
+    part.replace(path)
+
+
+def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> Standing:
+    """What `write_state` wrote, the rope being put there; ValueError for another duty's."""
+    checkpoint = Checkpoint.read(path)
+    if checkpoint.data != schedule.data:
+        raise ValueError(f"'{path}' must be of this schedule, and its trips are others: give another --out")
+    snapshot = rope.from_bytes(checkpoint.rope)
+    rope.restore(snapshot)
+    rope.free(snapshot)
+    end = TripEnd(
+        checkpoint.t,
+        schedule.landing(checkpoint.sample),
+        checkpoint.plant,
+        checkpoint.input,
+        checkpoint.at_rest,
+        checkpoint.memory,
+    )
+    return Standing(rows_of(checkpoint.recording), end)
+
+
+def rows_of(trips: Recording) -> list[dict[str, float]]:
+    """The rows of a table."""
+    columns: Mapping[str, np.ndarray] = trips.signals
+    return [{name: float(values[k]) for name, values in columns.items()} for k in range(trips["trip"].size)]

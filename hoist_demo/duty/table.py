@@ -1,0 +1,154 @@
+"""What each trip of a duty shows, the worst of all trips, and from which trip on they repeat.
+
+A trip repeats the one a cycle before when none of REPEATING has changed by more than STEADY of its largest value in the
+duty; what is below its unit's NEGLIGIBLE counts as nothing. The cycle is as many trips as the schedule lists.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
+from hoist_demo.duty.schedule import Schedule
+from hoist_demo.duty.wind import Trip
+from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.study.metrics import METRICS, ROPE_SIGNALS, measure
+
+READ = ROPE_SIGNALS | {"loop.turns"}
+"""Outputs of the rope that the table is made of."""
+
+_MEASURED = (
+    "rope_force_ripple",
+    "rope_force_peak",
+    "rope_force_range",
+    "bending_stress",
+    "sway",
+    "sway_across",
+    "loop_yaw",
+    "clearance",
+    "left_swivel_torque",
+    "right_swivel_torque",
+    "left_slip",
+    "right_slip",
+    "slip_safety",
+    "position_error",
+    "torque_rms",
+    "motor_energy_drawn",
+)
+"""Metrics of a study; sway is from where the loop hung at rest before the first trip."""
+
+COLUMNS = {
+    "trip": ("1", "number, from 1"),
+    "start": ("s", "time at which it begins, waiting included"),
+    "landing": ("m", "height of the left conveyance where it ends"),
+    "yaw_start": ("rad", "of the loop as it begins: what the trip before has left"),
+    "yaw_end": ("rad", "as it ends, after its dwell"),
+    "yaw_dwelling": ("rad", "largest magnitude after the reference's arrival"),
+    "yaw_dwelling_at": ("s", "after the arrival"),
+    "turns": ("1", "of one side of the rope about the other, largest magnitude"),
+    **{name: METRICS[name] for name in _MEASURED},
+}
+"""Columns of the table, each with unit and meaning."""
+
+UNITS = {name: unit for name, (unit, _) in COLUMNS.items()} | {"difference": "1"}
+
+_SMALLEST_IS_WORST = ("clearance", "slip_safety")
+JUDGED = (
+    *("rope_force_ripple", "rope_force_range", "sway", "sway_across", "loop_yaw", "turns", "clearance"),
+    *("left_swivel_torque", "right_swivel_torque", "slip_safety"),
+)
+"""Columns of which the worst trip is told."""
+REPEATING = ("rope_force_ripple", "sway", "sway_across", "loop_yaw", "yaw_start", "left_swivel_torque")
+STEADY = 0.01
+NEGLIGIBLE = {"N": 1.0, "m": 1e-3, "rad": 1e-3, "N.m": 0.1}
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The worst trip by one column, and what the first cycle, from rest, would have shown."""
+
+    name: str
+    value: float
+    trip: int
+    first_cycle: float
+
+    @property
+    def missed(self) -> float:
+        """How much worse than the first cycle's, as a part of that; 0 where that is the worst."""
+        return abs(self.value - self.first_cycle) / abs(self.first_cycle) if self.first_cycle else math.nan
+
+
+def place_at_rest(schedule: Schedule, rope: RopePlant) -> tuple[float, float]:
+    """Where the loop's lowest point hangs at rest before the first trip, x and z [m]; NaN where it does not hang."""
+    left = schedule.landing(0)
+    rope.initialize(0.0, EndMotion(y=left), EndMotion(y=schedule.trip(1).hoist.shaft_travel - left))
+    x, z = rope.reader(["loop.x", "loop.z"])().tolist()
+    return x, z
+
+
+def row(trip: Trip, rest: tuple[float, float]) -> dict[str, float]:
+    """The row of a trip; `rest` is where the loop's lowest point hung at rest, x and z [m]."""
+    recording, data = trip.result.recording, trip.data
+    measured = measure(trip.result, data.hoist, data.winding, data.arrival)
+    found = dict.fromkeys(COLUMNS, math.nan) | {name: measured[name] for name in _MEASURED}
+    found |= {"trip": float(trip.number), "start": float(recording.time[0])}
+    if trip.result.end is not None:
+        found["landing"] = trip.result.end.landing
+    for name, signal, place in (("sway", "loop.x", rest[0]), ("sway_across", "loop.z", rest[1])):
+        found[name] = float(np.max(np.abs(recording[signal] - place)))
+    found["turns"] = float(np.max(np.abs(recording["loop.turns"])))
+    return found | _yaw(recording, trip.result.trajectory.duration)
+
+
+def _yaw(recording: Recording, arrived: float) -> dict[str, float]:
+    yaw, t = recording["loop.yaw"], recording.time - recording.time[0] - arrived
+    found = {"yaw_start": float(yaw[0]), "yaw_end": float(yaw[-1])}
+    dwelling = np.flatnonzero(t >= 0.0)
+    if dwelling.size and np.isfinite(yaw).all():
+        most = dwelling[np.argmax(np.abs(yaw[dwelling]))]
+        found |= {"yaw_dwelling": float(abs(yaw[most])), "yaw_dwelling_at": float(t[most])}
+    return found
+
+
+def table(rows: Sequence[Mapping[str, float]], cycle: int) -> Recording:
+    """All rows as columns, with what differs from the trip a cycle before."""
+    columns = {name: np.array([row[name] for row in rows]) for name in COLUMNS}
+    return Recording(columns | {"difference": differences(columns, cycle)}, UNITS)
+
+
+def differences(columns: Mapping[str, Array], cycle: int) -> Array:
+    """Largest change of REPEATING against the trip a cycle before, as a part of the column's largest; NaN at first."""
+    found = np.full(columns["trip"].size, math.nan)
+    if found.size <= cycle:
+        return found
+    found[cycle:] = 0.0
+    for name in REPEATING:
+        values = columns[name]
+        if np.isfinite(values).all():
+            largest = max(float(np.max(np.abs(values))), NEGLIGIBLE[UNITS[name]] / STEADY)
+            found[cycle:] = np.maximum(found[cycle:], np.abs(values[cycle:] - values[:-cycle]) / largest)
+    return found
+
+
+def steady_from(trips: Recording, cycle: int) -> int | None:
+    """The first trip from which on each repeats the one a cycle before, for a cycle at least; None: there is none."""
+    unlike = np.flatnonzero(~(trips["difference"] <= STEADY))
+    first = int(unlike[-1]) + 1 if unlike.size else 0
+    return int(trips["trip"][first]) if first + cycle <= trips["trip"].size else None
+
+
+def worst(trips: Recording, cycle: int) -> list[Worst]:
+    """By each column of JUDGED that the rope's fidelity shows."""
+    found = []
+    for name in JUDGED:
+        values = trips[name]
+        if np.isfinite(values).all():
+            sign = -1.0 if name in _SMALLEST_IS_WORST else 1.0
+            k = int(np.argmax(sign * values))
+            first = sign * float(np.max(sign * values[:cycle]))
+            found.append(Worst(name, float(values[k]), int(trips["trip"][k]), first))
+    return found

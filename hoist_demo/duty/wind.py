@@ -1,0 +1,65 @@
+"""Trips wound one after the other, the rope and the drive going on from where the trip before has left them.
+
+Yaw, swing, swivel angles and all that moves are carried over, nothing is laid to rest; the controller begins each trip
+anew, with the torque that holds the hoist and its present payload.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from hoist_demo.cosimulation.host import Host, Progress
+from hoist_demo.cosimulation.participants.rope_plant import RopePlant
+from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import TripEnd
+from hoist_demo.design.controllers import Drive, drive
+from hoist_demo.duty.schedule import Schedule
+from hoist_demo.recording.fidelity import mask_neglected
+from hoist_demo.study.run import RunData
+
+
+@dataclass(frozen=True)
+class Trip:
+    """One of the trips that were wound."""
+
+    number: int  # 1 for the first
+    data: RunData
+    result: Result
+
+
+def wind(
+    schedule: Schedule,
+    rope: RopePlant,
+    torque_free: bool,
+    progress: Callable[[int], Progress] | None = None,
+    after: TripEnd | None = None,
+    done: int = 0,
+) -> Iterator[Trip]:
+    """All trips behind the first `done`, after which drive and coupling were as `after` tells and the rope as it is.
+
+    `torque_free` is whether the rope carries no torque; `progress` gives each trip whom to tell. The last trip is one
+    that does not end, where there is such a one.
+    """
+    drives = [_drive(run) for run in schedule.pattern]
+    for number in range(done + 1, schedule.count + 1):
+        run, chosen = schedule.trip(number), drives[(number - 1) % len(drives)]
+        host = Host(
+            rope,
+            run.hoist,
+            run.winding,
+            run.coupling,
+            chosen.gains,
+            trajectory=chosen.trajectory,
+            after=after,
+            next_hoist=schedule.trip(number + 1).hoist,
+        )
+        result = host.run(None if progress is None else progress(number))
+        yield Trip(number, run, replace(result, recording=mask_neglected(result.recording, torque_free)))
+        after = result.end
+        if after is None:
+            return
+
+
+def _drive(run: RunData) -> Drive:
+    return drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)

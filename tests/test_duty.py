@@ -1,0 +1,193 @@
+"""Trips of a duty: what is carried over, what a dwell changes, when they repeat, and how a duty goes on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import balance_rope
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
+from hoist_demo.duty.schedule import Schedule, read_schedule
+from hoist_demo.duty.state import read_state, write_state
+from hoist_demo.duty.table import COLUMNS, READ, STEADY, UNITS, place_at_rest, row, steady_from, table, worst
+from hoist_demo.duty.wind import Trip, wind
+from hoist_demo.parameters import GRAVITY
+from hoist_demo.recording.time_series import Recording, read_csv
+from hoist_demo.study.definition import StudyError
+
+DUTY = """
+[duty]
+case = "rope-120"
+level = "draft"
+repeat = {repeat}
+
+[fixed]
+model.fidelity = "{fidelity}"
+coupling.step = 0.02
+winding.settle = {settle}
+
+[[trip]]
+winding.travel = {travel}
+hoist.payload_left = 5000
+hoist.payload_right = 0
+
+[[trip]]
+winding.travel = -{travel}
+hoist.payload_left = 0
+hoist.payload_right = 5000
+"""
+
+
+def schedule_of(
+    folder: Path, repeat: int = 1, fidelity: str = "torsional", settle: float = 5.0, travel: float = 90.0
+) -> Schedule:
+    path = folder / "duty.toml"
+    path.write_text(DUTY.format(repeat=repeat, fidelity=fidelity, settle=settle, travel=travel), encoding="utf-8")
+    return read_schedule(path, rope_parameters())
+
+
+def rope_of(schedule: Schedule) -> InProcessRope:
+    return InProcessRope(rope_data(schedule.pattern[0].fmu, schedule.level), READ)
+
+
+def wound(schedule: Schedule) -> list[Trip]:
+    return list(wind(schedule, rope_of(schedule), torque_free=False))
+
+
+def test_a_trip_begins_with_what_the_one_before_has_left(tmp_path: Path) -> None:
+    first, second = wound(schedule_of(tmp_path, settle=2.0))
+    before, after = first.result.recording, second.result.recording
+    assert after.time[0] == before.time[-1]
+    for name in ("loop.yaw", "loop.x", "loop.z", "left.fy", "left.swivel.torque", "conveyance.left.y"):
+        assert after[name][0] == before[name][-1]
+    # and that is no rest
+    assert abs(after["loop.x"][0] - before["loop.x"][0]) > 0.05
+
+
+def test_trips_between_which_all_has_faded_are_those_from_rest(tmp_path: Path) -> None:
+    # a rigid rope has nothing to swing with, and the conveyances' swing fades as exp(-2 pi 0.03 f t) with f above 1 Hz
+    schedule = schedule_of(tmp_path, fidelity="rigid", settle=80.0, travel=90.0)
+    trips = wound(schedule)
+    for trip in trips:
+        run = trip.data
+        single = Host(rope_of(schedule), run.hoist, run.winding, run.coupling, run.gains).run().recording
+        found = trip.result.recording
+        # up to where the payload begins to change
+        rows = np.arange(single.time.size) * run.coupling.sample_time < trip.result.trajectory.duration + 15.0
+        for name, scale in (("conveyance.left.y", 90.0), ("conveyance.right.vy", 8.0), ("left.fy", 8000.0)):
+            assert_allclose(found[name][rows], single[name][rows], rtol=0.0, atol=1e-6 * scale)
+
+
+def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:
+    first, _ = wound(schedule_of(tmp_path, fidelity="rigid", settle=60.0, travel=20.0))
+    tensions = [first.result.recording[f"drive.tension_{side}"] for side in ("left", "right")]
+    dwell = round(60.0 / 0.02)
+    for tension, change in zip(tensions, (-5000.0, 5000.0), strict=True):
+        # the second before loading begins, and the last: the swing of either is averaged out to a thousandth
+        before, after = tension[-dwell + 700 : -dwell + 750].mean(), tension[-50:].mean()
+        assert after - before == pytest.approx(change * GRAVITY, rel=2e-3)
+
+
+def test_trips_from_rest_miss_what_builds_up(tmp_path: Path) -> None:
+    schedule = schedule_of(tmp_path, repeat=3, settle=15.0)
+    rest = place_at_rest(schedule, rope_of(schedule))
+    trips = table([row(trip, rest) for trip in wound(schedule)], 2)
+    found = {one.name: one for one in worst(trips, 2)}
+    assert found["loop_yaw"].trip > 2
+    assert found["loop_yaw"].missed > 0.3
+    assert_array_equal(trips["yaw_start"][1:], trips["yaw_end"][:-1])
+    assert_allclose(trips["landing"], [90.0, 0.0] * 3, rtol=0.0, atol=1e-12)
+    assert steady_from(trips, 2) is None
+
+
+def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None:
+    schedule = schedule_of(tmp_path, repeat=2, settle=2.0, travel=20.0)
+    rope, path = rope_of(schedule), tmp_path / "last_trip.npz"
+    rest = place_at_rest(schedule, rope)
+    rows = []
+    for trip in wind(schedule, rope, torque_free=False):
+        rows.append(row(trip, rest))
+        if trip.number == 2:
+            assert trip.result.end is not None
+            write_state(path, table(rows, 2), trip.result.end, rope, schedule)
+    other = rope_of(schedule)
+    place_at_rest(schedule, other)
+    standing = read_state(path, other, schedule)
+    again = [row(trip, rest) for trip in wind(schedule, other, torque_free=False, after=standing.end, done=2)]
+    for name in COLUMNS:
+        assert_array_equal([r[name] for r in standing.rows + again], [r[name] for r in rows], err_msg=name)
+    longer = replace(schedule, pattern=schedule_of(tmp_path, settle=3.0).pattern)
+    with pytest.raises(ValueError, match="must be of this schedule"):
+        read_state(path, other, longer)
+
+
+def invent(**columns: list[float]) -> Recording:
+    """A table in which all else is 0."""
+    count = len(next(iter(columns.values())))
+    rows = [{name: columns.get(name, [0.0] * count)[k] for name in COLUMNS} | {"trip": k + 1.0} for k in range(count)]
+    return table(rows, 2)
+
+
+def test_a_cycle_is_steady_once_what_is_left_of_the_transient_changes_by_a_hundredth() -> None:
+    # yaw 1 + 2^-n, of 1.5 at most: trip n and n - 2 differ by 3/4 2^(2 - n) / 1.5 = 2^(1 - n), below 0.01 from n = 8 on
+    trips = invent(loop_yaw=[1.0 + 0.5**n for n in range(1, 13)])
+    assert_allclose(trips["difference"][2:], [0.5 ** (n - 1) for n in range(3, 13)], rtol=1e-12)
+    assert steady_from(trips, 2) == 8
+    assert 0.5**7 <= STEADY < 0.5**6
+
+
+def test_directions_that_differ_are_compared_with_their_own() -> None:
+    up_and_down = invent(sway=[1.0, 2.0] * 4)
+    assert steady_from(up_and_down, 2) == 3
+    assert set(UNITS) == {*up_and_down.signals}
+
+
+def test_what_is_negligible_is_no_change() -> None:
+    assert steady_from(invent(loop_yaw=[1e-6, 3e-6] * 2 + [2e-6, 1e-6]), 2) == 3
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "told"),
+    [
+        ("winding.travel = -90.0", "winding.travel = 90.0", r"trip 2: winding.travel = 90 m leads to 180 m"),
+        ("winding.settle = 5.0", "winding.settle = 0.0", r"trip 1: winding.settle = 0 s must be above 0"),
+        ("hoist.payload_left = 5000", "hoist.sheave_radius = 2.0", r"trip 1: hoist.sheave_radius must be the same"),
+        ('case = "rope-120"', 'case = "rope-121"', r"case = 'rope-121' must be one of"),
+        ("repeat = 1", "repeat = 0", r"repeat = 0 must be a whole number"),
+        ("[fixed]", "[fxed]", r"\[fxed\] is not a table of a duty"),
+        ("hoist.payload_left = 0", "hoist.payload_left = -1", r"trip 2: payload_left"),
+        ("hoist.payload_left = 0", 'hoist.payload_left = { value = 0, unit = "t" }', r"must be 'kg'"),
+        ("winding.settle = 5.0", "winding.setle = 5.0", r"did you mean winding.settle"),
+        ("winding.travel = 90.0", "winding.travel = 90.0\nwinding.emergency_at = 5", r"emergency_at must be left out"),
+    ],
+)
+def test_a_schedule_that_cannot_be_is_refused_with_the_cure(tmp_path: Path, wrong: str, right: str, told: str) -> None:
+    path = tmp_path / "duty.toml"
+    text = DUTY.format(repeat=1, fidelity="torsional", settle=5.0, travel=90.0)
+    assert wrong in text
+    path.write_text(text.replace(wrong, right), encoding="utf-8")
+    with pytest.raises(StudyError, match=told):
+        read_schedule(path, rope_parameters())
+
+
+@pytest.mark.parametrize("name", ["day", "palabora"])
+def test_the_schedules_of_the_documents_can_be_wound(name: str) -> None:
+    path = Path(__file__).parents[1] / "docs" / "duties" / f"{name}.toml"
+    assert read_schedule(path, rope_parameters()).count in (300, 30)
+
+
+def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    schedule_of(tmp_path, settle=2.0, travel=5.0)
+    arguments = ["duty", str(tmp_path / "duty.toml"), "--out", str(tmp_path / "out")]
+    assert balance_rope.main(arguments) == 0
+    assert balance_rope.main([*arguments, "--repeat", "2"]) == 0
+    assert "2 of 4 trips are there already" in capsys.readouterr().out
+    trips = read_csv(tmp_path / "out" / "trips.csv")
+    assert_array_equal(trips["trip"], [1.0, 2.0, 3.0, 4.0])
+    assert trips.units["loop_yaw"] == "rad"
+    assert (tmp_path / "out" / "duty.png").stat().st_size > 0
