@@ -20,6 +20,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.cases.table import CASES
     from hoist_demo.command_line.demo import add_demo
     from hoist_demo.command_line.duty import add_duty
+    from hoist_demo.command_line.ropes import add_ropes
     from hoist_demo.command_line.study import add_study
     from hoist_demo.drive_fmu.description import drive_model, duration
     from rope_model import __version__
@@ -53,6 +54,7 @@ first steps:
   balance-rope demo --in-process       the same rope without the FMU
   balance-rope study STUDY.toml        wind many times, with parameters over grids, samples or a search
   balance-rope duty SCHEDULE.toml      wind many trips as one run, each from where the last has left the rope
+  balance-rope ropes ROPES.toml        wind several balance ropes that differ, in one hoist
   balance-rope COMMAND --help          what a command can do
 """
 
@@ -68,6 +70,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_demo(commands, DEFAULT_FMU, _levels)
     add_study(commands)
     add_duty(commands)
+    add_ropes(commands)
     for command in commands.choices.values():  # -v is understood behind the command as well
         command.add_argument(
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"

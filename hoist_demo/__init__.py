@@ -12,7 +12,8 @@ Rooms, each on those above it; tests/test_layers.py holds the directions:
     report           summary, figures, Markdown and HTML
     study            many windings over chosen parameters
     duty             many trips as one run
-    command_line     the commands demo, study and duty
+    ropes            several balance ropes that differ
+    command_line     the commands demo, study, duty and ropes
 
 Signs. Heights and vertical forces are positive upwards; a positive travel, sheave angle and torque lift the left
 conveyance. Forces of the balance rope are those on the conveyance, so that a hanging rope has `fy` < 0. SI units.

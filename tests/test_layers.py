@@ -109,12 +109,19 @@ MAY_IMPORT = {
         "hoist_demo.cosimulation",
         "hoist_demo.cosimulation.participants",
         "hoist_demo.report",
+        "rope_model",
     },
     "hoist_demo.duty": {
-        "hoist_demo.cases",
         "hoist_demo.design",
         "hoist_demo.recording",
         "hoist_demo.cosimulation",
+        "hoist_demo.cosimulation.participants",
+        "hoist_demo.study",
+        "rope_model",
+    },
+    "hoist_demo.ropes": {
+        "hoist_demo.parameters",
+        "hoist_demo.recording",
         "hoist_demo.cosimulation.participants",
         "hoist_demo.study",
         "rope_model",
@@ -129,6 +136,7 @@ MAY_IMPORT = {
         "hoist_demo.report",
         "hoist_demo.study",
         "hoist_demo.duty",
+        "hoist_demo.ropes",
     },
     "hoist_demo": set(),
 }

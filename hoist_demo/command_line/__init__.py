@@ -1,1 +1,1 @@
-"""The commands `balance-rope demo`, `study` and `duty`: all of this package that prints."""
+"""The commands `balance-rope demo`, `study`, `duty` and `ropes`: all of this package that prints."""

@@ -11,16 +11,15 @@ All errors of a file are told at once.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
-from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.definition import StudyError, flat, strip_unit
+from hoist_demo.study.definition import StudyError, read_toml
+from hoist_demo.study.reading import read_head, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level
 
@@ -66,13 +65,7 @@ def read_schedule(path: Path, rope: Mapping[str, FmuParameter], repeat: int | No
 
     Raises StudyError with all problems.
     """
-    try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise StudyError(path, [f"cannot be read ({error.strerror}): give an existing schedule"]) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise StudyError(path, [f"is not TOML: {error}: correct it there"]) from error
-    return _Reader(path, raw, Catalogue(rope)).schedule({} if repeat is None else {"repeat": repeat})
+    return _Reader(path, read_toml(path), Catalogue(rope)).schedule({} if repeat is None else {"repeat": repeat})
 
 
 class _Reader:
@@ -88,12 +81,12 @@ class _Reader:
     def schedule(self, given: Mapping[str, Value]) -> Schedule:
         """The schedule, where nothing is wrong; what is given replaces the file's."""
         head = self._head(given)
-        fixed = self._values("[fixed]", self._raw.get("fixed", {}))
+        fixed = read_values(self._catalogue, "[fixed]", self._raw.get("fixed", {}), self._problems)
         trips = self._raw.get("trip", [])
         if not (isinstance(trips, list) and trips):
             self._problems.append("a duty needs trips: give at least one [[trip]]")
             trips = []
-        own = [self._values(f"trip {k}", trip) for k, trip in enumerate(trips, 1)]
+        own = [read_values(self._catalogue, f"trip {k}", trip, self._problems) for k, trip in enumerate(trips, 1)]
         for k, values in enumerate(own, 1):
             for key in values:
                 if not (key.startswith("winding.") or key in _PAYLOADS):
@@ -118,33 +111,13 @@ class _Reader:
 
     def _head(self, given: Mapping[str, Value]) -> dict[str, Any]:
         """Title, case, level and repeat."""
-        head: dict[str, Any] = {"title": self._path.stem, "case": "rope-120", "level": "standard", "repeat": 1}
-        head |= {**self._raw.get("duty", {}), **given}
-        for name in head.keys() - {"title", "case", "level", "repeat"}:
-            self._problems.append(f"[duty] {name} = {head[name]!r} is not a key: it has title, case, level and repeat")
-        if head["level"] not in get_args(Level):
-            known = ", ".join(get_args(Level))
-            self._problems.append(f"[duty] level = {head['level']!r} must be one of {known}: choose one")
+        table = {**self._raw.get("duty", {}), **given}
+        head = read_head(self._path, "duty", table, {"repeat": 1}, self._problems)
         if type(head["repeat"]) is not int or head["repeat"] < 1:
             self._problems.append(
                 f"[duty] repeat = {head['repeat']!r} must be a whole number from 1 on: count the cycles"
             )
-        try:
-            find_case(str(head["case"]))
-        except ValueError as error:
-            self._problems.append(f"[duty] {error}")
         return head
-
-    def _values(self, where: str, table: Any) -> dict[str, Value]:
-        """The values of a table, each checked by itself."""
-        found: dict[str, Value] = {}
-        for key, content in flat(table):
-            try:
-                parameter = self._catalogue[key]
-                found[key] = parameter.read(strip_unit(parameter, content))
-            except ValueError as error:
-                self._problems.append(f"{where}: {error}")
-        return found
 
 
 def _impossible(schedule: Schedule) -> str:

@@ -115,6 +115,21 @@ def write_duty_figure(trips: Recording, path: Path) -> Path:
     return path
 
 
+def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -> Path:
+    """Pulls and yaw of several ropes, by the names under which a group of ropes records them."""
+    with matplotlib.rc_context(_STYLE):
+        figure, axes = _stack(recording, ("Pull on the left conveyance", "Pull on the right one", "Yaw of the loop"))
+        for name in names:
+            for ax, end in zip(axes, ("left", "right"), strict=False):
+                ax.plot(recording.time, -1e-3 * recording[f"{name}.{end}.fy"], label=name)
+            axes[2].plot(recording.time, 180.0 / math.pi * recording[f"{name}.loop.yaw"], label=name)
+        for ax, label in zip(axes, ("$-f_y$ [kN]", "$-f_y$ [kN]", "yaw [deg]"), strict=True):
+            ax.set_ylabel(label)
+        _legend(axes[0])
+        figure.savefig(path, dpi=150, metadata={"Software": None})
+    return path
+
+
 def tracking(recording: Recording, hoist: Hoist) -> Figure | None:
     """Heights, speeds and accelerations of both conveyances against the reference, and the error."""
     figure, axes = _stack(recording, ("Height in the shaft", "Speed", "Acceleration", "Tracking error, left"))

@@ -92,13 +92,17 @@ Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
     """The study of a file; `fmu` replaces the file's. Raises StudyError with all problems."""
+    return _Reader(path, read_toml(path), fmu).study(progress)
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """What a TOML file holds; StudyError where it holds nothing that can be read."""
     try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise StudyError(path, [f"cannot be read ({error.strerror}): give an existing study file"]) from error
+        raise StudyError(path, [f"cannot be read ({error.strerror}): give an existing file"]) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise StudyError(path, [f"is not TOML: {error}: correct it there"]) from error
-    return _Reader(path, raw, fmu).study(progress)
 
 
 class _Reader:

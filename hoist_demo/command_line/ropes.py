@@ -1,0 +1,130 @@
+"""The command `balance-rope ropes`."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hoist_demo.parameters import ASSUMED_DATA
+from hoist_demo.recording.time_series import Recording, write_csv
+from hoist_demo.report.summary import SummaryRow, render
+
+if TYPE_CHECKING:
+    from hoist_demo.ropes.definition import Ropes
+    from hoist_demo.ropes.table import Neighbours
+
+_DESCRIPTION = """\
+Wind once with several balance ropes in this process, each with length, mass, stiffnesses, lay, swivels and place of its
+own; the drive feels their sum. One of them may break."""
+
+_EPILOG = """\
+examples:
+  balance-rope ropes docs/duties/four_ropes.toml
+  balance-rope ropes ROPES.toml --check      read and check the file, wind nothing
+
+Results in --out: ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv and ropes.png. The file is
+explained in docs/ropes.md.
+exit code: 0 wound to the end, 1 a rope or the drive stopped the run, 2 wrong file or arguments, 130 interrupted.
+"""
+
+_SUMS = {
+    "fy": ("largest pull", "N"),
+    "mx": ("tilt about X", "N.m"),
+    "my": ("moment about Y", "N.m"),
+    "mz": ("tilt about Z", "N.m"),
+}
+
+
+def add_ropes(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the subcommand `ropes`; its options hold the function to run as `run`."""
+    ropes = commands.add_parser(
+        "ropes",
+        help="wind once with several balance ropes that differ",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    ropes.set_defaults(run=_ropes)
+    ropes.add_argument("ropes", type=Path, metavar="ROPES.toml", help="the ropes, see docs/ropes.md")
+    ropes.add_argument("--out", type=Path, metavar="DIR", help="results (out/ropes/ and the file's name)")
+    ropes.add_argument("--check", action="store_true", help="check only")
+
+
+def _ropes(options: argparse.Namespace) -> int:
+    # ropes and figures load slowly and are needed here only
+    from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+    from hoist_demo.report.figures import write_ropes_figure
+    from hoist_demo.ropes.definition import read_ropes
+    from hoist_demo.ropes.table import COLUMNS, neighbours, row
+    from hoist_demo.study.run import wind
+
+    ropes = read_ropes(options.ropes, rope_parameters())
+    if options.check:
+        print(f"{options.ropes}: {len(ropes.ropes)} ropes, nothing wrong")
+        return 0
+    out: Path = options.out or Path("out") / "ropes" / options.ropes.stem
+    out.mkdir(parents=True, exist_ok=True)
+    result, _ = wind(replace(ropes.run, hoist=ropes.hoist), ropes.group())
+    recording = result.recording
+    if not recording.signals:
+        print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
+        return 1
+    names = [rope.name for rope in ropes.ropes]
+    rows = {name: row(recording, name) for name in names}
+    pairs = neighbours(recording, [(rope.name, rope.place, rope.scene.rope.diameter) for rope in ropes.ropes])
+    header = ["rope", *(f"{name} [{unit}]" for name, (unit, _) in COLUMNS.items())]
+    _write(out / "ropes.csv", header, ([name, *values.values()] for name, values in rows.items()))
+    _write(out / "neighbours.csv", _NEIGHBOURS, (_pair(pair) for pair in pairs))
+    write_csv(recording, out / "signals.csv", [name for name in recording.signals if ".shape." not in name])
+    write_ropes_figure(recording, names, out / "ropes.png")
+    print(f"{ropes.title}: case {ropes.case}, level {ropes.level}, {len(names)} ropes")
+    print(render(_summary(ropes, recording, rows, pairs)))
+    print(f"\n{ASSUMED_DATA}\n\nwritten: {out}/ropes.csv, neighbours.csv, signals.csv, ropes.png")
+    if not result.completed:
+        print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
+    return 0 if result.completed else 1
+
+
+_NEIGHBOURS = ["one", "other", "clearance [m]", "time [s]", "x [m]", "y [m]", "z [m]"]
+
+
+def _pair(pair: Neighbours) -> list[object]:
+    return [pair.one, pair.other, pair.nearest.clearance, pair.nearest.t, *pair.nearest.place]
+
+
+def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows([f"{x:.10g}" if isinstance(x, float) else x for x in row] for row in rows)
+
+
+def _summary(
+    ropes: Ropes, recording: Recording, rows: dict[str, dict[str, float]], pairs: Sequence[Neighbours]
+) -> list[SummaryRow]:
+    """What of the ropes is told."""
+    from hoist_demo.ropes.table import COLUMNS
+
+    told = [
+        SummaryRow(f"{name}, z = {rope.place.z:g} m", column, rows[name][column], unit)
+        for rope in ropes.ropes
+        for name in [rope.name]
+        for column, (unit, _) in COLUMNS.items()
+    ]
+    for end in ("left", "right"):
+        for name, (words, unit) in _SUMS.items():
+            peak = float(np.max(np.abs(recording[f"{end}.{name}"])))
+            told.append(SummaryRow(f"All ropes on the {end} conveyance, about its centre", words, peak, unit))
+    for pair in pairs:
+        near, (x, y, z) = pair.nearest, pair.nearest.place
+        text = f"{near.clearance:.4g} m at t = {near.t:.4g} s, x = {x:.3g} m, y = {y:.4g} m, z = {z:.3g} m"
+        text += "" if near.clearance > 0.0 else ": they touch, and each went on as if alone"
+        told.append(SummaryRow("Smallest clearances between ropes", f"{pair.one}, {pair.other}", text))
+    return told

@@ -1,0 +1,154 @@
+"""A rope that breaks: until then any other, from then on what hangs from either end, in closed form.
+
+The legs are taken for straight and the loop for a point, so a leg is h = (L +- (y_L - y_R)) / 2 long. Of a piece of the
+length p longer than its leg, what is beyond the loop falls freely behind the break, and what passes the fold is stopped
+there, without rebound. With r the end's height over the break,
+
+    h = (p + r) / 2 ,    F = -m h (g + a) - m r'^2 / 2 ,    until r = p and the piece hangs: F = -m p (g + a) ,
+
+which is the momentum of the whole piece, its falling part weightless. A piece shorter than its leg hangs at once.
+Waves along the rope, the whip of its end and what it strikes are not computed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
+from hoist_demo.parameters import GRAVITY
+
+ENDS = ("left", "right")
+_NOTHING = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fz", "mx", "my", "mz"))
+
+
+@dataclass(frozen=True)
+class Break:
+    """When and where a rope breaks: at the first communication point from `t` on."""
+
+    t: float  # s
+    s: float  # m, along the rope from its left end
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What hangs from one end after the break at `t`."""
+
+    t: float  # s
+    mass: float  # kg/m
+    length: float  # m
+    break_height: float  # m, at t
+    break_speed: float  # m/s, at t
+
+    @staticmethod
+    def of(t: float, mass: float, length: float, leg: float, end: EndMotion, other: EndMotion) -> Piece:
+        """The piece of a rope whose leg at this end was `leg` long [m]."""
+        if length <= leg:
+            return Piece(t, mass, length, end.y - length, end.vy)
+        return Piece(t, mass, length, end.y - (2.0 * leg - length), other.vy)
+
+    def force(self, t: float, end: EndMotion) -> tuple[float, float]:
+        """Vertical force on the conveyance [N], and the length that hangs from it [m]."""
+        fallen = t - self.t
+        r = end.y - (self.break_height + fallen * (self.break_speed - 0.5 * GRAVITY * fallen))
+        if r >= self.length:
+            return -self.mass * self.length * (GRAVITY + end.ay), self.length
+        hanging, rate = 0.5 * (self.length + r), end.vy - self.break_speed + GRAVITY * fallen
+        return -self.mass * (hanging * (GRAVITY + end.ay) + 0.5 * rate**2), hanging
+
+
+class BreakingRope:
+    """A RopePlant that breaks; `mass` per length [kg/m] and `length` [m] are the rope's."""
+
+    def __init__(self, rope: RopePlant, mass: float, length: float, at: Break) -> None:
+        if not 0.0 <= at.s <= length:
+            raise ValueError(f"breaks_s = {at.s:g} m must be within 0 and rope.length = {length:g} m: move it there")
+        self._rope, self._mass, self._length, self._at = rope, mass, length, at
+        self._ends: tuple[EndMotion, EndMotion] = (EndMotion(), EndMotion())
+        self._pieces: tuple[Piece, Piece] | None = None
+        self._shown: dict[str, float] = {}
+
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """Hang the whole rope."""
+        self._pieces, self._ends = None, (left, right)
+        return self._rope.initialize(t0, left, right)
+
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """Advance to t + h; the rope breaks before the first step that begins at its time or later."""
+        if self._pieces is None and t >= self._at.t:
+            self._pieces = self._break(t)
+            self._shown = self._forces(t, self._ends)
+        self._ends = left, right
+        if self._pieces is None:
+            return self._rope.step(t, h, left, right)
+        before, now = self._shown, self._forces(t + h, (left, right))
+        means = {f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS}
+        self._shown = now | means
+        return RopeStatus(True)
+
+    def _break(self, t: float) -> tuple[Piece, Piece]:
+        left, right = self._ends
+        leg = 0.5 * (self._length + left.y - right.y)
+        return (
+            Piece.of(t, self._mass, self._at.s, leg, left, right),
+            Piece.of(t, self._mass, self._length - self._at.s, self._length - leg, right, left),
+        )
+
+    def _forces(self, t: float, ends: tuple[EndMotion, EndMotion]) -> dict[str, float]:
+        found = dict.fromkeys(_NOTHING, 0.0)
+        for name, piece, end in zip(ENDS, self._pieces or (), ends, strict=True):
+            force, hanging = piece.force(t, end)
+            found |= {f"{name}.fy": force, f"{name}.fy_mean": force, f"{name}.added_mass": self._mass * hanging}
+        return found
+
+    def signals(self) -> dict[str, float]:
+        """Of the rope; NaN, once it is broken, for all but the forces."""
+        whole = self._rope.signals()
+        return whole if self._pieces is None else {name: self._shown.get(name, math.nan) for name in whole}
+
+    def reader(self, names: Sequence[str]) -> Reader:
+        """The same of some outputs."""
+        read = self._rope.reader(names)
+
+        def values() -> NDArray[np.float64]:
+            if self._pieces is None:
+                return read()
+            return np.array([self._shown.get(name, math.nan) for name in names])
+
+        return values
+
+    def save(self) -> Any:
+        """The rope's snapshot, and its pieces."""
+        kept = self._rope.save()
+        return None if kept is None else (kept, self._ends, self._pieces, self._shown)
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a snapshot, to before the break, too."""
+        kept, self._ends, self._pieces, self._shown = snapshot
+        self._rope.restore(kept)
+
+    def free(self, snapshot: Any) -> None:
+        """Forget a snapshot."""
+        if snapshot is not None:
+            self._rope.free(snapshot[0])
+
+    def to_bytes(self, snapshot: Any) -> bytes:
+        """A broken rope's state is not written to files."""
+        raise RuntimeError("the state of a rope that breaks cannot be written: wind it in one run")
+
+    def from_bytes(self, data: bytes) -> Any:
+        """Neither is it read."""
+        raise ValueError("the state of a rope that breaks cannot be read: wind it in one run")
+
+    def units(self) -> dict[str, str]:
+        """Unit of each signal."""
+        return self._rope.units()
+
+    def close(self) -> None:
+        """Free the rope."""
+        self._rope.close()

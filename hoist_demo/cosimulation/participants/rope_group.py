@@ -1,0 +1,195 @@
+"""Several balance ropes between the same two conveyances: one RopePlant, each rope with data and a place of its own.
+
+A rope hangs from a point p = (x, z) of either conveyance, counted from its centre. There the conveyance, turned by its
+yaw psi, moves the rope's end by its own motion and by
+
+    p' = R(psi) p ,    v = psi' e_Y x p' ,    a = psi'' e_Y x p' - psi'^2 p' ,
+
+and the rope's force f and moment m act on it, about its centre, as f and m + p' x f. Of both all ropes' are added up.
+psi'' is the change of psi' over the step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
+from hoist_demo.parameters import Hoist
+
+ENDS = ("left", "right")
+_ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
+_PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))
+"""What is added up as it is."""
+SUMS = (*_ACTIONS, *_PLAIN)
+"""Signals of the group: those of all its ropes together, moments about the conveyances' centres."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a rope hangs, from the centres of the conveyances."""
+
+    x_left: float = 0.0  # m, in the plane of the loops, from the left conveyance's centre
+    x_right: float = 0.0  # m, from the right one's
+    z: float = 0.0  # m, out of plane, of both
+
+    def at(self, end: str) -> tuple[float, float]:
+        """x and z of an end [m]."""
+        return (self.x_left if end == "left" else self.x_right), self.z
+
+
+@dataclass(frozen=True)
+class Member:
+    """One rope of a group."""
+
+    name: str
+    rope: RopePlant
+    place: Place
+
+
+class RopeGroup:
+    """A RopePlant of several; signals of a member begin with its name."""
+
+    def __init__(self, members: Sequence[Member]) -> None:
+        names = [member.name for member in members]
+        if not names or len({*names}) < len(names):
+            raise ValueError(f"the ropes' names {', '.join(names)} must be different: name each rope")
+        self.members = tuple(members)
+        self._rates = (0.0, 0.0)  # of the conveyances' yaw, at the last instant
+        self._yaws = (0.0, 0.0)
+
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """All ropes hang at t0 [s]."""
+        self._keep(left, right)
+        return self._all([m.rope.initialize(t0, *self._ends(m.place, 0.0, left, right)) for m in self.members])
+
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        """Advance all to t + h [s]."""
+        ends = [self._ends(m.place, h, left, right) for m in self.members]
+        self._keep(left, right)
+        return self._all([m.rope.step(t, h, *pair) for m, pair in zip(self.members, ends, strict=True)])
+
+    def signals(self) -> dict[str, float]:
+        """SUMS, and each member's signals under its name; the added masses are dear, and read on demand."""
+        names = [name for name in SUMS if not name.endswith("added_mass")]
+        names += [f"{m.name}.{name}" for m in self.members for name in m.rope.signals()]
+        return dict(zip(names, self.reader(names)().tolist(), strict=True))
+
+    def reader(self, names: Sequence[str]) -> Reader:
+        """A function that reads sums and members."""
+        asked = set(names)
+        plain = [name for name in _PLAIN if name in asked]
+        summed = [*_ACTIONS, *plain] if asked.intersection(SUMS) else []
+        own = [[n.removeprefix(f"{m.name}.") for n in names if n.startswith(f"{m.name}.")] for m in self.members]
+        readers = [m.rope.reader([*summed, *part]) for m, part in zip(self.members, own, strict=True)]
+        shown = [*summed, *(f"{m.name}.{n}" for m, part in zip(self.members, own, strict=True) for n in part)]
+        places = {name: k for k, name in enumerate(shown)}
+        order = [places.get(name, len(shown)) for name in names]
+
+        def read() -> NDArray[np.float64]:
+            values = [r() for r in readers]
+            total = np.zeros(len(summed))
+            for member, one in zip(self.members, values, strict=True):
+                if summed:
+                    total += one[: len(summed)]
+                    total[: len(_ACTIONS)] += _moments(one, member.place, self._yaws)
+            parts = [one[len(summed) :] for one in values]
+            return np.concatenate([total, *parts, [math.nan]])[order]
+
+        return read
+
+    def units(self) -> dict[str, str]:
+        """Unit of each signal."""
+        first = self.members[0].rope.units()
+        units = {name: first.get(name, "") for name in SUMS}
+        return units | {f"{m.name}.{name}": unit for m in self.members for name, unit in m.rope.units().items()}
+
+    def save(self) -> Any:
+        """All ropes' snapshots; None where one of them cannot."""
+        kept = [m.rope.save() for m in self.members]
+        return None if any(one is None for one in kept) else (kept, self._rates, self._yaws)
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a snapshot."""
+        kept, self._rates, self._yaws = snapshot
+        for member, one in zip(self.members, kept, strict=True):
+            member.rope.restore(one)
+
+    def free(self, snapshot: Any) -> None:
+        """Forget a snapshot."""
+        for member, one in zip(self.members, snapshot[0] if snapshot else (), strict=False):
+            member.rope.free(one)
+
+    def to_bytes(self, snapshot: Any) -> bytes:
+        """A group's state is not written to files."""
+        raise RuntimeError("the state of several ropes cannot be written: wind them in one run")
+
+    def from_bytes(self, data: bytes) -> Any:
+        """Neither is it read."""
+        raise ValueError("the state of several ropes cannot be read: wind them in one run")
+
+    def close(self) -> None:
+        """Free all ropes."""
+        for member in self.members:
+            member.rope.close()
+
+    def _keep(self, left: EndMotion, right: EndMotion) -> None:
+        self._yaws, self._rates = (left.yaw, right.yaw), (left.yaw_rate, right.yaw_rate)
+
+    def _ends(self, place: Place, h: float, left: EndMotion, right: EndMotion) -> tuple[EndMotion, EndMotion]:
+        """Motions of a rope's ends at the end of a step."""
+        was_left, was_right = self._rates
+        return _end(left, place.at("left"), was_left, h), _end(right, place.at("right"), was_right, h)
+
+    def _all(self, statuses: Sequence[RopeStatus]) -> RopeStatus:
+        """Valid when all are."""
+        failed = [(m.name, s) for m, s in zip(self.members, statuses, strict=True) if not s.valid]
+        return RopeStatus(not failed, "; ".join(f"{name}: {status.message}" for name, status in failed))
+
+
+def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, h: float) -> EndMotion:
+    """The motion of a point of a conveyance, from its own nominal place."""
+    if place == (0.0, 0.0) or (conveyance.yaw == 0.0 and conveyance.yaw_rate == 0.0 and rate_before == 0.0):
+        return conveyance
+    (x, z), rate = _turned(place, conveyance.yaw), conveyance.yaw_rate
+    growth = (rate - rate_before) / h if h > 0.0 else 0.0
+    c = conveyance
+    return c._replace(
+        x=c.x + x - place[0],
+        z=c.z + z - place[1],
+        vx=c.vx + rate * z,
+        vz=c.vz - rate * x,
+        ax=c.ax + growth * z - rate**2 * x,
+        az=c.az - growth * x - rate**2 * z,
+    )
+
+
+def _turned(place: tuple[float, float], yaw: float) -> tuple[float, float]:
+    """x and z of a point of the conveyance, from its centre, where it is turned about Y."""
+    x, z = place
+    return x * math.cos(yaw) + z * math.sin(yaw), z * math.cos(yaw) - x * math.sin(yaw)
+
+
+def _moments(values: NDArray[np.float64], place: Place, yaws: tuple[float, float]) -> NDArray[np.float64]:
+    """What a rope's forces at its place add to its moments, about the centres, in the order of _ACTIONS."""
+    found = np.zeros((len(ENDS), 6))
+    for k, end in enumerate(ENDS):
+        x, z = _turned(place.at(end), yaws[k])
+        fx, fy, fz = values[6 * k : 6 * k + 3].tolist()
+        found[k, 3:] = -z * fy, z * fx - x * fz, x * fy
+    return found.ravel()
+
+
+def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
+    """The hoist whose balance ropes are a group's, each of a mass per length [kg/m] and a length [m].
+
+    The drive takes all of them for one rope, of their mass per length and of the length that gives their whole mass.
+    """
+    mass = sum(m for m, _ in ropes)
+    length = sum(m * x for m, x in ropes) / mass
+    return replace(hoist, tail_rope_number=1, tail_rope_mass=mass, tail_rope_length=length)

@@ -1,0 +1,1 @@
+"""Several balance ropes that differ, in one hoist: definition -> wind -> table."""

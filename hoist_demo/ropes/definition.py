@@ -1,0 +1,133 @@
+"""A file of several balance ropes in one hoist (TOML), read and checked before anything runs.
+
+    [ropes]    title, case, level
+    [fixed]    values of hoist, trip and all ropes
+    [[rope]]   name; z, x_left, x_right = where it hangs; breaks_at, breaks_s = when and where it breaks; and its values
+
+Keys and values are those of a study's [fixed]. All errors of a file are told at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
+from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
+from hoist_demo.cosimulation.participants.rope_plant import RopePlant
+from hoist_demo.parameters import Hoist
+from hoist_demo.ropes.table import READ
+from hoist_demo.study.catalogue import SECTIONS, Catalogue, Value
+from hoist_demo.study.definition import StudyError, read_toml
+from hoist_demo.study.reading import read_head, read_values
+from hoist_demo.study.run import RunData, build
+from rope_model import Level, Scene
+
+_TABLES = ("ropes", "fixed", "rope")
+_PLACE = ("x_left", "x_right", "z")
+_BREAK = ("breaks_at", "breaks_s")
+
+
+@dataclass(frozen=True)
+class OneRope:
+    """One of the ropes: its data, its place, and whether it breaks."""
+
+    name: str
+    scene: Scene
+    place: Place
+    breaks: Break | None
+
+    def plant(self) -> RopePlant:
+        """The rope to be wound."""
+        rope, data = InProcessRope(self.scene, READ), self.scene.rope
+        if self.breaks is None:
+            return rope
+        return BreakingRope(rope, data.mass_per_length, data.length, self.breaks)
+
+
+@dataclass(frozen=True)
+class Ropes:
+    """Several ropes, and the trip on which they are wound."""
+
+    title: str
+    case: str
+    level: Level
+    run: RunData
+    ropes: tuple[OneRope, ...]
+
+    def group(self) -> RopeGroup:
+        """All ropes as one."""
+        return RopeGroup([Member(rope.name, rope.plant(), rope.place) for rope in self.ropes])
+
+    @property
+    def hoist(self) -> Hoist:
+        """The case's, with these ropes."""
+        data = [rope.scene.rope for rope in self.ropes]
+        return hoist_with(self.run.hoist, [(rope.mass_per_length, rope.length) for rope in data])
+
+
+def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
+    """The ropes of a file, which may have these parameters; raises StudyError with all problems."""
+    raw, catalogue, problems = read_toml(path), Catalogue(rope), list[str]()
+    for name in raw.keys() - set(_TABLES):
+        problems.append(f"[{name}] is not a table of ropes: the tables are {', '.join(_TABLES)}")
+    head = read_head(path, "ropes", raw.get("ropes", {}), {}, problems)
+    fixed = read_values(catalogue, "[fixed]", raw.get("fixed", {}), problems)
+    tables = raw.get("rope", [])
+    if not (isinstance(tables, list) and tables):
+        problems.append("there must be ropes: give at least one [[rope]]")
+    if problems:
+        raise StudyError(path, problems)
+    try:
+        run = build(head["case"], fixed)
+    except ValueError as error:
+        raise StudyError(path, [str(error)]) from error
+    ropes = [_read_rope(k, table, catalogue, run, head["level"], problems) for k, table in enumerate(tables, 1)]
+    found = tuple(rope for rope in ropes if rope is not None)
+    names = [rope.name for rope in found]
+    problems += [f"name = {name!r} must be given once: name each rope" for name in {*names} if names.count(name) > 1]
+    if problems:
+        raise StudyError(path, problems)
+    return Ropes(run=run, ropes=found, **head)
+
+
+def _read_rope(
+    number: int, table: Mapping[str, Any], catalogue: Catalogue, run: RunData, level: Level, problems: list[str]
+) -> OneRope | None:
+    """A rope; None where something is wrong with it, which is added to the problems."""
+    name = str(table.get("name", f"rope{number}"))
+    before = len(problems)
+    own = {key: value for key, value in table.items() if key not in ("name", *_PLACE, *_BREAK)}
+    values = read_values(catalogue, name, own, problems)
+    numbers = {key: table[key] for key in (*_PLACE, *_BREAK) if key in table}
+    for key, value in numbers.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            problems.append(
+                f"{name}: {key} = {value!r} must be a number: give it in {'s' if key == 'breaks_at' else 'm'}"
+            )
+    for key in values:
+        if key.partition(".")[0] in (*SECTIONS, "controller"):
+            problems.append(f"{name}: {key} must be the same for all ropes: set it in [fixed]")
+    if len(numbers.keys() & set(_BREAK)) == 1:
+        problems.append(f"{name}: breaks_at and breaks_s must stand together: give both or none")
+    if len(problems) > before:
+        return None
+    try:
+        return _rope(name, numbers, {**run.fmu, **values}, level)
+    except ValueError as error:
+        problems.append(f"{name}: {error}")
+        return None
+
+
+def _rope(name: str, numbers: Mapping[str, float], parameters: Mapping[str, Value], level: Level) -> OneRope:
+    """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
+    place = Place(**{key: float(numbers.get(key, 0.0)) for key in _PLACE})
+    scene = rope_data(parameters, level)
+    spacing = scene.layout.spacing + place.x_right - place.x_left
+    scene = rope_data({**parameters, "layout.spacing": spacing}, level)
+    breaks = Break(float(numbers["breaks_at"]), float(numbers["breaks_s"])) if "breaks_at" in numbers else None
+    return OneRope(name, scene, place, breaks)

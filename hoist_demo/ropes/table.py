@@ -1,0 +1,80 @@
+"""What several ropes in one hoist show: their shares of the load, their sums, and how near they come to one another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from hoist_demo.cosimulation.participants.rope_group import SUMS, Place
+from hoist_demo.recording.neighbours import Nearest, nearest
+from hoist_demo.recording.time_series import Array, Recording
+from rope_model import SIGNALS
+
+READ = frozenset(
+    name
+    for name in SIGNALS
+    if name.startswith(("shape.x[", "shape.y[", "shape.z[", "loop."))
+    or name in (*SUMS, "left.swivel.torque", "right.swivel.torque")
+)
+"""Outputs of each rope that the tables are made of."""
+
+POINTS = sum(name.startswith("shape.x[") for name in SIGNALS)
+LOOKED_AT = 0.1
+"""Time between two shapes that are compared [s]."""
+COLUMNS = {
+    "share_at_rest": ("1", "of the pull of all ropes on both conveyances, before the trip"),
+    "share_least": ("1", "smallest of the trip"),
+    "share_most": ("1", "largest of the trip"),
+    "pull_peak": ("N", "largest pull on a conveyance"),
+    "yaw_peak": ("rad", "largest magnitude of the loop's yaw"),
+    "torque_peak": ("N.m", "largest magnitude of a swivel's torque"),
+    "lowest": ("m", "height of the loop's lowest point, the smallest"),
+}
+"""Columns of the ropes' table, each with unit and meaning."""
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Two ropes, and where they came nearest to each other."""
+
+    one: str
+    other: str
+    nearest: Nearest
+
+
+def row(recording: Recording, name: str) -> dict[str, float]:
+    """The row of a rope; without numbers from a break on."""
+    pulls = np.array([recording[f"{name}.{end}.fy"] for end in ("left", "right")])
+    share = pulls.sum(axis=0) / (recording["left.fy"] + recording["right.fy"])
+    torques = np.array([recording[f"{name}.{end}.swivel.torque"] for end in ("left", "right")])
+    return {
+        "share_at_rest": float(share[0]),
+        "share_least": float(share.min()),
+        "share_most": float(share.max()),
+        "pull_peak": float(-pulls.min()),
+        "yaw_peak": float(np.nanmax(np.abs(recording[f"{name}.loop.yaw"]))),
+        "torque_peak": float(np.nanmax(np.abs(torques))),
+        "lowest": float(np.nanmin(recording[f"{name}.loop.y"])),
+    }
+
+
+def neighbours(recording: Recording, ropes: Sequence[tuple[str, Place, float]]) -> list[Neighbours]:
+    """All pairs of ropes with name, place and diameter [m]; a broken rope has no shape any more."""
+    every = max(1, round(LOOKED_AT / (recording.time[1] - recording.time[0]))) if recording.time.size > 1 else 1
+    times = recording.time[::every]
+    shapes = {name: _shape(recording, name, place)[::every] for name, place, _ in ropes}
+    found = []
+    for (one, _, thick), (other, _, thin) in combinations(ropes, 2):
+        whole = np.isfinite(shapes[one]).all(axis=(1, 2)) & np.isfinite(shapes[other]).all(axis=(1, 2))
+        near = nearest(times[whole], shapes[one][whole], shapes[other][whole], 0.5 * (thick + thin))
+        found.append(Neighbours(one, other, near))
+    return found
+
+
+def _shape(recording: Recording, name: str, place: Place) -> Array:
+    """Points of a rope in the shaft, (rows, points, 3) [m]; x from half-way between the conveyances' centres."""
+    axes = [np.array([recording[f"{name}.shape.{axis}[{i + 1}]"] for i in range(POINTS)]).T for axis in "xyz"]
+    return np.stack([axes[0] + 0.5 * (place.x_left + place.x_right), axes[1], axes[2] + place.z], axis=-1)

@@ -1,0 +1,326 @@
+"""Several ropes in one hoist: forces and moments add up, neighbours are near where they are, a broken rope falls."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import balance_rope
+from hoist_demo.cases.table import CASES
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
+from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
+from hoist_demo.parameters import GRAVITY, Coupling
+from hoist_demo.recording.neighbours import polygon_distance
+from hoist_demo.ropes.definition import read_ropes
+from hoist_demo.ropes.table import READ
+from hoist_demo.study.definition import StudyError
+
+CASE = CASES["rope-120"]
+KNOWN = 2.336e5
+HEIGHT = 90.0
+
+
+def rope(coupling: float = KNOWN, **more: float) -> InProcessRope:
+    """A draft rope with torsion."""
+    given = {name.replace("_", "."): value for name, value in more.items()}
+    return InProcessRope(
+        rope_data({**CASE.rope, "rope.Qb": coupling, "rope.Qc": coupling, "model.fidelity": 1, **given}, "draft"), READ
+    )
+
+
+def group(*ropes: RopePlant, apart: float = 0.4) -> RopeGroup:
+    """Ropes side by side about the conveyances' centres."""
+    first = -0.5 * apart * (len(ropes) - 1)
+    return RopeGroup([Member(f"rope{k}", one, Place(z=first + (k - 1) * apart)) for k, one in enumerate(ropes, 1)])
+
+
+def at_height(y: float) -> tuple[EndMotion, EndMotion]:
+    return EndMotion(y=y), EndMotion(y=HEIGHT + y)
+
+
+@dataclass
+class Weight:
+    """A rope whose forces are given, and which remembers how its ends moved."""
+
+    forces: dict[str, float]
+    ends: list[tuple[EndMotion, EndMotion]] = field(default_factory=list)
+
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        self.ends.append((left, right))
+        return RopeStatus(True)
+
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        self.ends.append((left, right))
+        return RopeStatus(True)
+
+    def signals(self) -> dict[str, float]:
+        return dict(self.forces)
+
+    def reader(self, names: Sequence[str]) -> Reader:
+        return lambda: np.array([self.forces.get(name, math.nan) for name in names])
+
+    def units(self) -> dict[str, str]:
+        return {}
+
+    def save(self) -> Any:
+        return None
+
+    def restore(self, snapshot: Any) -> None:
+        raise AssertionError
+
+    def free(self, snapshot: Any) -> None:
+        raise AssertionError
+
+    def to_bytes(self, snapshot: Any) -> bytes:
+        raise AssertionError
+
+    def from_bytes(self, data: bytes) -> Any:
+        raise AssertionError
+
+    def close(self) -> None:
+        raise AssertionError
+
+
+# sums
+
+
+def test_unequal_ropes_pull_with_their_weight_and_with_their_mass_times_the_acceleration() -> None:
+    ropes = group(rope(), rope(rope_length=118.8), rope(2.0 * KNOWN), rope(-KNOWN))
+    mass = 8.0 * (3 * 120.0 + 118.8)
+    assert ropes.initialize(0.0, *at_height(0.0)).valid
+    read = ropes.reader(["left.fy", "right.fy"])
+    # what statics leaves of the balance, solved to 1e-6 N or so
+    assert read().sum() == pytest.approx(-mass * GRAVITY, rel=1e-6)
+    # both conveyances rise alike: a = A (1 - cos w t) / 2 for one period, so the momentum gained is mass A T / 2
+    largest, T, H = 1.0, 4.0, 0.01
+    w, impulse = 2 * math.pi / T, [read().sum()]
+    for k in range(1, round(T / H) + 1):
+        t = k * H
+        a, v = largest * (1 - math.cos(w * t)) / 2, largest * (t - math.sin(w * t) / w) / 2
+        y = largest * (t**2 / 2 - (1 - math.cos(w * t)) / w**2) / 2
+        ends = (EndMotion(y=y, vy=v, ay=a), EndMotion(y=HEIGHT + y, vy=v, ay=a))
+        status = ropes.step(t - H, H, *ends)
+        assert status.valid, status.message
+        impulse.append(read().sum())
+    gained = -H * (np.sum(impulse) - 0.5 * (impulse[0] + impulse[-1])) - mass * GRAVITY * T
+    # the loop lags the ends by waves that take 0.03 s along a leg
+    assert gained == pytest.approx(mass * largest * T / 2, rel=1e-3)
+
+
+def test_the_torques_of_a_pair_of_opposite_lays_cancel() -> None:
+    pair = group(rope(), rope(-KNOWN))
+    run = Host(
+        pair, hoist_with(CASE.hoist, [(8.0, 120.0)] * 2), replace(CASE.winding, travel=10.0), Coupling(step=0.02)
+    ).run()
+    assert run.completed
+    found = run.recording
+    for end in ("left", "right"):
+        torque = np.abs(found[f"rope1.{end}.swivel.torque"]).max()
+        assert torque > 1.0
+        assert np.abs(found[f"{end}.my"]).max() < 1e-6 * torque
+        assert np.abs(found[f"rope1.{end}.swivel.torque"] + found[f"rope2.{end}.swivel.torque"]).max() < 1e-6 * torque
+    assert_allclose(found["rope1.loop.yaw"], -found["rope2.loop.yaw"], rtol=0.0, atol=1e-9)
+
+
+def test_two_equal_ropes_are_one_that_counts_twice() -> None:
+    winding, coupling = replace(CASE.winding, travel=10.0), Coupling(step=0.02)
+    once = Host(rope(), replace(CASE.hoist, tail_rope_number=2), winding, coupling).run().recording
+    both = Host(group(rope(), rope()), hoist_with(CASE.hoist, [(8.0, 120.0)] * 2), winding, coupling).run().recording
+    assert_allclose(both["left.fy"], 2.0 * once["left.fy"], rtol=1e-9)
+    assert_allclose(both["conveyance.right.y"], once["conveyance.right.y"], rtol=0.0, atol=1e-9)
+
+
+def test_moments_do_the_work_that_the_forces_do_at_the_ropes_ends() -> None:
+    forces = {f"{end}.{name}": 0.0 for end in ("left", "right") for name in ("fx", "fy", "fz", "mx", "my", "mz")}
+    forces |= {"left.fx": 30.0, "left.fy": -800.0, "left.fz": -20.0, "left.my": 3.0}
+    one = Weight(forces)
+    ropes = RopeGroup([Member("a", one, Place(x_left=0.2, z=-0.3))])
+    conveyance = EndMotion(y=5.0, vx=0.1, vy=2.0, vz=-0.4, yaw=0.6, yaw_rate=0.7)
+    ropes.initialize(0.0, conveyance, EndMotion())
+    end, _ = one.ends[-1]
+    fx, fy, fz, mx, my, mz = ropes.reader([f"left.{name}" for name in ("fx", "fy", "fz", "mx", "my", "mz")])()
+    at_end = 30.0 * end.vx - 800.0 * end.vy - 20.0 * end.vz + 3.0 * end.yaw_rate
+    assert fx * 0.1 + fy * 2.0 - fz * 0.4 + my * 0.7 == pytest.approx(at_end, rel=1e-12)
+    # tilted about X by the rope's z, about Z by its x
+    x, z = 0.2 * math.cos(0.6) - 0.3 * math.sin(0.6), -0.3 * math.cos(0.6) - 0.2 * math.sin(0.6)
+    assert_allclose([mx, mz], [800.0 * z, -800.0 * x], rtol=1e-12)
+
+
+def test_a_point_of_a_turning_conveyance_moves_by_the_rates_that_it_is_given() -> None:
+    one, H = Weight({}), 1e-3
+    ropes = RopeGroup([Member("a", one, Place(x_left=0.2, z=-0.3))])
+
+    def conveyance(t: float) -> EndMotion:
+        return EndMotion(x=0.1 * t**2, vx=0.2 * t, ax=0.2, yaw=0.5 * t**2, yaw_rate=t)
+
+    ropes.initialize(1.0 - H, conveyance(1.0 - H), EndMotion())
+    for k in range(3):
+        ropes.step(1.0 + (k - 1) * H, H, conveyance(1.0 + k * H), EndMotion())
+    before, now, after = (left for left, _ in one.ends[-3:])
+    # differences over 2 H err by H^2 / 6 times a third or fourth derivative, all below 4
+    for place, speed, acceleration in (("x", "vx", "ax"), ("z", "vz", "az")):
+        moved = getattr(after, place) - getattr(before, place)
+        gained = getattr(after, speed) - getattr(before, speed)
+        assert getattr(now, speed) == pytest.approx(moved / (2 * H), abs=4 * H**2)
+        assert getattr(now, acceleration) == pytest.approx(gained / (2 * H), abs=4 * H**2)
+
+
+# neighbours
+
+
+def test_sides_that_pass_each_other_crosswise_are_as_far_as_their_planes() -> None:
+    one = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 5.0, 0.0]])
+    other = np.array([[0.25, -3.0, 0.3], [0.25, 3.0, 0.3]])
+    distance, place = polygon_distance(one, other)
+    assert distance == pytest.approx(0.3, abs=1e-15)
+    assert_allclose(place, [0.25, 0.0, 0.15], rtol=0.0, atol=1e-15)
+
+
+def test_parallel_ropes_are_as_far_apart_as_they_hang() -> None:
+    leg = np.array([[0.0, 0.0, 0.0], [0.0, -7.0, 0.0], [0.0, -9.0, 0.0]])
+    assert polygon_distance(leg, leg + np.array([0.0, 3.0, 0.4]))[0] == pytest.approx(0.4, abs=1e-15)
+    # beyond one another's ends
+    assert polygon_distance(leg, leg + np.array([0.0, 12.0, 4.0]))[0] == pytest.approx(5.0, abs=1e-12)
+
+
+def test_distance_of_random_polygons_is_that_of_their_points_in_the_limit() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(6):
+        one, other = rng.normal(size=(5, 3)), rng.normal(size=(6, 3)) + 0.5
+        distance, place = polygon_distance(one, other)
+        fine = [np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(p)]) for p in (one, other)]
+        gaps = np.linalg.norm(fine[0][:, None] - fine[1][None], axis=-1)
+        side = max(np.linalg.norm(np.diff(p, axis=0), axis=1).max() for p in (one, other)) / 199
+        assert distance <= gaps.min() + 1e-12
+        assert gaps.min() <= distance + side
+        for p in fine:
+            assert np.linalg.norm(p - place, axis=1).min() == pytest.approx(0.5 * distance, abs=side)
+
+
+# a rope that breaks
+
+
+def test_a_piece_that_falls_gives_the_conveyance_all_the_momentum_of_its_weight() -> None:
+    mass, length, leg = 8.0, 100.0, 60.0
+    piece = Piece.of(0.0, mass, length, leg, EndMotion(y=0.0), EndMotion(y=-10.0))
+    # the break begins 20 m below the end and falls 80 m
+    T = math.sqrt(2 * 80.0 / GRAVITY)
+    t = np.linspace(0.0, T, 20001)[:-1]
+    force = np.array([piece.force(float(x), EndMotion(y=0.0))[0] for x in t])
+    # at rest before and after: the impulse is the weight's; the midpoint rule misses half the last value's step
+    impulse = -(force.sum() - 0.5 * force[0] + 0.5 * force[-1]) * T / 20000
+    assert impulse == pytest.approx(mass * length * GRAVITY * T, rel=1e-6)
+    assert force[0] == pytest.approx(-mass * leg * GRAVITY)
+    assert piece.force(T + 0.01, EndMotion(y=0.0))[0] == pytest.approx(-mass * length * GRAVITY)
+
+
+def test_a_piece_that_is_no_longer_than_its_leg_hangs() -> None:
+    piece = Piece.of(0.0, 8.0, 30.0, 60.0, EndMotion(y=0.0), EndMotion(y=-10.0))
+    assert piece.force(0.5, EndMotion(y=1.0, ay=2.0)) == (-8.0 * 30.0 * (GRAVITY + 2.0), 30.0)
+
+
+def test_a_hoist_with_a_rope_that_breaks_runs_through() -> None:
+    ropes = group(rope(), BreakingRope(rope(), 8.0, 120.0, Break(6.0, 30.0)))
+    hoist = hoist_with(replace(CASE.hoist, conveyance_mass=2e4), [(8.0, 120.0)] * 2)
+    run = Host(ropes, hoist, replace(CASE.winding, travel=30.0), Coupling(step=0.01)).run()
+    assert run.completed, run.cause
+    found = run.recording
+    assert_array_equal(np.isfinite(found["rope2.loop.yaw"]), found.time < 6.005)
+    # what is left of it hangs: 30 m from the left conveyance, which has risen beyond, 90 m from the right one
+    weights = {end: found[f"rope2.{end}.fy"][-1] / (-8.0 * GRAVITY) for end in ("left", "right")}
+    assert_allclose([weights["left"], weights["right"]], [30.0, 90.0], rtol=2e-3)
+
+
+def test_a_snapshot_leads_back_to_before_the_break() -> None:
+    one = BreakingRope(rope(), 8.0, 120.0, Break(0.015, 30.0))
+    one.initialize(0.0, *at_height(0.0))
+    read = one.reader(["left.fy", "loop.yaw"])
+    one.step(0.0, 0.01, *at_height(0.0))
+    kept, before = one.save(), read()
+    one.step(0.01, 0.01, *at_height(0.0))
+    one.step(0.02, 0.01, *at_height(0.0))
+    assert not np.isfinite(read()[1])
+    one.restore(kept)
+    assert_array_equal(read(), before)
+
+
+# the file and the command
+
+ROPES = """
+[ropes]
+case = "rope-120"
+level = "draft"
+
+[fixed]
+winding.travel = 4
+winding.settle = 0.5
+model.fidelity = "torsional"
+coupling.step = 0.02
+
+[[rope]]
+name = "one"
+z = -0.2
+
+[[rope]]
+name = "two"
+z = 0.2
+rope.length = 118.8
+"""
+
+
+def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path) -> None:
+    path = tmp_path / "ropes.toml"
+    path.write_text(ROPES, encoding="utf-8")
+    assert balance_rope.main(["ropes", str(path), "--out", str(tmp_path)]) == 0
+    with (tmp_path / "ropes.csv").open(encoding="utf-8") as file:
+        rows = {row["rope"]: row for row in csv.DictReader(file)}
+    # by weight, at rest
+    assert float(rows["two"]["share_at_rest [1]"]) == pytest.approx(118.8 / 238.8, rel=1e-6)
+    with (tmp_path / "neighbours.csv").open(encoding="utf-8") as file:
+        (pair,) = csv.DictReader(file)
+    assert 0.0 < float(pair["clearance [m]"]) < 0.4 - 0.044 + 1e-9
+    assert (tmp_path / "signals.csv").is_file()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "told"),
+    [
+        ('name = "two"', 'name = "one"', "name = 'one' must be given once"),
+        ("rope.length = 118.8", "winding.travel = 3", r"two: winding.travel must be the same for all ropes"),
+        ("z = 0.2", "breaks_at = 3.0", r"breaks_at and breaks_s must stand together"),
+        ("z = 0.2", 'z = "left"', r"two: z = 'left' must be a number"),
+        ("rope.length = 118.8", "rope.lenght = 118.8", r"did you mean rope.length"),
+        ("rope.length = 118.8", "rope.length = -1", r"two: rope"),
+        ('level = "draft"', 'level = "quick"', r"level = 'quick' must be one of"),
+    ],
+)
+def test_ropes_that_cannot_be_are_refused_with_the_cure(tmp_path: Path, wrong: str, right: str, told: str) -> None:
+    path = tmp_path / "ropes.toml"
+    assert wrong in ROPES
+    path.write_text(ROPES.replace(wrong, right), encoding="utf-8")
+    with pytest.raises(StudyError, match=told):
+        read_ropes(path, rope_parameters())
+
+
+def test_a_break_beyond_the_rope_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"breaks_s = 130 m must be within 0 and rope.length = 120 m"):
+        BreakingRope(Weight({}), 8.0, 120.0, Break(1.0, 130.0))
+
+
+def test_the_four_ropes_of_the_documents_can_be_wound() -> None:
+    path = Path(__file__).parents[1] / "docs" / "duties" / "four_ropes.toml"
+    ropes = read_ropes(path, rope_parameters())
+    assert [one.name for one in ropes.ropes] == ["sound", "short", "lively", "breaking"]
+    assert ropes.hoist.tail_mass == 32.0
