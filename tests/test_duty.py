@@ -126,6 +126,19 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
         read_state(path, other, longer)
 
 
+def test_a_guard_that_trips_ends_the_duty_with_its_trip(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    # the torque of the swivels is 4.5 N m at most in the first trip, 5.4 in the second
+    path = tmp_path / "duty.toml"
+    text = DUTY.format(repeat=2, fidelity="torsional", settle=15.0, travel=90.0)
+    path.write_text(text.replace("[fixed]", "[fixed]\nguard.torque = 5.0"), encoding="utf-8")
+    arguments = ["duty", str(path), "--out", str(tmp_path)]
+    assert balance_rope.main(arguments) == 1
+    assert "the duty ends with trip 2: its guard tripped at t =" in capsys.readouterr().err
+    # and again, for its trip was not wound to the end
+    assert balance_rope.main(arguments) == 1
+    assert "1 of 4 trips are there already" in capsys.readouterr().out
+
+
 def invent(**columns: list[float]) -> Recording:
     """A table in which all else is 0."""
     count = len(next(iter(columns.values())))

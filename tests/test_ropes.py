@@ -303,6 +303,7 @@ def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path) -> None:
         ("z = 0.2", 'z = "left"', r"two: z = 'left' must be a number"),
         ("rope.length = 118.8", "rope.lenght = 118.8", r"did you mean rope.length"),
         ("rope.length = 118.8", "rope.length = -1", r"two: rope"),
+        ("rope.length = 118.8", "guard.torque = 5", r"guard.torque = 5 must be left out"),
         ('level = "draft"', 'level = "quick"', r"level = 'quick' must be one of"),
     ],
 )

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
+from hoist_demo.recording.guards import told
 from hoist_demo.recording.passages import outcome_of, passages
 from hoist_demo.recording.time_series import Recording, write_csv
 from hoist_demo.report.summary import SummaryRow, render
@@ -36,7 +37,7 @@ examples:
   balance-rope duty SCHEDULE.toml --repeat 3    wind the trips of the file three times
 
 Results in --out: trips.csv, one row per trip, and duty.png. The file is explained in docs/duty.md.
-exit code: 0 all trips wound to the end, 1 the rope or the drive stopped one, 2 wrong schedule or arguments, 130
+exit code: 0 all trips wound to the end, 1 rope, drive or a guard stopped one, 2 wrong schedule or arguments, 130
 interrupted.
 """
 
@@ -83,8 +84,9 @@ def _duty(options: argparse.Namespace) -> int:
     if interrupted():
         print("balance-rope: interrupted; the same command goes on", file=sys.stderr)
         return 130
-    if last is not None and not last.result.completed:
-        print(f"balance-rope: trip {last.number} stopped: {last.result.cause}", file=sys.stderr)
+    if trips["trip"].size < schedule.count or (last is not None and last.result.end is None):
+        cause = "" if last is None else last.result.cause or told(last.result.recording).removeprefix("; ")
+        print(f"balance-rope: the duty ends with trip {trips['trip'].size}: {cause}", file=sys.stderr)
         return 1
     return 0
 
@@ -126,7 +128,7 @@ def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow
     if last is not None:
         recording = last.result.recording
         rows += [
-            SummaryRow("Outcome", "status", outcome_of(last.result.completed, passages(recording))),
+            SummaryRow("Outcome", "status", outcome_of(last.result.completed, passages(recording)) + told(recording)),
             SummaryRow("Outcome", "simulated time", float(recording.time[-1]), "s"),
         ]
     steady, count = steady_from(trips, cycle), trips["trip"].size
@@ -136,8 +138,8 @@ def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow
         rows.append(SummaryRow(group, "last trip's change", 100.0 * change, "%"))
     for one in worst(trips, cycle):
         group = "Worst trip (in the first cycle, from rest)"
-        told = f"{one.value:.6g} {UNITS[one.name]} in trip {one.trip} ({one.first_cycle:.6g})"
-        rows.append(SummaryRow(group, one.name, told))
+        text = f"{one.value:.6g} {UNITS[one.name]} in trip {one.trip} ({one.first_cycle:.6g})"
+        rows.append(SummaryRow(group, one.name, text))
     return rows
 
 

@@ -22,7 +22,7 @@ from hoist_demo.cosimulation.participants.rope_plant import RopePlant
 from hoist_demo.parameters import Hoist
 from hoist_demo.ropes.table import READ
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Value
-from hoist_demo.study.definition import StudyError, read_toml
+from hoist_demo.study.definition import StudyError, flat, read_toml
 from hoist_demo.study.reading import read_head, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level, Scene
@@ -78,6 +78,12 @@ def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
     head = read_head(path, "ropes", raw.get("ropes", {}), {}, problems)
     fixed = read_values(catalogue, "[fixed]", raw.get("fixed", {}), problems)
     tables = raw.get("rope", [])
+    problems += [
+        f"{key} = {value!r} must be left out: guards of several ropes are not computed"
+        for table in [raw.get("fixed", {}), *(tables if isinstance(tables, list) else [])]
+        for key, value in flat(table)
+        if key.startswith("guard.")
+    ]
     if not (isinstance(tables, list) and tables):
         problems.append("there must be ropes: give at least one [[rope]]")
     if problems:
