@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from hoist_demo.cases.case import COULOMB, LOCKED, Case, swivels
 from hoist_demo.cases.installed import INSTALLED
+from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.parameters import Hoist, Winding
 
 
@@ -27,8 +28,12 @@ CASES = {
 }
 
 
+#: the cases, and what goes wrong in some of them
+NAMED = CASES | SCENARIOS
+
+
 def find_case(name: str) -> Case:
     """The case of this name; ValueError with all names when there is none."""
-    if name not in CASES:
-        raise ValueError(f"case = {name!r} must be one of {', '.join(CASES)}: choose one")
-    return CASES[name]
+    if name not in NAMED:
+        raise ValueError(f"case = {name!r} must be one of {', '.join(NAMED)}: choose one")
+    return NAMED[name]

@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip
 from hoist_demo.command_line.settings import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
@@ -67,6 +67,7 @@ examples:
   balance-rope demo --speed 4 --travel 60
   balance-rope demo --case rope-240             240 m rope, swivels released at 20 s
   balance-rope demo --case monopol-1000         a hoist of installed size: 1000 m, 16 m/s
+  balance-rope demo --case slack-rope           what goes wrong, also overwind, seized-swivel, caught-rope
   balance-rope demo --case monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
   balance-rope demo --travel -90                 lower the left conveyance instead
   balance-rope demo --creep-distance 3           the last 3 m at creep speed, 0.5 m/s
@@ -96,9 +97,9 @@ def add_demo(
     demo.set_defaults(run=partial(_demo, levels=levels))
     demo.add_argument(
         "--case",
-        choices=tuple(CASES),
+        choices=tuple(NAMED),
         metavar="NAME",
-        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(CASES)} ({_CASE}, or that of --resume)",
+        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(NAMED)} ({_CASE}, or that of --resume)",
     )
     rope = demo.add_mutually_exclusive_group()
     rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 or 3.0 (%(default)s)")
@@ -197,8 +198,9 @@ def _missing_outputs(units: Mapping[str, str]) -> str:
 
 def _case_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
     """The case of an interrupted run, which its hoist tells; `hoist` is what is set of it."""
-    hoists = {name: with_values(case.hoist, hoist) for name, case in CASES.items()}
-    found = next((name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")), None)
+    hoists = {name: with_values(case.hoist, hoist) for name, case in NAMED.items()}
+    fitting = [name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")]
+    found = asked if asked in fitting else next(iter(fitting), None)
     if found is None:
         raise ValueError(
             "the run to go on with is of no case's hoist: repeat its --set hoist..., or go on with it where it was "
@@ -239,7 +241,7 @@ def _winding(options: argparse.Namespace) -> dict[str, Value]:
         "emergency_law": options.estop_law,
     }
     given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
-    winding = replace(CASES[options.case].winding, **((_QUICK if options.quick else {}) | given))
+    winding = replace(find_case(options.case).winding, **((_QUICK if options.quick else {}) | given))
     if options.creep_speed is not None and not winding.creeps:
         raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
     values = {f"winding.{name}": value for name, value in ((_QUICK if options.quick else {}) | given).items()}

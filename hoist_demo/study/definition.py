@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cases.table import CASES, find_case
+from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
 from hoist_demo.parameters.units import fmi_unit
@@ -144,7 +144,7 @@ class _Reader:
             with self._collect("[tune]"):
                 tuning = read_tuning(self._table("tune"), len(vary))
         drawn = self._draw(vary, tuning)
-        if case not in CASES:
+        if case not in NAMED:
             raise StudyError(self.path, self.problems)
         samples = self._accepted_samples(
             case, signals, Probe(fmu) if self.fmu_is_there else None, variants, progress(drawn)

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from hoist_demo.cosimulation.progress import warnings_of
@@ -27,7 +27,7 @@ class Probe:
         together = self._ask(run.fmu, high, rises)
         if not together:
             return []
-        own = CASES[run.case].rope
+        own = find_case(run.case).rope
         set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
         alone = {key: self._ask({**own, key: value}, high, rises) for key, value in set_here.items()}
         blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]

@@ -1,0 +1,46 @@
+"""What goes wrong in a shaft, by name: trips of the published hoists that end in an emergency, or begin with a fault.
+
+overwind        the trip ends so far above its landing that the loop comes within 4 m of the rope's end; the mesh is of
+                equal elements, for a fitted one has to keep its fine middle off the ends
+slack-rope      the brake grips at once with its full torque, harder than gravity: the rope under the rising conveyance
+                goes slack, and jerks when it falls back
+seized-swivel   one of two swivels does not turn
+caught-rope     an emergency stop swings the loop up under a divider within it, which holds it and lets it go
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hoist_demo.cases.case import COULOMB, LOCKED, Case, swivels
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.parameters.components import Brake
+
+EQUAL_ELEMENTS = 1
+"""Code of mesh.kind, docs/interface.md."""
+
+_HOIST, _WINDING = Hoist(), Winding()
+_ROPE = {"rope.length": _HOIST.tail_rope_length, **swivels(LOCKED)}
+#: m: of the rope's length
+_OVERWIND = _HOIST.tail_rope_length - 8.0
+_STOPPED = replace(_WINDING, emergency_at=12.0, settle=20.0)
+_DEEP = Hoist(shaft_travel=200.0, tail_rope_length=240.0)
+
+SCENARIOS = {
+    "overwind": Case(
+        replace(_HOIST, shaft_travel=_OVERWIND),
+        replace(_WINDING, travel=_OVERWIND),
+        rope=_ROPE | {"mesh.kind": EQUAL_ELEMENTS, "mesh.elements": 240},
+    ),
+    "slack-rope": Case(
+        replace(_HOIST, brake=Brake(torque=8e5)),
+        replace(_WINDING, emergency_at=8.0, emergency_law="torque"),
+        rope=_ROPE,
+    ),
+    "seized-swivel": Case(
+        _DEEP,
+        Winding(travel=200.0, speed=10.0),
+        rope={"rope.length": _DEEP.tail_rope_length, **swivels(COULOMB, release_time=0.0), "left.swivel.mode": LOCKED},
+    ),
+    "caught-rope": Case(_HOIST, _STOPPED, rope=_ROPE | {"divider_1.size": 0.2, "divider_1.y": -12.5}),
+}
