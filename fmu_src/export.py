@@ -39,7 +39,7 @@ from .profile import Profile
 
 SOURCES = ("rope_model", "fmu_src")
 #: what the FMU needs not: parts of the export, and of the native flavour
-_LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference.py", "terminals.py"}
+_LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference_run.py", "terminals.py"}
 _LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "public.py", "native"}
 
 

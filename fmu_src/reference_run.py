@@ -6,7 +6,6 @@ Both ends move as in the first second of a slow trip; inputs are read as FMI doe
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
 from functools import cache
 
 from rope_model.parameters import RopeCase
@@ -40,9 +39,7 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
 @cache
 def _run(case: RopeCase) -> tuple[Rows, Rows]:
     """Inputs and outputs at each instant."""
-    # the form of the kernels that every machine has, and that needs no compiler
-    scene = case.scene.with_(solver=replace(case.scene.solver, kernels="portable"))
-    rope, table = RopeSimulator(scene), variables(case)
+    rope, table = RopeSimulator(case.scene), variables(case)
     start = {v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)}
     inputs, results = [], []
     motion, status = start, rope.initialize(0.0, *_ends(start))

@@ -327,7 +327,8 @@ def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path
     for name, data in sources.items():
         (tmp_path / name).write_bytes(data)
     compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O0", "-c"]
-    for name in sources:
-        if name.endswith(".c"):
-            done = subprocess.run([*compiler, name], cwd=tmp_path, capture_output=True, text=True, check=False)
-            assert done.returncode == 0, (name, done.stderr)
+    files = [name for name in sources if name.endswith(".c")]
+    # several at once save most of the time; COFF has no object of several files
+    for together in [[file] for file in files] if "windows" in platform else [files]:
+        done = subprocess.run([*compiler, *together], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, (together, done.stderr)

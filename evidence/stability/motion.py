@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from evidence.claims import Measurement
+from rope_model import balance_rope
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.simulation.modal import assemble_matrix
 from rope_model.simulation.paths import EndMotion
@@ -47,8 +48,8 @@ class Drop:
 
 
 def drop(solver: Solver, end: float = END, beta_K: float = Rope.beta_K, elements: int = 60) -> Drop:
-    """The drop of the left conveyance by the simulator."""
-    rope = RopeSimulator(
+    """The drop of the left conveyance."""
+    rope = balance_rope(
         Scene(rope=Rope(length=LENGTH, beta_K=beta_K), mesh=Mesh(kind="eem", elements=elements), solver=solver)
     )
     status = rope.initialize(0.0, EndMotion(), EndMotion())

@@ -15,6 +15,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from hoist_demo.parameters import Hoist
@@ -87,7 +88,9 @@ def write_figures(
                 if name != "shapes":
                     _mark(figure, marks)
                 paths.append(directory / f"{name}.png")
-                figure.savefig(paths[-1], dpi=150, metadata={"Software": None})
+                # savefig would draw it twice, the first time for the layout alone
+                figure.set_dpi(150)
+                FigureCanvasAgg(figure).print_png(paths[-1], metadata={"Software": None})  # type: ignore[no-untyped-call]
     return paths
 
 
