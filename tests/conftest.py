@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 from exports import EXPORTS, make_once
 from hypothesis import settings
+from native_host import Host
 from numpy.typing import NDArray
+from stand_in import VERSIONS, stand_in
 
+from fmu_src.native.build import host_platform
+from fmu_src.native.export import export_native
+from fmu_src.profile import FULL
 from rope_model.numerics.kernels import find_compiler
 from rope_model.simulation.rope_system import RopeKernels, RopeSystem
 
@@ -34,6 +40,35 @@ def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     own = tmp_path_factory.getbasetemp()
     folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "exports"
     return lambda kind: make_once(folder / f"{kind}.fmu", EXPORTS[kind])
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
+    """Native FMUs of both versions with the stand-in for the rope."""
+    folder = tmp_path_factory.mktemp("native")
+    here = (host_platform(),)
+    return {
+        fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=here, rope=stand_in(), profile=FULL)
+        for fmi in VERSIONS
+    }
+
+
+@pytest.fixture(scope="session")
+def folders(fmus: dict[int, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[int, str]:
+    return {fmi: fmpy.extract(str(path), str(tmp_path_factory.mktemp("unzipped"))) for fmi, path in fmus.items()}
+
+
+@pytest.fixture(params=VERSIONS)
+def fmi(request: pytest.FixtureRequest) -> int:
+    version: int = request.param
+    return version
+
+
+@pytest.fixture
+def host(fmi: int, fmus: dict[int, Path], folders: dict[int, str]) -> Iterator[Host]:
+    made = Host(fmus[fmi], folders[fmi])
+    yield made
+    made.call("FreeInstance")
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from fmpy.fmi1 import FMICallException
 from fmu_driver import COMPARED, H, motion
 from native_host import Host
 from numpy.testing import assert_allclose
-from test_native_fmu import RUNNERS, VERSIONS, live
+from stand_in import RUNNERS, VERSIONS, live
 
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native

@@ -11,7 +11,7 @@ from pathlib import Path
 import fmpy
 import pytest
 from native_host import Host
-from test_native_fmu import stand_in
+from stand_in import stand_in
 
 from balance_rope import main
 from fmu_src.native import build

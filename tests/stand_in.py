@@ -1,0 +1,57 @@
+"""A stand-in for the rope (tests/native/stand_in.c), and programs that live through an FMU's life."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from fmu_src.native.build import PLATFORMS, host_platform
+from rope_model.native.tables import parameter_structures, signal_numbers
+
+ROOT = Path(__file__).resolve().parent.parent
+VERSIONS = (2, 3)
+#: platform -> what runs its programs here
+RUNNERS = {
+    host_platform(): (),
+    "valgrind": ("valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99"),
+    "aarch64-linux": ("qemu-aarch64-static", "-L", "/usr/aarch64-linux-gnu"),
+    "x86_64-windows": ("wine",),
+}
+
+
+def stand_in() -> dict[str, str]:
+    """What stands behind rope.h in these tests."""
+    files = (ROOT / "tests" / "native" / "stand_in.c", ROOT / "rope_model" / "native" / "rope.h")
+    texts = {path.name: path.read_text(encoding="utf-8") for path in files}
+    return texts | {"parameters.h": parameter_structures(), "signal_numbers.h": signal_numbers()}
+
+
+def live(fmu: Path, folder: Path, way: str) -> list[int]:
+    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c, run in one of RUNNERS."""
+    runner = RUNNERS[way]
+    if runner and shutil.which(runner[0]) is None:
+        pytest.skip(f"needs {runner[0]}")
+    name = host_platform() if way == "valgrind" else way
+    compiler = ["cc"]
+    if name != host_platform():
+        compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].target.replace("2.17", "2.31")]
+    elif not name.endswith("linux") or shutil.which("cc") is None:
+        pytest.skip("needs Linux and a C compiler")
+    unzipped, program = Path(fmpy.extract(str(fmu), str(folder))), folder / "life.exe"
+    source = str(ROOT / "tests" / "native" / "life_cycle.c")
+    libraries = ["-lm"] if name.endswith("windows") else ["-ldl", "-lm"]
+    subprocess.run(
+        [*compiler, "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", str(program), *libraries], check=True
+    )
+    binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
+    command = [*runner, str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
+    environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, env=environment)
+    assert done.returncode == 0, done.stderr[-3000:]
+    return [int(line) for line in done.stdout.split()]
