@@ -41,6 +41,8 @@ from evidence.stability.page import anchor, chapter, front
 from evidence.stability.suite import CHAPTERS
 from evidence.studies.page import controllers_page, swivel_page
 from evidence.tables import Tables, read
+from evidence.tangle.page import FIGURES as TANGLE
+from evidence.tangle.page import page as tangle_page
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,7 @@ PAGES: dict[str, Page] = {
     "reference_solver": Page("reference_solver.md", "reference_solver", reference_solver_page),
     "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),
     **_stability(),
+    "tangle": Page("tangle.md", "tangle", tangle_page, TANGLE),
     "study_controllers": Page("study_controllers.md", "study", controllers_page),
     "study_swivel": Page("study_swivel.md", "study", swivel_page),
 }
