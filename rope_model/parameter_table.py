@@ -54,9 +54,15 @@ def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, 
     return field(default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict())
 
 
+#: of the data classes asked for so far
+_KNOWN: dict[Any, dict[str, Parameter]] = {}
+
+
 def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
     """The parameters of a data class by name."""
-    return {f.name: Parameter(**f.metadata) for f in fields(kind)}
+    if kind not in _KNOWN:
+        _KNOWN[kind] = {f.name: Parameter(**f.metadata) for f in fields(kind)}
+    return _KNOWN[kind]
 
 
 def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:
@@ -96,7 +102,9 @@ def require_in_bounds(data: Any) -> None:
         else:
             lower, upper = (getattr(data, b) if isinstance(b, str) else b for b in (p.lower, p.upper))
             ok = (lower is None or lower <= value) and (upper is None or value <= upper)
-        require(ok, name, value, p.bound.format(repr(getattr(data, p.other))) if p.other else p.bound, p.cure)
+        if not ok:
+            bound = p.bound.format(repr(getattr(data, p.other))) if p.other else p.bound
+            require(False, name, value, bound, p.cure)
 
 
 def _words(bound: float | str | None) -> str:
