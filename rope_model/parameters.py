@@ -66,6 +66,22 @@ class Rope:
         lower=0.0,
         cure="use 0 for no material damping",
     )
+    torsion_damping: float = parameter(
+        1.0,
+        "1",
+        "damping of torsion over that of stretch, both relative to stiffness [assumed]",
+        lower=0.0,
+        upper=1e6,
+        cure="use 1 for beta_K",
+    )
+    bending_damping: float = parameter(
+        1.0,
+        "1",
+        "damping of bending over that of stretch, both relative to stiffness [assumed]",
+        lower=0.0,
+        upper=1e6,
+        cure="use 1 for beta_K",
+    )
     diameter: float = parameter(
         0.044,
         "m",

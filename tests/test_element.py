@@ -24,7 +24,8 @@ Array = NDArray[np.float64]
 ELEMENT = element_functions()
 STRAIN = ("axial", "coupling", "torsion", "bending")
 SEEDS = range(6)
-MATERIAL = {"rho": 1.3, "g": 9.8, "Qa": 5.0, "Qs": 0.8, "Qk": 0.3, "Qd": 2.0, "EI": 1.5, "rhoJ": 0.4, "beta_K": 0.3}
+MATERIAL = {"rho": 1.3, "g": 9.8, "Qa": 5.0, "Qs": 0.8, "Qk": 0.3, "Qd": 2.0, "EI": 1.5, "rhoJ": 0.4}
+MATERIAL |= {"beta_K": 0.3, "root_a": 1.3, "root_b": 0.7}
 #: a central difference with this step errs by its square, and by rounding over it: both below 1e-9
 STEP = 1e-5
 
@@ -209,11 +210,31 @@ def test_a_straight_element_that_spins_has_the_momentum_of_its_polar_moment() ->
 def test_the_damping_force_takes_the_damping_power_out_of_the_motion(seed: int) -> None:
     s = random_state(seed)
     rest = np.zeros(14)
-    P = s.P(Qa=5.0, Qs=0.8, Qd=2.0, EI=1.5, beta_K=0.3)
+    P = s.P(Qa=5.0, Qs=0.8, Qd=2.0, EI=1.5, beta_K=0.3, root_a=1.3, root_b=0.7)
     force = residual(s.q, s.v, rest, s.l, s.F, P) - residual(s.q, rest, rest, s.l, s.F, P)
     power = balance(s.q, s.v, s.l, s.F, P)["damping_power"]
     assert power > 0
     np.testing.assert_allclose(force @ s.v, power, rtol=1e-12)  # an identity
+
+
+@pytest.mark.parametrize("name", ["beta_K", "root_a", "root_b"])
+def test_each_damping_acts_on_its_own_strain(name: str) -> None:
+    """Stretched, twisted and bent at a rate of 1: what grows fourfold when the number of its strain is doubled."""
+    l, damped = 1.7, {"beta_K": 0.3, "root_a": 1.3, "root_b": 0.7}
+    q = np.array([0.0, 0, 0, 1, 0, 0, 0, l, 0, 0, 1, 0, 0, 0])
+    stretched, twisted, bent = (np.zeros(14) for _ in range(3))
+    stretched[[3, 7, 10]] = 1.0, l, 1.0
+    twisted[13] = 1.0
+    bent[[4, 11]] = -1.0, 1.0
+
+    def powers(numbers: dict[str, float]) -> list[float]:
+        s = State(q, stretched, stretched, l, q)
+        P = s.P(Qa=5.0, Qd=2.0, EI=1.5, **numbers)
+        return [balance(q, v, l, s.F, P)["damping_power"] for v in (stretched, twisted, bent)]
+
+    doubled = np.array(powers(damped | {name: 2 * damped[name]})) / powers(damped)
+    expected = {"beta_K": [2, 2, 2], "root_a": [1, 4, 1], "root_b": [1, 1, 4]}[name]
+    np.testing.assert_allclose(doubled, expected, rtol=1e-12)
 
 
 def test_the_damping_power_is_never_negative() -> None:
@@ -223,7 +244,7 @@ def test_the_damping_power_is_never_negative() -> None:
         s = random_state(seed)
         # coupling up to its limit sqrt(Qa Qd), where one combination of the rates costs nothing
         Qs = np.sqrt(5.0 * 2.0) * rng.uniform(-1, 1)
-        P = s.P(Qa=5.0, Qs=Qs, Qd=2.0, EI=1.5, beta_K=0.3)
+        P = s.P(Qa=5.0, Qs=Qs, Qd=2.0, EI=1.5, beta_K=0.3, root_a=1.3, root_b=0.7)
         powers.append(balance(s.q, rng.normal(size=14), s.l, s.F, P)["damping_power"])
     assert min(powers) >= 0
 
@@ -397,7 +418,7 @@ def test_a_rigid_rotation_dissipates_nothing_but_for_the_interpolation() -> None
             v[k : k + 3] = np.cross(w, q[k : k + 3])
         v[[6, 13]] = [w @ q[k : k + 3] / np.linalg.norm(q[k : k + 3]) for k in (3, 10)]
         s = State(q, v, v, l, q)
-        P = s.P(Qa=5.0, Qs=0.8, Qd=2.0, EI=1.5, beta_K=0.3)
+        P = s.P(Qa=5.0, Qs=0.8, Qd=2.0, EI=1.5, beta_K=0.3, root_a=1.3, root_b=0.7)
         power.append(balance(q, v, l, s.F, P)["damping_power"] / l)
         v[13] += l  # and a rotation with twisting does
         assert balance(q, v, l, s.F, P)["damping_power"] / l > 1e-3
@@ -492,7 +513,10 @@ def test_the_tait_bryan_frame_fails_where_the_tangent_is_out_of_plane_and_the_de
         for tilt in (0.08, 0.04, 0.02):
             # the rope passes Z at a distance ``tilt``, bending across
             q = np.array([0.0, -0.05, 0, tilt, -0.5, 1, 0, tilt, -0.05, 1, tilt, 0.5, 1, 0])
-            P, along_x = np.array([0, 0, 0, 0, 0, 1.0, 0, 0, 0]), np.array([0.0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0])
+            P, along_x = (
+                np.array([0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 0]),
+                np.array([0.0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0]),
+            )
             F = ELEMENT.reference(along_x, 1.0)
             parts = np.asarray(functions.balance(q, np.zeros(14), 1.0, F, P)).ravel()
             torsion[name].append(parts[BALANCE.index("torsion")])

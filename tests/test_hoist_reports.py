@@ -260,8 +260,9 @@ def test_the_residual_of_a_long_rope_is_what_its_time_integration_dissipates() -
                 residuals.append(rope.signals()["energy.residual"])
         return residuals[0] - residuals[1]
 
+    # what the default control leaves is less than a joule; that of a method that damps all waves at once is plain
+    assert dissipation(rho_inf=0.0) > 40.0  # J
     standard = dissipation()
-    assert standard > 10.0  # J
     # third order in the step: an eighth, within the residual of a balance of second order
     assert 6.0 < standard / dissipation(step_max=0.005) < 10.0
     assert abs(dissipation(rho_inf=0.9)) < 0.2 * standard

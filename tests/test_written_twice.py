@@ -31,7 +31,7 @@ ARITHMETIC = {
     "with_memory": (10, 0),
     # sums over nodes, and what is held at the ends
     "trial_step": (16, 0),
-    "system_of": (4, 0),
+    "system_of": (2, 0),
     "restart": (5, 0),
     "commit": (12, 0),
     "flexible_start": (4, 0),

@@ -22,9 +22,8 @@ System system_of(const Simulator *rope, State *state) {
                 .lengths = x.lengths,
                 .frames = rope->frames,
                 .around = rope->around->bodies > 0 ? rope->around : NULL,
-                .P = {data->mass_per_length, rope->scene.layout.gravity, data->Qa, 0.5 * (data->Qb + data->Qc),
-                      0.5 * (data->Qb - data->Qc), data->Qd, data->EI, data->rhoJ, data->beta_K},
                 .shortest = x.lengths[0]};
+    element_parameters(data, rope->scene.layout.gravity, s.P);
     const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter);
     memcpy(s.air, &law, sizeof s.air);
     for (int k = 1; k < x.elements; k++) s.shortest = fmin(s.shortest, x.lengths[k]);

@@ -11,7 +11,7 @@ nodes r is the cubic Hermite interpolant and theta is linear.  With t = r'/|r'|
     U = int Costello energy(e, tau) + 1/2 EI |k|^2 dx
     K = int 1/2 rho |r_t|^2 + 1/2 rhoJ w^2 dx
     V = int rho g r_Y dx
-    D = int beta_K times the quadratic form of U in the strain rates dx         (dissipates 2 D)
+    D = int beta_K U(e_t, sqrt(a) tau_t, sqrt(b) k_t) dx                        (dissipates 2 D)
 
 The rate of k is the one seen by an observer who turns with the cross-section, so that rigid motion dissipates
 nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
@@ -37,6 +37,7 @@ import casadi as ca
 import numpy as np
 
 from . import costello
+from .elementary import sqrt
 from .frame import FrameRate, smallest_rotation_rate
 from .hermite import PRODUCTS
 
@@ -49,7 +50,15 @@ ELEMENT_DOF: dict[ElementFidelity, tuple[int, ...]] = {
     "planar": (0, 1, 3, 4),
 }
 #: order of the entries of the parameter vector
-PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K")
+PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K", "root_a", "root_b")
+
+
+def parameters(rope: Any, gravity: Any) -> tuple[Any, ...]:
+    """Values of PARAMETERS."""
+    elastic = rope.mass_per_length, gravity, rope.Qa, rope.Qs, rope.Qk, rope.Qd, rope.EI, rope.rhoJ
+    return *elastic, rope.beta_K, sqrt(rope.torsion_damping), sqrt(rope.bending_damping)
+
+
 #: order of the entries of an element's balance
 BALANCE = (
     "axial",  # J, 1/2 Qa e^2
@@ -144,8 +153,9 @@ def element_functions(
         tau_z += w * B_p.T @ strains_z[1, :].T
         balance += w * l * point["balance"](z_p, v_p, F_p, tau, tau_t, P)
     R_r[9:] += torque * l * theta_x
-    shared = P[3] * e_z + 0.5 * P[5] * tau_z
-    J_r += (cq + cv * P[8]) * l * (shared @ tau_z.T + tau_z @ shared.T)
+    damped, root = cv * P[8], P[9]
+    shared = (cq + damped * root) * P[3] * e_z + 0.5 * (cq + damped * root * root) * P[5] * tau_z
+    J_r += l * (shared @ tau_z.T + tau_z @ shared.T)
     R = (mass @ a - weight + relative.T @ R_r)[kept]
     J = _symmetric(c_a * mass + relative.T @ _symmetric(J_r) @ relative)[kept, kept]
 
@@ -182,7 +192,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     P, F = ca.SX.sym("P", len(PARAMETERS)), ca.SX.sym("F", 6 if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
     tau, tau_t, torque, elastic = (ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic"))
-    _, _, Qa, Qs, _, Qd, EI, rhoJ, _ = ca.vertsplit(P)
+    _, _, Qa, Qs, _, Qd, EI, rhoJ, *_ = ca.vertsplit(P)
 
     # strains, and the spin of the section
     d, c = z[0:3], z[3:6]
@@ -258,13 +268,13 @@ def _symmetric(A: ca.SX) -> ca.SX:
 
 def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """U, D and the non-conservative power, per reference length, from the strains (e, tau, k) and their rates."""
-    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K = ca.vertsplit(P)
+    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K, root_a, root_b = ca.vertsplit(P)
 
     def quadratic(x: ca.SX) -> Any:
         return costello.strain_energy(Qa, Qs, Qd, x[0], x[1]) + 0.5 * EI * ca.dot(x[2:], x[2:])
 
     power = costello.nonconservative_power(Qk, strain[0], strain[1], rate[0], rate[1])
-    return quadratic(strain), beta_K * quadratic(rate), power
+    return quadratic(strain), beta_K * quadratic(ca.vertcat(rate[0], root_a * rate[1], root_b * rate[2:])), power
 
 
 def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:

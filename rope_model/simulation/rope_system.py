@@ -40,7 +40,16 @@ from ..physics.air import air_law
 from ..physics.air_element import AIR_BALANCE, air_element
 from ..physics.contact import LOOK_AHEAD, largest_motion
 from ..physics.contact_element import CONTACT_BALANCE, contact_element
-from ..physics.element import BALANCE, ELEMENT_DOF, MOMENTUM, NODE_DOF, STRAINS, ElementFidelity, element_functions
+from ..physics.element import (
+    BALANCE,
+    ELEMENT_DOF,
+    MOMENTUM,
+    NODE_DOF,
+    STRAINS,
+    ElementFidelity,
+    element_functions,
+    parameters,
+)
 from ..physics.shaft import KINDS
 
 Array = NDArray[np.float64]
@@ -168,8 +177,7 @@ def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", bodie
 
 def parameter_vector(rope: Rope, gravity: float) -> Array:
     """The element's parameters in the order of physics.element.PARAMETERS."""
-    r = rope
-    return np.array([r.mass_per_length, gravity, r.Qa, r.Qs, r.Qk, r.Qd, r.EI, r.rhoJ, r.beta_K])
+    return np.array(parameters(rope, gravity))
 
 
 def air_parameters(scene: Scene) -> Array:
