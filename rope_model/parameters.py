@@ -30,7 +30,7 @@ _DATA_SHEET = "check the rope's data sheet"
 
 @dataclass(frozen=True)
 class Rope:
-    """A round wire rope: T = Qa e + Qb tau, M = Qc e + Qd tau, bending moment EI kappa."""
+    """A round wire rope: T = Qa e + Qb tau, M = Qc e + Qd tau and c2 d^2 Qa e tau, bending moment EI kappa."""
 
     length: float = parameter(
         120.0,
@@ -58,6 +58,14 @@ class Rope:
         "polar mass moment per length [assumed]",
         lower=LEAST,
         cure=_DATA_SHEET,
+    )
+    c2: float = parameter(
+        0.0,
+        "1",
+        "growth of the torsional stiffness with tension, over the diameter's square: c2 d^2 T",
+        lower=0.0,
+        upper=10.0,
+        cure="use 0 where it is not known",
     )
     beta_K: float = parameter(
         1.0e-3,
@@ -114,6 +122,11 @@ class Rope:
     def Qs(self) -> float:
         """Symmetric part of the coupling, N m."""
         return 0.5 * (self.Qb + self.Qc)
+
+    @property
+    def Qe(self) -> float:
+        """Growth of the torsional stiffness per axial strain, N m^2."""
+        return self.c2 * self.diameter**2 * self.Qa
 
     @property
     def Qk(self) -> float:

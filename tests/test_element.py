@@ -25,7 +25,7 @@ ELEMENT = element_functions()
 STRAIN = ("axial", "coupling", "torsion", "bending")
 SEEDS = range(6)
 MATERIAL = {"rho": 1.3, "g": 9.8, "Qa": 5.0, "Qs": 0.8, "Qk": 0.3, "Qd": 2.0, "EI": 1.5, "rhoJ": 0.4}
-MATERIAL |= {"beta_K": 0.3, "root_a": 1.3, "root_b": 0.7}
+MATERIAL |= {"beta_K": 0.3, "root_a": 1.3, "root_b": 0.7, "Qe": 0.6}
 #: a central difference with this step errs by its square, and by rounding over it: both below 1e-9
 STEP = 1e-5
 
@@ -125,7 +125,7 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
         density = {
             "axial": 0.5 * m["Qa"] * e**2,
             "coupling": m["Qs"] * e * tau,
-            "torsion": np.full(points, 0.5 * m["Qd"] * tau**2),
+            "torsion": 0.5 * (m["Qd"] + m["Qe"] * e) * tau**2,
             "bending": 0.5 * m["EI"] * k**2,
             "kinetic": 0.5 * m["rho"] * np.sum(r_t**2, axis=0),
             "spin": 0.5 * m["rhoJ"] * w**2,
@@ -277,15 +277,27 @@ def test_a_closed_cycle_of_strain_does_the_work_of_qb_minus_qc() -> None:
 
 
 def test_costellos_law_is_the_gradient_of_its_energy_plus_the_remainder() -> None:
-    Qa, Qs, Qk, Qd, e, tau = 5.0, 0.8, 0.3, 2.0, 0.12, -0.4
+    Qa, Qs, Qk, Qd, Qe, e, tau = 5.0, 0.8, 0.3, 2.0, 0.6, 0.12, -0.4
 
     def U(x: Array) -> float:
-        return float(costello.strain_energy(Qa, Qs, Qd, x[0], x[1]))
+        return float(costello.strain_energy(Qa, Qs, Qd, x[0], x[1]) + costello.stiffening_energy(Qe, x[0], x[1]))
 
     dU = difference(U, np.array([e, tau]))
-    law = [costello.tension(Qa, Qs, Qk, e, tau), costello.torque(Qs, Qk, Qd, e, tau)]
-    np.testing.assert_allclose(law, dU + Qk * np.array([tau, -e]), rtol=1e-9)  # quadratic: rounding only
-    np.testing.assert_allclose(law, [Qa * e + 1.1 * tau, 0.5 * e + Qd * tau], rtol=1e-14)  # Qb = 1.1, Qc = 0.5
+    law = [costello.tension(Qa, Qs, Qk, Qe, e, tau), costello.torque(Qs, Qk, Qd, Qe, e, tau)]
+    np.testing.assert_allclose(law, dU + Qk * np.array([tau, -e]), rtol=1e-9)  # cubic: rounding only
+    # Qb = 1.1, Qc = 0.5
+    np.testing.assert_allclose(law, [Qa * e + 1.1 * tau + 0.5 * Qe * tau**2, 0.5 * e + (Qd + Qe * e) * tau], rtol=1e-14)
+
+
+def test_a_stretched_and_twisted_element_has_the_law_s_tension_and_torque() -> None:
+    l, e, tau, numbers = 1.7, 0.12, -0.4, {"Qa": 5.0, "Qs": 0.8, "Qk": 0.3, "Qd": 2.0, "Qe": 0.6}
+    q = np.zeros(14)
+    q[[3, 7, 10]] = 1 + e, l * (1 + e), 1 + e
+    s, q[13] = State(q, np.zeros(14), np.zeros(14), l, np.array([0.0, 0, 0, 1, 0, 0, 0, l, 0, 0, 1, 0, 0, 0])), tau * l
+    R = residual(q, np.zeros(14), np.zeros(14), l, s.F, s.P(**numbers))
+    Qa, Qs, Qk, Qd, Qe = numbers.values()
+    assert R[7] == pytest.approx(costello.tension(Qa, Qs, Qk, Qe, e, tau), rel=1e-12)
+    assert R[13] == pytest.approx(costello.torque(Qs, Qk, Qd, Qe, e, tau), rel=1e-12)
 
 
 # tangents against forces
@@ -514,7 +526,7 @@ def test_the_tait_bryan_frame_fails_where_the_tangent_is_out_of_plane_and_the_de
             # the rope passes Z at a distance ``tilt``, bending across
             q = np.array([0.0, -0.05, 0, tilt, -0.5, 1, 0, tilt, -0.05, 1, tilt, 0.5, 1, 0])
             P, along_x = (
-                np.array([0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 0]),
+                np.array([float(name == "Qd") for name in PARAMETERS]),
                 np.array([0.0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0]),
             )
             F = ELEMENT.reference(along_x, 1.0)

@@ -49,7 +49,7 @@ class Watch:
             self.shapes += [(round(m.t, 3), *row) for row in np.column_stack((s, m.q[:, POSITION], m.q[:, ANGLE]))]
             e, tau, *_ = python.system.strains(m.q).T
             data = rope.scene.rope
-            M = torque(data.Qs, data.Qk, data.Qd, e, tau)
+            M = torque(data.Qs, data.Qk, data.Qd, data.Qe, e, tau)
             middle = 0.5 * (s[:-1] + s[1:])
             self.twists += [(round(m.t, 3), *row) for row in np.column_stack((middle, tau, M))]
 

@@ -8,7 +8,7 @@
 #include "rope.h"
 #include "shaft.h"
 
-enum { PARAMETERS = 11, BALANCE = 9, FRAME = 21, STRAINS = 3, MOMENTUM = 9, AIR = 4, AIR_BALANCE = 7 };
+enum { PARAMETERS = 12, BALANCE = 9, FRAME = 21, STRAINS = 3, MOMENTUM = 9, AIR = 4, AIR_BALANCE = 7 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
 /* numerics.newton.NewtonStatus */

@@ -1,6 +1,9 @@
 """Costello law: tension and torque of a wire rope, coupled through axial strain and twist.
 
-    T = Qa e + Qb tau        M = Qc e + Qd tau
+    T = Qa e + Qb tau + 1/2 Qe tau^2        M = Qc e + (Qd + Qe e) tau
+
+Qe = c2 d^2 Qa is the middle term of the torque law M = c1 d T + c2 d^2 T w + c3 G d^4 w (w twist per length): under
+tension the rope is stiffer in torsion.  Its energy is 1/2 Qe e tau^2, so that the tension has its share.
 
 An elastic rope has Qb = Qc (Maxwell-Betti).  Published pairs differ by a few percent; the law is therefore split
 into a conservative part with Qs = (Qb + Qc) / 2, which has the energy ``strain_energy``, and a remainder with
@@ -8,7 +11,7 @@ Qk = (Qb - Qc) / 2, which has none and whose power is ``nonconservative_power``.
 
 Works on anything with arithmetic: floats, numpy arrays, CasADi expressions.
 
-Source: G. A. Costello, Theory of Wire Rope, Springer.
+Sources: G. A. Costello, Theory of Wire Rope, Springer; R. Verreet, The rotation characteristics of steel wire ropes.
 """
 
 from __future__ import annotations
@@ -16,19 +19,24 @@ from __future__ import annotations
 from typing import Any
 
 
-def tension(Qa: Any, Qs: Any, Qk: Any, e: Any, tau: Any) -> Any:
+def tension(Qa: Any, Qs: Any, Qk: Any, Qe: Any, e: Any, tau: Any) -> Any:
     """Tension in N at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
-    return Qa * e + (Qs + Qk) * tau
+    return Qa * e + (Qs + Qk) * tau + 0.5 * Qe * tau * tau
 
 
-def torque(Qs: Any, Qk: Any, Qd: Any, e: Any, tau: Any) -> Any:
+def torque(Qs: Any, Qk: Any, Qd: Any, Qe: Any, e: Any, tau: Any) -> Any:
     """Torque in N m about the tangent at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
-    return (Qs - Qk) * e + Qd * tau
+    return (Qs - Qk) * e + (Qd + Qe * e) * tau
 
 
 def strain_energy(Qa: Any, Qs: Any, Qd: Any, e: Any, tau: Any) -> Any:
     """Energy per reference length (J/m) of the conservative part."""
     return 0.5 * (Qa * e * e + 2 * Qs * e * tau + Qd * tau * tau)
+
+
+def stiffening_energy(Qe: Any, e: Any, tau: Any) -> Any:
+    """Energy per reference length (J/m) of the torsional stiffness that grows with tension."""
+    return 0.5 * Qe * e * tau * tau
 
 
 def nonconservative_power(Qk: Any, e: Any, tau: Any, e_t: Any, tau_t: Any) -> Any:

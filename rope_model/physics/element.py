@@ -11,7 +11,7 @@ nodes r is the cubic Hermite interpolant and theta is linear.  With t = r'/|r'|
     U = int Costello energy(e, tau) + 1/2 EI |k|^2 dx
     K = int 1/2 rho |r_t|^2 + 1/2 rhoJ w^2 dx
     V = int rho g r_Y dx
-    D = int beta_K U(e_t, sqrt(a) tau_t, sqrt(b) k_t) dx                        (dissipates 2 D)
+    D = int beta_K U(e_t, sqrt(a) tau_t, sqrt(b) k_t) dx, without Qe                (dissipates 2 D)
 
 The rate of k is the one seen by an observer who turns with the cross-section, so that rigid motion dissipates
 nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
@@ -50,20 +50,20 @@ ELEMENT_DOF: dict[ElementFidelity, tuple[int, ...]] = {
     "planar": (0, 1, 3, 4),
 }
 #: order of the entries of the parameter vector
-PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K", "root_a", "root_b")
+PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K", "root_a", "root_b", "Qe")
 
 
 def parameters(rope: Any, gravity: Any) -> tuple[Any, ...]:
     """Values of PARAMETERS."""
     elastic = rope.mass_per_length, gravity, rope.Qa, rope.Qs, rope.Qk, rope.Qd, rope.EI, rope.rhoJ
-    return *elastic, rope.beta_K, sqrt(rope.torsion_damping), sqrt(rope.bending_damping)
+    return *elastic, rope.beta_K, sqrt(rope.torsion_damping), sqrt(rope.bending_damping), rope.Qe
 
 
 #: order of the entries of an element's balance
 BALANCE = (
     "axial",  # J, 1/2 Qa e^2
     "coupling",  # J, Qs e tau
-    "torsion",  # J, 1/2 Qd tau^2
+    "torsion",  # J, 1/2 (Qd + Qe e) tau^2
     "bending",  # J, 1/2 EI k^2
     "kinetic",  # J, translation
     "spin",  # J, rotation about the tangent
@@ -153,8 +153,9 @@ def element_functions(
         tau_z += w * B_p.T @ strains_z[1, :].T
         balance += w * l * point["balance"](z_p, v_p, F_p, tau, tau_t, P)
     R_r[9:] += torque * l * theta_x
-    damped, root = cv * P[8], P[9]
-    shared = (cq + damped * root) * P[3] * e_z + 0.5 * (cq + damped * root * root) * P[5] * tau_z
+    damped, root, grown = cv * P[8], P[9], cq * P[11]
+    coupling, torsion = (cq + damped * root) * P[3] + grown * tau, (cq + damped * root * root) * P[5] + grown * means[0]
+    shared = coupling * e_z + 0.5 * torsion * tau_z
     J_r += l * (shared @ tau_z.T + tau_z @ shared.T)
     R = (mass @ a - weight + relative.T @ R_r)[kept]
     J = _symmetric(c_a * mass + relative.T @ _symmetric(J_r) @ relative)[kept, kept]
@@ -229,7 +230,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     balance = ca.vertcat(
         0.5 * Qa * strain[0] ** 2,
         Qs * strain[0] * tau,
-        0.5 * Qd * tau**2,
+        0.5 * Qd * tau**2 + costello.stiffening_energy(P[11], strain[0], tau),
         0.5 * EI * ca.dot(k, k),
         0,
         K,
@@ -268,13 +269,14 @@ def _symmetric(A: ca.SX) -> ca.SX:
 
 def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """U, D and the non-conservative power, per reference length, from the strains (e, tau, k) and their rates."""
-    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K, root_a, root_b = ca.vertsplit(P)
+    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K, root_a, root_b, Qe = ca.vertsplit(P)
 
     def quadratic(x: ca.SX) -> Any:
         return costello.strain_energy(Qa, Qs, Qd, x[0], x[1]) + 0.5 * EI * ca.dot(x[2:], x[2:])
 
     power = costello.nonconservative_power(Qk, strain[0], strain[1], rate[0], rate[1])
-    return quadratic(strain), beta_K * quadratic(ca.vertcat(rate[0], root_a * rate[1], root_b * rate[2:])), power
+    U = quadratic(strain) + costello.stiffening_energy(Qe, strain[0], strain[1])
+    return U, beta_K * quadratic(ca.vertcat(rate[0], root_a * rate[1], root_b * rate[2:])), power
 
 
 def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
