@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from short_run import stations
 
 from rope_model import (
     BalanceRope,
@@ -32,19 +32,8 @@ def guarded(guard: Guard, scene: Scene = SHORT) -> Scene:
     return scene.with_(shaft=replace(scene.shaft, guard=guard))
 
 
-def stations(rope: BalanceRope, steps: int = 30) -> Iterator[BalanceRope]:
-    """The rope each 10 ms while both ends move, the left one sideways too."""
-    assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
-    yield rope
-    for k in range(1, steps + 1):
-        t = 0.01 * k
-        left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
-        assert rope.advance_to(t, left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)).valid
-        yield rope
-
-
 def wound(scene: Scene) -> BalanceRope:
-    return [*stations(balance_rope(scene, "native"))][-1]
+    return [*stations(balance_rope(scene, "native"), 30)][-1]
 
 
 def test_distances_from_midway_and_from_plumb_are_exact() -> None:
@@ -106,7 +95,7 @@ def test_both_forms_trip_alike() -> None:
     }
     for cause, guard in cases.items():
         scene = guarded(guard, SHORT.with_(shaft=Shaft(sump=Sump(-11.9))))
-        python, native = ([*stations(make)][-1].state.guard for make in (RopeSimulator(scene), balance_rope(scene)))
+        python, native = ([*stations(make, 30)][-1].state.guard for make in (RopeSimulator(scene), balance_rope(scene)))
         assert python.cause == CAUSES.index(cause) + 1
         assert (python.cause, python.time) == (native.cause, native.time)
 
@@ -127,7 +116,7 @@ def test_guards_change_nothing_in_the_motion() -> None:
 
 def test_a_restored_rope_trips_when_the_saved_one_does() -> None:
     scene = guarded(Guard(window=0.01, window_delay=0.05))
-    run = [(rope.save(), rope.state.guard) for rope in stations(balance_rope(scene, "native"))]
+    run = [(rope.save(), rope.state.guard) for rope in stations(balance_rope(scene, "native"), 30)]
     last = run[-1][1]
     begun = next(k for k, (_, guard) in enumerate(run) if guard.since[1] < NEVER)
     assert run[begun][1].cause == 0

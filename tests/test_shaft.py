@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
@@ -16,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
+from short_run import stations
 
 from hoist_demo.recording.passages import PASSAGE_SIGNALS, outcome_of, passages, without_absent
 from hoist_demo.recording.time_series import TIME, Recording
@@ -200,19 +200,8 @@ NOW, SO_FAR = ([name.format(kind) for kind in KINDS] for name in ("clearance.{}"
 SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16), shaft=EVERYTHING)
 
 
-def stations(rope: BalanceRope, steps: int = 25) -> Iterator[BalanceRope]:
-    """The rope each 10 ms while both ends move, the left one sideways too."""
-    assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
-    yield rope
-    for k in range(1, steps + 1):
-        t = 0.01 * k
-        left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
-        assert rope.advance_to(t, left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)).valid
-        yield rope
-
-
 def wound(rope: BalanceRope) -> BalanceRope:
-    return [*stations(rope)][-1]
+    return [*stations(rope, 25)][-1]
 
 
 def native() -> BalanceRope:
@@ -228,7 +217,7 @@ def test_both_forms_come_equally_near() -> None:
 
 
 def test_the_nearest_so_far_is_the_least_of_all_clearances() -> None:
-    seen = np.array([[*rope.signals(NOW).values(), *rope.signals(SO_FAR).values()] for rope in stations(native())])
+    seen = np.array([[*rope.signals(NOW).values(), *rope.signals(SO_FAR).values()] for rope in stations(native(), 25)])
     now, so_far = seen[:, : len(NOW)], seen[:, len(NOW) :]
     least = np.minimum.accumulate(now, axis=0)
     assert np.all(so_far <= least + RESOLUTION)
