@@ -43,6 +43,7 @@ from evidence.studies.page import controllers_page, swivel_page
 from evidence.tables import Tables, read
 from evidence.tangle.page import FIGURES as TANGLE
 from evidence.tangle.page import page as tangle_page
+from evidence.validation.page import page as validation_page
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ PAGES: dict[str, Page] = {
     "tangle": Page("tangle.md", "tangle", tangle_page, TANGLE),
     "study_controllers": Page("study_controllers.md", "study", controllers_page),
     "study_swivel": Page("study_swivel.md", "study", swivel_page),
+    "validation": Page("validation.md", "validation", validation_page),
 }
 
 

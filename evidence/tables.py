@@ -21,7 +21,7 @@ def table(names: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
     return {name: np.array(column) for name, column in zip(names, zip(*rows, strict=True), strict=True)}
 
 
-def rows(t: Table, **wanted: str | float | tuple[str, ...]) -> Table:
+def rows(t: Table, **wanted: str | float | tuple[str, ...] | tuple[float, ...]) -> Table:
     """The rows whose columns have the wanted values: rows(t, family=("eem", "tmn"), coupling="coupled")."""
     kept = np.ones(len(next(iter(t.values()))), dtype=bool)
     for name, value in wanted.items():

@@ -59,7 +59,7 @@ class Guard:
 
 def guard(windings: Table, quantity: str, seeds: tuple[int, ...], when: str = PEAK) -> Guard:
     """Of the windings of some seeds; ``when`` tells how long before the fouling."""
-    t = rows(windings, seed=tuple(map(float, seeds)))  # type: ignore[arg-type]
+    t = rows(windings, seed=tuple(map(float, seeds)))
     sign = -1.0 if quantity == QUANTITIES[CLEARANCE] else 1.0
     healthy = rows(t, outcome="healthy")[f"{quantity}, {PEAK}"]
     fouled = rows(t, outcome="fouled")[f"{quantity}, {when}"]

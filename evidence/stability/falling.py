@@ -24,10 +24,14 @@ CHAIN = 20.0  # m
 
 @dataclass(frozen=True)
 class Fall:
-    """Times (s) and depths (m) of the tip until it is lowest, and the energy unexplained over rho g L^2."""
+    """Times (s), depths (m) of the tip, pulls (N) of the held end, until the tip is lowest.
+
+    ``unexplained`` is energy over rho g L^2.
+    """
 
     t: Array
     depth: Array
+    pull: Array
     unexplained: float
 
 
@@ -57,7 +61,7 @@ def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
     rest = np.zeros_like(q)
     motion, start = restart(system, 0.0, q, rest, rest)
     method, h, dissipated, unexplained = Coefficients(0.8), largest, 0.0, 0.0
-    rows = [(0.0, 0.0)]
+    rows = [(0.0, 0.0, float(motion.reaction[0, 1]))]
     while h > 1e-7 and motion.t < 2 * math.sqrt(2 * CHAIN / GRAVITY):
         result = step(system, motion, h, method, 1e-8)
         if result.motion is None or result.evaluation is None or result.error > tolerance:
@@ -69,13 +73,13 @@ def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
         balance = result.evaluation.balance
         unexplained = potential(balance) + balance["kinetic"] + dissipated - potential(start.balance)
         motion = new
-        rows.append((motion.t, -float(motion.q[-1, 1])))
+        rows.append((motion.t, -float(motion.q[-1, 1]), float(motion.reaction[0, 1])))
         if rows[-1][1] < rows[-2][1] and rows[-1][1] > 0.5 * CHAIN:
             break
         if result.error < 0.1 * tolerance:
             h = min(2 * h, largest)
-    t, depth = np.array(rows).T
-    return Fall(t, depth, unexplained / (Rope.mass_per_length * GRAVITY * CHAIN**2))
+    t, depth, pull = np.array(rows).T
+    return Fall(t, depth, pull, unexplained / (Rope.mass_per_length * GRAVITY * CHAIN**2))
 
 
 def exact_fall() -> tuple[Array, Array]:

@@ -17,16 +17,16 @@ from .chain import Solve, StaticBoundary, by_continuation, by_newton, is_stable
 from .counterexamples import no_rate
 from .entry import Array, Curve, Entry, Figure, Finding
 
-BEND, TWIST_STIFFNESS, TENSION, ROD = 1.0, 0.7, 1.0, 60.0  # N m^2, N m^2, N, m
+BEND, TWIST_STIFFNESS, AXIAL, TENSION, ROD = 1.0, 0.7, 1e3, 1.0, 60.0  # N m^2, N m^2, N, N, m
 
 
-def straight_rod(elements: int = 80) -> tuple[RopeSystem, Array]:
-    """Clamped at both ends, under TENSION, without weight."""
-    values = {"rho": 1.0, "Qa": 1e3, "Qd": TWIST_STIFFNESS, "EI": BEND, "rhoJ": 0.1}
+def straight_rod(elements: int = 80, length: float = ROD) -> tuple[RopeSystem, Array]:
+    """Clamped at both ends, under TENSION, without weight; ``length`` in m."""
+    values = {"rho": 1.0, "Qa": AXIAL, "Qd": TWIST_STIFFNESS, "EI": BEND, "rhoJ": 0.1}
     P = np.array([values.get(name, 0.0) for name in PARAMETERS])
-    s = np.linspace(0.0, ROD, elements + 1)
+    s = np.linspace(0.0, length, elements + 1)
     q = np.zeros((s.size, 7))
-    q[:, 0], q[:, 3] = s * (1 + TENSION / values["Qa"]), 1 + TENSION / values["Qa"]
+    q[:, 0], q[:, 3] = s * (1 + TENSION / AXIAL), 1 + TENSION / AXIAL
     boundary = StaticBoundary.without_supports(q)
     boundary.held[[0, -1]] = True
     boundary.held[[0, -1], 3] = False
@@ -41,11 +41,11 @@ def with_torque(system: RopeSystem, q: Array, torque: float) -> tuple[RopeSystem
     return RopeSystem(system.kernels, system.lengths, system.P, boundary, q), q
 
 
-def onset(system: RopeSystem, q: Array, low: float, high: float) -> float:
-    """Torque (N m) from which the straight rod is unstable; ``high`` when it never is."""
+def onset(system: RopeSystem, q: Array, low: float, high: float, tolerance: float = 1e-3) -> float:
+    """Torque (N m) from which the straight rod is unstable, to ``tolerance``; ``high`` when it never is."""
     if is_stable(*with_torque(system, q, high)):
         return high
-    while high - low > 1e-3:
+    while high - low > tolerance:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if is_stable(*with_torque(system, q, middle)) else (low, middle)
     return 0.5 * (low + high)

@@ -1,0 +1,10 @@
+"""The model against measurement, theory and another code, and docs/validation.md.
+
+row        a line of the page's table: reference, result, acceptance, test
+wires      measured: the twist at which hanging wires throw a loop
+chains     a folded rope that is let go, a rope that hangs by one end
+onset      theory: the torque at which a clamped rod buckles
+cabledyn   a second code: a twisted U
+measure    all rows, and the tables behind them
+page       what the page validation.md.j2 says
+"""

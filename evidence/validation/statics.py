@@ -1,0 +1,27 @@
+"""Shapes at rest of a rope whose ends are clamped and turned."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evidence.stability.chain import StaticBoundary
+from rope_model.simulation.rope_system import ANGLE, RopeSystem
+from rope_model.simulation.statics import Equilibrium, find_equilibrium
+
+Array = NDArray[np.float64]
+
+
+def clamped(q: Array) -> StaticBoundary:
+    """Both ends of ``q`` held, place, direction and angle; they may stretch, along the axis that they lie on."""
+    boundary = StaticBoundary.without_supports(q)
+    boundary.held[[0, -1]] = True
+    boundary.held[[0, -1], 3 + np.argmax(np.abs(q[[0, -1], 3:6]), axis=1)] = False
+    return boundary
+
+
+def turned(system: RopeSystem, q: Array, angle: float) -> Equilibrium:
+    """At rest after the far end of ``q``, whose angles count along it, is turned by ``angle`` (rad) more."""
+    guess = q.copy()
+    guess[:, ANGLE] += angle * np.linspace(0.0, 1.0, len(q))
+    return find_equilibrium(system.with_boundary(clamped(guess)), guess)
