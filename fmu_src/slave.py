@@ -149,7 +149,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         """The warning ``number``, or '' where it does not apply now."""
         if number == len(WARNINGS):
             return self._long_step()
-        return WARNINGS[number](self._rope.scene, self._rope.state)
+        return [*WARNINGS.values()][number](self._rope.scene, self._rope.state)
 
     def _long_step(self) -> str:
         state = self._rope.state

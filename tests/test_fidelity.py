@@ -14,7 +14,8 @@ from evidence.choice.scenes import CASES, Case, smooth_step
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import FidelityChoice, Mesh, Model, Rope, Scene, Swivel
 from rope_model.physics.estimates import natural_width
-from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, expected_travel, force_error, lowest_sufficient
+from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient
+from rope_model.simulation.fidelity_cases import expected_travel, force_error
 from rope_model.simulation.paths import EndMotion, EndPath
 from rope_model.simulation.rigid import RigidRope, rigid_rope
 from rope_model.simulation.simulator import RopeSimulator

@@ -149,6 +149,7 @@ HOMES = {
         "rope_model.physics.elementary",
         "rope_model.numerics",
         "rope_model.native.elements",
+        "rope_model.native.cases",
         "rope_model.native.formulas",
         "hoist_demo.design",
         "hoist_demo.drive",

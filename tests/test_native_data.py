@@ -33,18 +33,17 @@ from rope_model.native.structures import (
     scene_structure,
 )
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
-from rope_model.parameters import CHOICES, FidelityChoice, Mesh, Model, Rope, RopeCase, Scene, Swivel
+from rope_model.parameters import CHOICES, FidelityChoice, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends import HangingEnds, nominal_points, refusal
 from rope_model.simulation.fidelity import (
     FIDELITIES,
-    carries_torque,
     choose_fidelity,
     lowest_sufficient,
     unsupported_motion,
 )
 from rope_model.simulation.paths import SIDES, EndMotion, EndPath, ends_at
-from rope_model.simulation.rigid import lowest_tension, rigid_rope
+from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.statics import StaticsError
 
@@ -77,7 +76,7 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     library = ct.CDLL(str(made))
     for function in (library.text_number, library.text_exact, library.fidelity_name):
         function.restype = ct.c_char_p
-    library.swivel_friction.restype = library.rigid_lowest_tension.restype = ct.c_double
+    library.swivel_friction.restype = ct.c_double
     return library
 
 
@@ -274,7 +273,6 @@ def assert_same_fidelities(native: Any, scene: Scene, ends: Ends) -> None:
     for fidelity in FIDELITIES:
         ours = text_of(native.fidelity_unsupported_motion, ct.byref(structure), FIDELITY_NAMES.index(fidelity), c_ends)
         assert ours == unsupported_motion(scene, fidelity, ends)
-    assert native.scene_carries_torque(ct.byref(structure)) == carries_torque(scene)
 
 
 @pytest.mark.parametrize("scene", list(scenes()))
@@ -359,11 +357,3 @@ def test_slack_rope_has_the_same_message(native: Any) -> None:
     with pytest.raises(ValueError, match="goes slack") as error:
         rigid_rope(Scene(), ends, 1.0, s)
     assert message == str(error.value)
-
-
-@given(ends_here, st.floats(0.0, 50.0))
-def test_lowest_tension_is_the_same(native: Any, ends: Ends, spread: float) -> None:
-    scene = Scene(mesh=Mesh())
-    ours = native.rigid_lowest_tension(ct.byref(scene_structure(scene)), ends_of(ends))
-    weight = scene.rope.mass_per_length * scene.layout.gravity * scene.rope.length
-    same(np.array([ours]), np.array([lowest_tension(scene, ends)]), weight)

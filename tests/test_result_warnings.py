@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+import random
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +21,11 @@ from warning_driver import RUNS
 from hoist_demo.cosimulation.participants import rope_plant
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from rope_model import balance_rope
-from rope_model.parameters import Layout, Rope, Scene, rope_120
+from rope_model.native.engine import NativeRope
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
 from rope_model.simulation.paths import SIDES, EndMotion
+from rope_model.simulation.result_warnings import WARNINGS
+from rope_model.simulation.state import Crossing, RopeState
 
 DRIVER = Path(__file__).with_name("warning_driver.py")
 
@@ -133,3 +138,51 @@ def test_rope_in_process_logs_each_thing_once(caplog: pytest.LogCaptureFixture) 
     assert rope.initialize(0.0, left, right).valid
     assert all(rope.step(k * 0.01, 0.01, left, right).valid for k in range(3))
     assert [r.levelname for r in caplog.records if "passed through" in r.getMessage()] == ["WARNING"]
+
+
+ROPES = {
+    "coupled": rope_120().scene.rope,
+    "twisted": replace(rope_120().scene.rope, Qb=0.0, Qc=0.0, installed_twist=0.5),
+    "plain": replace(rope_120().scene.rope, Qb=0.0, Qc=0.0),
+}
+
+
+def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeState]:
+    """The state with numbers that warnings look at, about their bounds."""
+    while True:
+        audit = state.audit._replace(
+            force=1e4,
+            missing_force=chance.uniform(0.0, 20.0),
+            missing_moment=chance.uniform(0.0, 200.0),
+            force_change=chance.uniform(0.0, 1e3),
+            share=chance.choice((0.0, chance.uniform(0.2, 0.5))),
+            bend=chance.choice((0.0, chance.uniform(0.3, 4.5))),
+        )
+        number = float(chance.choice((0, 0, 1, 3)))
+        yield state._replace(
+            audit=audit,
+            crossing=Crossing(number, number, chance.uniform(0.0, 9.0), chance.uniform(-60.0, 0.0)),
+            energy_balance=state.energy_balance._replace(kinetic=chance.choice((0.0, 1e-6, 1.0))),
+            loop_yaw=chance.uniform(-4.0, 4.0),
+            offsets=(0.0, chance.uniform(-6.0, 6.0)),
+            snapped_at=chance.choice((0.0, 2.5)),
+            counts=state.counts._replace(given_up=chance.choice((0, 7))),
+            given_up_since=chance.uniform(0.0, 9.0),
+        )
+
+
+@pytest.mark.parametrize("name", ROPES)
+def test_both_forms_warn_of_the_same_in_the_same_words(name: str) -> None:
+    mesh = Mesh(kind="eem", elements=16)
+    scene = rope_120().scene.with_(rope=ROPES[name], mesh=mesh, model=Model(fidelity="torsional"))
+    rope = NativeRope(scene)
+    assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
+    seen, yawed = set(), set()
+    for state in islice(altered_states(rope.state, random.Random(name)), 200):
+        rope.restore(state)
+        told = {subject: text for subject, warn in WARNINGS.items() if (text := warn(scene, state))}
+        assert rope.warnings() == told
+        seen |= told.keys()
+        yawed |= {text.split(" mostly by ")[1][:8] for text in told.values() if "mostly by" in text}
+    assert seen == WARNINGS.keys() - {"passed_bodies", "neglected_effects", "leg_contact"}
+    assert len(yawed) >= 2 or name == "plain"

@@ -16,7 +16,7 @@ from hoist_demo.parameters import Winding as Trip
 from rope_model import Layout, Model, Scene, Swivel, balance_rope
 from rope_model.parameters import FidelityChoice
 from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
-from rope_model.simulation.fidelity import force_error
+from rope_model.simulation.fidelity_cases import force_error
 
 from .scenes import P120, P240, Case
 

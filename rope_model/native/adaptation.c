@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "messages.h"
+#include "cases.h"
 #include "simulator.h"
 
 #define RELAXATION_TIME 0.1
@@ -141,7 +141,7 @@ int raise_fidelity(Simulator *rope, State *state, const char *why, char *message
     state->offsets[RIGHT] = right_offset(m.q, end_row(m.q, m.nodes, RIGHT));
     record_event(state, RAISED, state->fidelity, 0, 0);
     refer(rope, state, m.q);
-    if (was != RIGID && !scene_carries_torque(&rope->scene)) {
+    if (was != RIGID && !carries_torque(&rope->scene)) {
         restart(rope, state);
         return 1;
     }

@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 
 from ..numerics.kernels import cache_folder, compile_library, find_compiler
+from .cases import cases_code
 from .elements import element_code
 from .formulas import formulas_code
 from .layout import state_structures
@@ -38,6 +39,7 @@ def generate() -> dict[str, str]:
         "elements.inc": element_code(),
         "formulas.h": formulas_code(),
         "messages.h": messages_code(),
+        "cases.h": cases_code(),
         "state.h": state_structures(),
         "signal_numbers.h": signal_numbers(),
         "energy_values.h": energy_values(),

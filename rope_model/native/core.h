@@ -88,10 +88,8 @@ const char *fidelity_name(int fidelity);
 int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason);
 int fidelity_lowest_sufficient(const Scene *scene, const EndMotion ends[2]);
 void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], char *what);
-int scene_carries_torque(const Scene *scene);
 
 /* rigid.c: rope_model.simulation.rigid; q, v, a, reaction (nodes x DOF); message "" when all is well */
-double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]);
 void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q, double *v,
                 double *a, double *reaction, double *kinetic, double *gravity, char *message);
 /* tension (points) at the places `at` with the heights y */

@@ -191,10 +191,10 @@ class NativeRope(BalanceRope):
     def warnings(self) -> dict[str, str]:
         self._require_state()
         told, text = {}, ctypes.create_string_buffer(MESSAGE)
-        for number, warning in enumerate(WARNINGS):
+        for number, subject in enumerate(WARNINGS):
             self._lib.rope_warning(self._rope, number, text)
             if text.value:
-                told[warning.__name__] = text.value.decode()
+                told[subject] = text.value.decode()
         return told
 
     def snapshot(self) -> Snapshot:

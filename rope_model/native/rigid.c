@@ -4,11 +4,6 @@
 #include "formulas.h"
 #include "messages.h"
 
-double rigid_lowest_tension(const Scene *scene, const EndMotion ends[2]) {
-    const Pull pull = rigid_pull(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
-    return rigid_lowest(&pull);
-}
-
 /* velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF) */
 static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
     for (int i = 0; i < nodes * DOF; i += DOF) {

@@ -111,9 +111,3 @@ void shaft_clearances(const Scene *scene, const Arrays *m, double t, Nearest nea
     take_nearest(number, searches, nearest);
     shaft_nearer(scene, m, t, nearest);
 }
-
-int shaft_may_touch(const Shaft *shaft) {
-    const double origin[3] = {0}, *const ends[2] = {origin, origin};
-    Placed bodies[MOST_BODIES];
-    return shaft->contact.stiffness > 0 && shaft_bodies(shaft, ends, bodies) > 0;
-}

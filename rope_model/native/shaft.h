@@ -17,7 +17,5 @@ void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Neares
 int shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
 /* none is near */
 void shaft_not_near(Nearest nearest[KINDS]);
-/* whether there are bodies that hold the rope */
-int shaft_may_touch(const Shaft *shaft);
 
 #endif

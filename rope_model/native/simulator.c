@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "guards.h"
-#include "messages.h"
+#include "cases.h"
 #include "simulator.h"
 
 #define ACCEPT_BELOW 2.
@@ -30,7 +30,7 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     rope->scene = *scene;
     rope->mesh = mesh;
     rope->around->scene = &rope->scene;
-    rope->around->bodies = shaft_may_touch(&scene->shaft);
+    rope->around->bodies = may_touch(&scene->shaft);
     return rope;
 }
 

@@ -99,10 +99,14 @@ def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 def _codes(name: str, words: tuple[str, ...]) -> str:
     """The codes of a choice; its words are a macro to initialise an array with."""
-    long = {word for word in words if word == "auto" or name == "mode"}
-    codes = ", ".join(word.upper() + (_SUFFIXES[name] if word in long else "") for word in words)
+    codes = ", ".join(code_name(name, word) for word in words)
     quoted = ", ".join(json.dumps(word) for word in words)
     return f"enum {{ {codes} }};\n#define {_SUFFIXES[name][1:]}_WORDS {{{quoted}}}\n"
+
+
+def code_name(name: str, word: str) -> str:
+    """Name in C of the code that a ``word`` of the choice ``name`` has."""
+    return word.upper() + (_SUFFIXES[name] if word == "auto" or name == "mode" else "")
 
 
 def _structure(kind: type[Any]) -> str:

@@ -7,6 +7,7 @@ A formula written with these has one text: Python evaluates it, and C is printed
 from __future__ import annotations
 
 import math
+from functools import reduce
 from typing import Any
 
 import casadi as ca
@@ -58,6 +59,20 @@ def where(condition: Any, x: Any, y: Any) -> Any:
     if isinstance(condition, ca.SX):
         return ca.if_else(condition, x, y)
     return np.where(condition, x, y) if isinstance(condition, np.ndarray) else x if condition else y
+
+
+def both(*conditions: Any) -> Any:
+    """Whether all of the conditions hold; all are computed."""
+    if any(isinstance(condition, ca.SX) for condition in conditions):
+        return reduce(ca.logic_and, map(ca.SX, conditions))
+    return all(conditions)
+
+
+def either(*conditions: Any) -> Any:
+    """Whether one of the conditions holds; all are computed."""
+    if any(isinstance(condition, ca.SX) for condition in conditions):
+        return reduce(ca.logic_or, map(ca.SX, conditions))
+    return any(conditions)
 
 
 def less(x: Any, y: Any) -> Any:

@@ -12,7 +12,8 @@ import numpy as np
 from ..numerics.generalized_alpha import Solution
 from . import messages
 from .ends import right_offset
-from .fidelity import carries_torque, lowest_sufficient
+from .fidelity import lowest_sufficient
+from .fidelity_cases import carries_torque
 from .mesh import Partition, transform, transformation_due
 from .model import RopeModel, ends_of, energies, with_angles_along
 from .paths import ends_at

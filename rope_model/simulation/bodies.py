@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from ..physics import shaft as physics
+from ..physics.elementary import both, either
 from ..physics.shaft import KINDS, Body
 from ..shaft_parameters import FAR, Shaft
 
@@ -38,6 +39,9 @@ def bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
         yield Placed(FLOOR, FIXED, physics.floor(shaft.sump))
 
 
-def may_touch(shaft: Shaft) -> bool:
+def may_touch(shaft: Any) -> Any:
     """Whether there are bodies that hold the rope."""
-    return shaft.contact.stiffness > 0 and any(True for _ in bodies(shaft, 2 * [(0.0, 0.0, 0.0)]))
+    dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
+    sizes = sum((divider.size for divider in dividers), shaft.lining.width)
+    sizes += shaft.conveyance.width + shaft.head_ropes.diameter
+    return both(shaft.contact.stiffness > 0, either(sizes > 0, shaft.sump.level > -FAR))

@@ -41,11 +41,6 @@ class RigidRope:
     motion: Motion
 
 
-def lowest_tension(scene: Scene, ends: Ends) -> float:
-    """The smallest tension (N) of the rope; negative where it would have to push."""
-    return float(lowest(pull(scene.rope, scene.layout, *ends)))
-
-
 def rigid_rope(scene: Scene, ends: Ends, t: float, nodes_s: Array) -> RigidRope:
     """The rope at ``t``; ValueError where it would have to push."""
     left, right = ends

@@ -132,7 +132,7 @@ class RopeSimulator(BalanceRope):
         return {name: self._signals[name] for name in wanted}
 
     def warnings(self) -> dict[str, str]:
-        told = {warning.__name__: warning(self.scene, self.state) for warning in WARNINGS}
+        told = {subject: warning(self.scene, self.state) for subject, warning in WARNINGS.items()}
         return {subject: text for subject, text in told.items() if text}
 
     def restore(self, data: bytes | RopeState | Snapshot) -> None:

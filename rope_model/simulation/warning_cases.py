@@ -1,0 +1,130 @@
+"""When a result deserves a warning, as far as numbers tell: tables for simulation.result_warnings and its C."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..physics.elementary import both, either
+from ..physics.estimates import coupling_torque, twist_torque
+from . import messages
+from .audit import (
+    FEWEST_ELEMENTS,
+    FEWEST_STEPS,
+    LARGE_CHANGE,
+    MISSING_FORCE,
+    MISSING_MOMENT,
+    axial_step,
+    signal_values,
+)
+from .cases import Cases
+from .fidelity_cases import carries_torque
+from .shaft import TURNED_FAR
+
+#: of the legs: the loop is turned over
+HALF_A_TURN = 0.5
+#: rad: yaw at rest of a rope whose data should be looked at
+YAWED_FAR = math.pi / 6
+#: m/s: a rope with less kinetic energy than all of it has at this speed is at rest
+REST_SPEED = 1e-3
+
+
+def rests(scene: Any, state: Any) -> Any:
+    """Whether the rope is at rest."""
+    data = scene.rope
+    return state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * (REST_SPEED * REST_SPEED)
+
+
+def leaves_out(scene: Any, state: Any) -> Any:
+    """Whether the rope does what its fidelity does not compute, if that is none that computes all."""
+    return either(state.fidelity == "rigid", carries_torque(scene))
+
+
+def legs_near(state: Any, yaw: Any) -> Any:
+    """Whether the loop is turned so far against its ends, by ``yaw`` (rad), that its legs may touch."""
+    return both(abs(yaw) > TURNED_FAR, state.crossing.number == 0)
+
+
+def yawed_far_at_rest(scene: Any, state: Any, yaw: Any) -> Any:
+    """Whether the loop hangs out of its ends' plane, by ``yaw`` (rad), at rest."""
+    untouched = both(state.fidelity == "torsional", state.crossing.number == 0)
+    return both(untouched, rests(scene, state), abs(yaw) > YAWED_FAR)
+
+
+def _sides_passed(scene: Any, state: Any) -> tuple[Any, ...]:
+    crossing = state.crossing
+    return crossing.number > 0, crossing.number, crossing.since, crossing.y
+
+
+def _turned_around(yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
+    return abs(turns) >= HALF_A_TURN, turns
+
+
+def _legs_touch(yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
+    return clearance <= 0, clearance, yaw
+
+
+def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
+    coupling, installed, ends = _torques(scene, turned)
+    return both(coupling >= installed, coupling >= ends), scene.rope.Qb, scene.rope.Qc
+
+
+def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:
+    _, installed, ends = _torques(scene, turned)
+    return installed >= ends, scene.rope.installed_twist
+
+
+def _torque_of_ends(scene: Any, turned: Any) -> tuple[Any, ...]:
+    return True, turned
+
+
+def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any]:
+    """By the coupling, by the installed twist, and by ends that twist the rope by ``turned`` (rad)."""
+    rope = scene.rope
+    # the installed twist is part of the last
+    ends = twist_torque(rope, turned) * (1 - 1e-9)
+    return coupling_torque(rope, scene.layout.gravity), twist_torque(rope, rope.installed_twist), ends
+
+
+def _other_rests(scene: Any, state: Any) -> tuple[Any, ...]:
+    return both(state.snapped_at != 0, rests(scene, state)), state.snapped_at
+
+
+def _forces_missing(scene: Any, state: Any) -> tuple[Any, ...]:
+    missing, bound = state.audit.missing_force, MISSING_FORCE * state.audit.force
+    return missing > bound, missing, bound
+
+
+def _moments_missing(scene: Any, state: Any) -> tuple[Any, ...]:
+    missing, bound = state.audit.missing_moment, MISSING_MOMENT * state.audit.force * scene.layout.spacing
+    return missing > bound, missing, bound
+
+
+def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
+    audit, steps = state.audit, signal_values(state.audit)[4]
+    applies = both(audit.share * FEWEST_STEPS > 1.0, audit.force_change > LARGE_CHANGE * audit.force)
+    return applies, audit.force_change, steps, FEWEST_STEPS, axial_step(scene.rope)
+
+
+def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
+    elements = signal_values(state.audit)[5]
+    return both(state.audit.bend > 0, elements < FEWEST_ELEMENTS), elements, FEWEST_ELEMENTS
+
+
+def _accuracy_given_up(scene: Any, state: Any) -> tuple[Any, ...]:
+    given_up = state.counts.given_up
+    return given_up > 0, given_up, state.given_up_since, scene.solver.work_max
+
+
+PASSED_SIDES: Cases = {messages.sides_passed: _sides_passed}
+LEG_CONTACT: Cases = {messages.turned_around: _turned_around, messages.legs_touch: _legs_touch}
+TORQUE_SOURCE: Cases = {
+    messages.torque_of_coupling: _torque_of_coupling,
+    messages.torque_of_twist: _torque_of_twist,
+    messages.torque_of_ends: _torque_of_ends,
+}
+OTHER_RESTS: Cases = {messages.other_rests: _other_rests}
+MISSING_LOADS: Cases = {messages.forces_missing: _forces_missing, messages.moments_missing: _moments_missing}
+UNRESOLVED_WAVES: Cases = {messages.waves_unresolved: _waves_unresolved}
+UNRESOLVED_BEND: Cases = {messages.bend_unresolved: _bend_unresolved}
+ACCURACY_GIVEN_UP: Cases = {messages.accuracy_given_up: _accuracy_given_up}
