@@ -20,16 +20,8 @@ from evidence.tables import read, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Rope, Scene
-from rope_model.simulation import mesh
-from rope_model.simulation.mesh import (
-    LEG_GRADING,
-    LEG_WAVES,
-    NATURAL_RADIUS,
-    NEAREST,
-    fit_mesh,
-    partition,
-    placement_problem,
-)
+from rope_model.simulation.mesh import fit_mesh, partition, placement_problem
+from rope_model.simulation.mesh_fit import LEG_GRADING, LEG_WAVES, LOCKING_SHARE, NATURAL_RADIUS, NEAREST
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 TABLES = read(DOCS / "data" / "mesh_rule")
@@ -41,7 +33,7 @@ FOUND = laws.fit(TABLES)
 
 @pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
 def test_the_loop_s_elements_take_their_share_of_what_is_asked_and_at_least_a_third_of_it(asked: float) -> None:
-    share = shares(FOUND, judges(), asked).loop / mesh.LOCKING_SHARE
+    share = shares(FOUND, judges(), asked).loop / LOCKING_SHARE
     assert share.max() < 1.05  # the constants are the law's, rounded
     assert asked == 0.05 or np.median(share) > 1 / 3
 

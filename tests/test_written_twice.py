@@ -45,7 +45,7 @@ ARITHMETIC = {
     "transfer_fields": (7, 0),
     "solve_banded": (6, 0),
     # numbers of elements and their places
-    "mesh_fit": (5, 2),
+    "mesh_fit": (0, 1),
     "mesh_partition": (4, 0),
     "mesh_elements": (4, 0),
     # choice of steps
@@ -63,7 +63,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2198, "C": 2504}
+MOST_LINES = {"Python": 2163, "C": 2490}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(

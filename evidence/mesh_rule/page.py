@@ -10,7 +10,7 @@ import numpy as np
 
 from evidence.rendering import number, quantity, render
 from evidence.tables import Table, Tables
-from rope_model.simulation import mesh
+from rope_model.simulation import mesh, mesh_fit
 
 from . import figures, laws
 from .judging import distribution, is_resolved, misses, swing
@@ -40,6 +40,7 @@ def page(tables: Tables) -> str:
         "ropes": MANY,
         "shares": _shares(by_error),
         "mesh": mesh,
+        "fit": mesh_fit,
         "worst_shares": [(e, {"loop": by_error[e].loop.max(), "cover": by_error[e].cover.max()}) for e in TELLING],
         "longest": longest(),
         "slip": {"shorter": shorter, "longer": longer},

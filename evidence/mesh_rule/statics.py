@@ -13,7 +13,8 @@ from evidence.tables import Table, table
 from rope_model import EndMotion, balance_rope
 from rope_model.parameters import Mesh
 from rope_model.simulation.diagnostics import loop_bottom
-from rope_model.simulation.mesh import LEG_WAVES, Partition
+from rope_model.simulation.mesh import Partition
+from rope_model.simulation.mesh_fit import LEG_WAVES
 
 from .scenes import Sample
 

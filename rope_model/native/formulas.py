@@ -38,7 +38,7 @@ from ..physics import (
     swivel,
 )
 from ..shaft_parameters import FAR, PARTS
-from ..simulation import audit, ends, mesh, statics, warning_cases
+from ..simulation import audit, ends, mesh_fit, statics, warning_cases
 from ..simulation import shaft as shaft_search
 from ..simulation.audit import Audit
 from ..simulation.paths import EndMotion, EndPath
@@ -125,8 +125,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void hanging_row(const Hanging *hanging, const double left[3], const double across[3], double s, double row[7])": (
         hanging.node_row
     ),
-    "FittedLengths fit_lengths(const Scene *scene, double loop_error, double decades)": mesh.fit_lengths,
-    "double covered_length(double radius, double fade, double coarse)": mesh.covered_length,
+    "FittedMesh fit_elements(const Scene *scene, double loop_error, double decades)": mesh_fit.fit_elements,
     "void newton_coefficients(const Coefficients *method, double h, double c[3])": (
         generalized_alpha.newton_coefficients
     ),
@@ -165,7 +164,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Flow,
     inextensible.Pull,
     hanging.Hanging,
-    mesh.FittedLengths,
+    mesh_fit.FittedMesh,
     generalized_alpha.Coefficients,
     accuracy.StepLimits,
     shaft.Body,
@@ -183,8 +182,9 @@ STRUCTURES: dict[str, type[Any]] = {
 } | {"Path": EndPath}
 #: numbers of the formulas that switches look at
 CONSTANTS: dict[str, float | tuple[float, ...]] = {
-    "FADE_ERROR": mesh.FADE_ERROR,
-    "MESH_SHARE": mesh.MESH_SHARE,
+    "FADE_ERROR": mesh_fit.FADE_ERROR,
+    "MESH_SHARE": mesh_fit.MESH_SHARE,
+    "DUE": mesh_fit.DUE,
     "FAR": FAR,
     "NEVER": guard.NEVER,
     "RESOLUTION": shaft_search.RESOLUTION,
@@ -224,6 +224,7 @@ _OPERATORS |= {ca.OP_LT: ("<", _COMPARISON), ca.OP_LE: ("<=", _COMPARISON)}
 _OPERATORS |= {ca.OP_EQ: ("==", _COMPARISON), ca.OP_NE: ("!=", _COMPARISON)}
 _CALLS = {
     ca.OP_SQRT: "sqrt",
+    ca.OP_CEIL: "ceil",
     ca.OP_LOG: "log",
     ca.OP_SIN: "sin",
     ca.OP_COS: "cos",

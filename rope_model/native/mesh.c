@@ -7,10 +7,8 @@
 #include "messages.h"
 
 static const double HALF = 0.5, QUARTER = 0.25;
-static const double DUE = 0.6;
-enum { GRADING = 2, RATIO = 4, LENGTHS = 11 };
+enum { GRADING = 2, LENGTHS = 11 };
 static const int LEG_LENGTHS[LENGTHS] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
-static const double NEAREST = 0.12;
 
 /* elements of IV in units of l: half of their neighbours */
 static double fine_share(int with_ii, int with_iii) {
@@ -27,11 +25,6 @@ static double inner_of(const Mesh *mesh) {
     return inner_length(n[0], n[1], n[2], n[3], n[4]);
 }
 
-/* elements of segment IV */
-static double fit_fine_count(const FittedLengths *of, double coarse) {
-    return RATIO * ceil(covered_length(of->radius, of->fade, coarse) / coarse);
-}
-
 static int as_int(double x) {
     return x < INT_MAX ? (int)x : INT_MAX;
 }
@@ -42,31 +35,20 @@ double mesh_fine_length(const Pattern *pattern, const double *lengths) {
 }
 
 Mesh mesh_fit(const Scene *scene) {
-    const Mesh *mesh = &scene->mesh;
-    const double length = scene->rope.length;
-    Mesh fitted = *mesh;
-    if (mesh->kind != AUTO_MESH) return fitted;
-    double asked = mesh->loop_error > 0 ? mesh->loop_error : MESH_SHARE * scene->accuracy.loop;
-    FittedLengths of = fit_lengths(scene, asked, log10(FADE_ERROR / asked));
-    double coarse = RATIO * of.fine;
-
-    /* the loop comes near an end: segment IV must be able to follow */
-    double inner = inner_length(2, 0, fit_fine_count(&of, coarse), 0, 2);
-    coarse = fmin(coarse, 2 * NEAREST * length / inner);
-    double count = fit_fine_count(&of, coarse);
-    if (coarse * (0.5 * inner_length(2, 0, count, 0, 2) - DUE) > NEAREST * length) {
-        fitted.kind = EEM;
-        fitted.elements = as_int(fmax(ceil(length / of.fine), 8));
-        return fitted;
+    Mesh fitted = scene->mesh;
+    if (fitted.kind != AUTO_MESH) return fitted;
+    const double asked = fitted.loop_error > 0 ? fitted.loop_error : MESH_SHARE * scene->accuracy.loop;
+    const FittedMesh of = fit_elements(scene, asked, log10(FADE_ERROR / asked));
+    fitted.kind = of.equal > 0 ? EEM : TMN;
+    if (fitted.kind == EEM)
+        fitted.elements = as_int(of.equal);
+    else {
+        const int counts[] = {2, 0, as_int(of.fine), 0, 2};
+        memcpy(fitted.counts, counts, sizeof counts);
+        fitted.coarse_length = of.coarse;
+        fitted.end_levels = (int)of.end_levels;
+        fitted.grading_length = of.grading;
     }
-    double levels = fmax(ceil(log2(coarse / of.end)), 0);
-    fitted.kind = TMN;
-    fitted.coarse_length = coarse;
-    fitted.counts[0] = fitted.counts[4] = 2;
-    fitted.counts[1] = fitted.counts[3] = 0;
-    fitted.counts[2] = as_int(count);
-    fitted.end_levels = (int)fmin(levels, 8);
-    fitted.grading_length = of.grading;
     return fitted;
 }
 

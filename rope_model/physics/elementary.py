@@ -19,6 +19,11 @@ def sqrt(x: Any) -> Any:
     return _library(x).sqrt(x)
 
 
+def ceil(x: Any) -> Any:
+    """The whole number that is not below ``x``."""
+    return float(math.ceil(x)) if isinstance(x, float | int) else _library(x).ceil(x)
+
+
 def log(x: Any) -> Any:
     """Natural logarithm."""
     return _library(x).log(x)

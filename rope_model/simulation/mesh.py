@@ -24,46 +24,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..parameters import MOST_ELEMENTS, Mesh, Scene
-from ..physics.accuracy import length_for
-from ..physics.elementary import larger, smaller, sqrt
-from ..physics.estimates import bending_length
 from . import messages
+from .mesh_fit import DUE, FADE_ERROR, MESH_SHARE, fit_elements
 from .rope_system import Array, arc_lengths
 
-#: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
-#: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro
-DUE = 0.6
 #: a step does not carry the loop further than this many l past that: what 20 ms at 20 m/s do where l = 1.6 m
 LATEST = 0.25
 #: in units of l, an element of I or VII has one of these lengths where its distance from its end of the rope is a
 #: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
 #: nearer to segments II to VI than GRADING (m - 1) l
 LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
-#: of the accuracy asked of the loop's place, what the mesh may take
-MESH_SHARE = 0.5
-# What follows is for 'auto'; `make mesh-rule` measures what it rests on and writes docs/mesh_rule.md.
-#: grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
-#: LEG_WAVES / length: an emergency stop errs two to three times as much by the legs as by steps of 10 ms; nor more than
-#: LEG_SWAY (EI / rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are
-#: 2 pi sqrt(w y) long, and elements sqrt(grading_length y)
-LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
-#: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
-NATURAL_RADIUS = 0.912
-#: of loop_error, what the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips aside,
-#: are not used
-LOCKING_SHARE, LONGEST = 0.6, 0.75
-#: what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much
-#: more for a tenth of it
-FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.43
-#: how near an end the loop may hang, in rope lengths: ends that part by 3/4 of the rope's length
-NEAREST = 0.12
-#: end elements in units of the bending layer there, for an error of END_ERROR R; shorter by the fifth root of the error
-END_LENGTH, END_ERROR = 2.9, 0.033
 
 
 @dataclass(frozen=True)
@@ -107,70 +81,22 @@ def inner_length(counts: tuple[int, ...]) -> float:
     return float(np.dot(counts, relative_lengths(counts)))
 
 
-class FittedLengths(NamedTuple):
-    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements.
-
-    ``grading``: square of the legs' elements over their distance from the loop.
-    """
-
-    radius: float
-    fine: float
-    fade: float
-    end: float
-    grading: float
-
-
-def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
-    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR, see fit_mesh."""
-    rope, w = scene.rope, bending_length(scene)
-    radius = smaller(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
-    shorter = (loop_error / (END_ERROR * radius)) ** 0.2
-    fine = smaller(length_for(scene, LOCKING_SHARE * loop_error), LONGEST * radius)
-    fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
-    layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
-    grading = smaller(smaller(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
-    return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter, grading)
-
-
-def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
-    """Length of segment IV: bend, what fades out above it, and the way to the next transformation; m."""
-    return math.pi * radius + 2 * fade + 2 * DUE * coarse
-
-
 def fit_mesh(scene: Scene) -> Mesh:
-    """The scene's mesh as it is, or in place of 'auto' one from the rope's own lengths.
-
-    R is half the spacing, or the free loop's radius if that is less, from w = (EI / rho g)^(1/3).  The elements
-    there are as long as the error of its place at rest allows, which grows with the second power of their length while
-    they lock, with the sixth when they are short (physics.accuracy); docs/mesh_rule.md tells which errors are kept.
-    Segment IV covers the bend, what fades out above it, and the way to the next transformation.  The elements next to
-    the clamped ends resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal
-    elements.
-    """
-    mesh, length = scene.mesh, scene.rope.length
+    """The scene's mesh as it is, or in place of 'auto' one from the rope's own lengths: see mesh_fit."""
+    mesh = scene.mesh
     if mesh.kind != "auto":
         return mesh
     loop_error = mesh.loop_error or MESH_SHARE * scene.accuracy.loop
-    R, fine, fade, end, grading = fit_lengths(scene, loop_error, math.log10(FADE_ERROR / loop_error))
-    ratio = 4  # of l to the elements of IV: five segments
-    coarse = ratio * fine
-
-    def pattern(coarse: float) -> tuple[int, int, int, int, int]:
-        return (2, 0, ratio * math.ceil(covered_length(R, fade, coarse) / coarse), 0, 2)
-
-    # the loop comes near an end: segment IV must be able to follow
-    coarse = min(coarse, 2 * NEAREST * length / inner_length(pattern(coarse)))
-    counts = pattern(coarse)
-    if coarse * (0.5 * inner_length(counts) - DUE) > NEAREST * length:
-        return replace(mesh, kind="eem", elements=max(math.ceil(length / fine), 8))
-    levels = max(math.ceil(math.log2(coarse / end)), 0)
+    fitted = fit_elements(scene, loop_error, math.log10(FADE_ERROR / loop_error))
+    if fitted.equal:
+        return replace(mesh, kind="eem", elements=int(fitted.equal))
     return replace(
         mesh,
         kind="tmn",
-        coarse_length=coarse,
-        counts=counts,
-        end_levels=min(levels, 8),
-        grading_length=grading,
+        coarse_length=fitted.coarse,
+        counts=(2, 0, int(fitted.fine), 0, 2),
+        end_levels=int(fitted.end_levels),
+        grading_length=fitted.grading,
     )
 
 

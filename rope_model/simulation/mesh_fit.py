@@ -1,0 +1,109 @@
+"""The mesh that suits a rope, which mesh.kind = auto takes: formulas for both forms.
+
+R is half the spacing, or the free loop's radius if that is less, from w = (EI / rho g)^(1/3).  The elements there are
+as long as the error of its place at rest allows, which grows with the second power of their length while they lock,
+with the sixth when they are short (physics.accuracy); docs/mesh_rule.md tells which errors are kept.  Segment IV covers
+the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped ends
+resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.
+
+`make mesh-rule` measures what the constants rest on and writes docs/mesh_rule.md.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from ..physics.accuracy import length_for
+from ..physics.elementary import ceil, larger, less, smaller, sqrt, where
+from ..physics.estimates import bending_length
+
+#: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
+#: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro
+DUE = 0.6
+#: of l to the elements of IV: five segments
+RATIO = 4.0
+#: of end_levels
+MOST_LEVELS = 8
+#: of the accuracy asked of the loop's place, what the mesh may take
+MESH_SHARE = 0.5
+#: grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
+#: LEG_WAVES / length: an emergency stop errs two to three times as much by the legs as by steps of 10 ms; nor more than
+#: LEG_SWAY (EI / rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are
+#: 2 pi sqrt(w y) long, and elements sqrt(grading_length y)
+LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
+#: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
+NATURAL_RADIUS = 0.912
+#: of loop_error, what the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips aside,
+#: are not used
+LOCKING_SHARE, LONGEST = 0.6, 0.75
+#: what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much
+#: more for a tenth of it
+FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.43
+#: how near an end the loop may hang, in rope lengths: ends that part by 3/4 of the rope's length
+NEAREST = 0.12
+#: end elements in units of the bending layer there, for an error of END_ERROR R; shorter by the fifth root of the error
+END_LENGTH, END_ERROR = 2.9, 0.033
+
+
+class FittedLengths(NamedTuple):
+    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements.
+
+    ``grading``: square of the legs' elements over their distance from the loop.
+    """
+
+    radius: float
+    fine: float
+    fade: float
+    end: float
+    grading: float
+
+
+def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
+    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    rope, w = scene.rope, bending_length(scene)
+    radius = smaller(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
+    shorter = (loop_error / (END_ERROR * radius)) ** 0.2
+    fine = smaller(length_for(scene, LOCKING_SHARE * loop_error), LONGEST * radius)
+    fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
+    layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
+    grading = smaller(smaller(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
+    return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter, grading)
+
+
+def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
+    """Length of segment IV: bend, what fades out above it, and the way to the next transformation; m."""
+    return math.pi * radius + 2 * fade + 2 * DUE * coarse
+
+
+class FittedMesh(NamedTuple):
+    """Parameters of the mesh: equal elements, 0 for none, or else l (m), elements of IV, end_levels, grading_length."""
+
+    equal: float
+    coarse: float
+    fine: float
+    end_levels: float
+    grading: float
+
+
+def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
+    """The mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    length, of = scene.rope.length, fit_lengths(scene, loop_error, decades)
+    # the loop comes near an end: segment IV must be able to follow
+    coarse = RATIO * of.fine
+    coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(of, coarse)))
+    fine = _fine_count(of, coarse)
+    short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
+    equal = where(short, larger(ceil(length / of.fine), 8.0), 0.0)
+    end_levels = sum((less(of.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(of.end, coarse))
+    return FittedMesh(equal, coarse, fine, end_levels, of.grading)
+
+
+def _fine_count(of: FittedLengths, coarse: Any) -> Any:
+    """Elements of segment IV."""
+    return RATIO * ceil(covered_length(of.radius, of.fade, coarse) / coarse)
+
+
+def _inner_length(fine: Any) -> Any:
+    """Length of the segments II to VI in units of l, of which II and VI have two elements, III and V none."""
+    return fine / RATIO + 2.0
