@@ -32,7 +32,7 @@ trip to trip. After every trip the state is kept: start the same command again t
 
 _EPILOG = """\
 examples:
-  balance-rope duty docs/studies/duty.toml
+  balance-rope duty docs/duties/day.toml
   balance-rope duty SCHEDULE.toml --check       read and check the file, wind nothing
   balance-rope duty SCHEDULE.toml --repeat 3    wind the trips of the file three times
 

@@ -85,7 +85,7 @@ class Winding:
 
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
-    """Reject a trip longer than the shaft, and an emergency stop with a brake that is not there or too weak."""
+    """Reject a trip longer than the shaft, and a law of emergency stops for a brake that is not there or too weak."""
     require(
         winding.travel,
         abs(winding.travel) <= hoist.shaft_travel,
@@ -93,7 +93,7 @@ def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
         f"within +- shaft_travel = {hoist.shaft_travel:g} m",
         "shorten the trip",
     )
-    if winding.emergency_at is None or winding.emergency_law == "drive":
+    if winding.emergency_law == "drive":
         return
     if hoist.brake is None:
         raise ValueError(

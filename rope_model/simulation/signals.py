@@ -93,7 +93,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("dissipated_contact", "energy dissipated by damping and friction of contact since the start"),
         ("given_to_air", "energy given to the air since the start; negative where it blows and drives the rope"),
         ("nonconservative", "energy taken up by the difference of Qb and Qc since the start"),
-        ("transformations", "energy change of all mesh transformations since the start"),
+        ("transformations", "energy change of all mesh transformations and rises of the fidelity since the start"),
         ("residual", "residual of the energy balance: numerical dissipation is negative"),
     ):
         yield f"energy.{name}", Signal("J", what)
