@@ -68,16 +68,12 @@ def where(condition: Any, x: Any, y: Any) -> Any:
 
 def both(*conditions: Any) -> Any:
     """Whether all of the conditions hold; all are computed."""
-    if any(isinstance(condition, ca.SX) for condition in conditions):
-        return reduce(ca.logic_and, map(ca.SX, conditions))
-    return all(conditions)
+    return reduce(ca.logic_and, map(ca.SX, conditions)) if _symbolic(conditions) else all(conditions)
 
 
 def either(*conditions: Any) -> Any:
     """Whether one of the conditions holds; all are computed."""
-    if any(isinstance(condition, ca.SX) for condition in conditions):
-        return reduce(ca.logic_or, map(ca.SX, conditions))
-    return any(conditions)
+    return reduce(ca.logic_or, map(ca.SX, conditions)) if _symbolic(conditions) else any(conditions)
 
 
 def less(x: Any, y: Any) -> Any:
@@ -98,6 +94,10 @@ def dot(a: Any, b: Any) -> Any:
 def cross(a: Any, b: Any) -> tuple[Any, Any, Any]:
     """Vector product of vectors; their three components come first."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _symbolic(conditions: tuple[Any, ...]) -> bool:
+    return ca.SX in map(type, conditions)
 
 
 def _library(x: Any) -> Any:

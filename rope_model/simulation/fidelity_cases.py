@@ -55,7 +55,8 @@ def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
 def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> Any:
     """Number of the first input that is not zero, of the kinds that count; 0: none.  All are counted from 1 on."""
     first: Any = 0.0
-    for counts, names in ((along, ALONG), (across, OUT_OF_PLANE), (turned, TURNED)):
+    kinds = (along, ALONG), (across, OUT_OF_PLANE), (turned, TURNED)
+    for counts, names in ((counts, names) for counts, names in kinds if counts is not False):
         for before, end in ((len(INPUTS), right), (0, left)):
             for name in reversed(names):
                 number = float(1 + before + INPUTS.index(name))
