@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from rope_model import Air, EndMotion, balance_rope, rope_120
 
-TRAVEL, DURATION, END, H = 90.0, 20.0, 200.0, 0.02  # m, s
+TRAVEL, DURATION, END, H = 90.0, 20.0, 140.0, 0.02  # m, s
 
 
 def ends(t: float) -> tuple[EndMotion, EndMotion]:

@@ -87,6 +87,7 @@ def out_of_plane_difference(elements: int, inertia: float) -> float:
     return float(max(differences))
 
 
+@pytest.mark.slow
 def test_spatial_differs_from_torsional_by_the_inertia_of_the_spin() -> None:
     # the loop yaws by 0.2 m / 2 m and leaves the rope's spin behind: a torque of the inertia times the yaw's
     # acceleration (5.8 / 3^2 s^-2 at most), which displaces the loop by 4 M ln(L / 2W) / (rho g W^2) W / 2, twice

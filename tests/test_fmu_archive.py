@@ -318,7 +318,7 @@ def test_sources_are_complete(fmu: Archive) -> None:
 
 
 @pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed")
-@pytest.mark.parametrize("platform", ["x86_64-windows", "aarch64-darwin"])
+@pytest.mark.parametrize("platform", ["x86_64-windows", pytest.param("aarch64-darwin", marks=pytest.mark.slow)])
 def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path: Path) -> None:
     """Not linked: what that takes is built anew for each platform, and the slow tests do it."""
     if fmu.everywhere or fmu.kind not in ("native-3", "drive-2"):

@@ -152,7 +152,7 @@ def test_a_level_is_named_where_mesh_and_fidelity_are_its_own(scene: Scene, leve
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
-@pytest.mark.parametrize("fmi", ["2", "3"])
+@pytest.mark.parametrize("fmi", [pytest.param("2", marks=pytest.mark.slow), "3"])
 def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, tmp_path: Path) -> None:
     export, demo = ([sys.executable, "-m", "balance_rope", name] for name in ("export", "demo"))
     fmu, out = tmp_path / "mine.fmu", tmp_path / "out"

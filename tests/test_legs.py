@@ -23,12 +23,13 @@ def rms(x: NDArray[np.float64]) -> float:
 
 
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
-def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err() -> None:
+@pytest.mark.parametrize("travel", [100.0, pytest.param(400.0, marks=pytest.mark.slow)])
+def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err(travel: float) -> None:
     scene = scene_of("monopol-1000", "uncoupled")
     asked = 5e-3
     auto = fit_mesh(scene.with_(mesh=Mesh("auto", loop_error=asked)))
     assert auto.grading_length > 0
-    trip = Winding(travel=400.0, speed=8.0)
+    trip = Winding(travel=travel, speed=8.0)
     places = []
     for mesh in (auto, replace(auto, grading_length=0.0)):
         run = wind(scene.with_(mesh=mesh), s_curve(trip), trip.travel, settle=0.0, sample=25)

@@ -35,7 +35,7 @@ def at_rest(form: Form, twist: float) -> BalanceRope:
     return rope
 
 
-@pytest.mark.parametrize("twist", [5.0, 7.0])
+@pytest.mark.parametrize("twist", [5.0, pytest.param(7.0, marks=pytest.mark.slow)])
 def test_the_rest_of_a_twisted_rope_is_stable_and_does_not_depend_on_the_step(
     twist: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -39,6 +39,7 @@ def test_an_overwound_loop_comes_within_4_m_of_the_end() -> None:
     assert -run["right.fy"][-1] < 5.0 * 8.0 * 9.81
 
 
+@pytest.mark.slow
 def test_a_rope_braked_harder_than_gravity_goes_slack() -> None:
     run = recorded("slack-rope")
     assert np.min(run["conveyance.left.ay"]) < -9.81
@@ -47,6 +48,7 @@ def test_a_rope_braked_harder_than_gravity_goes_slack() -> None:
     assert np.max(-run["left.fy"]) > 3.0 * hanging  # the jerk when it falls back
 
 
+@pytest.mark.slow
 def test_a_seized_swivel_holds_the_torque_that_a_healthy_one_lets_go() -> None:
     seized = recorded("seized-swivel")
     assert np.max(np.abs(np.diff(seized["left.swivel.angle"]))) == 0.0

@@ -94,6 +94,7 @@ def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
     assert_allclose(found[:STEPS], expected, rtol=0.0, atol=0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
 def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path: Path) -> None:
     """Payload on one side, two balance ropes, shaft, head rope modes, guides and their play."""
