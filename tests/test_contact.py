@@ -271,7 +271,9 @@ def test_bodies_that_do_not_hold_the_rope_are_passed() -> None:
     assert rope.signals(["loop.y"])["loop.y"] < -4.3
 
 
-@pytest.mark.parametrize("case", [pytest.param(c, marks=[pytest.mark.slow] if "divider" in c else []) for c in CASES])
+@pytest.mark.parametrize(
+    "case", [pytest.param(c, marks=[pytest.mark.slow] if "divider" in c or "every kind" in c else []) for c in CASES]
+)
 def test_exact_case(case: str) -> None:
     for measurement in CASES[case]():
         assert measurement.holds, measurement

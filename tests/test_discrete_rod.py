@@ -165,6 +165,7 @@ def test_the_rope_vibrates_in_and_out_of_plane_as_the_discrete_rod_does() -> Non
     assert len(judge(on(UNCOUPLED, (300, 600), (100, 200)))) == 8
 
 
+@pytest.mark.slow
 def test_the_rope_is_wound_like_the_discrete_rod() -> None:
     times = np.linspace(0.0, 3.0, 31)
     case = Case(

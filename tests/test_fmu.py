@@ -125,6 +125,7 @@ def test_instances_are_independent_and_so_are_two_fmus(fmu: Path, tmp_path: Path
     assert_allclose(result["weights"][1], -8.0 * 9.81 * 240.0, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_communication_step_and_reading_of_the_inputs_change_little(fmu: Path) -> None:
     forces = drive("communication_steps", fmu)
     reference = forces["5 True"]

@@ -295,7 +295,7 @@ def error(found: np.ndarray, exact: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("host", [name for name in FLAVOURS if name == "native-2"], indirect=True)
-@pytest.mark.parametrize("at_end", [False, True])
+@pytest.mark.parametrize("at_end", [False, pytest.param(True, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("t0", "sequences"), [(8.0, 20), *(pytest.param(0.0, n, marks=pytest.mark.slow) for n in (20, 500))]
 )
