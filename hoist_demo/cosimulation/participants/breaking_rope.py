@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.cosimulation.participants.partners import ENDS
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
 from hoist_demo.parameters import GRAVITY
 
-ENDS = ("left", "right")
 _NOTHING = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fz", "mx", "my", "mz"))
 
 

@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.cosimulation.participants.partners import ENDS
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
 from hoist_demo.parameters import Hoist
 
-ENDS = ("left", "right")
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
 _PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))
 """What is added up as it is."""
