@@ -27,7 +27,7 @@ from rope_model import (
 
 ROPE = Rope(length=690.0, mass_per_length=8.2, EI=450.0)
 LAYOUT = Layout(1.8)
-TRIP = Winding(travel=650.0, speed=12.0, acceleration=1.0, jerk=1.0, start_delay=0.0, emergency_deceleration=2.0)
+TRIP = Winding(travel=650.0, speed=12.0, acceleration=1.0, jerk=1.0, start_delay=0.0)
 #: s
 TRIP_TIME = s_curve(TRIP).duration
 SHAFT = Shaft(

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import ends_at
-from hoist_demo.control.trajectory import Trajectory, s_curve
-from hoist_demo.parameters import Winding
+from hoist_demo.control.trajectory import s_curve
 from rope_model import BalanceRope, balance_rope
 
-from .scenes import TRIP, TRIP_TIME, Variant
+from .scenes import TRIP, Variant
 
 #: s: recorded, communication step, and what a force is averaged over
 END, INTERVAL, MEAN = 110.0, 0.01, 0.1
@@ -22,7 +21,7 @@ EVERY = 10
 BEYOND = ("lining", "conveyance", "head_ropes", "divider")
 COLUMNS = (
     *("variant", "elements", "guard at [s]", "turns at rest", "turned by [turns]", "yawed by [rad]", "crossings"),
-    *(f"{kind}, {what}" for kind in BEYOND for what in ("first at [s]", "at height [m]", "largest [N]", "mean [N]")),
+    *(f"{kind}, {what}" for kind in BEYOND for what in ("first at [s]", "largest [N]", "mean [N]")),
     *("nearest lining [m]", "nearest conveyance [m]", "nearest head_ropes [m]", "residual / work"),
 )
 COURSE = ("variant", "time [s]", "turns", "yaw [rad]", *(f"{kind}, mean [N]" for kind in BEYOND))
@@ -38,44 +37,29 @@ class Trip:
 
 
 def wind(variant: Variant) -> Trip:
-    """The trip; where a guard trips before its end, that with an emergency stop from there on."""
-    found, rope = _wind(variant, TRIP)
-    at = rope.signals(("guard.time", "guard.tripped"))
-    if at["guard.tripped"] and at["guard.time"] < TRIP_TIME:
-        found, rope = _wind(variant, replace(TRIP, emergency_at=at["guard.time"]))
-    rows = np.array(found)
-    course = rows.reshape(-1, EVERY, rows.shape[1]).mean(axis=1)
-    return Trip(
-        _row(variant, rope, rows, at["guard.time"] if at["guard.tripped"] else np.nan),
-        [(variant.name, *row) for row in course.tolist()],
-    )
-
-
-def _wind(variant: Variant, winding: Winding) -> tuple[list[NDArray[np.float64]], BalanceRope]:
-    trip, rope = s_curve(winding), balance_rope(variant.scene)
-    status = rope.initialize(0.0, *_ends(trip, 0.0))
-    read, rows = rope.reader(_SIGNALS), []
+    """The trip, the hoist taking no notice of a guard: that of the page trips when it stands already."""
+    trip, rope = s_curve(TRIP), balance_rope(variant.scene)
+    status = rope.initialize(0.0, *ends_at(trip, TRIP.travel, 0.0))
+    read, found = rope.reader(_SIGNALS), []
     for k in range(1, round(END / INTERVAL) + 1):
         if not status.valid:
             raise RuntimeError(f"{variant.name}: {status.message}")
-        status = rope.advance_to(k * INTERVAL, *_ends(trip, k * INTERVAL))
-        rows.append(np.append(k * INTERVAL, read()))
-    return rows, rope
+        status = rope.advance_to(k * INTERVAL, *ends_at(trip, TRIP.travel, k * INTERVAL))
+        found.append(np.append(k * INTERVAL, read()))
+    rows = np.array(found)
+    course = rows.reshape(-1, EVERY, rows.shape[1]).mean(axis=1)
+    return Trip(_row(variant, rope, rows), [(variant.name, *row) for row in course.tolist()])
 
 
-def _ends(trip: Trajectory, t: float) -> Any:
-    return ends_at(trip, TRIP.travel, t)
-
-
-def _row(variant: Variant, rope: BalanceRope, rows: NDArray[np.float64], tripped: float) -> tuple[Any, ...]:
+def _row(variant: Variant, rope: BalanceRope, rows: NDArray[np.float64]) -> tuple[Any, ...]:
     signals, window = rope.signals(), np.full(round(MEAN / INTERVAL), INTERVAL / MEAN)
     blows: list[float] = []
     for k, kind in enumerate(BEYOND):
         force = rows[:, 3 + k]
         first = rows[np.argmax(force > 0), 0] if force.any() else np.nan
         touched = signals[f"nearest.{kind}.touched_at"] if force.any() else np.nan
-        blows += [touched or first, signals[f"nearest.{kind}.y"] if force.any() else np.nan]
-        blows += [force.max(), np.convolve(force, window, "valid").max()]
+        blows += [touched or first, force.max(), np.convolve(force, window, "valid").max()]
+    tripped = signals["guard.time"] if signals["guard.tripped"] else np.nan
     return (
         *(variant.name, rope.elements, tripped, abs(rows[0, 1]), np.abs(rows[:, 1]).max(), np.abs(rows[:, 2]).max()),
         signals["loop.crossings"],

@@ -199,7 +199,7 @@ class Host:
         units = self.rope.units()
         names = [name for name in self.rope.signals() if name not in DRIVE_UNITS]
         self._read_signals, self._read_sides = self.rope.reader(names), self.rope.reader(SIDE_FORCES)
-        self._guard = [names.index(name) for name in _GUARD if name in names]
+        self._guard = tuple(names.index(name) for name in _GUARD if name in names)
         return Recorder([*DRIVE_UNITS, *names], units | DRIVE_UNITS)
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
@@ -233,10 +233,9 @@ class Host:
 
     def _heeding(self, course: Course, signals: Array) -> Course:
         """The course after what the guards of the rope's loop tell: an emergency stop from their first sample on."""
-        tripped, time = signals[self._guard] if self._guard else (0.0, 0.0)
-        if not tripped > 0.0:
+        if not self._guard or not signals[self._guard[0]] > 0.0:
             return course
-        start, T = self.coupling.start, self.coupling.sample_time
+        start, T, time = self.coupling.start, self.coupling.sample_time, signals[self._guard[1]]
         return course.stopped(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
 
     @property
