@@ -47,7 +47,8 @@ _ALONG = """\
 holds the waves and the damping too; in a loop wider than its suspension it can be negative. `shape.bending` and
 `shape.torsion` are those of the elements (bending as root mean square along each), linear between their middles; the
 bend at a clamped end is sharper than that. Models without torsion have no torsional stress; the rigid model has the
-tension of its closed form, and the bending of its half circle.
+tension of its closed form, and the bending of its half circle. The points of `shape` move along the rope with its loop;
+`station` is at places that stay in it, as wear and fatigue do: `station.first` and `station.last` choose the part.
 """
 _ADDED_MASS = """\
 `added_mass` is for hosts that want to step heavy coupling implicitly: how much the end's pull grows with an upward
@@ -207,7 +208,7 @@ def _to_html(text: str) -> str:
 
 def _rows(table: Iterable[Variable]) -> Iterator[tuple[str, str, str, str]]:
     for v in table:
-        if match := re.fullmatch(r"(shape\.\w+)\[(\d+)\]", v.name):
+        if match := re.fullmatch(r"((?:shape|station)\.\w+)\[(\d+)\]", v.name):
             if match[2] == "1":
                 yield f"`{match[1]}[1]` ... `[81]`", v.unit, "", DESCRIPTIONS[match[1]]
             continue

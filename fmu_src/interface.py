@@ -23,6 +23,7 @@ from rope_model.parameters import (
     RopeCase,
     Scene,
     Solver,
+    Stations,
     Swivel,
 )
 from rope_model.shaft_parameters import PARTS, Shaft
@@ -46,10 +47,19 @@ _GROUPS: dict[str, type[Any]] = {
     "accuracy": Accuracy,
     "solver": Solver,
     "model": Model,
+    "station": Stations,
     **PARTS,
 }
 #: outputs that are never negative
-_NOT_NEGATIVE = ("count.", "stress.", "shape.bending", "shape.torsion", "energy.kinetic")
+_NOT_NEGATIVE = (
+    "count.",
+    "stress.",
+    "shape.s",
+    "shape.bending",
+    "shape.torsion",
+    "station.curvature",
+    "energy.kinetic",
+)
 #: names of the inputs of each side in the order of EndMotion
 MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
 

@@ -20,7 +20,8 @@ GROUPS = {
     "stress": "largest nominal stresses; twist at the ends and in the loop",
     "energy": "energies, works and the energy balance",
     "count": "time steps, iterations, transformations, swivel events",
-    "shape": "points along the rope, with tension and stresses there: 486 numbers",
+    "shape": "points along the rope, with tension and stresses there: 567 numbers",
+    "station": "tension, curvature and torque at places that stay in the rope: 243 numbers",
     "clearance": "distances of the rope from the bodies in its shaft",
     "nearest": "the smallest of these so far, when and where",
     "guard": "whether a guard of the loop has tripped, which one and when",
@@ -29,7 +30,7 @@ GROUPS = {
 #: groups that every FMU describes
 ALWAYS = ("ends", "status")
 #: what an FMU describes unless told otherwise
-DEFAULT = tuple(group for group in GROUPS if group != "shape")
+DEFAULT = tuple(group for group in GROUPS if group not in ("shape", "station"))
 ALL = tuple(GROUPS)
 
 

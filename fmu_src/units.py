@@ -41,6 +41,7 @@ _UNITS: dict[str, tuple[dict[str, int], dict[str, float]]] = {
     "Pa": ({"kg": 1, "m": -1, "s": -2}, {"MPa": 1e-6}),
     "J": ({"kg": 1, "m": 2, "s": -2}, {"kJ": 1e-3}),
     "1/s": ({"s": -1}, {}),
+    "1/m": ({"m": -1}, {}),
     "N.s/m": ({"kg": 1, "s": -1}, {}),
 }
 #: unit -> declared type; the names are those of the Modelica Standard Library where it has them
@@ -66,6 +67,7 @@ QUANTITIES: dict[str, Quantity] = {
     "Pa": Quantity("Stress", 1e8, "MPa"),
     "J": Quantity("Energy", 1e6, "kJ"),
     "1/s": Quantity("PositionGain", 1.0),
+    "1/m": Quantity("Curvature", 1.0),
     "N.s/m": Quantity("SpeedGain", 1e5),
 }
 

@@ -409,6 +409,27 @@ class Model:
         require_in_bounds(self)
 
 
+_WHERE = "0 is the rope's left end, 1 its right end"
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Where the outputs station.* look at the rope: at places that stay in it while it flows through the loop."""
+
+    first: float = parameter(
+        0.0,
+        "1",
+        "place of the first station, as a share of the rope's length from its left end",
+        lower=0.0,
+        upper="last",
+        cure=_WHERE,
+    )
+    last: float = parameter(1.0, "1", "place of the last station, likewise", lower=0.0, upper=1.0, cure=_WHERE)
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
 @dataclass(frozen=True)
 class Scene:
     """Everything that does not change during a run."""
@@ -421,6 +442,7 @@ class Scene:
     accuracy: Accuracy = field(default_factory=Accuracy)
     solver: Solver = field(default_factory=Solver)
     model: Model = field(default_factory=Model)
+    station: Stations = field(default_factory=Stations)
     shaft: Shaft = field(default_factory=Shaft)
 
     def with_(self, **parts: Any) -> Scene:

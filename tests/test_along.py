@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from benchmarks.kinematic import fixed_steps
 from evidence.choice.scenes import smooth_step
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Stations
 from rope_model.physics.estimates import loop_width, natural_width
 from rope_model.simulation.diagnostics import interpolate_midpoints, shape, shape_places
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity
@@ -146,8 +146,44 @@ def test_points_show_a_round_loop_however_deep_it_hangs(length: float) -> None:
     assert_allclose(np.sum(corners), math.pi, atol=0.1)
 
 
+def station(rope: RopeSimulator, name: str) -> np.ndarray:
+    """``station.tension`` and its like from the first to the last."""
+    return np.array([*rope.signals(f"station.{name}[{i + 1}]" for i in range(SHAPE_POINTS)).values()])
+
+
+def test_stations_stay_in_the_rope_while_the_points_of_its_shape_move() -> None:
+    before, after = move(SHORT, 0), move(SHORT, 400)
+    s = np.array([*after.signals(f"shape.s[{i + 1}]" for i in range(SHAPE_POINTS)).values()])
+    assert_allclose(s, places(after), rtol=1e-12)
+    assert abs(s[BOTTOM] - places(before)[BOTTOM]) > 3.0
+    # tension is smooth along the rope: stations .4 m apart show that of the points within its change on half of that
+    at_stations = np.interp(s, np.linspace(0.0, SHORT.rope.length, SHAPE_POINTS), station(after, "tension"))
+    assert_allclose(at_stations, along(after, "tension"), atol=0.5 * 0.375 * 9.81 * SHORT.rope.mass_per_length)
+
+
+def test_stations_show_the_ends_forces_and_torque_at_rest() -> None:
+    hung = move(SHORT, 0)
+    ends = hung.signals()
+    assert_allclose(station(hung, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], atol=1e-3)
+    # the torque is what the elements' strains say; the swivel's is the reaction to theta
+    assert_allclose(station(hung, "torque"), ends["right.swivel.torque"], rtol=1e-3)
+
+
+def test_stations_of_a_part_are_those_of_the_whole_there() -> None:
+    whole = move(SHORT, 130)
+    part = move(SHORT.with_(station=Stations(first=0.25, last=0.75)), 130)
+    for name in ("tension", "curvature", "torque"):
+        assert_allclose(station(part, name)[::2], station(whole, name)[20:61], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("first", "last"), [(-0.1, 1.0), (0.6, 0.5), (0.0, 1.1)])
+def test_stations_beyond_the_rope_are_refused(first: float, last: float) -> None:
+    with pytest.raises(ValueError, match="0 is the rope's left end, 1 its right end"):
+        Stations(first=first, last=last)
+
+
 def test_all_values_along_the_rope_are_finite_on_every_fidelity() -> None:
-    names = [name for name in SIGNALS if name.startswith("shape.")]
+    names = [name for name in SIGNALS if name.startswith(("shape.", "station."))]
     for fidelity in FIDELITIES:
         values = move(UNCOUPLED, 100, fidelity).signals()
         assert all(math.isfinite(values[name]) for name in names)

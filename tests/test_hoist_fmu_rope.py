@@ -199,5 +199,5 @@ def test_the_command_writes_its_files_and_says_how_it_went(fmu: Path, tmp_path: 
     names = {path.name for path in tmp_path.iterdir()}
     assert {"signals.csv", "report.md", "report.html", "tracking.png", "forces.png"} <= names
     # this FMU has forces and no shape
-    assert "exported without the outputs shape.*, loop.*" in done.stderr
+    assert "exported without the outputs shape.*, station.*, loop.*" in done.stderr
     assert "shapes.csv" not in names

@@ -168,6 +168,7 @@ HOMES = {
         "hoist_demo.cosimulation.participants.fmu_parameters",
     },
     "matplotlib": {"hoist_demo.report.figures"},
+    "rainflow": {"hoist_demo.recording.exposure"},
     "tqdm": {"hoist_demo.cosimulation.progress", "hoist_demo.command_line.study"},
     "dask": {"hoist_demo.study.cluster"},
     "pandas": {"hoist_demo.report.html.study", "hoist_demo.study.store"},

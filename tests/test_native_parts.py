@@ -56,9 +56,11 @@ from rope_model.simulation.signals import (
     energy_signals,
     error_signals,
     group_of,
+    guard_signals,
     loop_signals,
     nearest_signals,
     shape_signals,
+    station_signals,
     stress_signals,
 )
 from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest, RopeState
@@ -97,6 +99,8 @@ GROUPS_OF_SIGNALS = (
     clearance_signals,
     nearest_signals,
     contact_signals,
+    guard_signals,
+    station_signals,
 )
 #: groups that are computed where the equations are
 ELSEWHERE = (added_mass_signals, contact_signals)
@@ -653,7 +657,7 @@ def test_signals_are_the_same(
     # points along the rope: of the largest one's size, because invented values jump from element to element
     size = {name.partition("[")[0]: rope.s[-1] for name in expected}
     for name, value in expected.items():
-        if name.startswith("shape."):
+        if name.startswith(("shape.", "station.")):
             size[name.partition("[")[0]] = max(abs(value), size[name.partition("[")[0]])
     for name, value in expected.items():
         atol = ROUNDING * size[name.partition("[")[0]]

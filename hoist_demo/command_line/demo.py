@@ -26,10 +26,20 @@ from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
+from hoist_demo.recording.exposure import exposure
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import without_absent
-from hoist_demo.recording.time_series import match_signals, shape_rows, write_csv, write_shapes
-from hoist_demo.report.summary import CAUSE, OUTCOME, WARNING, SummaryRow, render, slip_warning, summarize
+from hoist_demo.recording.time_series import Recording, match_signals, shape_rows, write_csv, write_shapes
+from hoist_demo.report.summary import (
+    CAUSE,
+    OUTCOME,
+    WARNING,
+    SummaryRow,
+    exposure_rows,
+    render,
+    slip_warning,
+    summarize,
+)
 from hoist_demo.study.catalogue import Catalogue, Value
 from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe
@@ -43,6 +53,7 @@ LAST_GOOD = "last_good.npz"
 
 _DRAWN = {
     "shape.": "3-D rope, shapes.png and stress along the rope",
+    "station.": "exposure.png",
     "loop.": "loop.png",
     "stress.": "largest stresses",
     "energy.": "energies of the rope",
@@ -59,7 +70,8 @@ _QUICK = {"travel": 10.0, "settle": 2.0}
 
 _DEMO_DESCRIPTION = """\
 Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
-PNG figures, report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
+exposure.csv (what each place in the rope went through), PNG figures, report.md, and report.html: the rope in motion
+and linked plots in one file for any browser, offline.
 The summary table is printed at the end."""
 
 _DEMO_EPILOG = """\
@@ -143,12 +155,13 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     contradiction = contradictions(hoist, data.parameters)
     for text in (contradiction, slip_warning(result.recording, hoist)):
         _tell(text)
-    rows = summarize(result, hoist, winding, coupling)
+    exposed = exposure(result.recording, data.parameters)
+    rows = summarize(result, hoist, winding, coupling) + (() if exposed is None else exposure_rows(exposed))
     rows += tuple(SummaryRow(OUTCOME, WARNING, text) for text in (missing, contradiction) if text)
     before = set(options.out.iterdir())
     with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
         title = _title(options, run, data)
-        written = _write(options, title, result, rows, run, (data, data.level(levels())), signals)
+        written = _write(options, title, result, rows, run, (data, data.level(levels())), exposed, signals)
     print(f"{title}\n")
     # warnings have been told when they arose, and the cause is told last
     print(render([row for row in rows if row.quantity not in (WARNING, CAUSE)]))
@@ -315,12 +328,13 @@ def _write(
     rows: Sequence[SummaryRow],
     run: RunData,
     rope: tuple[RopeData, str],
+    exposed: Recording | None,
     signals: Sequence[str],
 ) -> list[Path]:
     """All files of a run, report.html last; a run that stopped before its first row leaves the reports only."""
     # matplotlib loads slowly and is needed here only
     from hoist_demo.report.events import marks
-    from hoist_demo.report.figures import write_figures
+    from hoist_demo.report.figures import write_exposure_figure, write_figures
     from hoist_demo.report.html.parameter_tables import rope_tables, tables
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import write_report
@@ -331,6 +345,7 @@ def _write(
     directory.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
     pictures: list[Path] = []
+    exposures: dict[str, Path] = {}
     if result.recording.signals:
         written = [directory / "signals.csv"]
         write_csv(result.recording, written[0], signals)
@@ -338,6 +353,11 @@ def _write(
             written.append(directory / "shapes.csv")
             write_shapes(result.recording, shape_rows(result.recording), written[1])
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding), rope[0].locked)
+    if exposed is not None:
+        written.append(directory / "exposure.csv")
+        write_csv(exposed, written[-1])
+        exposures = {"What each place in the rope went through": directory / "exposure.png"}
+        pictures += [write_exposure_figure(exposed, path) for path in exposures.values()]
     reports = [
         write_report(
             directory / "report.md",
@@ -357,6 +377,7 @@ def _write(
             more,
             rope[0].locked,
             rope[0].parameters,
+            exposures,
         ),
     ]
     return written + pictures + reports

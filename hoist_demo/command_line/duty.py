@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING
 
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
+from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
 from hoist_demo.recording.guards import told
 from hoist_demo.recording.passages import outcome_of, passages
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.summary import SummaryRow, render
+from hoist_demo.report.summary import SummaryRow, exposure_rows, render
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
@@ -36,7 +37,8 @@ examples:
   balance-rope duty SCHEDULE.toml --check       read and check the file, wind nothing
   balance-rope duty SCHEDULE.toml --repeat 3    wind the trips of the file three times
 
-Results in --out: trips.csv, one row per trip, and duty.png. The file is explained in docs/duty.md.
+Results in --out: trips.csv, one row per trip, and duty.png; with --exposure exposure.csv
+and exposure.png. The file is explained in docs/duty.md.
 exit code: 0 all trips wound to the end, 1 rope, drive or a guard stopped one, 2 wrong schedule or arguments, 130
 interrupted.
 """
@@ -55,6 +57,9 @@ def add_duty(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/duty.md")
     duty.add_argument("--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's")
     duty.add_argument("--out", type=Path, metavar="DIR", help="results (out/duty/ and the file's name)")
+    duty.add_argument(
+        "--exposure", action="store_true", help="also count what each place in the rope goes through: exposure.csv"
+    )
     duty.add_argument("--check", action="store_true", help="check only")
 
 
@@ -68,17 +73,19 @@ def _duty(options: argparse.Namespace) -> int:
     if options.check:
         print(f"{options.schedule}: {schedule.count} trips, nothing wrong")
         return 0
-    rope = InProcessRope(rope_data(schedule.pattern[0].fmu, schedule.level), READ)
+    read = READ.union(STATION_SIGNALS if options.exposure else ())
+    rope = InProcessRope(rope_data(schedule.pattern[0].fmu, schedule.level), read)
     out: Path = options.out or Path("out") / "duty" / options.schedule.stem
     out.mkdir(parents=True, exist_ok=True)
     with _interruption() as interrupted:
-        trips, last = _wind(schedule, rope, out / STATE, interrupted)
+        trips, last = _wind(schedule, rope, out / STATE, interrupted, options.exposure)
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
-    written = _write(trips, out)
+    exposed = _exposure(trips)
+    written = _write(trips, exposed, out)
     print(f"{schedule.title}: case {schedule.case}, level {schedule.level}, {trips['trip'].size} trips\n")
-    print(render(_summary(trips, last, len(schedule.pattern))))
+    print(render([*_summary(trips, last, len(schedule.pattern)), *(exposure_rows(exposed) if exposed else ())]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if interrupted():
@@ -92,7 +99,7 @@ def _duty(options: argparse.Namespace) -> int:
 
 
 def _wind(
-    schedule: Schedule, rope: InProcessRope, state: Path, interrupted: Callable[[], bool]
+    schedule: Schedule, rope: InProcessRope, state: Path, interrupted: Callable[[], bool], counted: bool
 ) -> tuple[Recording | None, Trip | None]:
     """The table of all trips, None for no trip, and the last trip that was wound here."""
     from hoist_demo.duty.state import read_state, write_state
@@ -104,6 +111,8 @@ def _wind(
     if state.is_file():
         standing = read_state(state, rope, schedule)
         rows, after = standing.rows[: schedule.count], standing.end
+        if counted != ("station.s[1]" in rows[0]):
+            raise ValueError(f"'{state}' was begun {'without' if counted else 'with'} --exposure: go on so")
         print(f"{len(rows)} of {schedule.count} trips are there already")
     with progress_bar() as bar:
 
@@ -114,7 +123,8 @@ def _wind(
             if interrupted() and trip.result.end is None:
                 break
             last = trip
-            rows.append(row(trip, rest))
+            exposed = exposure(trip.result.recording, rope.data().parameters)
+            rows.append(row(trip, rest) | (spread(exposed) if exposed else {}))
             if trip.result.end is not None:
                 write_state(state, table(rows, cycle), trip.result.end, rope, schedule)
     return (table(rows, cycle) if rows else None), last
@@ -143,12 +153,24 @@ def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow
     return rows
 
 
-def _write(trips: Recording, out: Path) -> list[Path]:
+def _exposure(trips: Recording) -> Recording | None:
+    """What all trips together did to the places in the rope; None where that was not counted."""
+    from hoist_demo.duty.state import rows_of
+
+    rows = rows_of(trips)
+    return together([gather(row) for row in rows]) if "station.s[1]" in trips else None
+
+
+def _write(trips: Recording, exposed: Recording | None, out: Path) -> list[Path]:
     # matplotlib loads slowly and is needed here only
-    from hoist_demo.report.figures import write_duty_figure
+    from hoist_demo.report.figures import write_duty_figure, write_exposure_figure
 
     write_csv(trips, out / "trips.csv")
-    return [out / "trips.csv", write_duty_figure(trips, out / "duty.png")]
+    written = [out / "trips.csv", write_duty_figure(trips, out / "duty.png")]
+    if exposed is not None:
+        write_csv(exposed, out / "exposure.csv")
+        written += [out / "exposure.csv", write_exposure_figure(exposed, out / "exposure.png")]
+    return written
 
 
 @contextmanager

@@ -82,7 +82,11 @@ def _ropes(options: argparse.Namespace) -> int:
     header = ["rope", *(f"{name} [{unit}]" for name, (unit, _) in COLUMNS.items())]
     _write(out / "ropes.csv", header, ([name, *values.values()] for name, values in rows.items()))
     _write(out / "neighbours.csv", _NEIGHBOURS, (_pair(pair) for pair in pairs))
-    write_csv(recording, out / "signals.csv", [name for name in recording.signals if ".shape." not in name])
+    write_csv(
+        recording,
+        out / "signals.csv",
+        [name for name in recording.signals if ".shape." not in name and ".station." not in name],
+    )
     write_ropes_figure(recording, names, out / "ropes.png")
     print(f"{ropes.title}: case {ropes.case}, level {ropes.level}, {len(names)} ropes")
     print(render(_summary(ropes, recording, rows, pairs)))

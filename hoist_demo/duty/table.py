@@ -116,7 +116,7 @@ def _yaw(recording: Recording, arrived: float) -> dict[str, float]:
 
 def table(rows: Sequence[Mapping[str, float]], cycle: int) -> Recording:
     """All rows as columns, with what differs from the trip a cycle before."""
-    columns = {name: np.array([row[name] for row in rows]) for name in COLUMNS}
+    columns = {name: np.array([row[name] for row in rows]) for name in rows[-1]}
     return Recording(columns | {"difference": differences(columns, cycle)}, UNITS)
 
 

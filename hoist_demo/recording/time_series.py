@@ -1,7 +1,7 @@
 """Time series of all signals, and their CSV files.
 
 The CSV files carry no clock and no date: the same run writes the same bytes. The rope's shape samples go into a file
-of their own, at a few instants, because 486 columns would bury the rest.
+of their own, at a few instants, because hundreds of columns would bury the rest, as would those of the stations.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TIME = "time"
-_SHAPE = re.compile(r"^shape\.\w+\[\d+\]$")
-_ALONG = ("tension", "bending", "torsion")
+ALONG_ROPE = ("shape.", "station.")
+"""Beginnings of the names of what is known at many places of the rope."""
+_ALONG = ("s", "tension", "bending", "torsion")
 
 
 @dataclass(frozen=True)
@@ -106,10 +107,10 @@ def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, .
 def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> None:
     """The named signals with their time, one row per communication point, header `name [unit]`.
 
-    Without names all but the shape samples.
+    Without names all but those of ALONG_ROPE.
     """
     chosen = [name for name in names if name in recording and name != TIME]
-    names = [TIME, *chosen] if names else [name for name in recording.signals if not _SHAPE.match(name)]
+    names = [TIME, *chosen] if names else [name for name in recording.signals if not name.startswith(ALONG_ROPE)]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([_header(name, recording.units.get(name, "")) for name in names])

@@ -118,6 +118,27 @@ def write_duty_figure(trips: Recording, path: Path) -> Path:
     return path
 
 
+def write_exposure_figure(exposure: Recording, path: Path) -> Path:
+    """What each place in the rope went through, of the table of `hoist_demo.recording.exposure`."""
+    shown = {
+        "curvature.range": ("Largest range of curvature in a cycle", "[1/m]", 1.0),
+        "curvature.cycles": ("Bending cycles", "number", 1.0),
+        "bent": ("Time in the bend", "[s]", 1.0),
+        "torque.range": ("Largest range of torque in a cycle", "[N m]", 1.0),
+        "tension.range": ("Largest range of tension in a cycle", "[kN]", 1e-3),
+    }
+    with matplotlib.rc_context(_STYLE):
+        figure, axes = _panels([title for title, *_ in shown.values()])
+        for ax, (name, (_, label, factor)) in zip(axes, shown.items(), strict=True):
+            ax.fill_between(exposure["s"], factor * exposure[name], color=ACCENTS[0], alpha=0.3, lw=0.0)
+            ax.plot(exposure["s"], factor * exposure[name], color=ACCENTS[0])
+            ax.set_ylabel(label)
+            ax.set_ylim(bottom=0.0)
+        axes[-1].set_xlabel("place in the rope, from its left end [m]")
+        figure.savefig(path, dpi=150, metadata={"Software": None})
+    return path
+
+
 def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -> Path:
     """Pulls and yaw of several ropes, by the names under which a group of ropes records them."""
     with matplotlib.rc_context(_STYLE):

@@ -19,6 +19,7 @@ CAPTIONS = {
     "shapes": "Balance rope in three projections at several instants; the axes are scaled differently.",
     "swivels": "Swivels at both ends; tinted where they slip, above for the left one, below for the right one.",
     "energies": "Energies, work and losses, and what each balance leaves over.",
+    "exposure": "What each place in the rope went through; cycles are counted by the rainflow method.",
 }
 
 

@@ -72,6 +72,18 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
     return tuple(rows + _clock(result, coupling))
 
 
+def exposure_rows(exposed: Recording) -> tuple[SummaryRow, ...]:
+    """Which places of the rope went through most; `exposed` is a table of `hoist_demo.recording.exposure`."""
+    rows: list[SummaryRow] = []
+    most = {f"{name}.range": f"largest range of {name} in a cycle" for name in ("curvature", "torque", "tension")}
+    for name, words in (most | {"bent": "longest time in the bend"}).items():
+        if bool(np.isfinite(exposed[name]).all()):
+            k = int(np.argmax(exposed[name]))
+            text = f"{number(float(exposed[name][k]))} {exposed.units[name]} at {number(float(exposed['s'][k]))} m"
+            rows.append(SummaryRow("Places in the rope, from its left end", words, text))
+    return tuple(rows)
+
+
 def render(rows: Sequence[SummaryRow]) -> str:
     """The table as plain text."""
     width = max((len(row.quantity) for row in rows), default=0)

@@ -142,7 +142,7 @@ double rope_signal(Simulator *rope, int signal) {
             if (rope->state->fidelity != RIGID) contact_balance(&s, m.q, m.v, sums);
             memcpy(rope->values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * KINDS);
         } else {
-            if (group == STRESS_SIGNALS || group == ALONG_SIGNALS) {
+            if (group == STRESS_SIGNALS || group == ALONG_SIGNALS || group == STATION_SIGNALS) {
                 const System s = system_of(rope, rope->state);
                 chain_of_state(rope->state)->strains(&s, m.q, rope->strains);
             }

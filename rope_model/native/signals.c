@@ -99,26 +99,64 @@ static void shape_signals(const Scene *scene, const Arrays *arrays, const LoopBo
     }
 }
 
+/* of an element, at one fidelity */
+typedef double Quantity(const Rope *rope, int fidelity, const double strains[3]);
+
+static double bend_stress(const Rope *rope, int fidelity, const double strains[3]) {
+    (void)fidelity;
+    return bending_stress(rope, strains[2]);
+}
+
+static double curvature(const Rope *rope, int fidelity, const double strains[3]) {
+    (void)rope, (void)fidelity;
+    return strains[2];
+}
+
+static double torque(const Rope *rope, int fidelity, const double strains[3]) {
+    return fidelity == TORSIONAL ? torque_of(rope, strains[0], strains[1]) : 0.0;
+}
+
+/* a quantity at arc lengths `at`, linear between the middles of the elements */
+static void along(const Scene *scene, int fidelity, const Arrays *arrays, const double (*strains)[3], const double *at,
+                  Quantity *of, double *values) {
+    for (int i = 0; i < SHAPE_POINTS; i++) {
+        int k = shape_middle_before(arrays->nodes, arrays->s, at[i]), next = k < arrays->nodes - 2 ? k + 1 : k;
+        values[i] =
+            shape_interpolate_midpoints(arrays->nodes, arrays->s, k, at[i], of(&scene->rope, fidelity, strains[k]),
+                                        of(&scene->rope, fidelity, strains[next]));
+    }
+}
+
+static void pull_at(const Scene *scene, int fidelity, const Arrays *arrays, const double *at, double *tension) {
+    const double rho = scene->rope.mass_per_length, gravity = scene->layout.gravity;
+    double xyz[SHAPE_POINTS][3], y[SHAPE_POINTS];
+    if (fidelity != RIGID) {
+        shape_tension(arrays, rho, gravity, SHAPE_POINTS, at, tension);
+        return;
+    }
+    shape_points(arrays->nodes, arrays->q, arrays->s, SHAPE_POINTS, at, xyz[0]);
+    for (int i = 0; i < SHAPE_POINTS; i++) y[i] = xyz[i][1];
+    rigid_tension(arrays, rho, gravity, SHAPE_POINTS, at, y, tension);
+}
+
 static void along_signals(const Scene *scene, int fidelity, const Arrays *arrays, const double (*strains)[3],
                           const LoopBottom *bottom, double *values) {
-    const Rope *rope = &scene->rope;
-    const double *s = arrays->s;
-    int nodes = arrays->nodes;
-    double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3], y[SHAPE_POINTS], *tension = values + SIGNAL_SHAPE_TENSION_1;
-    shape_places(s[nodes - 1], bottom->s, loop_width(scene), SHAPE_POINTS, at);
-    if (fidelity == RIGID) {
-        shape_points(nodes, arrays->q, s, SHAPE_POINTS, at, xyz[0]);
-        for (int i = 0; i < SHAPE_POINTS; i++) y[i] = xyz[i][1];
-        rigid_tension(arrays, rope->mass_per_length, scene->layout.gravity, SHAPE_POINTS, at, y, tension);
-    } else
-        shape_tension(arrays, rope->mass_per_length, scene->layout.gravity, SHAPE_POINTS, at, tension);
-    for (int i = 0; i < SHAPE_POINTS; i++) {
-        int k = shape_middle_before(nodes, s, at[i]), next = k < nodes - 2 ? k + 1 : k;
-        values[SIGNAL_SHAPE_BENDING_1 + i] = shape_interpolate_midpoints(
-            nodes, s, k, at[i], bending_stress(rope, strains[k][2]), bending_stress(rope, strains[next][2]));
-        values[SIGNAL_SHAPE_TORSION_1 + i] = shape_interpolate_midpoints(
-            nodes, s, k, at[i], shear_stress(rope, fidelity, strains[k]), shear_stress(rope, fidelity, strains[next]));
-    }
+    double *at = values + SIGNAL_SHAPE_S_1;
+    shape_places(arrays->s[arrays->nodes - 1], bottom->s, loop_width(scene), SHAPE_POINTS, at);
+    pull_at(scene, fidelity, arrays, at, values + SIGNAL_SHAPE_TENSION_1);
+    along(scene, fidelity, arrays, strains, at, bend_stress, values + SIGNAL_SHAPE_BENDING_1);
+    along(scene, fidelity, arrays, strains, at, shear_stress, values + SIGNAL_SHAPE_TORSION_1);
+}
+
+static void station_signals(const Scene *scene, int fidelity, const Arrays *arrays, const double (*strains)[3],
+                            double *values) {
+    const double first = scene->station.first, step = (scene->station.last - first) / (SHAPE_POINTS - 1);
+    double at[SHAPE_POINTS];
+    for (int i = 0; i < SHAPE_POINTS; i++)
+        at[i] = arrays->s[arrays->nodes - 1] * (i < SHAPE_POINTS - 1 ? i * step + first : scene->station.last);
+    pull_at(scene, fidelity, arrays, at, values + SIGNAL_STATION_TENSION_1);
+    along(scene, fidelity, arrays, strains, at, curvature, values + SIGNAL_STATION_CURVATURE_1);
+    along(scene, fidelity, arrays, strains, at, torque, values + SIGNAL_STATION_TORQUE_1);
 }
 
 void signals_of(int group, const Scene *scene, const State *state, const Arrays *arrays, const double (*strains)[3],
@@ -148,6 +186,9 @@ void signals_of(int group, const Scene *scene, const State *state, const Arrays 
         break;
     case ALONG_SIGNALS:
         along_signals(scene, state->fidelity, arrays, strains, bottom, values);
+        break;
+    case STATION_SIGNALS:
+        station_signals(scene, state->fidelity, arrays, strains, values);
         break;
     case CLEARANCE_SIGNALS:
         clearance_signals(scene, state, arrays, values);

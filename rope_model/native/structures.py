@@ -10,7 +10,7 @@ import ctypes
 from dataclasses import astuple, fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
-from ..parameters import Accuracy, Layout, Mesh, Model, Rope, Scene, Solver, Swivel
+from ..parameters import Accuracy, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
 from ..shaft_parameters import PARTS
 from ..simulation.paths import PATH, EndMotion, EndPath
 from .layout import PathStructure
@@ -44,7 +44,7 @@ def _type(member: Member) -> type[Any]:
     return kind * member.length if member.length else kind
 
 
-_KINDS = (Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, *PARTS.values())
+_KINDS = (Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, Stations, *PARTS.values())
 GROUPS = {kind: _structure(kind) for kind in dict.fromkeys(_KINDS)}
 
 
@@ -65,6 +65,7 @@ class SceneStructure(ctypes.Structure):
         ("accuracy", GROUPS[Accuracy]),
         ("solver", GROUPS[Solver]),
         ("model", GROUPS[Model]),
+        ("station", GROUPS[Stations]),
         ("shaft", ShaftStructure),
     )
 
@@ -78,7 +79,7 @@ class EndStructure(ctypes.Structure):
 def scene_structure(scene: Scene) -> SceneStructure:
     """The scene as C sees it."""
     swivels = (GROUPS[Swivel] * 2)(_fill(scene.left), _fill(scene.right))
-    groups = (_fill(group) for group in (scene.mesh, scene.accuracy, scene.solver, scene.model))
+    groups = (_fill(group) for group in (scene.mesh, scene.accuracy, scene.solver, scene.model, scene.station))
     shaft = ShaftStructure(*(_fill(getattr(scene.shaft, name)) for name in PARTS))
     return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups, shaft)
 

@@ -15,4 +15,9 @@ def bending_stress(rope: Any, k: Any) -> Any:
 
 def torsional_stress(rope: Any, e: Any, tau: Any) -> Any:
     """Largest shear stress (Pa) of the torque at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
-    return 16 * abs(torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)) / (math.pi * rope.diameter**3)
+    return 16 * abs(torque_of(rope, e, tau)) / (math.pi * rope.diameter**3)
+
+
+def torque_of(rope: Any, e: Any, tau: Any) -> Any:
+    """Torque (N m) about the tangent at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
+    return torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)

@@ -41,7 +41,7 @@ EFFECTS = (
         "torsional",
         "torque, twist, turning swivels and torsional stress",
         (
-            *("my", "swivel", "twist", "stress.torsion_max", "shape.torsion"),
+            *("my", "swivel", "twist", "stress.torsion_max", "shape.torsion", "station.torque"),
             *("energy.dissipated_swivel", "energy.nonconservative"),
         ),
         by_torque=True,

@@ -16,7 +16,7 @@ from ..physics.estimates import loop_width
 from ..physics.frame import end_moment
 from ..physics.guard import CAUSES, sideways
 from ..physics.shaft import KINDS
-from ..physics.stress import bending_stress, torsional_stress
+from ..physics.stress import bending_stress, torque_of, torsional_stress
 from .adaptation import nearest_turn
 from .audit import signal_values as audit_values
 from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, loop_turns, shape, shape_places, tension
@@ -25,9 +25,10 @@ from .fidelity import Fidelity
 from .guards import rise
 from .paths import SIDES
 from .rigid import rigid_tension
-from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
+from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem, arc_lengths
 from .shaft import BODIES, clearances
 from .state import RopeState
+from .transfer import interpolate
 
 SHAPE_POINTS = 81
 
@@ -140,12 +141,20 @@ def _table() -> Iterator[tuple[str, Signal]]:
         for i in range(1, SHAPE_POINTS + 1):
             yield f"shape.{axis}[{i}]", Signal("m", f"{axis.upper()} of point {i} of {SHAPE_POINTS} along the rope")
     for name, unit, what in (
+        ("s", "m", "place along the rope, from its left end,"),
         ("tension", "N", "tension"),
         ("bending", "Pa", "nominal bending stress"),
         ("torsion", "Pa", "nominal torsional stress"),
     ):
         for i in range(1, SHAPE_POINTS + 1):
             yield f"shape.{name}[{i}]", Signal(unit, f"{what} at point {i} of {SHAPE_POINTS} along the rope")
+    for name, unit, what in (
+        ("tension", "N", "tension"),
+        ("curvature", "1/m", "curvature"),
+        ("torque", "N.m", "torque about the tangent"),
+    ):
+        for i in range(1, SHAPE_POINTS + 1):
+            yield f"station.{name}[{i}]", Signal(unit, f"{what} at station {i} of {SHAPE_POINTS}, fixed in the rope")
 
 
 #: name -> Signal, in the order of the FMI interface
@@ -188,12 +197,12 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
         return added_mass_signals
     if name.endswith(".twist"):
         return stress_signals
-    if name.startswith(("shape.tension", "shape.bending", "shape.torsion")):
+    if name.startswith(("shape.s", "shape.tension", "shape.bending", "shape.torsion")):
         return along_signals
     groups = {"clearance": clearance_signals, "nearest": nearest_signals}
     groups |= {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
     groups |= {"energy": energy_signals, "count": energy_signals, "status": error_signals, "audit": audit_signals}
-    groups |= {"contact": contact_signals, "guard": guard_signals}
+    groups |= {"contact": contact_signals, "guard": guard_signals, "station": station_signals}
     return groups.get(name.partition(".")[0], end_signals)
 
 
@@ -317,20 +326,40 @@ def shape_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def along_signals(rope: Evaluated) -> dict[str, float]:
-    """Tension and stresses at the points of the shape."""
-    state, data, gravity = rope.state, rope.scene.rope, rope.scene.layout.gravity
-    m, lengths = state.motion, state.partition.lengths
+    """Places, tension and stresses at the points of the shape."""
+    state, lengths = rope.state, rope.state.partition.lengths
     s = shape_places(lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
-    if state.fidelity == "rigid":
-        y = shape(m.q, lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)[:, 1]
-        pull = rigid_tension(m, s, y, data.mass_per_length, gravity)
-    else:
-        pull = tension(m, lengths, s, data.mass_per_length, gravity)
-    stresses = nominal_stresses(data, rope.system.strains(m.q), state.fidelity)
-    rows = {"tension": pull}
-    for name, stress in zip(("bending", "torsion"), stresses, strict=True):
-        rows[name] = interpolate_midpoints(stress, lengths, s)
-    return {f"shape.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
+    stresses = nominal_stresses(rope.scene.rope, rope.system.strains(state.motion.q), state.fidelity)
+    bending, torsion = (interpolate_midpoints(stress, lengths, s) for stress in stresses)
+    return _rows("shape", {"s": s, "tension": pull_at(rope, s), "bending": bending, "torsion": torsion})
+
+
+def station_signals(rope: Evaluated) -> dict[str, float]:
+    """Tension, curvature and torque at places that stay in the rope."""
+    data, where, lengths = rope.scene.rope, rope.scene.station, rope.state.partition.lengths
+    s = float(np.sum(lengths)) * np.linspace(where.first, where.last, SHAPE_POINTS)
+    e, tau, k_rms = rope.system.strains(rope.state.motion.q).T
+    torque = torque_of(data, e, tau) if rope.state.fidelity == "torsional" else np.zeros_like(e)
+    curvature, torque = (interpolate_midpoints(values, lengths, s) for values in (k_rms, torque))
+    return _rows("station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque})
+
+
+def pull_at(rope: Evaluated, s: Array) -> Array:
+    """Tension (N) at arc lengths ``s`` (m)."""
+    m, lengths, rho, gravity = (
+        rope.state.motion,
+        rope.state.partition.lengths,
+        rope.scene.rope.mass_per_length,
+        rope.scene.layout.gravity,
+    )
+    if rope.state.fidelity == "rigid":
+        y = interpolate(m.q, arc_lengths(lengths), s)[:, 1]
+        return rigid_tension(m, s, y, rho, gravity)
+    return tension(m, lengths, s, rho, gravity)
+
+
+def _rows(of: str, rows: dict[str, Array]) -> dict[str, float]:
+    return {f"{of}.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
 
 
 def nominal_stresses(data: Rope, strains: Array, fidelity: Fidelity) -> tuple[Array, Array]:

@@ -28,7 +28,7 @@ from rope_model import EndMotion as RopeEndMotion
 _log = logging.getLogger(__name__)
 
 _PARTS = {
-    **{name: name for name in ("rope", "layout", "mesh", "accuracy", "solver", "model")},
+    **{name: name for name in ("rope", "layout", "mesh", "accuracy", "solver", "model", "station")},
     **{f"{side}.swivel": side for side in ("left", "right")},
     **{field.name: f"shaft.{field.name}" for field in fields(Shaft)},
 }

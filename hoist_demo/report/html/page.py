@@ -6,6 +6,7 @@ console and not a hidden dependence.
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 import math
@@ -44,6 +45,15 @@ def write(path: Path, text: str) -> Path:
 def escape(text: str) -> str:
     """Text as HTML."""
     return html.escape(text)
+
+
+def picture(title: str, png: Path) -> str:
+    """A titled picture, in the page itself."""
+    data = base64.b64encode(png.read_bytes()).decode("ascii")
+    return (
+        f'<h2>{escape(title)}</h2>\n<img src="data:image/png;base64,{data}" alt="{escape(title)}" '
+        'style="max-width: 100%">'
+    )
 
 
 def table(title: str, rows: Sequence[Row]) -> str:

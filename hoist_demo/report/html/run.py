@@ -11,7 +11,7 @@ from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
 from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.passages import passages
-from hoist_demo.recording.time_series import TIME, Array, Recording
+from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
 from hoist_demo.report import events
 from hoist_demo.report.html import packing, page, panels, parameter_tables
 from hoist_demo.report.html.along import along
@@ -26,6 +26,8 @@ MOST_FRAMES = 600
 
 NONE_KNOWN: Mapping[str, object] = {}
 """Parameters of a rope of which none are known."""
+
+NO_PICTURES: Mapping[str, Path] = {}
 
 SHAPE_RESOLUTION = 1e-4
 """Error that packing may bring into a point of the rope [m]."""
@@ -42,10 +44,11 @@ def run_report(
     more: Sequence[parameter_tables.Table] = (),
     locked: Collection[str] = (),
     parameters: Mapping[str, object] = NONE_KNOWN,
+    pictures: Mapping[str, Path] = NO_PICTURES,
 ) -> Path:
     """Write the report of a run to `path`; `rows` are its summary, `more` further tables, `locked` ends cannot turn.
 
-    `parameters` of the rope by FMI name have the shaft that is drawn.
+    `parameters` of the rope by FMI name have the shaft that is drawn; `pictures` are PNG files by what they show.
     Same run, same bytes but the clock's.
     """
     said = [] if result.completed else [("Stopped.", result.cause)]
@@ -70,6 +73,7 @@ def run_report(
         assumed=page.escape(ASSUMED_DATA),
         note=note,
         numbers=numbers,
+        pictures="".join(page.picture(*item) for item in pictures.items()),
         given="".join(page.table(name, rows) for name, rows in tables),
     )
     return page.write(path, text)
@@ -82,7 +86,7 @@ def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str
         return {"time": None}
     start, extra = float(recording.time[0]), panels.derived_signals(recording, hoist)
     known = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
-    names = [name for name in known if name != TIME and not name.startswith("shape.")]
+    names = [name for name in known if name != TIME and not name.startswith(ALONG_ROPE)]
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
     signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}
     shown = panels.panels(recording, hoist)

@@ -1,0 +1,111 @@
+"""What each place in the rope went through: counted by the standard's example, by hand, and over several trips."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.recording.exposure import QUANTITIES, STATION_SIGNALS, UNITS, exposure, gather, spread, together
+from hoist_demo.recording.time_series import TIME, Recording
+from hoist_demo.study.run import build
+
+WHERE = {"station.first": 0.0, "station.last": 1.0, "rope.length": 120.0}
+
+
+def record(*columns: list[float]) -> Recording:
+    """A record of stations with these values, one per second, of all quantities alike."""
+    signals = {TIME: np.arange(float(len(columns[0])))}
+    signals |= {f"station.{name}[{k + 1}]": np.array(x) for name in QUANTITIES for k, x in enumerate(columns)}
+    return Recording(signals, dict.fromkeys(signals, "1"))
+
+
+@cache
+def winding() -> tuple[Recording, Recording]:
+    """The 120 m rope wound by 90 m: what was recorded, and its table."""
+    run = build("rope-120", {})
+    read = {*STATION_SIGNALS, "left.fy", "right.fy", "loop.y"}
+    rope = InProcessRope(rope_data(run.fmu, "draft"), read)
+    recording = Host(rope, run.hoist, run.winding, run.coupling, run.gains).run().recording
+    found = exposure(recording, rope.data().parameters)
+    assert found is not None
+    return recording, found
+
+
+def test_cycles_are_those_of_the_example_of_astm_e1049() -> None:
+    # figure 6 of the standard: cycles of 3 (a half), 4 (one and a half), 6 (a half), 8 (one) and 9 (a half), of which
+    # those below a quarter of 9 are left out: none
+    found = exposure(record([-2, 1, -3, 5, -1, 3, -4, 4, -2], [0.0] * 9), WHERE)
+    assert found is not None
+    assert_allclose(found["tension.range"], [9.0, 0.0])
+    assert_allclose(found["tension.cycles"], [4.0, 0.0])
+    assert_allclose([found["tension.least"][0], found["tension.largest"][0]], [-4.0, 5.0])
+
+
+def test_ripple_is_no_cycle() -> None:
+    found = exposure(record([0, 8, 7, 8, 0], [0, 1, 0, 1, 0]), WHERE)
+    assert found is not None
+    assert_allclose(found["curvature.cycles"], [1.0, 0.0])
+    assert_allclose(found["curvature.range"], [8.0, 1.0])
+
+
+def test_time_in_the_bend_is_that_above_half_the_sharpest() -> None:
+    found = exposure(record([0, 0.6, 1, 0.4, 0], [0, 0, 0.4, 0, 0]), WHERE)
+    assert found is not None
+    assert_allclose(found["bent"], [2.0, 0.0])
+
+
+def test_trips_to_and_fro_add_up_to_whole_cycles() -> None:
+    up, down = (exposure(record(values, [0, 0, 0]), WHERE) for values in ([0, 2, 4], [4, 2, 0]))
+    assert up is not None
+    assert down is not None
+    assert_allclose(up["torque.cycles"], [0.5, 0.0])
+    both = together([up, down, up, down])
+    assert_allclose(both["torque.cycles"], [2.0, 0.0])
+    assert_allclose(both["torque.range"], [4.0, 0.0])
+    assert_allclose(both["s"], [0.0, 120.0])
+
+
+def test_a_table_survives_as_one_row() -> None:
+    _, found = winding()
+    again = gather({"loop_yaw": 1.0} | spread(found))
+    assert again.units == found.units == UNITS
+    assert all(np.array_equal(again[name], found[name]) for name in UNITS)
+
+
+def test_a_record_without_stations_has_no_table() -> None:
+    recording, _ = winding()
+    signals = {name: values for name, values in recording.signals.items() if not name.startswith("station.")}
+    assert exposure(Recording(signals, recording.units), WHERE) is None
+
+
+def test_places_that_the_loop_passes_bend_once_in_a_winding_and_others_never() -> None:
+    _, found = winding()
+    # the loop's lowest point lies at (L - H) / 2 of the left end, H from 90 m to -90 m, and bends 1.5 m to either side
+    s, cycles = found["s"], found["curvature.cycles"]
+    assert_allclose(cycles[(s > 17.5) & (s < 102.5)], 1.0)
+    assert_allclose(cycles[(s < 11.0) | (s > 109.0)], 0.0)
+
+
+@pytest.mark.parametrize("station", [21, 41, 61])
+def test_ranges_at_a_place_are_those_counted_by_hand(station: int) -> None:
+    recording, found = winding()
+    curvature, k = recording[f"station.curvature[{station}]"], station - 1
+    # straight, bent once, straight again: the cycle is all that there is between its least and largest value
+    assert_allclose(found["curvature.range"][k], curvature.max() - curvature.min(), rtol=1e-3)
+    # the time above half the sharpest of all, sample by sample
+    sharpest = max(float(recording[name].max()) for name in recording.signals if "curvature" in name)
+    assert_allclose(found["bent"][k], 0.01 * np.count_nonzero(curvature > 0.5 * sharpest), rtol=1e-9)
+    # the bend, of some 2.4 m above half its curvature, passes at the speed of the conveyances: more than half of 8 m/s
+    assert 2.0 / 8.0 < found["bent"][k] < 3.0 / 4.0 + 0.2
+
+
+def test_tension_at_the_left_end_goes_with_the_rope_that_hangs_there() -> None:
+    recording, found = winding()
+    pull = -recording["left.fy"]
+    assert_allclose(found["tension.largest"][0], pull.max(), rtol=1e-6)
+    assert_allclose(found["tension.range"][0], pull.max() - pull.min(), rtol=1e-6)
