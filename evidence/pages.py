@@ -26,6 +26,7 @@ from evidence.guards.page import page as guards_page
 from evidence.hoist.page import cases
 from evidence.integrators.page import FIGURES as INTEGRATORS
 from evidence.integrators.page import page as integrators_page
+from evidence.knowledge.catalogue import catalogue
 from evidence.latency.figures import FIGURES as LATENCY
 from evidence.latency.page import page as latency_page
 from evidence.mesh_rule.page import FIGURES as MESH_RULE
@@ -97,6 +98,7 @@ class Block:
 BLOCKS = {
     "levels": Block("README.md", "levels", "chart", levels),
     "cases": Block("docs/hoist.md", "cases", "hoist", cases),
+    "catalogue": Block("docs/data.md", "catalogue", "knowledge", catalogue),
 }
 
 

@@ -8,6 +8,8 @@ data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; 
             Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump; Contact is how
             they hold it, Air drags on it, Guard what trips when the loop moves too far, for one of GUARD_CAUSES.
             BODIES are their kinds in words, FAR the clearance from what is not there
+catalogue   rope("34x7", diameter=0.046) makes a KnownRope: its middle is a Rope, its data a Datum per property;
+            CONSTRUCTIONS are those that are known, BEARINGS the friction of a swivel
 cases       rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
             at_level puts any scene on one
 analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
@@ -19,6 +21,7 @@ import logging
 import subprocess
 from typing import Literal
 
+from .catalogue import BEARINGS, CONSTRUCTIONS, Datum, KnownRope, rope
 from .native.engine import NativeRope
 from .numerics.kernels import last_words
 from .parameters import (
@@ -50,8 +53,10 @@ from .simulation.simulator import RopeSimulator
 from .simulation.state import RopeState
 
 __all__ = [
+    "BEARINGS",
     "BODIES",
     "CHOICES",
+    "CONSTRUCTIONS",
     "FAR",
     "FIDELITIES",
     "GUARD_CAUSES",
@@ -62,12 +67,14 @@ __all__ = [
     "BalanceRope",
     "Contact",
     "Conveyance",
+    "Datum",
     "Divider",
     "Effect",
     "EndMotion",
     "Form",
     "Guard",
     "HeadRopes",
+    "KnownRope",
     "Layout",
     "Level",
     "Lining",
@@ -88,6 +95,7 @@ __all__ = [
     "at_level",
     "balance_rope",
     "neglected_effects",
+    "rope",
     "rope_120",
     "rope_240",
 ]

@@ -17,6 +17,7 @@ MAY_IMPORT = {
     "rope_model.parameter_table": set(),
     "rope_model.parameters": {"rope_model.parameter_table", "rope_model.shaft_parameters"},
     "rope_model.shaft_parameters": {"rope_model.parameter_table"},
+    "rope_model.catalogue": {"rope_model.parameter_table", "rope_model.parameters"},
     "rope_model.physics": set(),
     "rope_model.numerics": set(),
     "rope_model.simulation": {
@@ -35,6 +36,7 @@ MAY_IMPORT = {
         "rope_model.simulation",
     },
     "rope_model.public": {
+        "rope_model.catalogue",
         "rope_model.parameters",
         "rope_model.shaft_parameters",
         "rope_model.numerics",

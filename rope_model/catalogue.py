@@ -1,0 +1,280 @@
+"""Catalogue of round wire ropes: what is known of a construction before anybody has measured the rope.
+
+Every datum is a range with its status and its source.  A rope of diameter d has
+
+    mass per length   rho = W d^2                     W: mass factor of EN 12385-4 (there in kg per 100 m and mm^2)
+    metal area        A = C d^2                       C: metallic area factor, ibid.
+    axial stiffness   Qa = E_rope A
+    torque factor     c1 = Qc / (Qa d): the torque of a tension T is c1 d T while nothing turns
+    torsional stiffness at constant tension           D = Qd - Qb Qc / Qa: what a torsion test of a loaded sample shows
+
+Bending and torsion lie between n equal wires that slide freely, the least that n wires of this area can have, and a
+section without any slip, whose metal fills the circle evenly:
+
+    EI from E A^2 / (4 pi n) to E A d^2 / 16          D from 2 (G / E) times the first to 2 (G / E) times the second
+
+`middle` of a range is its geometric mean, of one that begins at 0 the arithmetic mean.  Nothing follows for
+damping or for the growth of D with tension: no source was found, and they keep the defaults of ``Rope``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from .parameter_table import require
+from .parameters import Rope
+
+Status = Literal["measured", "published", "derived", "calibrated", "assumed"]
+Lay = Literal["right-hand", "left-hand"]
+
+#: N/m^2, of drawn steel wire, and its Poisson ratio
+STEEL_MODULUS, POISSON = 2.0e11, 0.3
+#: shear modulus over STEEL_MODULUS
+SHEAR = 0.5 / (1 + POISSON)
+
+
+@dataclass(frozen=True)
+class Datum:
+    """What is known of a number: a range, and where it is from."""
+
+    low: float
+    high: float
+    unit: str
+    status: Status
+    source: str
+
+    @property
+    def middle(self) -> float:
+        """Geometric mean, or the arithmetic one of a range that begins at 0."""
+        return math.sqrt(self.low * self.high) if self.logarithmic else 0.5 * (self.low + self.high)
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether shares of the range are ratios."""
+        return self.low > 0
+
+    def at(self, share: float) -> float:
+        """The value at a share between 0 and 1 of the range."""
+        if self.logarithmic:
+            return self.low * math.exp(share * math.log(self.high / self.low))
+        return self.low + share * (self.high - self.low)
+
+    def share(self, value: float) -> float:
+        """The share of the range at which ``value`` lies, the inverse of ``at``."""
+        if self.logarithmic:
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+
+@dataclass(frozen=True)
+class Property:
+    """A property of a rope; ``power`` is that of the diameter with which it grows in similar ropes."""
+
+    power: int
+    unit: str
+    description: str
+
+
+PROPERTIES = {
+    "mass_per_length": Property(2, "kg/m", "mass per length"),
+    "axial_stiffness": Property(2, "N", "tension over strain while nothing turns, Qa"),
+    "torque_factor": Property(0, "1", "torque over tension and diameter while nothing turns, Qc / (Qa d)"),
+    "torsional_stiffness": Property(4, "N.m2", "torque over twist at constant tension, Qd - Qb Qc / Qa"),
+    "bending_stiffness": Property(4, "N.m2", "bending moment over curvature, EI"),
+}
+
+_EN = (
+    "EN 12385-4, factors for fibre and steel core, as listed in K. Feyrer, Wire Ropes, table 1.9; "
+    "http://what-when-how.com/Tutorial/topic-1297r4j9i2h/Wire-Ropes-Tension-Endurance-Reliability-51.html"
+)
+_STEEL_AREA = "area of EN 12385-4 and the steel's modulus, see rope_model/catalogue.py"
+_SIX_STRANDS = (
+    "EA of wire rope with fibre and steel core, as listed in "
+    "https://github.com/ddjokic/Mooring-Line-Properties (moorwire.py), over the area of 6x19"
+)
+_SETTLED = f"lower end: {_SIX_STRANDS}; upper end: [assumed], of a rope that has settled"
+_LAY = "[assumed]: strands at d / 3, lays of 6 to 8 d, of which wires in ordinary lay give back up to a third"
+_TWO_LAYERS = "[assumed]: two layers of opposite lay, the outer one prevails; rope-120 of docs/model.md has 0.044"
+_THREE_LAYERS = "[assumed]: three layers, balanced but for what tolerance and load leave; the maker measures it"
+_BENT = "lower end: wires that slide freely; upper end: [assumed], 16 times that, for what friction holds of them"
+
+
+@dataclass(frozen=True)
+class Construction:
+    """A construction: factors of EN 12385-4, number of wires, and what the lay decides."""
+
+    description: str
+    mass: tuple[float, float]  # kg per 100 m and mm^2
+    area: tuple[float, float]  # 1
+    wires: int
+    modulus: Datum  # N/m^2
+    torque_factor: Datum
+
+    def factors(self) -> dict[str, Datum]:
+        """Each property of PROPERTIES over its power of the diameter in m."""
+        (thin, thick), n = self.area, self.wires
+        sliding = [STEEL_MODULUS * area**2 / (4 * math.pi * n) for area in self.area]
+        solid = STEEL_MODULUS * thick / 16
+        return {
+            # kg per 100 m and mm^2 is 1e4 kg/m^3
+            "mass_per_length": Datum(1e4 * self.mass[0], 1e4 * self.mass[1], "kg/m3", "published", _EN),
+            "axial_stiffness": Datum(
+                self.modulus.low * thin, self.modulus.high * thick, "N/m2", self.modulus.status, self.modulus.source
+            ),
+            "torque_factor": self.torque_factor,
+            "torsional_stiffness": Datum(
+                2 * SHEAR * sliding[0], 2 * SHEAR * solid, "N/m2", "derived", f"between all wires alone and none that "
+                f"slips: {_STEEL_AREA}"
+            ),
+            "bending_stiffness": Datum(sliding[0], 16 * sliding[1], "N/m2", "assumed", _BENT),
+        }  # fmt: skip
+
+
+_SINGLE_LAYER = Datum(0.07, 0.12, "1", "assumed", _LAY)
+_OF_SIX_STRANDS = Datum(9.0e10, 9.6e10, "N/m2", "derived", _SIX_STRANDS)
+_OF_MORE_LAYERS = Datum(9.0e10, 1.3e11, "N/m2", "assumed", _SETTLED)
+
+#: constructions whose factors a source states; 35x6, 35x7 and ropes of 16 outer strands are left out for want of one
+CONSTRUCTIONS = {
+    "34x7": Construction(
+        "three layers of strands, the non-rotating rope of deep shafts",
+        (0.390, 0.401),
+        (0.416, 0.428),
+        34 * 7,
+        _OF_MORE_LAYERS,
+        Datum(0.0, 0.02, "1", "assumed", _THREE_LAYERS),
+    ),
+    "18x7": Construction(
+        "two layers of strands, rotation-resistant",
+        (0.382, 0.401),
+        (0.408, 0.433),
+        18 * 7,
+        _OF_MORE_LAYERS,
+        Datum(0.02, 0.05, "1", "assumed", _TWO_LAYERS),
+    ),
+    "6x19": Construction(
+        "one layer of strands: it turns, no balance rope but with its ends held and short",
+        (0.359, 0.400),
+        (0.384, 0.449),
+        6 * 19,
+        _OF_SIX_STRANDS,
+        _SINGLE_LAYER,
+    ),
+    "6x36": Construction(
+        "one layer of strands, a head rope: hung as a balance rope it turns its loop",
+        (0.367, 0.409),
+        (0.393, 0.460),
+        6 * 36,
+        _OF_SIX_STRANDS,
+        _SINGLE_LAYER,
+    ),
+    "8x36": Construction(
+        "one layer of eight strands, a head rope, as 6x36",
+        (0.348, 0.417),
+        (0.357, 0.468),
+        8 * 36,
+        _OF_SIX_STRANDS,
+        _SINGLE_LAYER,
+    ),
+}
+
+_ROLLING = (
+    "thrust ball to spherical roller thrust bearings; https://koyo.jtekt.co.jp/en/support/bearing-knowledge/8-4000.html"
+)
+_PLAIN = (
+    "plain bearings, from well kept to special cases; https://koyo.jtekt.co.jp/en/support/bearing-knowledge/8-4000.html"
+)
+_STARTING = "starting up to twice running; https://roymech.org/Useful_Tables/Tribology/Bearing-Friction.html"
+#: friction of a swivel by its bearing: running, and starting over running
+BEARINGS = {
+    "rolling": {
+        "running_friction": Datum(0.0010, 0.0025, "1", "published", _ROLLING),
+        "starting_ratio": Datum(1.0, 2.0, "1", "published", _STARTING),
+    },
+    "plain": {
+        "running_friction": Datum(0.01, 0.2, "1", "published", _PLAIN),
+        "starting_ratio": Datum(1.0, 2.0, "1", "assumed", f"as rolling bearings: {_STARTING}"),
+    },
+}
+
+
+@dataclass(frozen=True)
+class KnownRope:
+    """A rope of which a range is known of each property; ``rope`` takes one value of each."""
+
+    construction: str
+    diameter: float  # m
+    length: float = Rope.length  # m
+    lay: Lay = "right-hand"
+    data: Mapping[str, Datum] = field(default_factory=dict)  # by the names of PROPERTIES
+
+    @property
+    def middle(self) -> Rope:
+        """The rope with the middle of each range."""
+        return self.rope()
+
+    def rope(self, **properties: float) -> Rope:
+        """The rope with these properties, and the middle of its range for each other."""
+        for name in properties:
+            require(name in self.data, "property", name, f"one of {', '.join(self.data)}", "choose one")
+        known = {name: datum.middle for name, datum in self.data.items()} | properties
+        return rope_of(self.diameter, self.length, self.lay, **known)
+
+
+def rope(construction: str, diameter: float, length: float = Rope.length, lay: Lay = "right-hand") -> KnownRope:
+    """What the catalogue knows of a rope: ``rope("34x7", diameter=0.046).middle`` are parameters of a scene.
+
+    ``diameter`` and ``length`` in m.  A right-hand rope has positive Qb and Qc: stretched and free to turn, it unwinds.
+    """
+    require(construction in CONSTRUCTIONS, "construction", construction, f"one of {', '.join(CONSTRUCTIONS)}", _OTHER)
+    require(lay in get_args(Lay), "lay", lay, f"one of {', '.join(get_args(Lay))}", "see the rope's data sheet")
+    require(0.0 < diameter <= 1.0, "diameter", diameter, "above 0 and at most 1 m", "give it in metres")
+    data = {}
+    for name, factor in CONSTRUCTIONS[construction].factors().items():
+        kind = PROPERTIES[name]
+        scale = diameter**kind.power
+        data[name] = Datum(scale * factor.low, scale * factor.high, kind.unit, factor.status, factor.source)
+    return KnownRope(construction, diameter, length, lay, data)
+
+
+_OTHER = "take the one with as many layers, or give the parameters of the data sheet"
+
+
+def rope_of(
+    diameter: float,
+    length: float,
+    lay: Lay,
+    *,
+    mass_per_length: float,
+    axial_stiffness: float,
+    torque_factor: float,
+    torsional_stiffness: float,
+    bending_stiffness: float,
+) -> Rope:
+    """The parameters that follow from the properties of PROPERTIES."""
+    coupling = {"right-hand": 1.0, "left-hand": -1.0}[lay] * torque_factor * axial_stiffness * diameter
+    return Rope(
+        length=length,
+        mass_per_length=mass_per_length,
+        Qa=axial_stiffness,
+        Qb=coupling,
+        Qc=coupling,
+        Qd=torsional_stiffness + coupling * coupling / axial_stiffness,
+        EI=bending_stiffness,
+        rhoJ=mass_per_length * diameter**2 / 8,
+        diameter=diameter,
+    )
+
+
+def properties_of(rope: Rope) -> dict[str, float]:
+    """The properties of PROPERTIES of a rope whose Qb is its Qc; the inverse of ``rope_of`` but for the lay."""
+    return {
+        "mass_per_length": rope.mass_per_length,
+        "axial_stiffness": rope.Qa,
+        "torque_factor": abs(rope.Qc) / (rope.Qa * rope.diameter),
+        "torsional_stiffness": rope.Qd - rope.Qb * rope.Qc / rope.Qa,
+        "bending_stiffness": rope.EI,
+    }
