@@ -7,7 +7,9 @@ import logging
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 try:  # NumPy and CasADi take a second to load, in which a user may change his mind
     from fmu_src.export import export_fmu
@@ -17,14 +19,19 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.native.model_fmu import export_model
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Component, export_ssp
+    from hoist_demo.cases.case import Case
     from hoist_demo.cases.table import CASES
     from hoist_demo.command_line.demo import add_demo
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.ropes import add_ropes
     from hoist_demo.command_line.study import add_study
     from hoist_demo.drive_fmu.description import drive_model, duration
+    from hoist_demo.drive_fmu.interface import Tail
     from rope_model import __version__
-    from rope_model.parameters import LEVELS, rope_120
+    from rope_model.parameters import LEVELS, Level, rope_120
+
+    if TYPE_CHECKING:
+        from hoist_demo.ropes.definition import OneRope
 except KeyboardInterrupt:
     print("balance-rope: interrupted", file=sys.stderr)
     sys.exit(130)
@@ -36,6 +43,8 @@ NAMES = {
     ("native", 2): "balance_rope_native.fmu",
     ("native", 3): "balance_rope_native_fmi3.fmu",
 }
+#: name of the hoist in a system of FMUs
+DRIVE = "drive"
 DEFAULT_FMU = BUILD / NAMES["Python", 2]
 
 DESCRIPTION = """\
@@ -139,6 +148,12 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "--ssp", action="store_true", help="also hoist drive and rope as one system, an .ssp beside the .fmu"
     )
     export.add_argument(
+        "--ropes",
+        type=Path,
+        metavar="FILE.toml",
+        help="of the system: these ropes, trip and hoist instead of the case's one rope, see docs/ropes.md",
+    )
+    export.add_argument(
         "--out", type=Path, help=f"the .fmu to write; a folder where there is one, or several are written ({BUILD}/...)"
     )
     export.set_defaults(run=_export)
@@ -166,8 +181,10 @@ def _export(options: argparse.Namespace) -> int:
         wanted.insert(0, ("Python", 2))
     if options.scalar and ("native", 3) not in wanted:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
+    if options.ropes and not options.ssp:
+        raise ValueError(f"--ropes {options.ropes} is for systems, and an FMU has one rope: add --ssp")
     paths = _paths(options.out, wanted)
-    case = CASES[options.case]
+    case, level, ropes = _hoist(options)
     start = {**case.rope, "right.y": abs(case.winding.travel)}
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar, stop=duration(case.winding))
@@ -175,15 +192,14 @@ def _export(options: argparse.Namespace) -> int:
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
         if flavour == "native":
-            export_native(path, level=options.level, fmi=fmi, platforms=asked, start=start, profile=profile)
+            export_native(path, level=level, fmi=fmi, platforms=asked, start=start, profile=profile)
         else:
-            export_fmu(path, level=options.level, start=start, profile=profile, platforms=asked)
+            export_fmu(path, level=level, start=start, profile=profile, platforms=asked)
         rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), f"{path.stat().st_size / 1e6:.2f} MB"))
         if options.ssp:
-            ssp = _system(path, options.case, asked, fmi)
-            rows.append(
-                (str(ssp), f"{flavour} rope, native drive", f"{fmi}.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB")
-            )
+            ssp = _system(path, case, ropes, asked, fmi)
+            what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
+            rows.append((str(ssp), what, f"{fmi}.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB"))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
@@ -214,13 +230,35 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     return paths
 
 
-def _system(rope: Path, case: str, platforms: Sequence[str], fmi: int) -> Path:
-    """The rope's FMU and the hoist drive of its case as one system, ``rope`` with the ending .ssp."""
-    drive = drive_model(CASES[case])
+def _hoist(options: argparse.Namespace) -> tuple[Case, Level, tuple[OneRope, ...]]:
+    """The case to export, the level of its rope, and its ropes where a file has several."""
+    if options.ropes is None:
+        return CASES[options.case], options.level, ()
+    # a file of ropes is read with what winds them, which loads slowly
+    from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+    from hoist_demo.ropes.definition import read_ropes
+
+    file = read_ropes(options.ropes, rope_parameters())
+    if broken := [rope.name for rope in file.ropes if rope.breaks]:
+        raise ValueError(f"breaks_at of {', '.join(broken)} must be left out: the rope of an FMU does not break")
+    if any(rope.name == DRIVE for rope in file.ropes):
+        raise ValueError(f"name = '{DRIVE}' must be another: the system's hoist has it")
+    case = replace(CASES[file.case], hoist=file.hoist, winding=file.run.winding, gains=file.run.gains)
+    return case, file.level, file.ropes
+
+
+def _system(rope: Path, case: Case, ropes: Sequence[OneRope], platforms: Sequence[str], fmi: int) -> Path:
+    """The FMU of the rope, or of each of several, and the case's drive as one system: ``rope`` with the ending .ssp."""
+    tails = [Tail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length) for one in ropes]
+    drive = drive_model(case, tails)
+    kinds = {v.name: v.kind for v in variables(rope_120())}
     with tempfile.TemporaryDirectory() as folder:
         fmu = export_model(Path(folder) / "drive.fmu", drive, platforms, fmi)
-        # drive and rope step at the same time: the rope extrapolates the motion
-        components = [Component("drive", fmu, {}), Component("rope", rope, {"inputs_at_step_end": False})]
+        components = [Component(DRIVE, fmu, {})]
+        for name, values in [(one.name, one.parameters) for one in ropes] or [("rope", {})]:
+            typed = {key: float(x) if kinds[key] == "Real" else x for key, x in values.items()}
+            # drive and rope step at the same time: the rope extrapolates the motion
+            components.append(Component(name, rope, {**typed, "inputs_at_step_end": False}))
         name, text = "FrictionHoist", drive.description
         return export_ssp(rope.with_suffix(".ssp"), name, components, drive.duration, 0.01, text)
 

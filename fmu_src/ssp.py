@@ -1,7 +1,8 @@
 """A system of FMUs as an SSP archive (System Structure and Parameterization 1.0, ssp-standard.org).
 
-An output and an input of the same name in two different FMUs are connected. That the files are what they should be is
-the FMUs' own business: their model descriptions are read, nothing else.
+An output and an input of the same name in two different FMUs are connected, and an input with an output of which it has
+the name behind that of the output's component, as `lively.left.fy_mean` with `left.fy_mean` of `lively`. That the files
+are what they should be is the FMUs' own business: their model descriptions are read, nothing else.
 """
 
 from __future__ import annotations
@@ -122,12 +123,13 @@ def _ports(component: str, description: Element) -> list[_Port]:
 
 
 def _pairs(ports: Sequence[_Port]) -> list[tuple[_Port, _Port]]:
-    """Output and input of one name in two components."""
+    """Output and input of one name in two components, the component's own name before it or not."""
     pairs = [
         (start, end)
         for end in ports
         for start in ports
-        if (start.name, start.causality, end.causality) == (end.name, "output", "input")
+        if (start.causality, end.causality) == ("output", "input")
+        and end.name in (start.name, f"{start.component}.{start.name}")
         and start.component != end.component
     ]
     for start, end in pairs:

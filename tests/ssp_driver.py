@@ -1,5 +1,7 @@
 """Winds the SSP of hoist and rope in a tool, in a process of its own; prints some signals after each step as JSON.
 
+Arguments: tool, archive, number of steps, and signals other than SIGNALS as COMPONENT:NAME.
+
 ecos      opens SSP 1.0; the binding inside is applied when init() is given the name of its parameter set. During
           initialisation it hands values over between the FMUs until they agree.
 libcosim  opens SSP 1.0, the binding included, and takes the step from its own annotation. What an observer tells of an
@@ -27,7 +29,7 @@ from masters import remainder_steps
 from native_host import Host
 
 H = 0.01
-SIGNALS = (
+SIGNALS: tuple[tuple[str, str], ...] = (
     ("drive", "left.y"),
     ("drive", "right.y"),
     ("drive", "left.vy"),
@@ -36,6 +38,8 @@ SIGNALS = (
     ("rope", "right.fy"),
 )
 Rows = list[list[float]]
+#: values of a parameter set by their type
+READ: dict[str, Callable[[str], float | bool]] = {"Real": float, "Integer": int, "Boolean": "true".__eq__}
 
 
 def adding_steps(steps: int) -> Iterator[tuple[float, float]]:
@@ -73,7 +77,7 @@ def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
         folders.append(fmpy.extract(str(path)))
         parts[component.name] = part = Host(path, folders[-1])
         for parameter in (p for b in component.parameterBindings for p in b.parameterValues[0].parameters):
-            part.set(**{parameter.name: parameter.value == "true"})
+            part.set(**{parameter.name: READ[parameter.type](parameter.value)})
         part.enter()
 
     def hand_over() -> None:
@@ -122,7 +126,7 @@ def libcosim_rows(ssp: str, steps: int) -> Rows:
 
     execution, observer = CosimExecution.from_ssp_file(ssp), CosimObserver.create_time_series()
     execution.add_observer(observer)
-    index = {name: execution.slave_index_from_instance_name(name) for name in ("drive", "rope")}
+    index = {name: execution.slave_index_from_instance_name(name) for name in {component for component, _ in SIGNALS}}
     places = []
     for component, name in SIGNALS:
         variables = execution.slave_variables(index[component])
@@ -145,5 +149,7 @@ TOOLS: dict[str, Callable[[str, int], Rows]] = {
 }
 
 if __name__ == "__main__":
-    tool, archive, count = sys.argv[1:]
+    tool, archive, count, *others = sys.argv[1:]
+    if others:
+        SIGNALS = tuple((one.split(":")[0], one.split(":")[1]) for one in others)
     print("RESULT " + json.dumps(TOOLS[tool](archive, int(count))))

@@ -11,7 +11,15 @@ from hoist_demo.cases.case import Case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive_fmu.documentation import attachments
-from hoist_demo.drive_fmu.interface import HOLDING, INPUTS, Variable, plant_outputs, side_forces, variables
+from hoist_demo.drive_fmu.interface import (
+    Tail,
+    Variable,
+    force_inputs,
+    holding,
+    plant_outputs,
+    side_forces,
+    variables,
+)
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.parameters import Winding, require_trip_fits
 
@@ -38,17 +46,23 @@ def duration(winding: Winding) -> float:
     return float(math.ceil(s_curve(winding).duration + winding.settle))
 
 
-def drive_model(case: Case) -> DriveModel:
+def drive_model(case: Case, tails: Sequence[Tail] = ()) -> DriveModel:
     """Hoist and trip of ``case`` as C; the trip is part of the export.
 
-    The brake is left out: it is for emergency stops, which an exported trip has not got.
+    ``tails`` are its balance ropes where they differ; the hoist of the case has them as one.  The brake is left out: it
+    is for emergency stops, which an exported trip has not got.
     """
     if case.winding.emergency_at is not None:
         raise ValueError(f"emergency_at = {case.winding.emergency_at:g} s must be None: export a trip without a stop")
+    if tails and case.hoist.play is not None:
+        raise ValueError(
+            f"play = {case.hoist.play} must be None where ropes hang at places of their own: their sideways forces "
+            "and motions are not connected; take a case without play"
+        )
     case = without_brake(case)
     require_trip_fits(case.hoist, case.winding)
     generated = kernels(case)
-    table = variables(case, generated.step)
+    table = variables(case, generated.step, tails)
     trip = f"{abs(case.winding.travel):g} m {'up' if case.winding.travel > 0.0 else 'down'} at up to"
     text = (
         "Drive of a friction hoist with motor, sheave, head ropes and two conveyances, S-curve reference and speed "
@@ -57,19 +71,22 @@ def drive_model(case: Case) -> DriveModel:
     sources = {
         "drive_model.c": files(__package__).joinpath("drive_model.c").read_text(encoding="utf-8"),
         "drive_kernels.c": generated.c,
-        "drive_table.h": _table(case, table, generated),
+        "drive_table.h": _table(case, table, generated, tails),
     }
-    return DriveModel(NAME, text, table, sources, attachments(text, table), duration(case.winding), initial(case))
+    return DriveModel(
+        NAME, text, table, sources, attachments(text, table), duration(case.winding), initial(case, tails)
+    )
 
 
-def initial(case: Case) -> dict[str, tuple[str, ...]]:
+def initial(case: Case, tails: Sequence[Tail] = ()) -> dict[str, tuple[str, ...]]:
     """What the outputs follow while the drive is initialised.
 
     Conveyances and sheave rest at the landings whatever the forces, and the reference waits there.  What holds the
     balance rope follows its vertical forces; those of the sides come with the first step.
     """
     numbers = (v.name for v in variables(case, 1.0) if v.causality == "output" and v.kind == "Real")
-    return {name: HOLDING.get(name, ()) for name in numbers}
+    held = holding(tails)
+    return {name: held.get(name, ()) for name in numbers}
 
 
 def without_brake(case: Case) -> Case:
@@ -84,7 +101,7 @@ def _creep(winding: Winding) -> str:
     return f", {where} at {winding.creep_speed:g} m/s" if where else ""
 
 
-def _table(case: Case, table: Sequence[Variable], generated: Kernels) -> str:
+def _table(case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[Tail]) -> str:
     """drive_table.h: sizes, places in the table and the trip."""
     # the delay before the trip is a parameter of its own
     reference = s_curve(replace(case.winding, start_delay=0.0))
@@ -92,7 +109,7 @@ def _table(case: Case, table: Sequence[Variable], generated: Kernels) -> str:
         (start, p.position, p.speed, p.acceleration, p.jerk)
         for start, p in zip(reference.starts, reference.points, strict=True)
     ]
-    integers = _sizes(case, table, generated, len(trip))
+    integers = _sizes(case, table, generated, tails) | {"SEGMENTS": len(trip)}
     parameters = (v for v in table if v.causality == "parameter")
     bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]
     lines = [
@@ -126,16 +143,18 @@ def _table(case: Case, table: Sequence[Variable], generated: Kernels) -> str:
     return "\n".join(lines)
 
 
-def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, segments: int) -> dict[str, int]:
+def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[Tail]) -> dict[str, int]:
     """Sizes of kernels and trip, and places in the table of variables."""
     names, shown = [v.name for v in table], plant_outputs(case.hoist)
+    forces = force_inputs(tails)
     controls = sum(v.causality == "output" and v.kind == "Real" for v in table) - len(shown)
     return {
         "STATES": generated.states,
         "INPUTS": generated.inputs,
         "PARAMETERS": sum(v.causality == "parameter" for v in table),
-        "FORCE": names.index(INPUTS[0]),
-        "SIDE_FORCE": names.index(INPUTS[0]) + len(INPUTS),
+        "FORCE": names.index(forces[0]),
+        "FORCES": len(forces),
+        "SIDE_FORCE": names.index(forces[0]) + len(forces),
         "SIDE_FORCES": len(side_forces(case.hoist)),
         "SIDE_INPUT": INPUT_NAMES.index("fx_left"),
         "FIRST_OUTPUT": names.index(next(v.name for v in table if v.causality == "output")),
@@ -146,7 +165,6 @@ def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, segments: 
         "TRIP_START": names.index("trip.start"),
         "STEP_MAX": names.index("solver.step_max"),
         "GAINS": names.index("controller.speed"),
-        "SEGMENTS": segments,
         "MOST_STEPS": MOST_STEPS,
         **dict(zip(("ARG", "RES", "IW", "W"), generated.work, strict=True)),
     }

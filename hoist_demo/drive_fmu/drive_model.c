@@ -106,35 +106,44 @@ void model_destroy(ModelInstance *m) {
     if (m) m->give_back(m);
 }
 
+/* left and right pull of all balance ropes */
+static void add_up(const double *values, double pull[2]) {
+    pull[0] = values[DRIVE_FORCE];
+    pull[1] = values[DRIVE_FORCE + 1];
+    for (int i = 2; i < DRIVE_FORCES; i++) pull[i % 2] += values[DRIVE_FORCE + i];
+}
+
+static const char *const OF_ALL = DRIVE_FORCES > 2 ? " with those of the other ropes" : "";
+
 int model_initialize(ModelInstance *m, double t, const double *values, char *message) {
     State *s = &m->next;
+    double pull[2];
+    add_up(values, pull);
     for (int i = 0; i < 2; i++) {
-        double force = values[DRIVE_FORCE + i];
-        if (!(force >= DRIVE_LOWEST_FORCE && force <= 0.0)) {
+        if (!(pull[i] >= DRIVE_LOWEST_FORCE && pull[i] <= 0.0)) {
             snprintf(message, MODEL_MESSAGE,
-                     "%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "
+                     "%s%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "
                      "check the rope's mass and the sign",
-                     MODEL_VARIABLES[DRIVE_FORCE + i].name, force, DRIVE_LOWEST_FORCE);
+                     MODEL_VARIABLES[DRIVE_FORCE + i].name, OF_ALL, pull[i], DRIVE_LOWEST_FORCE);
             return 0;
         }
     }
     memset(s, 0, sizeof *s);
     s->t = s->start = t;
-    m->arg[0] = values + DRIVE_FORCE;
+    m->arg[0] = pull;
     m->res[0] = s->x;
     m->res[1] = s->free_lengths;
     drive_rest(m->arg, m->res, m->iw, m->w, 0);
     if (!(fabs(s->x[0]) <= DRIVE_TORQUE_LIMIT)) {
         snprintf(message, MODEL_MESSAGE,
                  "holding torque = %.6g N m must be within +-%.6g N m, that of the motor: check "
-                 "the forces %s = %.9g N and %s = %.9g N at the start",
-                 s->x[0], DRIVE_TORQUE_LIMIT, MODEL_VARIABLES[DRIVE_FORCE].name, values[DRIVE_FORCE],
-                 MODEL_VARIABLES[DRIVE_FORCE + 1].name, values[DRIVE_FORCE + 1]);
+                 "the forces %s = %.9g N and %s = %.9g N%s at the start",
+                 s->x[0], DRIVE_TORQUE_LIMIT, MODEL_VARIABLES[DRIVE_FORCE].name, pull[0],
+                 MODEL_VARIABLES[DRIVE_FORCE + 1].name, pull[1], OF_ALL);
         return 0;
     }
     s->u[0] = s->hold = s->x[0];
-    s->u[1] = values[DRIVE_FORCE];
-    s->u[2] = values[DRIVE_FORCE + 1]; /* the sides come with the first step: the conveyances hang in the middle */
+    memcpy(s->u + 1, pull, sizeof pull); /* the sides come with the first step: the conveyances hang in the middle */
     plant_outputs(m, s);
     s->left_start = s->outputs[DRIVE_LEFT_Y];
     control_outputs(s, m->parameters);
@@ -169,8 +178,9 @@ static int sound(const State *s, char *message) {
         if (!isfinite(s->x[i])) {
             snprintf(message, MODEL_MESSAGE,
                      "the drive's state is not finite after t = %.9g s; check the forces "
-                     "%s = %.9g N and %s = %.9g N",
-                     s->t, MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2]);
+                     "%s = %.9g N and %s = %.9g N%s",
+                     s->t, MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2],
+                     OF_ALL);
             return 0;
         }
     if (fmin(left, right) > LEAST_ROPE) return 1;
@@ -197,8 +207,7 @@ int model_step(ModelInstance *m, double t, double h, const double *values, char 
     part = h / steps;
     *s = m->state;
     control(m, s, h);
-    s->u[1] = values[DRIVE_FORCE];
-    s->u[2] = values[DRIVE_FORCE + 1];
+    add_up(values, s->u + 1);
     for (long k = 0; k < DRIVE_SIDE_FORCES; k++) s->u[DRIVE_SIDE_INPUT + k] = values[DRIVE_SIDE_FORCE + k];
     for (long k = 0; k < (long)steps; k++) {
         m->arg[0] = s->x;

@@ -2,12 +2,13 @@
 
 Names are those of the balance rope's FMU, so that equal names are connected. A variable's place in the table is its
 value reference: parameters, inputs, outputs, status. A hoist whose conveyances have play between their guides also
-takes the rope's horizontal forces and its moment about the vertical, and gives the motions that follow.
+takes the rope's horizontal forces and its moment about the vertical, and gives the motions that follow. Of several
+ropes each has vertical forces of its own, behind its name; the drive adds them up.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import Literal, NamedTuple
 
@@ -46,12 +47,6 @@ _CONTROL = {
     "reference.acceleration": ("m/s2", "its second derivative"),
     "drive.torque_command": ("N.m", "torque that the controller asked for in the last step"),
 }
-#: outputs that hold the balance rope's weight, and the forces that they hold
-HOLDING = {
-    **dict.fromkeys(("drive.torque", "drive.torque_command", "drive.energy_potential"), INPUTS),
-    **{f"drive.tension_{side}": (force,) for side, force in zip(_SIDES, INPUTS, strict=True)},
-}
-
 #: units and descriptions of motions and forces, "{}" stands for the side
 _MOTION_WORDS = {
     "y": ("m", "height of the {} conveyance's rope suspension, up"),
@@ -70,6 +65,14 @@ _FORCE_WORDS = {
     "fz": ("N", "force of the balance rope on the {} conveyance out of plane"),
     "my": ("N.m", "moment of the balance rope on the {} conveyance about the vertical"),
 }
+
+
+class Tail(NamedTuple):
+    """One of several balance ropes."""
+
+    name: str
+    mass_per_length: float  # kg/m
+    length: float  # m
 
 
 class Variable(NamedTuple):
@@ -92,11 +95,26 @@ def start_heights(case: Case) -> tuple[float, float]:
     return (low, high) if case.winding.travel > 0.0 else (high, low)
 
 
-def rest_forces(case: Case) -> tuple[float, float]:
-    """Weight of the balance rope's legs on the conveyances at the start [N], negative: the bend's size neglected."""
+def force_inputs(tails: Sequence[Tail]) -> tuple[str, ...]:
+    """Names of the vertical forces: left and right, of each rope where there are several."""
+    return tuple(f"{tail.name}.{force}" for tail in tails for force in INPUTS) or INPUTS
+
+
+def holding(tails: Sequence[Tail]) -> dict[str, tuple[str, ...]]:
+    """Outputs that hold the balance ropes' weight, and the forces that they hold."""
+    names = force_inputs(tails)
+    return {
+        **dict.fromkeys(("drive.torque", "drive.torque_command", "drive.energy_potential"), names),
+        **{f"drive.tension_{side}": names[k::2] for k, side in enumerate(_SIDES)},
+    }
+
+
+def rest_forces(case: Case, tail: Tail | None = None) -> tuple[float, float]:
+    """Weight of a balance rope's legs on the conveyances at the start [N], negative: the bend's size neglected."""
     left, right = start_heights(case)
-    weight = GRAVITY * case.hoist.tail_rope_mass  # of one metre of one of the ropes
-    middle = 0.5 * case.hoist.tail_rope_length
+    rope = tail or Tail("", case.hoist.tail_rope_mass, case.hoist.tail_rope_length)
+    weight = GRAVITY * rope.mass_per_length
+    middle = 0.5 * rope.length
     return -weight * (middle + 0.5 * (left - right)), -weight * (middle - 0.5 * (left - right))
 
 
@@ -118,14 +136,14 @@ def plant_outputs(hoist: Hoist) -> tuple[str, ...]:
     return (*motions(hoist).values(), *_DRIVE)
 
 
-def variables(case: Case, step: float) -> tuple[Variable, ...]:
-    """The table; ``step`` is the largest internal step [s]."""
+def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Variable, ...]:
+    """The table; ``step`` is the largest internal step [s], ``tails`` are the balance ropes where there are several."""
     outputs = [(name, *_words(_MOTION_WORDS, name)) for name in motions(case.hoist)]
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
     assert {f.name for f in fields(PlantOutput)} >= set(plant_outputs(case.hoist))
     return (
         *_parameters(case, step),
-        *_inputs(case),
+        *_inputs(case, tails),
         *(Variable(name, "output", "continuous", "Real", unit, None, text) for name, unit, text in outputs),
         Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded"),
         Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty"),
@@ -144,10 +162,12 @@ def _parameters(case: Case, step: float) -> Iterator[Variable]:
         yield Variable(f"controller.{field.name}", "parameter", "tunable", "Real", unit, value, text, least, most)
 
 
-def _inputs(case: Case) -> Iterator[Variable]:
-    for side, force in zip(_SIDES, rest_forces(case), strict=True):
-        text = f"vertical force of the balance rope on the {side} conveyance, mean of a step, negative pulls down"
-        yield Variable(f"{side}.fy_mean", "input", "continuous", "Real", "N", force, text)
+def _inputs(case: Case, tails: Sequence[Tail]) -> Iterator[Variable]:
+    forces = [force for tail in tails or (None,) for force in rest_forces(case, tail)]
+    for k, (name, force) in enumerate(zip(force_inputs(tails), forces, strict=True)):
+        rope = f"balance rope {tails[k // 2].name}" if tails else "balance rope"
+        text = f"vertical force of the {rope} on the {_SIDES[k % 2]} conveyance, mean of a step, negative pulls down"
+        yield Variable(name, "input", "continuous", "Real", "N", force, text)
     for name in side_forces(case.hoist):
         unit, text = _words(_FORCE_WORDS, name)
         yield Variable(name, "input", "continuous", "Real", unit, 0.0, text)

@@ -37,6 +37,7 @@ class OneRope:
     """One of the ropes: its data, its place, and whether it breaks."""
 
     name: str
+    parameters: Mapping[str, Value]  # by FMI name; the rest is the level's
     scene: Scene
     place: Place
     breaks: Break | None
@@ -132,8 +133,7 @@ def _read_rope(
 def _rope(name: str, numbers: Mapping[str, float], parameters: Mapping[str, Value], level: Level) -> OneRope:
     """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
     place = Place(**{key: float(numbers.get(key, 0.0)) for key in _PLACE})
-    scene = rope_data(parameters, level)
-    spacing = scene.layout.spacing + place.x_right - place.x_left
-    scene = rope_data({**parameters, "layout.spacing": spacing}, level)
+    spacing = rope_data(parameters, level).layout.spacing + place.x_right - place.x_left
+    own = {**parameters, "layout.spacing": spacing}
     breaks = Break(float(numbers["breaks_at"]), float(numbers["breaks_s"])) if "breaks_at" in numbers else None
-    return OneRope(name, scene, place, breaks)
+    return OneRope(name, own, rope_data(own, level), place, breaks)
