@@ -134,5 +134,5 @@ def test_what_a_system_cannot_have_is_refused(
 
 
 def test_a_hoist_whose_conveyances_have_play_takes_one_rope() -> None:
-    with pytest.raises(ValueError, match="play = .* m must be None where ropes hang at places of their own"):
+    with pytest.raises(ValueError, match=r"play = Play.* must be None where ropes hang at places of their own"):
         drive_model(CASES["monopol-1000"], [Tail("one", 8.0, 1000.0), Tail("other", 8.0, 1000.0)])

@@ -113,7 +113,7 @@ static void add_up(const double *values, double pull[2]) {
     for (int i = 2; i < DRIVE_FORCES; i++) pull[i % 2] += values[DRIVE_FORCE + i];
 }
 
-static const char *const OF_ALL = DRIVE_FORCES > 2 ? " with those of the other ropes" : "";
+static const char *const OF_ALL = DRIVE_FORCES > 2 ? " (all ropes)" : "";
 
 int model_initialize(ModelInstance *m, double t, const double *values, char *message) {
     State *s = &m->next;
