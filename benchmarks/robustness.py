@@ -30,7 +30,7 @@ class Reversal:
         if t < self.half.duration:
             return self.half.at(t)
         p = self.half.at(t - self.half.duration)
-        return replace(p, position=self.distance - p.position, speed=-p.speed, acceleration=-p.acceleration)
+        return p._replace(position=self.distance - p.position, speed=-p.speed, acceleration=-p.acceleration)
 
 
 def trip(kind: str, speed: float) -> object:

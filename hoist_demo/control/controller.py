@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from hoist_demo.control.emergency import BrakeState, EmergencyBrake
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
@@ -41,24 +41,21 @@ class Gains:
             raise ValueError(f"gain feed_forward = {self.feed_forward!r} must be within 0 and 1: it is a share")
 
 
-@dataclass(frozen=True)
-class Measurement:
+class Measurement(NamedTuple):
     """What the controller sees at its sample."""
 
     travel: float  # m, of the left conveyance since the start
     speed: float  # m/s, at the sheave's rim
 
 
-@dataclass(frozen=True)
-class ControllerState:
+class ControllerState(NamedTuple):
     """Integral part I [N], and what a regulated emergency stop remembers."""
 
     integral: float = 0.0
     brake: BrakeState | None = None
 
 
-@dataclass(frozen=True)
-class Command:
+class Command(NamedTuple):
     """Torque to hold until the next sample, and the state to go on with."""
 
     torque: float  # N m
@@ -87,7 +84,8 @@ class SpeedController:
         """`holding_torque` [N m] is the motor's torque at rest at the start."""
         self._gains = Gains() if gains is None else gains
         self._radius = hoist.sheave_radius
-        self._mass = hoist.moving_mass
+        self._mass, self._imbalance_rate = hoist.moving_mass, hoist.imbalance_rate
+        self._coulomb, self._viscous = hoist.travel_loss
         self._holding_torque = holding_torque
         self._hoist = hoist
         self._emergency = EmergencyBrake(hoist, self._gains.speed, self._gains.integral_time)
@@ -101,7 +99,7 @@ class SpeedController:
             return self._brake(reference.braking, measured, state, h)
         k_v = self._gains.speed
         error = reference.speed + self._gains.position * (reference.position - measured.travel) - measured.speed
-        ahead = self._mass * reference.acceleration + self._hoist.imbalance_rate * reference.position
+        ahead = self._mass * reference.acceleration + self._imbalance_rate * reference.position
         ahead += self._loss(reference.speed)
         force = self._gains.feed_forward * ahead + k_v * error + state.integral
         wanted = self._holding_torque + self._radius * force
@@ -115,12 +113,11 @@ class SpeedController:
 
     def _brake(self, braking: Braking, measured: Measurement, state: ControllerState, h: float) -> Command:
         """Motor off, brake after its law."""
-        holding_force = self._holding_torque / self._radius + self._hoist.imbalance_rate * measured.travel
+        holding_force = self._holding_torque / self._radius + self._imbalance_rate * measured.travel
         resistance = math.copysign(1.0, measured.speed) * holding_force + abs(self._loss(measured.speed))
         asked = self._emergency.command(braking, measured.speed, resistance, state.brake, h)
         return Command(0.0, False, ControllerState(0.0, asked.state), asked.fraction)
 
     def _loss(self, speed: float) -> float:
         """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""
-        coulomb, viscous = self._hoist.travel_loss
-        return coulomb * math.tanh(speed / self._hoist.loss_speed) + viscous * speed
+        return self._coulomb * math.tanh(speed / self._hoist.loss_speed) + self._viscous * speed

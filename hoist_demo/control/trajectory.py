@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +37,7 @@ class Braking:
     deceleration: float  # m/s^2, that a regulated brake shall keep
 
 
-@dataclass(frozen=True)
-class TrajectoryPoint:
+class TrajectoryPoint(NamedTuple):
     """Motion of the left conveyance asked for at one instant, counted from its start position."""
 
     position: float  # m
@@ -48,13 +48,9 @@ class TrajectoryPoint:
 
     def after(self, dt: float) -> TrajectoryPoint:
         """The point dt [s] later under the same jerk."""
-        j, a, v, s = self.jerk, self.acceleration, self.speed, self.position
-        return TrajectoryPoint(
-            position=s + dt * (v + dt * (a / 2.0 + dt * j / 6.0)),
-            speed=v + dt * (a + dt * j / 2.0),
-            acceleration=a + dt * j,
-            jerk=j,
-        )
+        s, v, a, j, _ = self
+        position = s + dt * (v + dt * (a / 2.0 + dt * j / 6.0))
+        return TrajectoryPoint(position, v + dt * (a + dt * j / 2.0), a + dt * j, j)
 
 
 @dataclass(frozen=True)
@@ -96,7 +92,7 @@ class Trajectory:
         point = self.points[k].after(t - self.starts[k])
         if self.trip is None or t + self.trip.elapsed < 0.0:
             return point
-        return replace(point, braking=replace(self.trip, elapsed=t + self.trip.elapsed))
+        return point._replace(braking=replace(self.trip, elapsed=t + self.trip.elapsed))
 
     def sample(self, times: ReferenceArray) -> ReferenceArray:
         """Position, speed, acceleration and jerk as columns, one row per time."""

@@ -30,7 +30,7 @@ from hoist_demo.cosimulation.plain_data import encode
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.run_state import RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
-from hoist_demo.cosimulation.schemes.interface import Advance, Pair, Scheme, Vector
+from hoist_demo.cosimulation.schemes.interface import Pair, Scheme, Vector
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate
 from hoist_demo.cosimulation.stability import estimate_stability_at_rest
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
@@ -233,9 +233,9 @@ class Host:
 
     def _heeding(self, course: Course, signals: Array) -> Course:
         """The course after what the guards of the rope's loop tell: an emergency stop from their first sample on."""
-        if not self._guard or not signals[self._guard[0]] > 0.0:
+        if not self._guard or not signals.item(self._guard[0]) > 0.0:
             return course
-        start, T, time = self.coupling.start, self.coupling.sample_time, signals[self._guard[1]]
+        start, T, time = self.coupling.start, self.coupling.sample_time, signals.item(self._guard[1])
         return course.stopped(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
 
     @property
@@ -262,12 +262,16 @@ class Host:
         sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
         self._load(k)
         run.drive.command(command.torque, command.brake, sides)
-        H, per_sample = self.coupling.step, self.coupling.per_sample
-        for j in range(per_sample):
-            advance = self._advance(run, self.coupling.start + (k * per_sample + j) * H, H)
-            if advance.cause:
-                return advance.cause
-            run.memory = advance.memory
+        start, H, per_sample = self.coupling.start, self.coupling.step, self.coupling.per_sample
+        for step in range(k * per_sample, (k + 1) * per_sample):
+            t = start + step * H
+            try:
+                memory, cause = self.scheme.advance(run.pair, run.memory, t, H)
+            except (ValueError, RuntimeError) as error:
+                return f"t = {t:.6g} s: {error}"
+            if cause:
+                return cause
+            run.memory = memory
             run.steps += 1
         return ""
 
@@ -282,13 +286,6 @@ class Host:
             left = now.payload_left + part * (then.payload_left - now.payload_left)
             right = now.payload_right + part * (then.payload_right - now.payload_right)
             self.plant.reload(replace(now, payload_left=left, payload_right=right))
-
-    def _advance(self, run: RunState, t: float, h: float) -> Advance:
-        """One communication step of the scheme; what it raises is the cause for which the run stops."""
-        try:
-            return self.scheme.advance(run.pair, run.memory, t, h)
-        except (ValueError, RuntimeError) as error:
-            return Advance(run.memory, f"t = {t:.6g} s: {error}")
 
     def _result(self, recorder: Recorder, steps: int, cause: str, course: Course) -> Result:
         if cause:

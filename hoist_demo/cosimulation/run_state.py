@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -61,12 +61,11 @@ class RunState:
     controller: Any = None  # the controller's state
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
+    pair: Pair = field(init=False)  # drive and rope, for the scheme
     _kept: _Kept | None = None
 
-    @property
-    def pair(self) -> Pair:
-        """For the scheme."""
-        return Pair(self.drive, self.rope)
+    def __post_init__(self) -> None:
+        self.pair = Pair(self.drive, self.rope)
 
     def keep(self, k: int) -> None:
         """Keep the state at sample k, and none before."""

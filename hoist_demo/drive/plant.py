@@ -184,9 +184,12 @@ class HoistPlant:
         kernels = drive_kernels(parts, form)
         self._layout = kernels.layout
         given, result = kernels.layout.given, kernels.layout.result
-        self._given, self._result, self._error = given, result, result["error"].start
+        self._given, self._result = given, result
         self._advance = Kernel(kernels.advance, [(result["shown"].stop,)])
         self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
+        self._s, self._h, self._x = given["s"].start, given["h"].start, self._z[given["x"]]
+        # over a step: its length, the path and the added masses; then the free lengths
+        self._held, self._l0 = self._z[given["H"].start : given["added_mass"].stop], self._z[given["l0"]]
         self._z[given["p"]] = numbers
         self.evaluations = 0  # of `advance`, so far
         self._rates = Kernel(kernels.rates, [(kernels.layout.states,)])
@@ -238,7 +241,7 @@ class HoistPlant:
     def advance(self, state: PlantState, h: float, path: Vector, added_mass: Vector) -> PlantStep:
         """The same with the path's three inputs, of INPUT_NAMES each, in one vector."""
         self._give(state, h, path, added_mass)
-        if not math.isfinite(path.dot(path) + added_mass.dot(added_mass) + h):
+        if not math.isfinite(self._held.dot(self._held)):
             return PlantStep(False, f"drive: input is not finite: {_not_finite(path)}", state)
         found = self._integrate(h, (state.step_next or h) / h)
         if found is None:
@@ -246,29 +249,28 @@ class HoistPlant:
         y, work, size = found
         result, n = self._result, len(WORK_NAMES)
         new = PlantState(y[result["x"]], state.work + work[:n], state.free_lengths, state.losses + work[n:], size * h)
-        free = free_lengths_at(self.hoist, new)
-        if min(free) <= 0.1:
-            return PlantStep(False, f"drive: head rope of {min(free):.3g} m left at the sheave: overwind", state)
+        if (free := min(free_lengths_at(self.hoist, new))) <= 0.1:
+            return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", state)
         return PlantStep(True, "", new, y[result["acting"]], y[result["shown"]])
 
     def _integrate(self, h: float, size: float) -> tuple[Vector, Vector, float] | None:
         """What `advance` shows at s = 1, all work, next step in s; it begins with steps of this size. None: no way."""
-        z, given, result = self._z, self._given, self._result
+        z, result, error_at = self._z, self._result, self._result["error"].start
         s, work, growth = 0.0, _NO_WORK, GROWS
         while size * h > SHORTEST:
             calls = max(1, math.ceil((1.0 - s) / (CHUNK * size) - 1e-9))
             used = (1.0 - s) / (CHUNK * calls)
-            z[given["s"]], z[given["h"]] = s, used
+            z[self._s], z[self._h] = s, used
             self._advance.evaluate()
             self.evaluations += 1
             y = self._y.copy()
-            error = y.item(self._error)
+            error = y.item(error_at)
             size = min(used * _change(error), size * growth)
             if error <= 1.0 and math.isfinite(y.dot(y)):
                 work = work + y[result["work"]]
                 if calls == 1:
                     return y, work, size
-                z[given["x"]] = y[result["x"]]
+                self._x[:] = y[result["x"]]
                 s += CHUNK * used
             else:
                 growth = 1.0
@@ -290,8 +292,8 @@ class HoistPlant:
     def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
         """The input that acts at s, and what PlantOutput has, as numbers."""
         self._give(state, 0.0, path, added_mass)
-        given, result = self._given, self._result
-        self._z[given["s"]], self._z[given["h"]] = s, 0.0
+        result = self._result
+        self._z[self._s], self._z[self._h] = s, 0.0
         self._advance.evaluate()
         y = self._y.copy()
         return y[result["acting"]], y[result["shown"]]
@@ -301,9 +303,9 @@ class HoistPlant:
         return self._at(self._rates, state, np.array(_pack(u)))
 
     def _give(self, state: PlantState, h: float, path: Vector, added_mass: Vector) -> None:
-        z, given = self._z, self._given
-        z[given["H"]], z[given["path"]], z[given["added_mass"]] = h, path, added_mass
-        z[given["x"]], z[given["l0"]] = state.x, state.free_lengths
+        held = self._held
+        held[0], held[1:-2], held[-2:] = h, path, added_mass
+        self._x[:], self._l0[:] = state.x, state.free_lengths
 
     def _at(self, function: Kernel, state: PlantState, u: Vector) -> Vector:
         (value,) = function(state.x, u, np.array(state.free_lengths), self._numbers)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from hoist_demo.parameters.components import require
 from hoist_demo.parameters.quantity import quantity
@@ -30,12 +31,12 @@ class Coupling:
             "take the step itself, or twice or thrice",
         )
 
-    @property
+    @cached_property
     def sample_time(self) -> float:
         """Sample time of controller and recording [s]."""
         return self.step if self.sample is None else self.sample
 
-    @property
+    @cached_property
     def per_sample(self) -> int:
         """Communication steps from one sample to the next."""
         return round(self.sample_time / self.step)

@@ -50,21 +50,26 @@ class _Part(NamedTuple):
 
     get: Callable[[], Any]
     values: NDArray[Any]
-    there: NDArray[np.intp]  # places in `values`
-    here: NDArray[np.intp]  # places among the names
+    there: NDArray[np.intp] | slice  # places in `values`
+    here: NDArray[np.intp] | slice  # places among the names
 
     @staticmethod
     def of(buffer: Buffer, names: Sequence[str]) -> _Part:
         """Of a buffer that also reads other elements of arrays."""
         places = {name: k for k, name in enumerate(buffer.names)}
-        pairs = np.array([(places[name], k) for k, name in enumerate(names) if name in places])
-        return _Part(buffer.call, buffer.values, pairs[:, 0].copy(), pairs[:, 1].copy())
+        pairs = [(places[name], k) for k, name in enumerate(names) if name in places]
+        return _Part(buffer.call, buffer.values, *(_run_of(column) for column in zip(*pairs, strict=True)))
 
     def is_all_of(self, names: Sequence[str]) -> bool:
         """Whether the call gives real numbers for just these names in their order."""
-        whole = np.arange(len(names))
-        same = np.array_equal(self.there, whole) and np.array_equal(self.here, whole)
-        return same and self.values.shape == whole.shape and self.values.dtype == np.float64
+        same = self.there == self.here == slice(0, len(names))
+        return same and self.values.shape == (len(names),) and self.values.dtype == np.float64
+
+
+def _run_of(places: Sequence[int]) -> NDArray[np.intp] | slice:
+    """The places as a slice where each follows on the one before."""
+    whole = slice(places[0], places[-1] + 1)
+    return whole if [*range(whole.start, whole.stop)] == [*places] else np.array(places)
 
 
 class FmuRope:

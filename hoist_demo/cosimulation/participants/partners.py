@@ -162,13 +162,13 @@ class RopeParticipant:
         """Hang the rope; "" or the cause why it does not."""
         with clock:
             status = self.rope.initialize(t, left, right)
-            return self._problem(status, "rope, at the start")
+            return self._problem(status, None)
 
     def step(self, t: float, h: float, motion: Motion) -> str:
         """One step of the rope, and its forces."""
         with self._clock:
             status = self.rope.step(t, h, *end_motions(motion, self.beside()))
-            return self._problem(status, f"rope, step from t = {t:.6g} s")
+            return self._problem(status, t)
 
     def forces(self) -> tuple[Vector, Vector]:
         """Forces now and their means."""
@@ -204,14 +204,16 @@ class RopeParticipant:
         self.restore(snapshot)
         self.free(snapshot)
 
-    def _problem(self, status: RopeStatus, where: str) -> str:
-        """Why the rope's answer cannot be used; "" when it can."""
+    def _problem(self, status: RopeStatus, t: float | None) -> str:
+        """Why the rope's answer to a step from t [s], or None: to the start, cannot be used; "" when it can."""
         self._forces = None
-        if not status.valid:
-            return f"{where}: {status.message or 'status.valid is false, without a message'}"
-        forces = self._read()
-        if not math.isfinite(forces.dot(forces)):
+        if status.valid:
+            forces = self._read()
+            if math.isfinite(forces.dot(forces)):
+                self._forces = forces
+                return ""
             bad = [name for name, force in zip(ROPE_FORCES, forces, strict=True) if not math.isfinite(force)]
-            return f"{where}: {', '.join(bad)} missing or not finite: check the rope plant"
-        self._forces = forces
-        return ""
+            problem = f"{', '.join(bad)} missing or not finite: check the rope plant"
+        else:
+            problem = status.message or "status.valid is false, without a message"
+        return f"rope, {'at the start' if t is None else f'step from t = {t:.6g} s'}: {problem}"

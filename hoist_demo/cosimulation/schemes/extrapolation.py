@@ -36,17 +36,19 @@ def extrapolation_coefficients(
     samples: Sequence[Sample], name: str, order: int, h: float
 ) -> tuple[Vector, Vector, Vector]:
     """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
-    used = samples[-(order + 1) :]
-    values: list[Vector] = [getattr(sample, name) for sample in used]
-    last = values[-1]
+    latest = samples[-1]
+    last: Vector = getattr(latest, name)
+    order = min(order, len(samples) - 1)
     zero = np.zeros(last.shape)
-    if len(used) == 1:
+    if order == 0:
         return last, zero, zero
     # Newton's divided differences, from the last sample backwards
-    t = [(sample.t - used[-1].t) / h for sample in used]
-    slope = (last - values[-2]) / -t[-2]
-    if len(used) == 2:
+    second: Vector = getattr(samples[-2], name)
+    t = (samples[-2].t - latest.t) / h
+    slope = (last - second) / -t
+    if order == 1:
         return last, slope, zero
-    before = (values[-2] - values[-3]) / (t[-2] - t[-3])
-    bend = (slope - before) / -t[-3]
-    return last, slope - bend * t[-2], bend
+    t_before = (samples[-3].t - latest.t) / h
+    before = (second - getattr(samples[-3], name)) / (t - t_before)
+    bend = (slope - before) / -t_before
+    return last, slope - bend * t, bend

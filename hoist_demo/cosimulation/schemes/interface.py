@@ -183,7 +183,7 @@ class ExchangeBalance:
     def residual(self, mean: Vector) -> float:
         """The step's residual [J]; the rope gave its mean force times the way, to the third order in h."""
         way = self.pair.drive.motion(self.load, 1.0).place - self.place
-        return self.pair.drive.work() - self.work - float(mean @ way)
+        return self.pair.drive.work() - self.work - float(mean.dot(way))
 
 
 class Scheme(Protocol):
