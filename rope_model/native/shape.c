@@ -114,16 +114,41 @@ static int part_above(const double *first, int stride, double height, double par
     return n;
 }
 
-/* smallest distance of the points from the pieces of a polygon; what is higher or lower by more is passed over */
-static double smallest_distance(int points, double point[LEG][3], int corners, double corner[LEG][3]) {
-    double least = HUGE_VAL, lowest_from[LEG + 1];
+typedef struct {
+    double low[3], high[3];
+} Box;
+
+static Box box_around(int points, double point[LEG][3]) {
+    Box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    for (int n = 0; n < points; n++)
+        for (int axis = 0; axis < 3; axis++) {
+            box.low[axis] = fmin(box.low[axis], point[n][axis]);
+            box.high[axis] = fmax(box.high[axis], point[n][axis]);
+        }
+    return box;
+}
+
+static double gap(const Box *a, const Box *b, int axis) {
+    return fmax(fmax(a->low[axis] - b->high[axis], b->low[axis] - a->high[axis]), 0.0);
+}
+
+/* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least`; what
+   is too high or too low for that is passed over */
+static double smallest_squared(int points, double point[LEG][3], int corners, double corner[LEG][3], double least) {
+    double lowest_from[LEG + 1];
+    const Box all = box_around(points, point);
     lowest_from[points] = HUGE_VAL;
     for (int n = points - 1; n >= 0; n--) lowest_from[n] = fmin(point[n][1], lowest_from[n + 1]);
     for (int m = 0; m + 1 < corners; m++) {
-        double along[3], low = fmin(corner[m][1], corner[m + 1][1]), high = fmax(corner[m][1], corner[m + 1][1]);
+        double along[3];
+        const Box box = box_around(2, corner + m);
+        const double x = gap(&all, &box, 0), z = gap(&all, &box, 2);
+        double reach = height_within(least, x, z);
         for (int axis = 0; axis < 3; axis++) along[axis] = corner[m + 1][axis] - corner[m][axis];
-        for (int n = 0; n < points && lowest_from[n] < high + least; n++) {
-            if (point[n][1] > low - least) least = fmin(least, sqrt(squared_distance(point[n], corner[m], along)));
+        for (int n = 0; n < points && lowest_from[n] < box.high[1] + reach; n++) {
+            if (!(point[n][1] > box.low[1] - reach)) continue;
+            const double found = squared_distance(point[n], corner[m], along);
+            if (found < least) least = found, reach = height_within(least, x, z);
         }
     }
     return least;
@@ -137,8 +162,8 @@ double shape_leg_clearance(int nodes, const double *q, const double *s, const Lo
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
     if (lefts < 2 || rights < 2) return HUGE_VAL;
-    return fmin(smallest_distance(lefts, left, rights, right), smallest_distance(rights, right, lefts, left)) -
-           diameter;
+    const double least = smallest_squared(lefts, left, rights, right, HUGE_VAL);
+    return sqrt(smallest_squared(rights, right, lefts, left, least)) - diameter;
 }
 
 /* A leg on the way up: the last of its places that is higher than all before it, and the next such place; where there
