@@ -61,10 +61,11 @@ def test_where_no_warning_applies_none_is_given(results: dict[str, Any], run: st
     assert (results[run]["warnings"], results[run]["status.warning"]) == ([], "")
 
 
+CROSSED = "planar in a cross wind"
 YAWED = ["yawed by its coupling", "yawed by its twist", "yawed by its ends"]
 
 
-@pytest.mark.parametrize("run", ["passed", "touching", *YAWED, "spatial", "planar", "rigid", "long steps"])
+@pytest.mark.parametrize("run", ["passed", "touching", *YAWED, "spatial", "planar", CROSSED, "rigid", "long steps"])
 def test_a_warning_is_logged_once_and_stays_readable(results: dict[str, Any], run: str) -> None:
     (warning,) = results[run]["warnings"]
     # numbers in it may be those of another instant

@@ -231,6 +231,11 @@ def test_a_piece_that_is_no_longer_than_its_leg_hangs() -> None:
     assert piece.force(0.5, EndMotion(y=1.0, ay=2.0)) == (-8.0 * 30.0 * (GRAVITY + 2.0), 30.0)
 
 
+def test_a_piece_falls_by_the_gravity_of_its_rope() -> None:
+    piece = Piece.of(0.0, 8.0, 30.0, 60.0, EndMotion(y=0.0), EndMotion(y=-10.0), gravity=1.62)
+    assert piece.force(0.5, EndMotion(ay=2.0)) == (-8.0 * 30.0 * (1.62 + 2.0), 30.0)
+
+
 def test_a_hoist_with_a_rope_that_breaks_runs_through() -> None:
     ropes = group(rope(), BreakingRope(rope(), 8.0, 120.0, Break(6.0, 30.0)))
     hoist = hoist_with(replace(CASE.hoist, conveyance_mass=2e4), [(8.0, 120.0)] * 2)

@@ -34,6 +34,10 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
     "spatial": ({"model.fidelity": 2}, (0.01,)),
     "planar": ({"model.fidelity": 3}, (0.01,)),
     "rigid": ({"model.fidelity": 4}, (0.01,)),
+    "planar in a cross wind": (
+        {"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0, "air.density": 1.2, "air.vz": 5.0},
+        (0.01,),
+    ),
     "planar without torque": ({"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}, (0.01,)),
     "long steps": ({}, (0.05, 0.05)),
     "a long step, then a short one": ({}, (0.05, 0.01)),

@@ -10,7 +10,7 @@ Keys and values are those of a study's [fixed]. All errors of a file are told at
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +47,8 @@ class OneRope:
         rope, data = InProcessRope(self.scene, READ), self.scene.rope
         if self.breaks is None:
             return rope
-        return BreakingRope(rope, data.mass_per_length, data.length, self.breaks)
+        breaks = replace(self.breaks, gravity=self.scene.layout.gravity)
+        return BreakingRope(rope, data.mass_per_length, data.length, breaks)
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,8 @@ def rests(scene: Any, state: Any) -> Any:
 
 def leaves_out(scene: Any, state: Any) -> Any:
     """Whether the rope does what its fidelity does not compute, if that is none that computes all."""
-    return either(state.fidelity == "rigid", carries_torque(scene))
+    blown = both(state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0)
+    return either(state.fidelity == "rigid", carries_torque(scene), blown)
 
 
 def legs_near(state: Any, yaw: Any) -> Any:

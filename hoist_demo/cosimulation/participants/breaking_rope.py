@@ -33,6 +33,7 @@ class Break:
 
     t: float  # s
     s: float  # m, along the rope from its left end
+    gravity: float = GRAVITY  # m/s^2, of what then falls
 
 
 @dataclass(frozen=True)
@@ -44,22 +45,25 @@ class Piece:
     length: float  # m
     break_height: float  # m, at t
     break_speed: float  # m/s, at t
+    gravity: float = GRAVITY  # m/s^2
 
     @staticmethod
-    def of(t: float, mass: float, length: float, leg: float, end: EndMotion, other: EndMotion) -> Piece:
+    def of(
+        t: float, mass: float, length: float, leg: float, end: EndMotion, other: EndMotion, gravity: float = GRAVITY
+    ) -> Piece:
         """The piece of a rope whose leg at this end was `leg` long [m]."""
         if length <= leg:
-            return Piece(t, mass, length, end.y - length, end.vy)
-        return Piece(t, mass, length, end.y - (2.0 * leg - length), other.vy)
+            return Piece(t, mass, length, end.y - length, end.vy, gravity)
+        return Piece(t, mass, length, end.y - (2.0 * leg - length), other.vy, gravity)
 
     def force(self, t: float, end: EndMotion) -> tuple[float, float]:
         """Vertical force on the conveyance [N], and the length that hangs from it [m]."""
         fallen = t - self.t
-        r = end.y - (self.break_height + fallen * (self.break_speed - 0.5 * GRAVITY * fallen))
+        r = end.y - (self.break_height + fallen * (self.break_speed - 0.5 * self.gravity * fallen))
         if r >= self.length:
-            return -self.mass * self.length * (GRAVITY + end.ay), self.length
-        hanging, rate = 0.5 * (self.length + r), end.vy - self.break_speed + GRAVITY * fallen
-        return -self.mass * (hanging * (GRAVITY + end.ay) + 0.5 * rate**2), hanging
+            return -self.mass * self.length * (self.gravity + end.ay), self.length
+        hanging, rate = 0.5 * (self.length + r), end.vy - self.break_speed + self.gravity * fallen
+        return -self.mass * (hanging * (self.gravity + end.ay) + 0.5 * rate**2), hanging
 
 
 class BreakingRope:
@@ -93,10 +97,10 @@ class BreakingRope:
 
     def _break(self, t: float) -> tuple[Piece, Piece]:
         left, right = self._ends
-        leg = 0.5 * (self._length + left.y - right.y)
+        leg, rest = 0.5 * (self._length + left.y - right.y), self._length - self._at.s
         return (
-            Piece.of(t, self._mass, self._at.s, leg, left, right),
-            Piece.of(t, self._mass, self._length - self._at.s, self._length - leg, right, left),
+            Piece.of(t, self._mass, self._at.s, leg, left, right, self._at.gravity),
+            Piece.of(t, self._mass, rest, self._length - leg, right, left, self._at.gravity),
         )
 
     def _forces(self, t: float, ends: tuple[EndMotion, EndMotion]) -> dict[str, float]:
