@@ -9,8 +9,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import RK45, solve_ivp
 
+from hoist_demo.drive import runge_kutta
 from hoist_demo.drive.equations import equations, numbers_of, parts_of
 from hoist_demo.drive.kernels import CHUNK
 from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantInputPath, PlantState, energy_residual
@@ -24,6 +25,14 @@ RELAXED = (-TAIL * 15.0, -TAIL * 105.0)
 @pytest.fixture(scope="module")
 def plant() -> HoistPlant:
     return HoistPlant(Hoist())
+
+
+def test_the_method_s_coefficients_are_scipy_s() -> None:
+    A = [*(tuple(row[:k]) for k, row in enumerate(RK45.A) if k > 0), tuple(RK45.B)]
+    assert list(runge_kutta._A) == A
+    assert list(runge_kutta._C) == [*RK45.C[1:], 1.0]
+    assert list(runge_kutta._ERROR) == [*-RK45.E]
+    assert RK45.order == runge_kutta.ORDER
 
 
 def _move(plant: HoistPlant) -> PlantState:

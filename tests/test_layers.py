@@ -161,7 +161,6 @@ HOMES = {
         "rope_model.simulation.modal",
         "hoist_demo.design",
         "hoist_demo.control.trajectory",
-        "hoist_demo.drive.runge_kutta",
         "hoist_demo.study.sampling",
     },
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},

@@ -10,16 +10,17 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import logging
+import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rope_model.native.platforms import PLATFORMS as PLATFORMS
 from rope_model.native.platforms import host_platform as host_platform
 from rope_model.native.platforms import prebuilt_file, prebuilt_platforms
-from rope_model.numerics.kernels import cache_folder, compiler_version, find_compiler
+from rope_model.numerics.kernels import cache_folder, compile_objects, find_compiler, object_files
 
 from .mach_o import universal
 
@@ -88,50 +89,50 @@ def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path
     return _build(sources, identifier, name, "")
 
 
-def _build(sources: Mapping[str, str], identifier: str, name: str, version: str, *flags: str) -> Path:
+def _build(sources: Mapping[str, str], identifier: str, name: str, version: str, *more: str) -> Path:
     if name not in PLATFORMS or name not in _compilable():
         could = ", ".join(available_platforms()) or "none, without a C compiler"
         raise ValueError(f"the platform {name!r} cannot be built here; can be: {could}. {CURE}")
-    command = _command(name, *flags)
-    parts = [
-        identifier,
-        compiler_version(tuple(command[:3])),
-        *command[1:],
-        *(f"{key}\0{text}" for key, text in sorted(sources.items())),
-    ]
-    key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
+    compiler, flags = _compiler(), (*_flags(name), *more)
+    objects = object_files(sources, compiler, flags, cache_folder())
+    parts = "\0".join([identifier, *(file.name for file in objects.values())])
+    key = hashlib.sha256(parts.encode()).hexdigest()[:20]
     made = cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
     if not made.exists():
-        made.parent.mkdir(parents=True, exist_ok=True)
         progress.warning("compiling %s for %s%s, some 10 s", identifier, name, version)
-        with tempfile.TemporaryDirectory(dir=made.parent) as folder:
-            _compile(Path(folder), command, sources, f"{identifier}{PLATFORMS[name].suffix}").replace(made)
+        loader = ["-ldl"] if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values()) else []
+        try:
+            compile_objects(sources, [*compiler, *flags], objects)
+            _link([*compiler, *flags], objects.values(), loader, f"{identifier}{made.suffix}", made)
+        except subprocess.CalledProcessError as error:
+            raise RuntimeError(f"{' '.join([*compiler, *flags])} failed: {error.stderr[-2000:]}") from error
     return made
 
 
-def _command(name: str, *more: str) -> list[str]:
-    """The command that compiles for the platform with ``more`` flags, without the files."""
-    flags = [*FLAGS, *more]
-    if not name.endswith("windows"):
-        flags.append("-fPIC")
-    if name.endswith("linux"):
-        flags.append("-Wl,--build-id=none")
+def _compiler() -> tuple[str, ...]:
     if importlib.util.find_spec("ziglang") is not None:
-        return [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].target, *flags]
-    return [*(find_compiler() or ()), *flags]
+        return (sys.executable, "-m", "ziglang", "cc")
+    return find_compiler() or ()
 
 
-def _compile(folder: Path, command: Sequence[str], sources: Mapping[str, str], name: str) -> Path:
-    """The library ``name`` in ``folder``, where its sources come to lie, too; RuntimeError when the compiler fails."""
-    for file, text in sources.items():
-        (folder / file).write_text(text, encoding="utf-8", newline="\n")
-    files = sorted(file for file in sources if file.endswith(".c"))
-    more = [f"-Wl,-install_name,@rpath/{name}"] if name.endswith(".dylib") else []
-    loader = ["-ldl"] if name.endswith(".so") and any("<dlfcn.h>" in text for text in sources.values()) else []
-    # in the folder, by relative names: no path of this machine gets into the library
-    done = subprocess.run(
-        [*command, *more, *files, "-o", name, "-lm", *loader], cwd=folder, capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        raise RuntimeError(f"{' '.join(command)} failed: {done.stderr[-2000:]}")
-    return folder / name
+def _flags(name: str) -> tuple[str, ...]:
+    """Those of the platform."""
+    target = ("-target", PLATFORMS[name].target) if importlib.util.find_spec("ziglang") is not None else ()
+    position = () if name.endswith("windows") else ("-fPIC",)
+    return (*target, *FLAGS, *position, *(("-Wl,--build-id=none",) if name.endswith("linux") else ()))
+
+
+def _link(command: Sequence[str], objects: Iterable[Path], loader: Sequence[str], name: str, made: Path) -> None:
+    """The library ``made`` of the object files, in which its ``name`` is another."""
+    own_name = [f"-Wl,-install_name,@rpath/{name}"] if name.endswith(".dylib") else []
+    with tempfile.TemporaryDirectory(dir=made.parent) as folder:
+        # in a folder, by a relative name: no path of this machine gets into the library
+        files = [os.path.relpath(file, folder) for file in objects]
+        subprocess.run(
+            [*command, *own_name, *files, "-o", name, "-lm", *loader],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        (Path(folder) / name).replace(made)

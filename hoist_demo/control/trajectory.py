@@ -21,7 +21,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from hoist_demo.parameters import EmergencyLaw, Winding
 
@@ -206,6 +205,8 @@ def _creep_profile(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ..
     if ramps(winding.speed) <= between:
         v = winding.speed
     else:
+        from scipy.optimize import brentq  # slow to load: for this case alone
+
         # on the side on which the ramps fit, as their length is steep near c; the rounding that is left is run at v
         v = float(brentq(lambda v: ramps(v) - between, c, winding.speed, xtol=1e-15, rtol=1e-15))
         v = max(c, v - 3e-15 * (1.0 + v))

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 Array = NDArray[np.float64]
 
@@ -27,6 +26,8 @@ class SwingMode:
 
 def fit_swing(time: Array, x: Array) -> SwingMode | None:
     """The strongest mode of an evenly sampled record; None where nothing swings or it does not look like one."""
+    from scipy.optimize import least_squares  # as slow to load as all the rest of a demo
+
     t = time - time[0]
     drift = np.polynomial.Polynomial.fit(t, x, 1)
     rest = x - drift(t)

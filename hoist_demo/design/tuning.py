@@ -19,8 +19,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import Bounds, NonlinearConstraint, minimize
-from scipy.stats import qmc
 
 Array = NDArray[np.float64]
 
@@ -79,6 +77,8 @@ class Found:
 
 def search(evaluate: Evaluate, dimensions: int, plan: Plan) -> Found:
     """Points tried."""
+    from scipy.stats import qmc  # slow to load, as the methods of minimise: most studies search nothing
+
     points = qmc.LatinHypercube(d=dimensions, rng=np.random.default_rng(plan.seed)).random(plan.sample)
     judged = list(evaluate(points))
     finite = [k for k, point in enumerate(judged) if point.finite]
@@ -120,6 +120,8 @@ class _Walk:
         self.stopped = threading.Event()
 
     def minimise(self, steps: int) -> None:
+        from scipy.optimize import Bounds, NonlinearConstraint, minimize
+
         bounds = len(self._failed.excess)
         within = NonlinearConstraint(lambda x: self._at(x).excess, np.full(bounds, -np.inf), np.zeros(bounds))
         minimize(

@@ -3,7 +3,7 @@
     k_i = f(t + c_i h, y + h sum_j a_ij k_j) ,   y_new = y + h sum_i b_i k_i ,   error = h sum_i (b_i - b*_i) k_i
 
 The last stage is the first of the next step. Source: J. R. Dormand and P. J. Prince, A family of embedded Runge-Kutta
-formulae, Journal of Computational and Applied Mathematics 6 (1980), RK5(4)7M; the coefficients are SciPy's.
+formulae, Journal of Computational and Applied Mathematics 6 (1980), RK5(4)7M.
 """
 
 from __future__ import annotations
@@ -11,13 +11,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from scipy.integrate import RK45
+ORDER = 5
 
-ORDER = RK45.order
-
-_A = (*(tuple(map(float, row[:i])) for i, row in enumerate(RK45.A) if i), tuple(map(float, RK45.B)))
-_C = (*map(float, RK45.C[1:]), 1.0)
-_ERROR = tuple(-float(e) for e in RK45.E)
+#: of the last stage, which is the result
+_B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)
+_A = (
+    (1 / 5,),
+    (3 / 40, 9 / 40),
+    (44 / 45, -56 / 15, 32 / 9),
+    (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+    (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    _B,
+)
+_C = (1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0)
+#: b - b*
+_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
 
 
 def runge_kutta_step(f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: Any) -> tuple[Any, Any, Any]:

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import qmc
 
 from hoist_demo.study.catalogue import Value
 
@@ -41,5 +40,7 @@ def grid(lists: Mapping[str, tuple[Value, ...]]) -> list[dict[str, Value]]:
 
 def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[dict[str, Value]]:
     """`runs` samples, each range cut into as many strips with one sample in each."""
+    from scipy.stats import qmc  # slow to load, and a grid needs none
+
     shares = qmc.LatinHypercube(d=len(ranges), rng=np.random.default_rng(seed)).random(runs)
     return [{key: r.at(float(u)) for (key, r), u in zip(ranges.items(), row, strict=True)} for row in shares]

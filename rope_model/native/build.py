@@ -6,7 +6,9 @@ them in other words.
 
 from __future__ import annotations
 
+import importlib.metadata
 import json
+import tempfile
 from functools import cache
 from pathlib import Path
 
@@ -29,8 +31,24 @@ def sources() -> dict[str, str]:
     written = {
         p.name: p.read_text(encoding="utf-8") for p in sorted(_FOLDER.iterdir()) if p.suffix in (".c", ".h", ".inc")
     }
+    return written | _generated()
+
+
+def _generated() -> dict[str, str]:
+    """The generated files: the package's, the cache's, or made and put there."""
     brought = generated_file(_FOLDER.parent)
-    return written | (json.loads(brought.read_text(encoding="utf-8")) if brought.exists() else generate())
+    kept = cache_folder() / f"{brought.stem}-casadi-{importlib.metadata.version('casadi')}.json"
+    for file in (brought, kept):
+        if file.exists():
+            texts: dict[str, str] = json.loads(file.read_text(encoding="utf-8"))
+            return texts
+    texts = generate()
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=kept.parent) as scratch:
+        new = Path(scratch) / kept.name
+        new.write_text(json.dumps(texts), encoding="utf-8")
+        new.replace(kept)  # atomic: two processes may do so at once
+    return texts
 
 
 def generate() -> dict[str, str]:

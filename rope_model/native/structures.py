@@ -16,6 +16,8 @@ from ..simulation.paths import PATH, EndMotion, EndPath
 from .layout import PathStructure
 
 NOT_IN_C = {"kernels"}
+#: types of parameters, of the data classes asked for so far
+_KNOWN: dict[Any, dict[str, Any]] = {}
 
 
 class Member(NamedTuple):
@@ -28,10 +30,17 @@ class Member(NamedTuple):
 
 def members(kind: type[Any]) -> tuple[Member, ...]:
     """The members of a group's structure."""
-    hints = {name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C}
-    lengths = {name: len(get_args(hint)) if get_origin(hint) is tuple else 0 for name, hint in hints.items()}
-    found = [Member(name, hint is float, lengths[name]) for name, hint in hints.items()]
+    hints = _hints(kind).items()
+    lengths = {name: len(get_args(hint)) if get_origin(hint) is tuple else 0 for name, hint in hints}
+    found = [Member(name, hint is float, lengths[name]) for name, hint in hints]
     return tuple(sorted(found, key=lambda member: not member.real))
+
+
+def _hints(kind: type[Any]) -> dict[str, Any]:
+    """The types of the parameters that C has, by name."""
+    if kind not in _KNOWN:
+        _KNOWN[kind] = {name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C}
+    return _KNOWN[kind]
 
 
 def _structure(kind: type[Any]) -> type[ctypes.Structure]:
@@ -98,8 +107,7 @@ def path_structure(path: EndPath) -> PathStructure:
 
 
 def _fill(group: Any) -> ctypes.Structure:
-    hints = get_type_hints(type(group))
-    values = {f.name: _value(getattr(group, f.name), hints[f.name]) for f in fields(group) if f.name not in NOT_IN_C}
+    values = {name: _value(getattr(group, name), hint) for name, hint in _hints(type(group)).items()}
     return GROUPS[type(group)](**values)
 
 

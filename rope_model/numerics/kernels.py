@@ -12,11 +12,13 @@ import importlib.util
 import logging
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -35,6 +37,8 @@ log = logging.getLogger(__name__)
 progress = logging.getLogger("balance_rope.progress")
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
+_ANNOUNCED = "compiling %s with %s, once on this machine: 2 to 20 s"
+_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE)
 LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
@@ -151,21 +155,80 @@ def build_library(
 
     ``objects`` hold what the functions call without bringing it along.
     """
-    return compile_library({"kernels.c": generate_c(tuple(functions))}, compiler, folder, name, objects)
+    sources = {"kernels.c": generate_c(tuple(functions))}
+    return _compile(sources, compiler, folder, f"{name}{LIBRARY_SUFFIX}", [*map(str, objects), "-lm"])
 
 
 def build_parts(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str) -> CompiledParts:
     """The functions, compiled once for all that call them."""
     sources = {"parts.c": generate_c(tuple(functions), "parts")}
     linked = _compile(sources, [*compiler, "-c"], folder, f"{name}.o", [])
-    return CompiledParts(compile_library({}, compiler, folder, name, [linked]), linked)
+    return CompiledParts(_compile({}, compiler, folder, f"{name}{LIBRARY_SUFFIX}", [str(linked), "-lm"]), linked)
 
 
-def compile_library(
-    sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str, objects: Sequence[Path] = ()
-) -> Path:
+def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str) -> Path:
     """The library made of the C files among ``sources`` (text by file name), from ``folder`` if it is there already."""
-    return _compile(sources, compiler, folder, f"{name}{LIBRARY_SUFFIX}", [*map(str, objects), "-lm"])
+    command = [*compiler, *FLAGS]
+    objects = object_files(sources, compiler, FLAGS, folder)
+    made = folder / f"{name}-{_key(*command, *(file.name for file in objects.values()))}{LIBRARY_SUFFIX}"
+    if not made.exists():
+        progress.warning(_ANNOUNCED, name, Path(command[0]).name)
+        compile_objects(sources, command, objects)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            new = Path(scratch) / made.name
+            _run([*command, *map(str, objects.values()), "-o", str(new), "-lm"], folder)
+            new.replace(made)
+    return made
+
+
+def object_files(
+    sources: Mapping[str, str], compiler: Sequence[str], flags: Sequence[str], folder: Path
+) -> dict[str, Path]:
+    """Where the object files of the C files among ``sources`` are, once ``compile_objects`` has made them.
+
+    The hash of a file, of what it includes, of the compiler and its flags goes into the name: libraries share what they
+    have in common.
+    """
+    # wherever Python is: another one with the same ziglang compiles the same
+    made_by = (compiler_version(tuple(compiler)), *compiler[compiler[0] == sys.executable :], *flags)
+    digests = {file: hashlib.sha256(text.encode()).hexdigest() for file, text in sources.items()}
+    return {
+        file: folder / f"{Path(file).stem}-{_key(*made_by, *(f'{f} {digests[f]}' for f in _included(file, sources)))}.o"
+        for file in sorted(sources)
+        if file.endswith(".c")
+    }
+
+
+def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects: Mapping[str, Path]) -> None:
+    """Make those of the ``object_files`` that are not there, as many at a time as the machine has cores."""
+    # the longest first, with what it includes
+    missing = sorted(
+        (file for file, made in objects.items() if not made.exists()),
+        key=lambda file: -sum(len(sources[part]) for part in _included(file, sources)),
+    )
+    if not missing:
+        return
+    folder = objects[missing[0]].parent
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder) as scratch, ThreadPoolExecutor(os.cpu_count()) as threads:
+        for file, code in sources.items():
+            (Path(scratch) / file).write_text(code, encoding="utf-8", newline="\n")
+
+        def compile_one(file: str) -> None:
+            # in the folder, by a relative name: no path of this machine gets into the code
+            new = Path(scratch) / objects[file].name
+            _run([*command, "-c", file, "-o", new.name], Path(scratch))
+            new.replace(objects[file])  # atomic: two processes may build at once
+
+        list(threads.map(compile_one, missing))
+
+
+def _included(file: str, sources: Mapping[str, str]) -> list[str]:
+    """The file and those of the ``sources`` that it includes, each once."""
+    found = [file]
+    for part in found:
+        found += (name for name in _INCLUDE.findall(sources[part]) if name in sources and name not in found)
+    return list(dict.fromkeys(found))
 
 
 def _compile(
@@ -174,28 +237,37 @@ def _compile(
     """What ``command`` makes of the sources and of what is ``linked`` with them; the hash of all goes into its name."""
     with_flags = [*command, *FLAGS]
     parts = [part for file in sorted(sources) for part in (file, sources[file])]
-    parts += [compiler_version(tuple(command)), *with_flags, *(Path(file).name for file in linked)]
-    key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
+    key = _key(*parts, compiler_version(tuple(command)), *with_flags, *(Path(file).name for file in linked))
     made = folder / f"{Path(name).stem}-{key}{Path(name).suffix}"
     if not made.exists():
         folder.mkdir(parents=True, exist_ok=True)
         if sources:
-            text = "compiling %s with %s, once on this machine: 2 to 20 s"
-            progress.warning(text, Path(name).stem, Path(command[0]).name)
+            progress.warning(_ANNOUNCED, Path(name).stem, Path(command[0]).name)
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             for file, code in sources.items():
                 (Path(scratch) / file).write_text(code, encoding="utf-8")
             files = [str(Path(scratch) / file) for file in sorted(sources) if file.endswith(".c")]
             new = Path(scratch) / made.name
-            subprocess.run([*with_flags, *files, *linked, "-o", str(new)], check=True, capture_output=True, text=True)
+            _run([*with_flags, *files, *linked, "-o", str(new)], folder)
             new.replace(made)  # atomic: two processes may build at once
     return made
 
 
+def _run(command: Sequence[str], folder: Path) -> None:
+    """CalledProcessError when it fails."""
+    subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
+
+
+def _key(*parts: str) -> str:
+    """What goes into a file's name for all that it is made of."""
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
+
+
 @cache
 def compiler_version(compiler: tuple[str, ...]) -> str:
-    """What the compiler says of itself."""
-    return subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
+    """The first line of what the compiler says of itself."""
+    said = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
+    return said.partition("\n")[0]
 
 
 @lru_cache(maxsize=32)  # some 0.5 MB each

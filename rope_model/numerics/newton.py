@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import cache
 
 import casadi as ca
 
@@ -68,6 +69,7 @@ def report(progress: list[float]) -> NewtonReport:
     return NewtonReport(_STATUS[int(progress[0])], int(progress[1]), progress[4])
 
 
+@cache
 def judge() -> ca.Function:
     """(progress, norm of the correction, tolerance, whether its factorization is new) -> progress after it."""
     before, norm, tolerance = ca.SX.sym("progress", len(PROGRESS)), ca.SX.sym("norm"), ca.SX.sym("tolerance")
