@@ -205,7 +205,7 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
     expected, got = reference.signals(SIGNALS), native.signals(SIGNALS)
     forces_and_moments = {n for n in SIGNALS if n.partition(".")[2] in ("fx", "fy", "fz", "fy_mean", "mx", "my", "mz")}
     scale = dict.fromkeys(SIGNALS, 1.0) | dict.fromkeys(forces_and_moments, largest)
-    scale |= {name: largest for name in SIGNALS if name.startswith("shape.tension")}
+    scale |= {name: largest for name in SIGNALS if name.startswith(("shape.tension", "station.tension"))}
     scale |= {name: 1e7 for name in SIGNALS if name.startswith(("stress", "shape.bending", "shape.torsion"))}
     scale |= {name: max(abs(a.energy_balance.total), 1e4) for name in SIGNALS if name.startswith("energy")}
     scale |= {name: max(abs(a.energy_balance.total), 1e4) for name in SIGNALS if name.startswith("audit")}
