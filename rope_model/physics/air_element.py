@@ -52,7 +52,8 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
         x[entries] = symbol
     numbers: Any = ca.vertsplit(A)
     # what blows across the plane does not act in a model of the plane
-    law = AirLaw(numbers[0], (numbers[1], numbers[2], numbers[3] if 2 in kept else ca.SX(0)))
+    across: Any = numbers[3] if 2 in kept else ca.SX(0)
+    law = AirLaw(numbers[0], (numbers[1], numbers[2], across))
     R, J, sums = ca.SX.zeros(2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(len(AIR_BALANCE))
     for xi, weight in hermite.GAUSS:
         nodes = dict(_nodes(hermite.shares(xi, l)))
