@@ -185,8 +185,8 @@ class Guard:
 
 
 def _velocity(axis: str) -> float:
-    cure = "give it in m/s"
-    return parameter(0.0, "m/s", f"velocity of the shaft's air along {axis}", lower=-100.0, upper=100.0, cure=cure)
+    text = f"velocity of the shaft's air along {axis}; a host that changes it between steps makes gusts"
+    return parameter(0.0, "m/s", text, lower=-100.0, upper=100.0, cure="give it in m/s", tunable=True)
 
 
 @dataclass(frozen=True)

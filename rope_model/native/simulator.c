@@ -79,6 +79,7 @@ int rope_retune(Simulator *rope, const Scene *scene) {
     if (rope->message[0]) return 0;
     rope->scene.solver = scene->solver;
     memcpy(rope->scene.swivels, scene->swivels, sizeof scene->swivels);
+    rope->scene.shaft.air = scene->shaft.air;
     rope->known = 0;
     return 1;
 }
