@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +12,22 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi2 import defaultCallbacks as default2
 from fmpy.fmi3 import FMU3Slave
+from fmpy.model_description import ModelDescription
 
 H = 0.01
+
+
+@cache
+def _description(path: Path, written: int) -> ModelDescription:
+    """Read once per file: fmpy takes 0.1 s."""
+    return fmpy.read_model_description(str(path))
 
 
 class Host:
     """``name``, ``log`` (status, message) of all that the FMU said, and the calls of both standards under one name."""
 
     def __init__(self, path: Path, folder: str, token: str | None = None) -> None:
-        self.description = fmpy.read_model_description(str(path))
+        self.description = _description(path, path.stat().st_mtime_ns)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.fmi = int(self.description.fmiVersion[0])
         self.log: list[tuple[int, str]] = []

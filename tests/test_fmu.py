@@ -14,7 +14,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from fmpy.validation import validate_fmu
 from freed_blocks import freed_blocks
 from numpy.testing import assert_allclose
 
@@ -44,10 +43,6 @@ def drive(scenario: str, *arguments: Any) -> Any:
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
     line = next(line for line in done.stdout.splitlines() if line.startswith("RESULT "))
     return json.loads(line.removeprefix("RESULT "))
-
-
-def test_fmpy_validation_reports_nothing(fmu: Path) -> None:
-    assert validate_fmu(str(fmu)) == []
 
 
 def test_every_real_variable_with_a_dimension_has_a_declared_unit(description: ElementTree.Element) -> None:

@@ -143,29 +143,33 @@ def test_the_library_asks_for_memory_only_where_the_standard_leaves_it_to_the_fm
     assert not asked & {"open", "fopen", "write", "printf", "time", "exit", "abort", "setlocale", "rand", "pthread_create"}  # fmt: skip  # noqa: E501
 
 
-def compile_sources(folder: Path, fmi: int, *flags: str) -> Path:
-    """The FMU's sources in ``folder``, compiled by cc with ``flags``."""
+def own_sources(fmi: int) -> dict[str, str]:
+    """The FMU's sources but the rope's."""
     table = native_table(rope_120())
-    files = rope_sources() | shell_sources(table, fmi)
-    files["start.c"] = c_start(Start("token", start_values(table, fmi)))
+    return shell_sources(table, fmi) | {"start.c": c_start(Start("token", start_values(table, fmi)))}
+
+
+def compile_sources(folder: Path, files: dict[str, str], *flags: str) -> None:
+    """The files, in ``folder``, compiled by cc with ``flags``."""
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
     sources = sorted(name for name in files if name.endswith(".c"))
     subprocess.run(["cc", "-std=gnu99", "-DHAS_WIDE_FORM=0", *flags, *sources, "-lm"], cwd=folder, check=True)
-    return folder
 
 
-@pytest.mark.parametrize("fmi", VERSIONS)
-def test_no_source_has_data_that_can_be_written(fmi: int, tmp_path: Path) -> None:
+def test_no_source_has_data_that_can_be_written(tmp_path: Path) -> None:
     """Neither global nor static; what the compiler's own start-up code brings is not in the objects."""
     if not LINUX or not all(shutil.which(x) for x in ("cc", "nm")):
         pytest.skip("needs Linux, a C compiler and nm")
-    compile_sources(tmp_path, fmi, "-O0", "-fno-pic", "-c")
-    listed = subprocess.run(
-        ["nm", "-A", *sorted(p.name for p in tmp_path.glob("*.o"))], cwd=tmp_path, capture_output=True, text=True,
-        check=True,
-    )  # fmt: skip
-    symbols = [line.split(":", 1)[1].split()[-2:] for line in listed.stdout.splitlines()]
+    symbols = []
+    headers = {name: text for name, text in rope_sources().items() if not name.endswith(".c")}
+    for part in (rope_sources(), *(headers | own_sources(fmi) for fmi in VERSIONS)):
+        folder = tmp_path / str(len(symbols))
+        folder.mkdir()
+        compile_sources(folder, part, "-O0", "-fno-pic", "-c")
+        objects = sorted(p.name for p in folder.glob("*.o"))
+        listed = subprocess.run(["nm", "-A", *objects], cwd=folder, capture_output=True, text=True, check=True)
+        symbols += [line.split(":", 1)[1].split()[-2:] for line in listed.stdout.splitlines()]
     assert any(kind in "Rr" for kind, _ in symbols)
     assert [name for kind, name in symbols if kind in "BbDdCcSsGg"] == []
 
@@ -197,7 +201,9 @@ def test_a_whole_life_with_failed_calls_is_clean(checker: str, tmp_path: Path) -
         pytest.skip(f"needs Linux and {', '.join(needed if not LINUX else missing)}")
     flags = ["-g", "-O0" if checker == "malloc" else "-O1"]
     flags += ["-fsanitize=address,undefined", "-fno-sanitize-recover"] if checker == "sanitizers" else []
-    compile_sources(tmp_path, 2, *flags, "-fPIC", "-shared", "-fvisibility=hidden", "-o", "rope.so")
+    compile_sources(
+        tmp_path, rope_sources() | own_sources(2), *flags, "-fPIC", "-shared", "-fvisibility=hidden", "-o", "rope.so"
+    )
     program = ROOT / "tests" / "native" / "life_cycle.c"
     command = ["cc", "-std=gnu99", *flags, "-I.", str(program), "-o", "life", "-ldl", "-lm"]
     subprocess.run(command, cwd=tmp_path, check=True)

@@ -87,10 +87,7 @@ def write_figures(
             if figure is not None:
                 if name != "shapes":
                     _mark(figure, marks)
-                paths.append(directory / f"{name}.png")
-                # savefig would draw it twice, the first time for the layout alone
-                figure.set_dpi(150)
-                FigureCanvasAgg(figure).print_png(paths[-1], metadata={"Software": None})  # type: ignore[no-untyped-call]
+                paths.append(_save(figure, directory / f"{name}.png"))
     return paths
 
 
@@ -114,8 +111,7 @@ def write_duty_figure(trips: Recording, path: Path) -> Path:
                 _legend(ax)
         axes[-1].set_yscale("log")
         axes[-1].set_xlabel("trip")
-        figure.savefig(path, dpi=150, metadata={"Software": None})
-    return path
+        return _save(figure, path)
 
 
 def write_exposure_figure(exposure: Recording, path: Path) -> Path:
@@ -135,8 +131,7 @@ def write_exposure_figure(exposure: Recording, path: Path) -> Path:
             ax.set_ylabel(label)
             ax.set_ylim(bottom=0.0)
         axes[-1].set_xlabel("place in the rope, from its left end [m]")
-        figure.savefig(path, dpi=150, metadata={"Software": None})
-    return path
+        return _save(figure, path)
 
 
 def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -> Path:
@@ -150,8 +145,7 @@ def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -
         for ax, label in zip(axes, ("$-f_y$ [kN]", "$-f_y$ [kN]", "yaw [deg]"), strict=True):
             ax.set_ylabel(label)
         _legend(axes[0])
-        figure.savefig(path, dpi=150, metadata={"Software": None})
-    return path
+        return _save(figure, path)
 
 
 def tracking(recording: Recording, hoist: Hoist) -> Figure | None:
@@ -305,6 +299,13 @@ def energies(recording: Recording, hoist: Hoist) -> Figure | None:
         ax.set_ylabel(label)
         _legend(ax)
     return figure
+
+
+def _save(figure: Figure, path: Path) -> Path:
+    """Write the figure; savefig would draw it twice, the first time for the layout alone."""
+    figure.set_dpi(150)
+    FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})  # type: ignore[no-untyped-call]
+    return path
 
 
 def _shows(recording: Recording, *names: str) -> bool:
