@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 import os
 import platform
+import time
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -182,6 +184,36 @@ def test_a_second_build_finds_the_first_ones_library(tmp_path: Path) -> None:
     assert second == first
     assert second.stat().st_mtime_ns == made
     assert [file.name for file in tmp_path.iterdir()] == [first.name]  # no scratch left
+
+
+def test_what_many_want_at_once_is_made_once(tmp_path: Path) -> None:
+    file, runs = tmp_path / "made", []
+
+    def make() -> None:
+        runs.append(file.exists())
+        time.sleep(0.1)  # the others have come
+        file.write_text("whole")
+
+    with ThreadPoolExecutor(4) as threads:
+        made = [*threads.map(lambda _: kernels.make_once(file, make), range(4))]
+    assert made == [file] * 4
+    assert runs == [False]
+    assert [*tmp_path.iterdir()] == [file]
+
+
+@needs_compiler
+def test_libraries_share_what_they_have_in_common(tmp_path: Path) -> None:
+    compiler = kernels.find_compiler()
+    assert compiler is not None
+    shared = {"shared.c": '#include "number.h"\nint shared(void) { return NUMBER; }', "number.h": "#define NUMBER 1"}
+    for text in ("int own(void) { return 1; }", "int own(void) { return 2; }"):
+        kernels.compile_library(shared | {"own.c": text}, compiler, tmp_path, "both")
+    kinds = [file.name.rpartition("-")[0] for file in tmp_path.iterdir()]
+    assert sorted(kinds) == ["both", "both", "own", "own", "shared"]
+    # a header that is included counts
+    kernels.compile_library(shared | {"own.c": text, "number.h": "#define NUMBER 2"}, compiler, tmp_path, "both")
+    assert len([*tmp_path.glob("shared-*")]) == 2
+    assert len([*tmp_path.glob("own-*")]) == 2
 
 
 @needs_compiler

@@ -20,7 +20,7 @@ from pathlib import Path
 from rope_model.native.platforms import PLATFORMS as PLATFORMS
 from rope_model.native.platforms import host_platform as host_platform
 from rope_model.native.platforms import prebuilt_file, prebuilt_platforms
-from rope_model.numerics.kernels import cache_folder, compile_objects, find_compiler, object_files
+from rope_model.numerics.kernels import cache_folder, compile_objects, find_compiler, make_once, object_files
 
 from .mach_o import universal
 
@@ -98,15 +98,17 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
     parts = "\0".join([identifier, *(file.name for file in objects.values())])
     key = hashlib.sha256(parts.encode()).hexdigest()[:20]
     made = cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
-    if not made.exists():
+
+    def make() -> None:
         progress.warning("compiling %s for %s%s, some 10 s", identifier, name, version)
         loader = ["-ldl"] if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values()) else []
-        try:
-            compile_objects(sources, [*compiler, *flags], objects)
-            _link([*compiler, *flags], objects.values(), loader, f"{identifier}{made.suffix}", made)
-        except subprocess.CalledProcessError as error:
-            raise RuntimeError(f"{' '.join([*compiler, *flags])} failed: {error.stderr[-2000:]}") from error
-    return made
+        compile_objects(sources, [*compiler, *flags], objects)
+        _link([*compiler, *flags], objects.values(), loader, f"{identifier}{made.suffix}", made)
+
+    try:
+        return make_once(made, make)
+    except subprocess.CalledProcessError as error:
+        raise RuntimeError(f"{' '.join([*compiler, *flags])} failed: {error.stderr[-2000:]}") from error
 
 
 def _compiler() -> tuple[str, ...]:

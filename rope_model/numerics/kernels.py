@@ -19,6 +19,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -171,13 +172,37 @@ def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder:
     command = [*compiler, *FLAGS]
     objects = object_files(sources, compiler, FLAGS, folder)
     made = folder / f"{name}-{_key(*command, *(file.name for file in objects.values()))}{LIBRARY_SUFFIX}"
-    if not made.exists():
+
+    def link() -> None:
         progress.warning(_ANNOUNCED, name, Path(command[0]).name)
         compile_objects(sources, command, objects)
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             new = Path(scratch) / made.name
             _run([*command, *map(str, objects.values()), "-o", str(new), "-lm"], folder)
             new.replace(made)
+
+    return make_once(made, link)
+
+
+def make_once(made: Path, make: Callable[[], None]) -> Path:
+    """The file that ``make`` makes, whole and at once, unless it is there.
+
+    Other processes that want it wait meanwhile, where files have locks; an end of the one that makes it frees the lock.
+    """
+    if made.exists():
+        return made
+    made.parent.mkdir(parents=True, exist_ok=True)
+    lock = made.with_name(f"{made.name}.lock")
+    with lock.open("w") as file:
+        if sys.platform != "win32":
+            import fcntl
+
+            with suppress(OSError):  # not every file system of a network can
+                fcntl.flock(file, fcntl.LOCK_EX)
+        if not made.exists():
+            make()
+    with suppress(OSError):  # Windows deletes no file that another process has open
+        lock.unlink()
     return made
 
 
@@ -209,7 +234,6 @@ def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects:
     if not missing:
         return
     folder = objects[missing[0]].parent
-    folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder) as scratch, ThreadPoolExecutor(os.cpu_count()) as threads:
         for file, code in sources.items():
             (Path(scratch) / file).write_text(code, encoding="utf-8", newline="\n")
@@ -218,7 +242,7 @@ def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects:
             # in the folder, by a relative name: no path of this machine gets into the code
             new = Path(scratch) / objects[file].name
             _run([*command, "-c", file, "-o", new.name], Path(scratch))
-            new.replace(objects[file])  # atomic: two processes may build at once
+            new.replace(objects[file])  # atomic: processes with different libraries may build it at once
 
         list(threads.map(compile_one, missing))
 
@@ -239,8 +263,8 @@ def _compile(
     parts = [part for file in sorted(sources) for part in (file, sources[file])]
     key = _key(*parts, compiler_version(tuple(command)), *with_flags, *(Path(file).name for file in linked))
     made = folder / f"{Path(name).stem}-{key}{Path(name).suffix}"
-    if not made.exists():
-        folder.mkdir(parents=True, exist_ok=True)
+
+    def build() -> None:
         if sources:
             progress.warning(_ANNOUNCED, Path(name).stem, Path(command[0]).name)
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
@@ -249,8 +273,9 @@ def _compile(
             files = [str(Path(scratch) / file) for file in sorted(sources) if file.endswith(".c")]
             new = Path(scratch) / made.name
             _run([*with_flags, *files, *linked, "-o", str(new)], folder)
-            new.replace(made)  # atomic: two processes may build at once
-    return made
+            new.replace(made)
+
+    return make_once(made, build)
 
 
 def _run(command: Sequence[str], folder: Path) -> None:
