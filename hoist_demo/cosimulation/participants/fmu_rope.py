@@ -62,7 +62,8 @@ class _Part(NamedTuple):
 
     def is_all_of(self, names: Sequence[str]) -> bool:
         """Whether the call gives real numbers for just these names in their order."""
-        same = self.there == self.here == slice(0, len(names))
+        whole = slice(0, len(names))
+        same = all(isinstance(places, slice) and places == whole for places in (self.there, self.here))
         return same and self.values.shape == (len(names),) and self.values.dtype == np.float64
 
 
