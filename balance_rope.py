@@ -106,7 +106,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "numpy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is self-contained C and needs "
         "nothing. Both have the same variables, and the same C code answers the tool; every parameter can still be set "
         "before initialisation. An installed wheel brings the libraries; in a checkout the first export compiles, with "
-        "a C compiler or ziglang, some 10 s per platform and version of FMI: 100 s for all of the native flavour; "
+        "a C compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
         "--platform host makes it short.",
     )
     export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
