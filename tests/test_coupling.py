@@ -218,10 +218,14 @@ def test_an_unknown_scheme_names_all() -> None:
         find_scheme("gauss")
 
 
-def test_a_sample_time_is_a_multiple_of_the_step() -> None:
-    assert Coupling(step=0.01, sample=0.04).per_sample == 4
+def test_a_sample_time_is_a_multiple_of_the_step_or_a_part_of_it() -> None:
+    few, many = Coupling(step=0.01, sample=0.04), Coupling(step=0.02, sample=0.005)
+    assert (few.per_sample, few.per_step, few.period) == (4, 1, 0.04)
+    assert (many.per_sample, many.per_step, many.period) == (1, 4, 0.02)
     with pytest.raises(ValueError, match=r"sample = 0\.025 must be a multiple"):
         Coupling(step=0.01, sample=0.025)
+    with pytest.raises(ValueError, match=r"sample = 0\.015 must be a multiple"):
+        Coupling(step=0.02, sample=0.015)
 
 
 # failures

@@ -23,7 +23,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.plain_data import decode, encode
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 
 TRIP = Winding(travel=0.5, settle=0.0, start_delay=0.0)
@@ -72,10 +72,11 @@ def wind(
     resume: Checkpoint | None = None,
     hoist: Hoist | None = None,
     winding: Winding = TRIP,
+    coupling: Coupling | None = None,
 ) -> Result:
     """A short trip with the draft rope, until `stop_at` [s]."""
     rope = rope_in_process("rope-120", level="draft")
-    host = Host(rope, hoist or Hoist(), winding, controller=controller)
+    host = Host(rope, hoist or Hoist(), winding, coupling, controller=controller)
     return host.run(lambda fraction, t: t < stop_at, save_to, resume)
 
 
@@ -95,6 +96,17 @@ def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(stop_at:
     assert_the_same(wind(Filtered, resume=kept), whole)
     # resuming has not changed the checkpoint
     assert_the_same(wind(Filtered, resume=kept), whole)
+
+
+def test_a_controller_that_samples_within_the_step_resumes_to_the_same_bits(tmp_path: Path) -> None:
+    coupling = Coupling(step=0.02, sample=0.01)
+    whole = wind(Filtered, coupling=coupling)
+    stopped = wind(Filtered, 0.5, tmp_path / "kept.npz", coupling=coupling)
+    assert stopped.saved is not None
+    kept = Checkpoint.read(stopped.saved)
+    assert_the_same(wind(Filtered, resume=kept, coupling=coupling), whole)
+    with pytest.raises(ValueError, match=r"must be of the same .*period is 0\.02 there"):
+        wind(Filtered, resume=kept, coupling=Coupling(step=0.01))
 
 
 def test_a_regulated_emergency_stop_resumes_in_its_midst(tmp_path: Path) -> None:

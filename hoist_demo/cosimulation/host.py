@@ -2,7 +2,8 @@
 
     controller(t_k) -> record -> scheme over [t_k, t_k + T] in communication steps H -> ... ,      t_k = start + k T.
 
-T is H unless the controller samples less often. A rope or drive that cannot go on, or a coupling that cannot be
+T is H unless the controller samples less often; where it samples more often, T is H and the drive asks it within its
+step. A rope or drive that cannot go on, or a coupling that cannot be
 solved, ends the loop; what was recorded stays, and the result names the cause. A guard of the rope that trips stops the
 hoist (`hoist_demo.control.safety`) at the first sample that sees it. The state is kept once per second, and
 where the user stops the run, as a checkpoint, from which `run` goes on.
@@ -16,17 +17,18 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from hoist_demo.control.controller import Command, Controller, Gains, Measurement, SpeedController
 from hoist_demo.control.safety import Course
-from hoist_demo.control.trajectory import Trajectory, s_curve
+from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, drive_signals
-from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant, Stopwatch
+from hoist_demo.cosimulation.participants.partners import HoistParticipant, NextCommand, RopeParticipant, Stopwatch
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
-from hoist_demo.cosimulation.plain_data import encode
+from hoist_demo.cosimulation.plain_data import encode, private_copy
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.run_state import RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
@@ -111,8 +113,8 @@ class Host:
 
     @property
     def samples(self) -> int:
-        """Sample times of the controller in the whole run."""
-        return math.ceil((self.trajectory.duration + self.winding.settle) / self.coupling.sample_time - 1e-9)
+        """Recorded instants of the whole run, less one."""
+        return math.ceil((self.trajectory.duration + self.winding.settle) / self.coupling.period - 1e-9)
 
     @property
     def data(self) -> str:
@@ -120,7 +122,8 @@ class Host:
         coupling, made = self.coupling, self._controller
         controller = getattr(made.func if isinstance(made, partial) else made, "__qualname__", "")
         data = (self.hoist, self.winding, self._gains, coupling.start, coupling.sample_time)
-        return f"{repr(data)[:-1]}, controller={controller})"
+        recorded = f", period={coupling.period}" if coupling.per_step > 1 else ""
+        return f"{repr(data)[:-1]}{recorded}, controller={controller})"
 
     def run(
         self, progress: Progress | None = None, save_to: Path | None = None, resume: Checkpoint | None = None
@@ -135,7 +138,7 @@ class Host:
         if isinstance(run, str):
             return self._result(Recorder((), {}), 0, run, self._course)
         cause = self._wind(run, progress, save_to)
-        start, T = self.coupling.start, self.coupling.sample_time
+        start, T = self.coupling.start, self.coupling.period
         checkpoint = run.checkpoint(start, T, self.data, cause) if cause else None
         run.forget()
         saved = None
@@ -205,7 +208,9 @@ class Host:
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
         """Sample and exchange until the end; the cause when that is not reached."""
         controller = _made(self._controller, self.hoist, self._holding_torque(run))
-        start, T, last = self.coupling.start, self.coupling.sample_time, self.samples
+        start, T, last = self.coupling.start, self.coupling.period, self.samples
+        if self.coupling.per_step > 1:
+            run.drive.per_step, run.drive.next_command = self.coupling.per_step, self._sampler(run, controller)
         between = max(1, round(KEPT_EVERY / T))
         for k in range(run.first, last + 1):
             t = start + k * T
@@ -226,7 +231,7 @@ class Host:
             if k < last:
                 if cause := self._exchange(run, k, command):
                     return cause
-                run.controller = command.state
+                run.controller = run.drive.commanded.state
         if progress is not None:
             progress(1.0, start + last * T)
         return ""
@@ -235,7 +240,7 @@ class Host:
         """The course after what the guards of the rope's loop tell: an emergency stop from their first sample on."""
         if not self._guard or not signals.item(self._guard[0]) > 0.0:
             return course
-        start, T, time = self.coupling.start, self.coupling.sample_time, signals.item(self._guard[1])
+        start, T, time = self.coupling.start, self.coupling.period, signals.item(self._guard[1])
         return course.stopped(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
 
     @property
@@ -244,24 +249,39 @@ class Host:
 
     def _sample(self, run: RunState, controller: Controller, t: float, signals: Array) -> Command:
         """The controller's command at t [s]; it and all signals are recorded."""
-        point, shown = run.course.trajectory.at(t - self.coupling.start), run.drive.outputs
-        travel, speed = shown.item(_Y_LEFT) - self._start_height, self.hoist.sheave_radius * shown.item(_RATE)
-        command = controller.command(point, Measurement(travel, speed), run.controller, self.coupling.sample_time)
-        if not isinstance(command, Command):
-            raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")
+        point = run.course.trajectory.at(t - self.coupling.start)
+        command = self._command(controller, point, run.drive.outputs, run.controller)
         run.recorder.add(drive_signals(t, point, command, run.drive, run.at_rest, run.memory), signals)
         return command
+
+    def _command(self, controller: Controller, point: TrajectoryPoint, shown: Vector, state: Any) -> Command:
+        """The controller's answer to what the hoist shows, the numbers of PlantOutput."""
+        travel, speed = shown.item(_Y_LEFT) - self._start_height, self.hoist.sheave_radius * shown.item(_RATE)
+        command = controller.command(point, Measurement(travel, speed), state, self.coupling.sample_time)
+        if not isinstance(command, Command):
+            raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")
+        return command
+
+    def _sampler(self, run: RunState, controller: Controller) -> NextCommand:
+        """What samples the controller within a communication step."""
+
+        def next_command(t: float, shown: Vector, before: Command) -> Command:
+            point = run.course.trajectory.at(t - self.coupling.start)
+            # the step may be repeated from the command before
+            return self._command(controller, point, shown, private_copy(before.state))
+
+        return next_command
 
     def _exchange(self, run: RunState, k: int, command: Command) -> str:
         """Drive and rope from sample k to the next under the command; the cause when they do not get there."""
         if not (math.isfinite(command.torque) and math.isfinite(command.brake)):
-            t = self.coupling.start + k * self.coupling.sample_time
+            t = self.coupling.start + k * self.coupling.period
             numbers = f"torque = {command.torque:g} N m and brake = {command.brake:g}"
             return f"t = {t:.6g} s: the controller's {numbers} must be finite: check its command()"
         # what the rope does to conveyances that have play is held until the next sample
         sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
         self._load(k)
-        run.drive.command(command.torque, command.brake, sides)
+        run.drive.command(command, sides)
         start, H, per_sample = self.coupling.start, self.coupling.step, self.coupling.per_sample
         for step in range(k * per_sample, (k + 1) * per_sample):
             t = start + step * H
@@ -277,9 +297,9 @@ class Host:
 
     def _load(self, k: int) -> None:
         """The payloads at sample k of a trip during the dwell of which they change; in stairs of LOADED_EVERY."""
-        if self._next_hoist is None or k % max(1, round(LOADED_EVERY / self.coupling.sample_time)):
+        if self._next_hoist is None or k % max(1, round(LOADED_EVERY / self.coupling.period)):
             return
-        dwelt = k * self.coupling.sample_time - self.trajectory.duration
+        dwelt = k * self.coupling.period - self.trajectory.duration
         if dwelt > LOADING[0] * self.winding.settle:
             first, last = (part * self.winding.settle for part in LOADING)
             part, now, then = min((dwelt - first) / (last - first), 1.0), self.hoist, self._next_hoist

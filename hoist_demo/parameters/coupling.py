@@ -17,7 +17,7 @@ class Coupling:
     start: float = quantity(0.0, "s")
     scheme: str = "gauss-seidel-1"  # one of hoist_demo.cosimulation.schemes.catalogue
     sample: float | None = quantity(
-        None, "s", "sample time of controller and recording, a multiple of step; None: the step"
+        None, "s", "sample time of the controller, a multiple of step or a whole part of it; None: the step"
     )
 
     def __post_init__(self) -> None:
@@ -25,18 +25,36 @@ class Coupling:
         require(self.start, True, "start", "finite", "give a time in s")
         require(
             self.sample_time,
-            self.per_sample >= 1 and abs(self.per_sample * self.step - self.sample_time) <= 1e-9 * self.sample_time,
+            self.sample_time > 0.0
+            and abs(self.per_sample * self.step - self.per_step * self.sample_time) <= 1e-9 * self.sample_time,
             "sample",
-            f"a multiple of the communication step {self.step:g} s",
-            "take the step itself, or twice or thrice",
+            f"a multiple of the communication step {self.step:g} s, or a whole part of it",
+            "take the step itself, twice or half of it",
+        )
+        require(
+            self.sample_time,
+            self.per_step == 1 or self.scheme != "energy-controlled",
+            "sample",
+            f"at least the communication step {self.step:g} s with the scheme energy-controlled, which divides it",
+            "take the step itself, or another scheme",
         )
 
     @cached_property
     def sample_time(self) -> float:
-        """Sample time of controller and recording [s]."""
+        """Sample time of the controller [s]."""
         return self.step if self.sample is None else self.sample
 
     @cached_property
     def per_sample(self) -> int:
-        """Communication steps from one sample to the next."""
-        return round(self.sample_time / self.step)
+        """Communication steps from one sample to the next; 1 where a step has several samples."""
+        return max(1, round(self.sample_time / self.step))
+
+    @cached_property
+    def per_step(self) -> int:
+        """Samples in a communication step; 1 where it has fewer."""
+        return max(1, round(self.step / self.sample_time))
+
+    @property
+    def period(self) -> float:
+        """Time from one recorded instant to the next, all of them ends of steps and samples [s]."""
+        return max(self.step, self.sample_time)

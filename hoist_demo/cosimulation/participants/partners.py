@@ -13,10 +13,11 @@ from time import perf_counter
 
 import numpy as np
 
+from hoist_demo.control.controller import Command
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant, RopeStatus
 from hoist_demo.cosimulation.schemes.interface import Load, Motion, Vector
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
-from hoist_demo.drive.plant import SHOWN, HoistPlant, PlantOutput, PlantState, rope_ends
+from hoist_demo.drive.plant import SHOWN, HoistPlant, PlantOutput, PlantState, PlantStep, rope_ends
 
 ENDS = ("left", "right")
 ROPE_FORCES = tuple(f"{end}.{name}" for name in ("fy", "fy_mean") for end in ENDS)
@@ -63,32 +64,61 @@ def mid_guide_motions() -> tuple[EndMotion, EndMotion]:
 _CENTRED = EndMotion()
 
 
+NextCommand = Callable[[float, Vector, Command], Command]
+"""Samples the controller within a step: time [s], what the hoist shows then, and the command up to then."""
+
+
 class HoistParticipant:
     """The hoist as a coupling's drive; `command` is to be given between steps."""
 
     def __init__(self, plant: HoistPlant, state: PlantState, held: Vector, clock: Stopwatch) -> None:
         """`held` is the input that acts at the start, in the order of INPUT_NAMES."""
         self.plant, self.state = plant, state
+        self.per_step = 1  # samples of the controller in a step
+        self.next_command: NextCommand | None = None  # where there are several
+        self.commanded = Command(0.0, False, None)  # at the latest sample
         self.input = held  # that acts now, forces included
         self._path = np.concatenate([held, np.zeros(2 * held.size)])  # of the next step
         self._clock = clock
         self._shown: Vector | None = None  # under the input
         self._done: tuple[Load, Motion] | None = None  # load of the last step, and the motion at its end
 
-    def command(self, torque: float, brake: float, sides: Vector) -> None:
+    def command(self, command: Command, sides: Vector) -> None:
         """What acts from now on beside the vertical forces: the controller's command and the rope's side forces."""
-        self._path[_TORQUE], self._path[_BRAKE], self._path[_SIDES] = torque, brake, sides
+        self._path[_SIDES] = sides
+        self._first = command
+        self._obey(command)
         self._done = None
+
+    def _obey(self, command: Command) -> None:
+        self.commanded = command
+        self._path[_TORQUE], self._path[_BRAKE] = command.torque, command.brake
 
     def step(self, t: float, h: float, load: Load) -> str:
         """One step under the load; a constant one is held to the bit."""
         with self._clock:
-            moved = self.plant.advance(self.state, h, self._under(load), load.added_mass)
+            moved = self._moved(h, load) if self.next_command is None else self._sampled(t, h, load, self.next_command)
             if not moved.valid:
                 return f"t = {t:.6g} s: {moved.message}"
             self.state, self.input, self._shown = moved.state, moved.acting, moved.shown
             self._done = load, _motion(moved.shown)
         return ""
+
+    def _moved(self, h: float, load: Load) -> PlantStep:
+        """The step under one command."""
+        return self.plant.advance(self.state, h, self._under(load), load.added_mass)
+
+    def _sampled(self, t: float, h: float, load: Load, next_command: NextCommand) -> PlantStep:
+        """The step under several commands, the first again where it is repeated."""
+        part, number = h / self.per_step, self.per_step
+        self._obey(self._first)
+        moved = self.plant.advance(self.state, part, self._under(load.part(0, number)), load.added_mass)
+        for k in range(1, number):
+            if not moved.valid:
+                break
+            self._obey(next_command(t + k * part, moved.shown, self.commanded))
+            moved = self.plant.advance(moved.state, part, self._under(load.part(k, number)), load.added_mass)
+        return moved
 
     @property
     def outputs(self) -> Vector:
