@@ -1,11 +1,12 @@
 """Throughput of a study on this machine, and what an interruption costs: ``python -m benchmarks.throughput``.
 
-Three measurements with `docs/studies/throughput.toml`, windings of the 120 m rope:
+Four measurements with `docs/studies/throughput.toml`, windings of the 120 m rope:
 
-1. one worker and two, in turns, the same runs, with the rope of either level: runs per minute, the processor time of a
+1. what its communication step of 20 ms errs by in six of them, and 10 ms, against 2.5 ms, all with the same controller;
+2. one worker and two, in turns, the same runs, with the rope of either level: runs per minute, the processor time of a
    run, and the efficiency of two workers against one;
-2. the whole study by the command, killed in the middle with SIGKILL, cluster and all;
-3. the same command again: what was recorded before must be untouched, nothing may be missing.
+3. the whole study by the command, killed in the middle with SIGKILL, cluster and all;
+4. the same command again: what was recorded before must be untouched, nothing may be missing.
 
 Takes a quarter of an hour on a quiet machine; ``--runs 8`` is a trial. Times hold for a quiet machine only.
 """
@@ -21,16 +22,24 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Study, read_study
+from hoist_demo.study.run import RunData, wind
 from hoist_demo.study.store import Store
 
 FMUS = tuple(Path("build") / f"{level}.fmu" for level in ("draft", "standard"))
 STUDY = Path("docs") / "studies" / "throughput.toml"
 ROUNDS = (1, 2, 2, 1)
 SHARE = 10  # of the study's runs are run in each round
+STEPS, FINE = (0.02, 0.01), 0.0025  # s
+COMPARED = 6  # runs
 
 
 def main() -> None:
@@ -46,8 +55,40 @@ def main() -> None:
         for fmu in FMUS:
             study = read_study(file, fmu)
             print(f"{fmu.stem}:", flush=True)
+            communication(study)
             efficiency(study, max(2, len(study.samples) // SHARE), Path(folder) / fmu.stem)
         interruption(file, read_study(file), Path(folder) / "whole")
+
+
+def communication(study: Study) -> None:
+    """The worst errors of the rope's end forces in some runs, of the largest force in each."""
+    runs = [sample.data for sample in study.samples[:COMPARED]]
+    references = [record(study, run, FINE) for run in runs]
+    for step in STEPS:
+        found = [force_errors(record(study, run, step), fine) for run, fine in zip(runs, references, strict=True)]
+        rms, largest = np.max(found, axis=0)
+        print(f"steps of {1e3 * step:g} ms: end forces err by {rms:.2g} RMS and {largest:.2g} at most", flush=True)
+
+
+def record(study: Study, run: RunData, step: float) -> Recording:
+    """A run with another communication step and the same samples of the controller."""
+    coupling = replace(run.coupling, step=step, sample=run.coupling.sample_time)
+    rope = FmuRope(study.fmu, run.fmu)
+    try:
+        result, _ = wind(replace(run, coupling=coupling), rope)
+    finally:
+        rope.close()
+    return result.recording
+
+
+def force_errors(given: Recording, reference: Recording) -> tuple[float, float]:
+    """RMS and largest difference of the end forces at the instants that both have, over the largest force."""
+    shared = np.isin(np.round(reference.time, 6), np.round(given.time, 6))
+    count = int(np.count_nonzero(shared))
+    forces = np.array([[given[name][:count], reference[name][shared]] for name in ("left.fy", "right.fy")])
+    missed = np.abs(forces[:, 0] - forces[:, 1])
+    over = float(np.max(np.abs(forces[:, 1])))
+    return float(np.sqrt(np.mean(missed**2, axis=1)).max()) / over, float(np.max(missed)) / over
 
 
 def efficiency(study: Study, count: int, folder: Path) -> None:

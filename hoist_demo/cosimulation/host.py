@@ -231,7 +231,7 @@ class Host:
             if k < last:
                 if cause := self._exchange(run, k, command):
                     return cause
-                run.controller = run.drive.commanded.state
+                run.controller = run.commands[-1].state
         if progress is not None:
             progress(1.0, start + last * T)
         return ""
@@ -265,10 +265,12 @@ class Host:
     def _sampler(self, run: RunState, controller: Controller) -> NextCommand:
         """What samples the controller within a communication step."""
 
-        def next_command(t: float, shown: Vector, before: Command) -> Command:
+        def next_command(k: int, t: float, shown: Vector) -> tuple[float, float]:
             point = run.course.trajectory.at(t - self.coupling.start)
-            # the step may be repeated from the command before
-            return self._command(controller, point, shown, private_copy(before.state))
+            # the step may be repeated, from the command before
+            command = self._command(controller, point, shown, private_copy(run.commands[k - 1].state))
+            run.commands[k:] = [command]
+            return command.torque, command.brake
 
         return next_command
 
@@ -281,7 +283,8 @@ class Host:
         # what the rope does to conveyances that have play is held until the next sample
         sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
         self._load(k)
-        run.drive.command(command, sides)
+        run.commands = [command]
+        run.drive.command(command.torque, command.brake, sides)
         start, H, per_sample = self.coupling.start, self.coupling.step, self.coupling.per_sample
         for step in range(k * per_sample, (k + 1) * per_sample):
             t = start + step * H

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hoist_demo.control.controller import Command
 from hoist_demo.control.safety import Course
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant
@@ -59,6 +60,7 @@ class RunState:
     recorder: Recorder
     course: Course
     controller: Any = None  # the controller's state
+    commands: list[Command] = field(default_factory=list)  # since the latest communication point that is recorded
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
     pair: Pair = field(init=False)  # drive and rope, for the scheme

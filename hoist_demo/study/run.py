@@ -42,6 +42,8 @@ ERROR = "error"
 """State of a run that could not be carried out (a dead worker, an exception); resuming tries it again."""
 
 
+_VERSION = version("balance-rope")
+
 _TUNING_OF = {"input-shaping": "shaper", "optimised-trajectory": "trajectory"}
 """Data that only one controller uses, and that is not part of the key of the others' runs."""
 
@@ -68,7 +70,7 @@ class RunData:
 
     def key(self, fmu_hash: str) -> str:
         """Name of the run, 24 hexadecimal digits."""
-        data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": version("balance-rope")}
+        data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
         for controller, tuning in _TUNING_OF.items():
             if self.controller != controller:
                 del data[tuning]

@@ -11,6 +11,7 @@ import hashlib
 import logging
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -183,11 +184,9 @@ class FmuRope:
     def data(self) -> RopeData:
         """What this rope is: its file, and all parameters with the values they were given."""
         description, parameters = self._description, self._described
-        with self._path.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
         model = {
             "FMU": self._path.name,
-            "SHA-256": digest,
+            "SHA-256": _digest(*version_of(self._path)),
             "model and version": f"{description.modelName} {description.version or ''}".strip(),
             "exported by": str(description.generationTool or "not said"),
             "FMI version": str(description.fmiVersion),
@@ -328,6 +327,13 @@ class FmuRope:
     def _units_of_outputs(self) -> dict[str, str]:
         named = {name: v.unit for v in self._outputs for name in v.elements}
         return {name: unit for name, unit in named.items() if name not in self._not_read}
+
+
+@lru_cache(maxsize=8)  # a study winds with the same file in every run
+def _digest(path: Path, changed: int, size: int) -> str:
+    """SHA-256 of a file in one version."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _numeric_outputs(variables: Iterable[Variable], not_read: Collection[str]) -> list[Variable]:

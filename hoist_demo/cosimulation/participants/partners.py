@@ -13,7 +13,6 @@ from time import perf_counter
 
 import numpy as np
 
-from hoist_demo.control.controller import Command
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant, RopeStatus
 from hoist_demo.cosimulation.schemes.interface import Load, Motion, Vector
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
@@ -64,8 +63,8 @@ def mid_guide_motions() -> tuple[EndMotion, EndMotion]:
 _CENTRED = EndMotion()
 
 
-NextCommand = Callable[[float, Vector, Command], Command]
-"""Samples the controller within a step: time [s], what the hoist shows then, and the command up to then."""
+NextCommand = Callable[[int, float, Vector], tuple[float, float]]
+"""The controller's k-th command within a step, torque [N m] and brake: of k, time [s] and what the hoist shows then."""
 
 
 class HoistParticipant:
@@ -76,23 +75,18 @@ class HoistParticipant:
         self.plant, self.state = plant, state
         self.per_step = 1  # samples of the controller in a step
         self.next_command: NextCommand | None = None  # where there are several
-        self.commanded = Command(0.0, False, None)  # at the latest sample
+        self._first = (0.0, 0.0)  # command of a step, torque and brake
         self.input = held  # that acts now, forces included
         self._path = np.concatenate([held, np.zeros(2 * held.size)])  # of the next step
         self._clock = clock
         self._shown: Vector | None = None  # under the input
         self._done: tuple[Load, Motion] | None = None  # load of the last step, and the motion at its end
 
-    def command(self, command: Command, sides: Vector) -> None:
+    def command(self, torque: float, brake: float, sides: Vector) -> None:
         """What acts from now on beside the vertical forces: the controller's command and the rope's side forces."""
-        self._path[_SIDES] = sides
-        self._first = command
-        self._obey(command)
+        self._path[_TORQUE], self._path[_BRAKE], self._path[_SIDES] = torque, brake, sides
+        self._first = torque, brake
         self._done = None
-
-    def _obey(self, command: Command) -> None:
-        self.commanded = command
-        self._path[_TORQUE], self._path[_BRAKE] = command.torque, command.brake
 
     def step(self, t: float, h: float, load: Load) -> str:
         """One step under the load; a constant one is held to the bit."""
@@ -111,12 +105,12 @@ class HoistParticipant:
     def _sampled(self, t: float, h: float, load: Load, next_command: NextCommand) -> PlantStep:
         """The step under several commands, the first again where it is repeated."""
         part, number = h / self.per_step, self.per_step
-        self._obey(self._first)
+        self._path[_TORQUE], self._path[_BRAKE] = self._first
         moved = self.plant.advance(self.state, part, self._under(load.part(0, number)), load.added_mass)
         for k in range(1, number):
             if not moved.valid:
                 break
-            self._obey(next_command(t + k * part, moved.shown, self.commanded))
+            self._path[_TORQUE], self._path[_BRAKE] = next_command(k, t + k * part, moved.shown)
             moved = self.plant.advance(moved.state, part, self._under(load.part(k, number)), load.added_mass)
         return moved
 
