@@ -13,7 +13,7 @@ READY := $(VENV)/.ready
 # one process per core, each with one thread; one that has no tests left takes over half of those of another
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist worksteal
 
-.PHONY: demo test test-slow lint docs evidence bench winding robustness poses stability reproduce chart mesh-rule contact guards shafts tangle promise integrators peer validate reference choice hoist coupling latency studies throughput fuzz fmu wheels wheel-test release clean
+.PHONY: demo test test-slow lint docs evidence bench winding robustness poses stability reproduce chart mesh-rule contact guards shafts tangle promise integrators peer validate knowledge reference choice hoist coupling latency studies throughput fuzz fmu wheels wheel-test release clean
 
 demo: $(READY)
 	$(if $(FMU_$(FLAVOUR)),,$(error FLAVOUR=$(FLAVOUR) must be python or native))
@@ -89,6 +89,9 @@ peer: $(READY)
 validate: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[validation]'
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.validation
+
+knowledge: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.knowledge
 
 reference: $(READY)
 	$(BIN)/python -m evidence.discrete_rod

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 try:  # NumPy and CasADi take a second to load, in which a user may change his mind
     from fmu_src.export import export_fmu
@@ -21,12 +21,16 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.ssp import Component, export_ssp
     from hoist_demo.cases.case import Case
     from hoist_demo.cases.table import CASES
-    from hoist_demo.command_line.demo import add_demo
+    from hoist_demo.command_line.demo import SHARED, add_demo
     from hoist_demo.command_line.duty import add_duty
+    from hoist_demo.command_line.identify import add_identify
     from hoist_demo.command_line.ropes import add_ropes
+    from hoist_demo.command_line.settings import rope_values
     from hoist_demo.command_line.study import add_study
+    from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.drive_fmu.description import drive_model, duration
     from hoist_demo.drive_fmu.interface import Tail
+    from hoist_demo.study.catalogue import Catalogue
     from rope_model import __version__
     from rope_model.parameters import LEVELS, Level, rope_120
 
@@ -64,6 +68,8 @@ first steps:
   balance-rope study STUDY.toml        wind many times, with parameters over grids, samples or a search
   balance-rope duty SCHEDULE.toml      wind many trips as one run, each from where the last has left the rope
   balance-rope ropes ROPES.toml        wind several balance ropes that differ, in one hoist
+  balance-rope identify MEASURED.toml  find the rope's properties from measurements
+  balance-rope uncertain SCENE.toml    wind with all that is not known of the rope: spread, and what causes it
   balance-rope COMMAND --help          what a command can do
 """
 
@@ -80,6 +86,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_study(commands)
     add_duty(commands)
     add_ropes(commands)
+    add_identify(commands)
+    add_uncertain(commands)
     for command in commands.choices.values():  # -v is understood behind the command as well
         command.add_argument(
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
@@ -125,6 +133,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         default="rope-120",
         metavar="NAME",
         help=f"start values: the rope of {', '.join(CASES)}, see docs/hoist.md (%(default)s)",
+    )
+    export.add_argument(
+        "--rope", type=Path, metavar="FILE", help="start values of the rope, as balance-rope identify writes them"
     )
     export.add_argument(
         "--level",
@@ -208,6 +219,17 @@ def _export(options: argparse.Namespace) -> int:
     return 0
 
 
+def _with_rope(case: Case, path: Path | None) -> Case:
+    """The case with the rope of a parameter file, for which its drive takes it."""
+    if path is None:
+        return case
+    from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+
+    own = {name: float(value) for name, value in rope_values(path, Catalogue(rope_parameters())).items()}
+    shared: dict[str, Any] = {field: own[name] for name, field, _ in SHARED if name in own}
+    return replace(case, rope={**case.rope, **own}, hoist=replace(case.hoist, **shared))
+
+
 def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     """Where each of ``wanted`` goes, --out being ``out``; its folder is there and can be written to."""
     if out is not None and len(wanted) == 1 and not out.is_dir():
@@ -233,7 +255,9 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
 def _hoist(options: argparse.Namespace) -> tuple[Case, Level, tuple[OneRope, ...]]:
     """The case to export, the level of its rope, and its ropes where a file has several."""
     if options.ropes is None:
-        return CASES[options.case], options.level, ()
+        return _with_rope(CASES[options.case], options.rope), options.level, ()
+    if options.rope is not None:
+        raise ValueError(f'--rope {options.rope} is one rope: in {options.ropes} give a rope from = "{options.rope}"')
     # a file of ropes is read with what winds them, which loads slowly
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
     from hoist_demo.ropes.definition import read_ropes

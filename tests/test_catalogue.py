@@ -21,9 +21,10 @@ def test_every_datum_is_a_range_with_a_source(name: str) -> None:
     assert known.data.keys() == PROPERTIES.keys()
     for datum in [*known.data.values(), *(d for data in BEARINGS.values() for d in data.values())]:
         assert 0 <= datum.low < datum.middle < datum.high
-        assert "http" in datum.source or "[assumed]" in datum.source or datum.status == "derived"
-        # only what is stated may be called so
-        assert datum.status != "published" or "[assumed]" not in datum.source
+        # what is called published says where, and none of it is ours
+        assert datum.source
+        assert datum.status != "published" or ("http" in datum.source and "ours" not in datum.source)
+        assert datum.status == "assumed" or "ours" not in datum.source
 
 
 @constructions

@@ -78,6 +78,7 @@ BAD = {
         "0 (locked), 1 (free), 2 (coulomb)",
     ),
     "FMU values that do not fit": ("[fixed]\nleft.swivel.mu_static = 1e-4", "0.0001", "mu_kinetic"),
+    "file that is not there": ("[fixed]\nfrom = 'nowhere.toml'", "nowhere.toml", "give an existing file"),
     "not finite": ("[fixed]\nrope.EI = nan", "rope.EI = nan", "finite"),
     "text for a number": ("[fixed]\nrope.EI = 'stiff'", "'stiff'", "finite number"),
     "number for a choice": ("[fixed]\ncontroller = 'pid'", "'pid'", "pi-feed-forward"),

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip
-from hoist_demo.command_line.settings import settings
+from hoist_demo.command_line.settings import rope_statuses, rope_values, settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
@@ -61,7 +61,7 @@ _DRAWN = {
 }
 """Outputs that an FMU may have been exported without, and what the reports then lack."""
 
-_SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
+SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
 """Parameters of the rope of which the hoist has a copy for its controller, and their unit."""
 
 _CASE = "rope-120"
@@ -87,6 +87,7 @@ examples:
   balance-rope demo --step 0.005 --out out/fine  a finer coupling, to see whether the results change
   balance-rope demo --scheme iterative-secant    each exchange iterated to convergence
   balance-rope demo --set rope.EI=450 --set hoist.payload_left=4000    other data
+  balance-rope demo --rope out/identify/example/rope.toml              a rope that was identified
   balance-rope demo --signals left.fy right.fy "loop.*"    these columns of signals.csv only
   balance-rope demo --resume out/demo/last_good.npz  go on with a run that was interrupted or stopped
 
@@ -133,7 +134,9 @@ def add_demo(
 
 def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     resume = Checkpoint.read(options.resume) if options.resume else None
-    chosen = settings(options.set, Catalogue(_parameters(options)))
+    catalogue = Catalogue(_parameters(options))
+    own = settings(options.set, catalogue)
+    chosen = rope_values(options.rope, catalogue) | own
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
     options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _CASE
     run = build(options.case, _winding(options) | chosen)
@@ -147,7 +150,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     _tell(missing)
     try:
         result = _run(Host(rope, hoist, winding, coupling, run.gains), options.out / LAST_GOOD, resume)
-        data = rope.data()
+        data = rope.data().with_statuses(own, rope_statuses(options.rope), find_case(options.case).rope)
     finally:
         rope.close()
     result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
@@ -182,7 +185,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
 def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
     """What the drive takes the balance rope for, where the rope is something else; "" where they agree."""
     told = []
-    for name, field, unit in _SHARED:
+    for name, field, unit in SHARED:
         computed, assumed = rope.get(name), getattr(hoist, field)
         if isinstance(computed, int | float) and not math.isclose(computed, assumed, rel_tol=1e-3):
             told.append(

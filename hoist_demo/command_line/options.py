@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import get_args
 
 from hoist_demo.parameters import EmergencyLaw
@@ -49,6 +50,9 @@ def add_data(demo: argparse.ArgumentParser) -> None:
         "--level",
         choices=LEVELS,
         help="accuracy against speed of the rope in process (standard); an FMU has that of its export",
+    )
+    demo.add_argument(
+        "--rope", type=Path, metavar="FILE", help="parameters of the rope, as balance-rope identify writes them"
     )
     demo.add_argument(
         "--set",

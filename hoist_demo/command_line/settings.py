@@ -1,10 +1,12 @@
-"""Values for one run from the command line, `NAME=VALUE`: parameters of rope and host under the names of a study."""
+"""Values for one run from the command line: `NAME=VALUE`, and files of parameters, under the names of a study."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 
 from hoist_demo.study.catalogue import Catalogue, Parameter, Value
+from hoist_demo.study.definition import flat, read_toml, strip_unit, with_file
 
 STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")
 """First parts of the names that only a study takes."""
@@ -24,6 +26,34 @@ def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:
             raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
         found[name] = parameter.read(_value(parameter, value))
     return found
+
+
+def rope_values(path: Path | None, catalogue: Catalogue) -> dict[str, Value]:
+    """The values of [fixed] of a parameter file, as --rope names it; none without a file."""
+    table = {} if path is None else with_file({"from": str(path)})
+    if path is not None and not table:
+        raise ValueError(f"--rope {path} has no [fixed]: give a file that balance-rope identify has written")
+    found: dict[str, Value] = {}
+    for name, content in flat(table):
+        parameter = catalogue[name]
+        found[name] = parameter.read(strip_unit(parameter, content))
+    return found
+
+
+def rope_statuses(path: Path | None) -> dict[str, str]:
+    """What the [known] of a parameter file says of each parameter: measured, published, calibrated, ..."""
+    known = {} if path is None else read_toml(path).get("known", {})
+    return {name: known[key]["status"] for key, names in _FOLLOWING.items() if key in known for name in names}
+
+
+_FOLLOWING = {
+    "mass_per_length": ("rope.mass_per_length", "rope.rhoJ"),
+    "axial_stiffness": ("rope.Qa",),
+    "torque_factor": ("rope.Qb", "rope.Qc"),
+    "torsional_stiffness": ("rope.Qd",),
+    "bending_stiffness": ("rope.EI",),
+}
+"""Parameters by the property that decides them."""
 
 
 def _value(parameter: Parameter, text: str) -> Value:

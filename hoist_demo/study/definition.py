@@ -9,7 +9,8 @@
                sample, searches, steps, seed
 
 A value is a plain one in SI units, or { value, unit }; a list is [...] or { values, unit }; a range may have
-scale = "log". Later ones count: fixed, then variant, then vary. All errors of a file are told at once.
+scale = "log". Later ones count: fixed, then variant, then vary; in fixed and variant from = "FILE" takes the values of
+that file's [fixed] before all. All errors of a file are told at once.
 """
 
 from __future__ import annotations
@@ -263,7 +264,10 @@ class _Reader:
     def _values(self, where: str, table: Mapping[str, Any]) -> dict[str, Value]:
         """Single values of a table."""
         found: dict[str, Value] = {}
-        for key, content in flat(table):
+        given: Mapping[str, Any] = {}
+        with self._collect(f"[{where}]"):
+            given = with_file(table)
+        for key, content in flat(given):
             with self._collect(f"[{where}]"):
                 if not self._is_checkable(key):
                     continue
@@ -347,6 +351,14 @@ def _possible_values(case: str, values: Mapping[str, Value]) -> tuple[dict[str, 
         if len(possible) == before:
             break
     return possible, list(problems.values())
+
+
+def with_file(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The values of the file that the key ``from`` names, and before them the table's own."""
+    if "from" not in table:
+        return table
+    rest = {key: content for key, content in table.items() if key != "from"}
+    return dict(flat(read_toml(Path(str(table["from"]))).get("fixed", {}))) | dict(flat(rest))
 
 
 def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

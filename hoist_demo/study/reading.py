@@ -8,13 +8,18 @@ from typing import Any, get_args
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.definition import flat, strip_unit
+from hoist_demo.study.definition import flat, strip_unit, with_file
 from rope_model import Level
 
 
 def read_values(catalogue: Catalogue, where: str, table: Mapping[str, Any], problems: list[str]) -> dict[str, Value]:
     """The single values of a table, each checked by itself; what is wrong is added to the problems."""
     found: dict[str, Value] = {}
+    try:
+        table = with_file(table)
+    except ValueError as error:
+        problems.append(f"{where}: {error}")
+        return found
     for key, content in flat(table):
         try:
             parameter = catalogue[key]

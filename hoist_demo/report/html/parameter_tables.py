@@ -30,7 +30,11 @@ def rope_tables(rope: RopeData, level: str, fidelities: Sequence[str]) -> list[T
     ]
     if rope.fidelity_reason:
         head.append(("because", rope.fidelity_reason, ""))
-    parameters = [(name, _word(rope.display(name)), unit_text(rope.units.get(name, ""))) for name in rope.parameters]
+    parameters = [
+        (", ".join(filter(None, (name, rope.statuses.get(name)))), _word(rope.display(name)), unit_text(unit))
+        for name in rope.parameters
+        for unit in (rope.units.get(name, ""),)
+    ]
     return [("Balance rope", head), ("Parameters of the balance rope", parameters)]
 
 

@@ -1,0 +1,35 @@
+"""Measure docs/identify.md and docs/uncertain.md anew: ``python -m evidence.knowledge [identify uncertain]``."""
+
+from __future__ import annotations
+
+import argparse
+
+from evidence.knowledge.coverage import COUNTED, MORE_SETS, cover, example, inside, of_samples, plan
+from evidence.knowledge.worked import measure
+from evidence.pages import PAGES, publish
+from evidence.rendering import DOCS
+from evidence.tables import Tables, table, write
+
+
+def main() -> None:
+    """Measure, record, and write the pages."""
+    parser = argparse.ArgumentParser("python -m evidence.knowledge", description=__doc__)
+    parser.add_argument("pages", nargs="*", choices=("identify", "uncertain", []), default=[], help="which (both)")
+    for name in parser.parse_args().pages or ("identify", "uncertain"):
+        tables = _identify() if name == "identify" else measure()
+        write(tables, DOCS / "data" / PAGES[name].data)
+        for path in publish(PAGES[name]):
+            print(path)
+
+
+def _identify() -> Tables:
+    measured = plan()
+    return {
+        "coverage": cover(measured),
+        "samples": table(COUNTED, inside(cover(of_samples(measured), MORE_SETS))),
+        **example(measured),
+    }
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,178 @@
+"""A file of measurements (TOML), read and checked before anything is computed.
+
+    [rope]        construction, diameter, length, lay: what the catalogue is asked for
+    [known]       properties that are known better than the catalogue does: a number, or { low, high }
+    [fixed]       values of rope and shaft, as in a study
+    [[measured]]  what, value, sigma (its standard error), and the numbers of its kind; a list of values is a series
+    [wanted]      signal, left_y, right_y: the output at rest that is to be known better
+
+All numbers in SI units. All errors of a file are told at once. [rope] and [known] are those of the parameter file that
+the fit writes, too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from hoist_demo.calibration.measurements import DEFAULTS, KINDS, PLANES, Bench, Measurement
+from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.study.definition import StudyError, read_toml
+from hoist_demo.study.reading import read_values
+from rope_model import SIGNALS, Datum, KnownRope, rope
+
+_TABLES = ("rope", "known", "fixed", "measured", "wanted")
+_ROPE = ("construction", "diameter", "length", "lay")
+#: parameters that follow from the properties
+FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
+#: kept in the file, for commands that need no fit
+_FACTS = ("status", "source")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """An output at rest that is to be known."""
+
+    signal: str
+    left: float  # m
+    right: float  # m
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A checked file."""
+
+    path: Path
+    bench: Bench
+    measurements: tuple[Measurement, ...]
+    wanted: Wanted
+
+
+def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measured:
+    """What a file holds of a rope with these parameters; raises StudyError with all problems."""
+    raw, problems = read_toml(path), list[str]()
+    for name in raw.keys() - set(_TABLES):
+        problems.append(f"[{name}] is not a table of measurements: the tables are {', '.join(_TABLES)}")
+    known = read_known(path, raw, problems)
+    fixed = read_values(Catalogue(parameters), "[fixed]", raw.get("fixed", {}), problems)
+    for key in fixed.keys() & {f"rope.{name}" for name in FOLLOWING}:
+        problems.append(f"[fixed] {key} follows from the properties: give [known] or [rope] instead")
+    tables = raw.get("measured", [])
+    if not (isinstance(tables, list) and tables):
+        problems.append("nothing is measured: give at least one [[measured]]")
+        tables = []
+    found = [_measurement(number, table, problems) for number, table in enumerate(tables, 1)]
+    wanted = _wanted(raw.get("wanted", {}), problems)
+    if problems or known is None or wanted is None:
+        raise StudyError(path, problems)
+    try:
+        bench = Bench(known, rope_data(fixed))
+    except ValueError as error:
+        raise StudyError(path, [str(error)]) from error
+    return Measured(path, bench, tuple(m for m in found if m is not None), wanted)
+
+
+def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> KnownRope | None:
+    """The rope of [rope] with the ranges of [known]; None where something is wrong, which is added to the problems."""
+    head, before = raw.get("rope", {}), len(problems)
+    for key in head.keys() - set(_ROPE):
+        problems.append(f"[rope] {key} = {head[key]!r} is not a key: it has {', '.join(_ROPE)}")
+    for key in ("construction", "diameter"):
+        if key not in head:
+            problems.append(f"[rope] {key} is missing: the catalogue needs construction and diameter")
+    if len(problems) > before:
+        return None
+    try:
+        found = rope(**head)
+    except (ValueError, TypeError) as error:
+        problems.append(f"[rope] {error}")
+        return None
+    data = dict(found.data)
+    for name, content in raw.get("known", {}).items():
+        if name not in data:
+            problems.append(f"[known] {name} = {content!r} is not a property: they are {', '.join(data)}")
+        elif (datum := _datum(path, data[name], content)) is None:
+            problems.append(
+                f"[known] {name} = {content!r} must be a number, or {{ low, high }} in order: give it in SI"
+            )
+        else:
+            data[name] = datum
+    return replace(found, data=data)
+
+
+def _datum(path: Path, before: Datum, content: Any) -> Datum | None:
+    table = content if isinstance(content, dict) else {"low": content, "high": content}
+    low, high = table.get("low"), table.get("high")
+    numbers = [x for x in (low, high) if isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)]
+    if len(numbers) < 2 or not 0 <= numbers[0] <= numbers[1] or table.keys() - {"low", "high", *_FACTS}:
+        return None
+    return Datum(
+        float(numbers[0]),
+        float(numbers[1]),
+        before.unit,
+        table.get("status", "measured"),
+        str(table.get("source", path.name)),
+    )
+
+
+def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> Measurement | None:
+    """One of the measurements; None where something is wrong with it, which is added to the problems."""
+    what, before = table.get("what"), len(problems)
+    where = f"measured {number}"
+    if not isinstance(what, str) or what not in KINDS:
+        problems.append(f"{where}: what = {what!r} must be one of {', '.join(KINDS)}: choose one")
+        return None
+    kind = KINDS[what]
+    allowed = {"name", "what", "value", "sigma", *kind.numbers, *kind.texts}
+    for key in table.keys() - allowed:
+        problems.append(f"{where}: {key} = {table[key]!r} is not a key of {what}: it has {', '.join(sorted(allowed))}")
+    values = _numbers(where, "value", table.get("value"), "", problems)
+    numbers = {}
+    for name, unit in kind.numbers.items():
+        numbers[name] = _numbers(where, name, table.get(name, DEFAULTS.get(name)), unit, problems)
+        if values and len(numbers[name]) not in (0, 1, len(values)):
+            problems.append(
+                f"{where}: {name} has {len(numbers[name])} numbers, value {len(values)}: give one or as many"
+            )
+    sigma = table.get("sigma")
+    if not isinstance(sigma, int | float) or isinstance(sigma, bool) or not 0 < sigma < math.inf:
+        problems.append(f"{where}: sigma = {sigma!r} must be a number above 0: give the standard error of the value")
+    texts = {name: _text(where, name, table.get(name), problems) for name in kind.texts}
+    if len(problems) > before:
+        return None
+    unit = kind.unit or SIGNALS[texts["signal"]].unit
+    name = str(table.get("name", texts.get("signal", what)))
+    return Measurement(name, what, unit, values, float(table["sigma"]), numbers, texts)
+
+
+def _numbers(where: str, name: str, content: Any, unit: str, problems: list[str]) -> tuple[float, ...]:
+    """A number, or a list of them."""
+    found = content if isinstance(content, list) else [content]
+    if not found or not all(isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in found):
+        problems.append(
+            f"{where}: {name} = {content!r} must be a number or a list of numbers: give it in {unit or 'SI'}"
+        )
+        return ()
+    return tuple(float(x) for x in found)
+
+
+def _text(where: str, name: str, content: Any, problems: list[str]) -> str:
+    known = tuple(SIGNALS) if name == "signal" else PLANES
+    if content not in known:
+        hint = "one of docs/interface.md, outputs" if name == "signal" else f"one of {', '.join(PLANES)}"
+        problems.append(f"{where}: {name} = {content!r} must be {hint}: correct it")
+    return str(content)
+
+
+def _wanted(table: Mapping[str, Any], problems: list[str]) -> Wanted | None:
+    before = len(problems)
+    for key in table.keys() - {"signal", "left_y", "right_y"}:
+        problems.append(f"[wanted] {key} = {table[key]!r} is not a key: it has signal, left_y, right_y")
+    signal = _text("[wanted]", "signal", table.get("signal", "loop.yaw"), problems)
+    left, right = (_numbers("[wanted]", key, table.get(key, 0.0), "m", problems) for key in ("left_y", "right_y"))
+    return Wanted(signal, left[0], right[0]) if len(problems) == before else None

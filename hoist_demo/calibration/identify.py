@@ -1,0 +1,187 @@
+"""A rope's properties from a file of measurements: values with intervals, what stays open, what to measure next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.fit import Array, Fit, error_of, fit, sensitivities, with_measurement
+from hoist_demo.calibration.measurements import Bench, Measurement
+from rope_model import Datum, KnownRope
+
+#: half width of an interval, in shares, from which on the data are said not to tell: half that of a range
+OPEN = 0.25
+#: part of a direction that is named
+NAMED = 0.3
+#: correlations that are named
+STRONG = 0.7
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A measurement that could be added, and the standard error of the wanted output that it would leave."""
+
+    measurement: Measurement
+    error: float
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What was found: ``known`` has the calibrated ranges."""
+
+    measured: Measured
+    fit: Fit
+    known: KnownRope
+    predicted: Array
+    wanted: float
+    wanted_error: float
+    candidates: tuple[Candidate, ...]  # best first
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Properties that were looked for."""
+        return self.measured.bench.names
+
+    def told(self, name: str) -> bool:
+        """Whether the data say more about a property than its range does."""
+        return bool(self.fit.reaches[self.names.index(name)] < OPEN)
+
+    def value(self, name: str) -> float:
+        """The property found."""
+        share = float(self.fit.shares[self.names.index(name)])
+        return self.measured.bench.known.data[name].at(share)
+
+    def open_directions(self) -> list[str]:
+        """Of each direction that the data do not tell, its properties."""
+        return [
+            " and ".join(name for name, part in zip(self.names, direction, strict=True) if abs(part) > NAMED)
+            for direction in self.fit.untold()
+        ]
+
+    def strong_correlations(self) -> list[tuple[str, str, float]]:
+        """Pairs of properties that the data tell together rather than apart."""
+        matrix, n = self.fit.correlations, len(self.names)
+        pairs = [(i, j) for i in range(n) for j in range(i) if abs(matrix[i, j]) > STRONG]
+        return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
+
+
+def identify(measured: Measured) -> Identified:
+    """Fit, intervals, and candidates for the next measurement."""
+    bench = measured.bench
+    values, sigmas = stacked(measured.measurements)
+    found = fit(lambda u: bench.predict(u, measured.measurements), values, sigmas, len(bench.names))
+    wanted = Measurement(
+        "wanted",
+        "at rest",
+        "",
+        (0.0,),
+        1.0,
+        {"left_y": (measured.wanted.left,), "right_y": (measured.wanted.right,)},
+        {"signal": measured.wanted.signal},
+    )
+    possible = candidates(bench, found.shares)
+    rows = sensitivities(lambda u: bench.predict(u, [wanted, *possible]), found.shares)
+    gradient, covariance = rows[0], found.covariance
+    left = [
+        Candidate(m, error_of(with_measurement(covariance, row / m.sigma), gradient))
+        for m, row in zip(possible, rows[1:], strict=True)
+    ]
+    return Identified(
+        measured,
+        found,
+        calibrated(measured, found),
+        bench.predict(found.shares, measured.measurements),
+        float(bench.predict(found.shares, [wanted])[0]),
+        error_of(covariance, gradient),
+        tuple(sorted(left, key=lambda c: c.error)),
+    )
+
+
+def stacked(measurements: Sequence[Measurement]) -> tuple[Array, Array]:
+    """All values and their standard errors."""
+    values = [value for m in measurements for value in m.values]
+    return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
+
+
+def calibrated(measured: Measured, found: Fit) -> KnownRope:
+    """The rope with the intervals found for ranges, where they are narrower than what was known."""
+    bench = measured.bench
+    data = dict(bench.known.data)
+    for name, share, reach in zip(bench.names, found.shares, found.reaches, strict=True):
+        if reach < OPEN:
+            low, high = (data[name].at(float(np.clip(share + sign * reach, 0.0, 1.0))) for sign in (-1, 1))
+            data[name] = Datum(low, high, data[name].unit, "calibrated", measured.path.name)
+    return replace(bench.known, data=data)
+
+
+def candidates(bench: Bench, shares: Array) -> list[Measurement]:
+    """What could be measured next, each with the error that it usually has [assumed]."""
+    trial = bench.trial(shares)
+    data = trial.scene.rope
+    load = 0.5 * data.length * data.mass_per_length * trial.scene.layout.gravity
+    torsion = trial.properties["torsional_stiffness"]
+    level = {"left_y": (0.0,), "right_y": (0.0,)}
+    width = bench.predict(shares, [Measurement("", "loop width", "m", (0.0,), 1.0, {}, {})])[0]
+    sample = {"load": (load,), "twist": (0.0,)}
+    turn = 0.05 * load * data.diameter / torsion  # rad/m, for a torque like those of torque factors
+    return [
+        Measurement("width of the free loop, to 1 %", "loop width", "m", (0.0,), 0.01 * width, {}, {}),
+        Measurement("mass, to 0.5 %", "mass", "kg/m", (0.0,), 5e-3 * data.mass_per_length, {}, {}),
+        Measurement(
+            f"torque of a sample under {1e-3 * load:.3g} kN, to 0.05 % of load times diameter",
+            "sample torque",
+            "N.m",
+            (0.0,),
+            5e-4 * load * data.diameter,
+            sample,
+            {},
+        ),
+        Measurement(
+            f"the same, turned in by {turn:.2g} rad/m",
+            "sample torque",
+            "N.m",
+            (0.0,),
+            5e-4 * load * data.diameter,
+            {**sample, "twist": (turn,)},
+            {},
+        ),
+        Measurement(
+            f"rotation of a 10 m sample under {1e-3 * load:.3g} kN, to 5 degrees",
+            "sample rotation",
+            "rad",
+            (0.0,),
+            np.deg2rad(5),
+            {"load": (load,), "length": (10.0,)},
+            {},
+        ),
+        Measurement(
+            f"extension of a 10 m sample under {1e-3 * load:.3g} kN, to 0.5 mm",
+            "sample extension",
+            "m",
+            (0.0,),
+            5e-4,
+            {"load": (load,), "length": (10.0,)},
+            {},
+        ),
+        Measurement(
+            "yaw of the loop at equal heights, by camera, to 1 degree",
+            "at rest",
+            "rad",
+            (0.0,),
+            np.deg2rad(1),
+            level,
+            {"signal": "loop.yaw"},
+        ),
+        Measurement(
+            "torque of the left end at equal heights, to 0.5 N m",
+            "at rest",
+            "N.m",
+            (0.0,),
+            0.5,
+            level,
+            {"signal": "left.swivel.torque"},
+        ),
+    ]

@@ -1,0 +1,195 @@
+"""What can be measured of a rope, and what the model says it should be.
+
+On a free loop     width between the legs of a rope that hangs from wherever they like: 2.54307 (EI / rho g)^(1/3)
+On a sample        under the load T, the ends held, turned into the lay by w per length (D = Qd - Qb Qc / Qa):
+                   torque c1 d T + (D + c2 d^2 T) w; one end free: it unlays by c1 d T l / (D + c2 d^2 T)
+In the shaft       any output of the rope at rest, at given heights of its ends; frequencies of its swing
+
+Torque and rotation of a sample are positive in the sense of the lay, whichever hand it has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rope_model import BalanceRope, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, balance_rope
+from rope_model.catalogue import properties_of
+from rope_model.physics.estimates import natural_width
+from rope_model.simulation.modal import natural_modes
+
+Array = NDArray[np.float64]
+Numbers = Mapping[str, tuple[float, ...]]
+
+PLANES = ("in plane", "out of plane")
+#: modes among which those of one plane are looked for
+MODES = 14
+
+
+class Trial:
+    """One rope, and what is measured of it; each position in the shaft is computed once."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene.with_(model=Model("torsional"))
+        self._at_rest: dict[tuple[float, float], BalanceRope] = {}
+
+    @cached_property
+    def properties(self) -> dict[str, float]:
+        """By the names of the catalogue."""
+        return properties_of(self.scene.rope)
+
+    def signal(self, name: str, left: float, right: float) -> float:
+        """An output at rest with the ends at these heights (m)."""
+        if (left, right) not in self._at_rest:
+            rope = balance_rope(self.scene)
+            status = rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right))
+            if not status.valid:
+                raise RuntimeError(status.message)
+            self._at_rest[left, right] = rope
+        return self._at_rest[left, right].signals([name])[name]
+
+    def frequencies(self, plane: str, left: float, right: float) -> Array:
+        """Of the lowest modes in or out of plane, Hz."""
+        rope = RopeSimulator(self.scene)
+        status = rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right))
+        if not status.valid:
+            raise RuntimeError(status.message)
+        modes = natural_modes(rope.system, rope.state.motion.q, MODES)
+        return np.asarray(modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")])
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of measurement: unit ('' where the signal has it), the numbers that it needs, and its model."""
+
+    unit: str
+    numbers: Mapping[str, str]  # unit by name
+    description: str
+    model: Callable[[Trial, Measurement], Sequence[float]]
+    texts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Values with their standard error, and the circumstances; a number that varies has as many as there are values."""
+
+    name: str
+    what: str
+    unit: str
+    values: tuple[float, ...]
+    sigma: float
+    numbers: Numbers
+    texts: Mapping[str, str]
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        """What the values should be."""
+        return KINDS[self.what].model(trial, self)
+
+    def each(self, *names: str) -> list[tuple[float, ...]]:
+        """For each value these numbers."""
+        columns = [self.numbers[name] * (len(self.values) // len(self.numbers[name])) for name in names]
+        return list(zip(*columns, strict=True))
+
+
+def _loop_width(trial: Trial, m: Measurement) -> list[float]:
+    return [float(natural_width(trial.scene))] * len(m.values)
+
+
+def _weighed(trial: Trial, m: Measurement) -> list[float]:
+    return [trial.scene.rope.mass_per_length] * len(m.values)
+
+
+def _torsion(trial: Trial, load: float) -> float:
+    """Torque over twist (N m^2) under the load."""
+    rope = trial.scene.rope
+    return trial.properties["torsional_stiffness"] + rope.c2 * rope.diameter**2 * load
+
+
+def _lay_torque(trial: Trial, load: float) -> float:
+    return trial.properties["torque_factor"] * trial.scene.rope.diameter * load
+
+
+def _sample_torque(trial: Trial, m: Measurement) -> list[float]:
+    return [_lay_torque(trial, load) + _torsion(trial, load) * twist for load, twist in m.each("load", "twist")]
+
+
+def _sample_rotation(trial: Trial, m: Measurement) -> list[float]:
+    return [_lay_torque(trial, load) * length / _torsion(trial, load) for load, length in m.each("load", "length")]
+
+
+def _sample_extension(trial: Trial, m: Measurement) -> list[float]:
+    return [load * length / trial.scene.rope.Qa for load, length in m.each("load", "length")]
+
+
+def _at_rest(trial: Trial, m: Measurement) -> list[float]:
+    return [trial.signal(m.texts["signal"], left, right) for left, right in m.each("left_y", "right_y")]
+
+
+def _swing(trial: Trial, m: Measurement) -> list[float]:
+    return [
+        float(trial.frequencies(m.texts["plane"], left, right)[round(number) - 1])
+        for number, left, right in m.each("number", "left_y", "right_y")
+    ]
+
+
+_HEIGHTS = {"left_y": "m", "right_y": "m"}
+KINDS = {
+    "loop width": Kind("m", {}, "of a piece that hangs in a loop between legs far apart", _loop_width),
+    "mass": Kind("kg/m", {}, "weighed, per length", _weighed),
+    "sample torque": Kind(
+        "N.m", {"load": "N", "twist": "rad/m"}, "of a loaded sample with held ends, turned into its lay", _sample_torque
+    ),
+    "sample rotation": Kind(
+        "rad", {"load": "N", "length": "m"}, "by which a loaded sample with a free end unlays", _sample_rotation
+    ),
+    "sample extension": Kind(
+        "m", {"load": "N", "length": "m"}, "of a loaded sample with held ends, beyond its settling", _sample_extension
+    ),
+    "at rest": Kind("", _HEIGHTS, "an output of docs/interface.md, the rope at rest", _at_rest, ("signal",)),
+    "swing": Kind(
+        "Hz", {"number": "1", **_HEIGHTS}, f"natural frequency, plane = {' or '.join(PLANES)}", _swing, ("plane",)
+    ),
+}
+#: what a number is where it is not given
+DEFAULTS = {"twist": 0.0, "number": 1.0}
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The rope of which something is measured: what the catalogue knows of it, and the scene in which it hangs."""
+
+    known: KnownRope
+    scene: Scene
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Properties that are to be found: those with a range."""
+        return tuple(name for name, datum in self.known.data.items() if datum.high > datum.low)
+
+    def rope(self, shares: Array) -> Rope:
+        """The rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
+        data = self.known.data
+        held = {name: datum.low for name, datum in data.items() if name not in self.names}
+        found = {name: data[name].at(float(u)) for name, u in zip(self.names, shares, strict=True)}
+        made, own = self.known.rope(**held, **found), self.scene.rope
+        return replace(
+            made,
+            c2=own.c2,
+            beta_K=own.beta_K,
+            torsion_damping=own.torsion_damping,
+            bending_damping=own.bending_damping,
+            installed_twist=own.installed_twist,
+        )
+
+    def trial(self, shares: Array) -> Trial:
+        """What can be measured of this rope."""
+        return Trial(self.scene.with_(rope=self.rope(shares)))
+
+    def predict(self, shares: Array, measurements: Sequence[Measurement]) -> Array:
+        """All values of the measurements, one after the other."""
+        trial = self.trial(shares)
+        return np.array([value for m in measurements for value in m.predict(trial)])

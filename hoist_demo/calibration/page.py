@@ -1,0 +1,135 @@
+"""What a fit says: as text for the terminal and as a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hoist_demo.calibration.fit import CONFIDENCE, UNLIKELY
+from hoist_demo.calibration.identify import Identified
+from hoist_demo.report.html.page import number, unit_text
+from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
+from hoist_demo.report.summary import SummaryRow
+from rope_model import SIGNALS
+
+#: standard errors to either side that the picture of the residuals shows
+SIDE = 4.0
+
+
+def summary(found: Identified) -> list[SummaryRow]:
+    """What is printed."""
+    group = f"Properties, with the interval of {100 * CONFIDENCE:.0f} %"
+    rows = [SummaryRow(group, *row[:2], row[2]) for row in _properties(found)]
+    rows += [SummaryRow("What the data do not tell", text, "") for text in _open(found)]
+    rows += [SummaryRow("Told together rather than apart", *row) for row in _pairs(found)]
+    group = "What to measure next, and the error that it leaves"
+    unit = _wanted_unit(found)
+    rows.append(SummaryRow(group, f"now: {found.measured.wanted.signal}, {number(found.wanted)} {unit}", _error(found)))
+    rows += [SummaryRow(group, c.measurement.name, c.error, unit) for c in found.candidates[:3]]
+    return rows
+
+
+def misfit(found: Identified) -> str:
+    """A warning where the model misses the measurements; '' where it does not."""
+    if found.fit.likelihood >= UNLIKELY:
+        return ""
+    worst, value = max(_residuals(found), key=lambda row: abs(row[1]))
+    return (
+        f"the model misses the measurements by more than sigma allows (probability {found.fit.likelihood:.1g}, usual "
+        f"is {UNLIKELY:g} or more); worst is {worst}, by {value:.3g} sigma: look at it, at its sigma and at the ranges"
+    )
+
+
+def write_page(found: Identified, path: Path) -> Path:
+    """Write the page."""
+    bench = found.measured.bench
+    ranges = [
+        Bar(
+            f"{name.replace('_', ' ')}",
+            float(share - reach),
+            float(share + reach),
+            float(share),
+            found.told(name),
+        )
+        for name, share, reach in zip(found.names, found.fit.shares, found.fit.reaches, strict=True)
+    ]
+    residuals = [Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(found)]
+    steps = [(0.5 + x / (2 * SIDE), f"{x:+.0f}" if x else "0") for x in (-4, -3, -2, -1, 0, 1, 2, 3, 4)]
+    head = ("property", "found", "unit", "known before", "status before")
+    known = [
+        (*row, f"{number(datum.low)} to {number(datum.high)}", f"{datum.status}: {datum.source}")
+        for row, name in zip(_properties(found), found.names, strict=True)
+        for datum in (bench.known.data[name],)
+    ]
+    fitted = [
+        (name, number(value), number(predicted), number(sigma), unit_text(unit))
+        for name, value, predicted, sigma, unit in _values(found)
+    ]
+    left = [(c.measurement.name, f"{number(c.error)} {_wanted_unit(found)}") for c in found.candidates]
+    notes = [text for text in (misfit(found),) if text]
+    parts = [
+        ("", paragraphs(notes) + grid(head, known)),
+        (
+            "Where the values lie in what was known",
+            paragraphs(["Axis: the range known before, from its lower to its upper end. Grey: the data do not tell."])
+            + bars(ranges, [(0.0, "lower end"), (0.5, "middle"), (1.0, "upper end")], "intervals in the ranges"),
+        ),
+        (
+            "Model less measurement",
+            paragraphs(["In standard errors."]) + bars(residuals, steps, "residuals in standard errors"),
+        ),
+        ("Measured and fitted", grid(("measurement", "measured", "fitted", "sigma", "unit"), fitted)),
+        ("What the data do not tell", paragraphs(_open(found) or ["Every property is told."])),
+        ("Told together rather than apart", _pairs_grid(found)),
+        (
+            f"What to measure next, for {found.measured.wanted.signal}",
+            paragraphs([f"It is {number(found.wanted)} {_wanted_unit(found)}, its standard error {_error(found)}."])
+            + grid(("measurement", "standard error that it leaves"), left),
+        ),
+    ]  # fmt: skip
+    return write_sheet(path, f"A rope from measurements: {found.measured.path.name}", parts)
+
+
+def _properties(found: Identified) -> list[tuple[str, str, str]]:
+    """Name, value with interval, and unit."""
+    rows = []
+    for name in found.names:
+        datum = found.known.data[name]
+        told = f"{number(found.value(name))} ({number(datum.low)} to {number(datum.high)})"
+        untold = f"not told: {number(datum.low)} to {number(datum.high)} as before"
+        rows.append((name, told if found.told(name) else untold, unit_text(datum.unit)))
+    return rows
+
+
+def _open(found: Identified) -> list[str]:
+    return [f"{text}: its range stands" for text in found.open_directions()]
+
+
+def _pairs(found: Identified) -> list[tuple[str, str]]:
+    return [(f"{one} and {other}", f"{value:+.2f}") for one, other, value in found.strong_correlations()]
+
+
+def _pairs_grid(found: Identified) -> str:
+    pairs = _pairs(found)
+    return grid(("properties", "correlation"), pairs) if pairs else paragraphs(["None: each is told by itself."])
+
+
+def _error(found: Identified) -> str:
+    return f"{number(found.wanted_error)} {_wanted_unit(found)}"
+
+
+def _wanted_unit(found: Identified) -> str:
+    return unit_text(SIGNALS[found.measured.wanted.signal].unit)
+
+
+def _values(found: Identified) -> list[tuple[str, float, float, float, str]]:
+    """Name, measured, predicted, sigma and unit of each value."""
+    predicted, rows = iter(found.predicted), []
+    for m in found.measured.measurements:
+        for k, value in enumerate(m.values, 1):
+            name = f"{m.name} {k}" if len(m.values) > 1 else m.name
+            rows.append((name, value, float(next(predicted)), m.sigma, m.unit))
+    return rows
+
+
+def _residuals(found: Identified) -> list[tuple[str, float]]:
+    return [(name, (predicted - value) / sigma) for name, value, predicted, sigma, _ in _values(found)]

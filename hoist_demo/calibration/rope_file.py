@@ -1,0 +1,33 @@
+"""The parameter file that a fit writes: [fixed] for every command, [rope] and [known] for what goes on from them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from hoist_demo.calibration.identify import Identified
+
+PARAMETERS = ("length", "mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "diameter")
+
+
+def write_rope_file(found: Identified, path: Path) -> Path:
+    """Write what was found."""
+    known = found.known
+    rope = found.measured.bench.rope(found.fit.shares)
+    lines = [
+        f"# Found by balance-rope identify from {found.measured.path.name}. demo and export take it as --rope FILE,",
+        '# studies, duties and ropes as [fixed] from = "FILE".',
+        "[rope]",
+        f"construction = {json.dumps(known.construction)}",
+        f"diameter = {known.diameter!r}",
+        f"length = {known.length!r}",
+        f"lay = {json.dumps(known.lay)}",
+        "",
+        "[known]",
+    ]
+    for name, datum in known.data.items():
+        facts = f"status = {json.dumps(datum.status)}, source = {json.dumps(datum.source)}"
+        lines.append(f"{name} = {{ low = {datum.low:.6g}, high = {datum.high:.6g}, {facts} }}")
+    lines += ["", "[fixed]", *(f"rope.{name} = {getattr(rope, name):.8g}" for name in PARAMETERS)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+    return path

@@ -1,0 +1,75 @@
+"""The command `balance-rope identify`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from hoist_demo.report.summary import render
+
+_DESCRIPTION = """\
+Find a rope's properties from measurements: weighted least squares within the ranges of the catalogue, with intervals,
+what the data do not tell, and which measurement would help most."""
+
+_EPILOG = """\
+examples:
+  balance-rope identify docs/measurements/example.toml
+  balance-rope identify MEASURED.toml --check      read and check the file, compute nothing
+  balance-rope demo --in-process --rope out/identify/MEASURED/rope.toml    wind with what was found
+
+a file of measurements:
+  [rope]
+  construction = "34x7"       # of docs/data.md, whose ranges bound what is found
+  diameter = 0.046            # m
+  length = 700.0              # m
+
+  [[measured]]
+  what = "loop width"         # or mass, sample torque, sample rotation, sample extension, at rest, swing
+  value = 2.9                 # SI units
+  sigma = 0.05                # its standard error
+
+Results in --out: rope.toml, the parameters for other commands, and report.html. The file is explained in
+docs/identify.md.
+exit code: 0 found, 1 found but the model misses the measurements, 2 wrong file or arguments, 130 interrupted.
+"""
+
+
+def add_identify(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the subcommand `identify`; its options hold the function to run as `run`."""
+    identify = commands.add_parser(
+        "identify",
+        help="find a rope's properties from measurements",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    identify.set_defaults(run=_identify)
+    identify.add_argument(
+        "measured", type=Path, metavar="MEASURED.toml", help="what was measured, see docs/identify.md"
+    )
+    identify.add_argument("--out", type=Path, metavar="DIR", help="results (out/identify/ and the file's name)")
+    identify.add_argument("--check", action="store_true", help="check only")
+
+
+def _identify(options: argparse.Namespace) -> int:
+    # the rope loads slowly and is needed here only
+    from hoist_demo.calibration.definition import read_measured
+    from hoist_demo.calibration.identify import identify
+    from hoist_demo.calibration.page import misfit, summary, write_page
+    from hoist_demo.calibration.rope_file import write_rope_file
+    from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+
+    measured = read_measured(options.measured, rope_parameters())
+    if options.check:
+        print(f"{options.measured}: {sum(len(m.values) for m in measured.measurements)} values, nothing wrong")
+        return 0
+    found = identify(measured)
+    out: Path = options.out or Path("out") / "identify" / options.measured.stem
+    out.mkdir(parents=True, exist_ok=True)
+    print(render(summary(found)))
+    print(f"\nwritten: {write_rope_file(found, out / 'rope.toml')}, {write_page(found, out / 'report.html')}")
+    if warning := misfit(found):
+        print(f"balance-rope: warning: {warning}", file=sys.stderr)
+        return 1
+    return 0

@@ -1,0 +1,78 @@
+"""The command `balance-rope uncertain`."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from functools import partial
+from pathlib import Path
+
+from tqdm import tqdm
+
+from hoist_demo.report.summary import render
+
+_DESCRIPTION = """\
+Wind with ropes from all over the ranges of the catalogue, or of a calibration: what loop clearance, yaw, swivel torque
+and end force may be, and which datum causes it."""
+
+_EPILOG = """\
+examples:
+  balance-rope uncertain docs/uncertain/rope-120.toml
+  balance-rope uncertain SCENE.toml --check        read and check the file, wind nothing
+  balance-rope uncertain SCENE.toml --workers 1    in this process
+
+a file:
+  [uncertain]
+  case = "rope-120"            # hoist, winding and ends
+  samples = 64                 # a power of two
+  [rope]
+  construction = "34x7"        # of docs/data.md; or from = "out/identify/NAME/rope.toml"
+  diameter = 0.044             # m
+  [known]
+  mass_per_length = 7.7        # what is known better: a number, or { low, high }
+
+Results in --out: windings.csv, a row per winding, and report.html. The file is explained in docs/uncertain.md.
+exit code: 0 all windings wound to the end, 1 some did not, 2 wrong file or arguments, 130 interrupted.
+"""
+
+
+def add_uncertain(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the subcommand `uncertain`; its options hold the function to run as `run`."""
+    uncertain = commands.add_parser(
+        "uncertain",
+        help="what a winding may be, with all that is not known of its rope",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    uncertain.set_defaults(run=_uncertain)
+    uncertain.add_argument("scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/uncertain.md")
+    uncertain.add_argument("--out", type=Path, metavar="DIR", help="results (out/uncertain/ and the file's name)")
+    uncertain.add_argument("--workers", type=int, metavar="N", help="processes (one per core)")
+    uncertain.add_argument("--check", action="store_true", help="check only")
+
+
+def _uncertain(options: argparse.Namespace) -> int:
+    # the rope loads slowly and is needed here only
+    from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+    from hoist_demo.uncertainty.definition import read_uncertain
+    from hoist_demo.uncertainty.page import summary, write_page, write_table
+    from hoist_demo.uncertainty.spread import spread
+
+    workers = os.cpu_count() or 1 if options.workers is None else options.workers
+    if workers < 1:
+        raise ValueError(f"--workers {workers} must be at least 1: leave it out for one per core")
+    asked = read_uncertain(options.scene, rope_parameters())
+    if options.check:
+        print(f"{options.scene}: {asked.samples} windings over {', '.join(asked.data)}, nothing wrong")
+        return 0
+    watched = partial(tqdm, desc="winding", unit="winding", total=asked.samples, file=sys.stderr, disable=None)
+    found = spread(asked, workers, watched)
+    out: Path = options.out or Path("out") / "uncertain" / options.scene.stem
+    out.mkdir(parents=True, exist_ok=True)
+    print(render(summary(found)))
+    print(f"\nwritten: {write_table(found, out / 'windings.csv')}, {write_page(found, out / 'report.html')}")
+    for text, count in found.warnings.items():
+        print(f"balance-rope: in {count} of {asked.samples} windings: warning: {text}", file=sys.stderr)
+    return 0 if all(found.wound(name).all() for name in asked.measures) else 1

@@ -1,0 +1,127 @@
+"""A file that asks how uncertain a winding is (TOML), read and checked before anything runs.
+
+    [uncertain]  title, case, level, samples, seed, measures, and bearing = that of the swivels, in the catalogue
+    [rope]       construction, diameter, length, lay: what the catalogue is asked for (length: the case's)
+    [known]      properties that are known better than the catalogue does: a number, or { low, high }
+    [fixed]      values of all windings, as in a study
+
+[rope] and [known] are those of a file of measurements, and of the parameter file that its fit writes: in [rope],
+from = "FILE" takes both of it. All errors of a file are told at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from hoist_demo.calibration.definition import FOLLOWING, read_known
+from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
+from hoist_demo.study.catalogue import Catalogue, Value
+from hoist_demo.study.definition import StudyError, read_toml
+from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.reading import read_head, read_values
+from hoist_demo.study.run import RunData, build
+from rope_model import BEARINGS, Datum, KnownRope, Level
+
+_TABLES = ("uncertain", "rope", "known", "fixed")
+MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
+_OWN: dict[str, Any] = {"samples": 64, "seed": 1, "measures": list(MEASURES), "bearing": ""}
+SWIVELS = ("left", "right")
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """A checked file."""
+
+    title: str
+    case: str
+    level: Level
+    samples: int
+    seed: int
+    measures: tuple[str, ...]
+    bearing: str  # "" where friction does not vary
+    known: KnownRope
+    fixed: Mapping[str, Value]
+
+    @property
+    def data(self) -> dict[str, Datum]:
+        """What varies, by name."""
+        found = {name: datum for name, datum in self.known.data.items() if datum.high > datum.low}
+        return found | (BEARINGS[self.bearing] if self.bearing else {})
+
+    def run(self, values: Mapping[str, float]) -> RunData:
+        """The winding with these values of what varies; the drive takes the rope for what it is."""
+        held = {name: datum.low for name, datum in self.known.data.items() if name not in self.data}
+        rope = self.known.rope(**held, **{name: values[name] for name in self.known.data if name in values})
+        chosen: dict[str, Value] = {
+            "model.fidelity": 1,
+            **self.fixed,
+            **{f"rope.{name}": float(getattr(rope, name)) for name in FOLLOWING},
+            "hoist.tail_rope_mass": rope.mass_per_length,
+            "hoist.tail_rope_length": rope.length,
+        }
+        if self.bearing:
+            for side in SWIVELS:
+                chosen[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
+                chosen[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
+        return build(self.case, chosen)
+
+
+def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncertain:
+    """What a file asks of a rope with these parameters; raises StudyError with all problems."""
+    raw, problems = read_toml(path), list[str]()
+    for name in raw.keys() - set(_TABLES):
+        problems.append(f"[{name}] is not a table of an uncertain winding: the tables are {', '.join(_TABLES)}")
+    head = read_head(path, "uncertain", raw.get("uncertain", {}), _OWN, problems)
+    _check(head, problems)
+    fixed = read_values(Catalogue(parameters), "[fixed]", raw.get("fixed", {}), problems)
+    for key in fixed.keys() & {f"rope.{name}" for name in FOLLOWING}:
+        problems.append(f"[fixed] {key} follows from the properties: give [known] or [rope] instead")
+    known = _known(path, raw, problems)
+    if problems or known is None:
+        raise StudyError(path, problems)
+    if "length" not in raw["rope"]:
+        length = find_case(head["case"]).rope["rope.length"]
+        known = replace(known, length=float(length))
+    asked = Uncertain(known=known, fixed=fixed, **{**head, "measures": tuple(head["measures"])})
+    if not asked.data:
+        raise StudyError(path, ["nothing varies: give a property of [known] a range, { low, high }"])
+    try:
+        asked.run({name: datum.middle for name, datum in asked.data.items()})
+    except ValueError as error:
+        raise StudyError(path, [str(error)]) from error
+    return asked
+
+
+def _known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> KnownRope | None:
+    """The rope of [rope] and [known], those of another file first."""
+    table = raw.get("rope", {})
+    if "from" not in table:
+        return read_known(path, raw, problems)
+    try:
+        other = read_toml(Path(str(table["from"])))
+    except StudyError as error:
+        problems.append(f"[rope] {error}")
+        return None
+    own = {key: value for key, value in table.items() if key != "from"}
+    both = {"rope": other.get("rope", {}) | own, "known": other.get("known", {}) | raw.get("known", {})}
+    return read_known(path, both, problems)
+
+
+def _check(head: Mapping[str, Any], problems: list[str]) -> None:
+    samples, seed, bearing = head["samples"], head["seed"], head["bearing"]
+    if type(samples) is not int or samples < 8 or samples & (samples - 1):
+        problems.append(f"[uncertain] samples = {samples!r} must be a power of two from 8 on: 64 suits a first look")
+    if type(seed) is not int or seed < 0:
+        problems.append(f"[uncertain] seed = {seed!r} must be a whole number from 0 on: take 1")
+    if bearing and bearing not in BEARINGS:
+        problems.append(f"[uncertain] bearing = {bearing!r} must be one of {', '.join(BEARINGS)}: choose one")
+    if not isinstance(head["measures"], list) or not head["measures"]:
+        problems.append(f"[uncertain] measures = {head['measures']!r} must be a list: write {list(MEASURES)}")
+        return
+    for name in head["measures"]:
+        if name not in UNITS:
+            problems.append(f"[uncertain] measures: {name!r} is not a metric: choose of {', '.join(UNITS)}")

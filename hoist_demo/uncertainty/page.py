@@ -1,0 +1,78 @@
+"""What a spread says: as text for the terminal, as a table and as a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hoist_demo.recording.time_series import Recording, write_csv
+from hoist_demo.report.html.page import number, unit_text
+from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
+from hoist_demo.report.summary import SummaryRow
+from hoist_demo.study.metrics import METRICS, UNITS
+from hoist_demo.uncertainty.spread import QUANTILES, Spread
+
+#: share of a spread from which on a datum is named in the terminal
+NAMED = 0.05
+
+
+def summary(found: Spread) -> list[SummaryRow]:
+    """What is printed."""
+    rows = [SummaryRow("Windings", "wound to the end", f"{_completed(found)} of {found.asked.samples}")]
+    for name in found.asked.measures:
+        low, middle, high = (number(x) for x in found.quantiles(name))
+        group = f"{name}, {METRICS[name][1]}"
+        unit = unit_text(UNITS[name])
+        rows.append(SummaryRow(group, "half of the ropes below", middle, unit))
+        rows.append(SummaryRow(group, "nine in ten within", f"{low} to {high}", unit))
+        rows += [
+            SummaryRow(group, f"caused by {key}", f"{100 * x:.0f} %") for key, x in _sorted(found, name) if x > NAMED
+        ]
+    return rows
+
+
+def write_table(found: Spread, path: Path) -> Path:
+    """A row per winding."""
+    units = {name: datum.unit for name, datum in found.asked.data.items()} | UNITS
+    write_csv(Recording(found.columns, units), path)
+    return path
+
+
+def write_page(found: Spread, path: Path) -> Path:
+    """Write the page."""
+    asked = found.asked
+    head = ("result", "", *(f"{100 * q:.0f} % below" for q in QUANTILES), "unit")
+    results = [
+        (name, METRICS[name][1], *(number(x) for x in found.quantiles(name)), unit_text(UNITS[name]))
+        for name in asked.measures
+    ]
+    causes = "".join(
+        paragraphs([name])
+        + bars([Bar(key.replace("_", " "), 0.0, x, x, key != "unexplained") for key, x in shares], _TICKS, name)
+        for name in asked.measures
+        if (shares := _sorted(found, name))
+    )
+    data = [
+        (name, f"{number(datum.low)} to {number(datum.high)}", unit_text(datum.unit), datum.status, datum.source)
+        for name, datum in asked.data.items()
+    ]
+    wound = f"{_completed(found)} of {asked.samples} windings wound to the end: case {asked.case}, level {asked.level}."
+    hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
+    parts = [
+        ("", paragraphs([wound])),
+        ("What the results may be", grid(head, results)),
+        ("Which datum causes it", paragraphs([hint]) + causes),
+        ("What varies, evenly over its range", grid(("datum", "range", "unit", "status", "source"), data)),
+    ]
+    return write_sheet(path, asked.title, parts)
+
+
+_TICKS = [(x / 4, f"{25 * x} %") for x in range(5)]
+
+
+def _completed(found: Spread) -> int:
+    return max(int(found.wound(name).sum()) for name in found.asked.measures)
+
+
+def _sorted(found: Spread, name: str) -> list[tuple[str, float]]:
+    """The largest cause first, what is unexplained last."""
+    return sorted(found.causes(name).items(), key=lambda cause: (cause[0] == "unexplained", -cause[1]))

@@ -1,0 +1,110 @@
+"""Windings over what is not known: a Sobol sequence over the ranges, and which datum causes the spread.
+
+The samples are a scrambled Sobol sequence in the shares of the ranges (A. B. Owen; scipy.stats.qmc).  What a datum
+causes is judged by ranks, which ask for monotony only: with the standardised ranks of the data x, of a result y,
+
+    y = sum_k b_k x_k + rest        share of datum k: b_k^2        unexplained: 1 - R^2
+
+The data vary independently, so that the shares add up to R^2 but for what the sample leaves of correlation.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc, rankdata
+
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.progress import warnings_of
+from hoist_demo.study.metrics import ROPE_SIGNALS, measure
+from hoist_demo.study.run import wind
+from hoist_demo.uncertainty.definition import Uncertain
+
+Array = NDArray[np.float64]
+#: measures and warnings
+Wound = tuple[dict[str, float], tuple[str, ...]]
+
+#: of a distribution that is told
+QUANTILES = (0.05, 0.5, 0.95)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A row per winding: what varied and what was measured, NaN where the winding has stopped before."""
+
+    asked: Uncertain
+    columns: Mapping[str, Array]
+    warnings: Mapping[str, int] = field(default_factory=dict)  # in how many windings each was given
+
+    def wound(self, name: str) -> Array:
+        """Which windings have this measure."""
+        return np.isfinite(self.columns[name])
+
+    def quantiles(self, name: str) -> tuple[float, ...]:
+        """Of a measure, QUANTILES."""
+        values = self.columns[name][self.wound(name)]
+        return tuple(float(x) for x in np.quantile(values, QUANTILES)) if values.size else (math.nan,) * len(QUANTILES)
+
+    def causes(self, name: str) -> dict[str, float]:
+        """The share of each datum in the spread of a measure, and of what ranks do not explain; {} without spread."""
+        kept = self.wound(name)
+        y = self.columns[name][kept]
+        if y.size <= len(self.asked.data) + 1 or np.ptp(y) == 0.0:
+            return {}
+        x = np.array([_standard(self.columns[key][kept]) for key in self.asked.data])
+        y = _standard(y)
+        b = np.linalg.lstsq(x.T, y, rcond=None)[0]
+        rest = y - b @ x
+        shares = {key: float(share) for key, share in zip(self.asked.data, b * b, strict=True)}
+        return shares | {"unexplained": float(rest @ rest / (y @ y))}
+
+
+def spread(asked: Uncertain, workers: int, progress: Callable[[Iterable[Wound]], Iterable[Wound]] = iter) -> Spread:
+    """All windings, by so many processes."""
+    samples = draw(asked)
+    if workers == 1:
+        results = list(progress(wound(asked, values) for values in samples))
+    else:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            results = list(progress(pool.map(wound, [asked] * len(samples), samples)))
+    columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
+    columns |= {name: np.array([found[name] for found, _ in results]) for name in asked.measures}
+    return Spread(asked, columns, Counter(_kind(text) for _, texts in results for text in {*texts}))
+
+
+def draw(asked: Uncertain) -> list[dict[str, float]]:
+    """The values of what varies, one set per winding."""
+    sequence = qmc.Sobol(len(asked.data), rng=np.random.default_rng(asked.seed))
+    shares = sequence.random_base2(round(math.log2(asked.samples)))
+    return [
+        {name: datum.at(float(u)) for (name, datum), u in zip(asked.data.items(), row, strict=True)} for row in shares
+    ]
+
+
+def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
+    """The measures of one winding, NaN of one that has stopped, and its warnings."""
+    run = asked.run(values)
+    with warnings_of("hoist_demo") as warnings:
+        rope = InProcessRope(rope_data(run.fmu, asked.level), ROPE_SIGNALS)
+        result, _ = wind(run, rope)
+    found = measure(result, run.hoist, run.winding, run.arrival)
+    return {name: found[name] if result.completed else math.nan for name in asked.measures}, tuple(warnings)
+
+
+def _kind(text: str) -> str:
+    """A warning without its numbers, which differ from rope to rope."""
+    return re.sub(r"-?\d[\d.e+-]*", "…", text)
+
+
+def _standard(values: Array) -> Array:
+    """Ranks with mean 0 and variance 1."""
+    ranks = rankdata(values)
+    return np.asarray((ranks - ranks.mean()) / ranks.std())
