@@ -11,17 +11,26 @@ from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.cases.table import CASES, find_case
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling
+from hoist_demo.parameters.components import Jam
+from hoist_demo.recording.jams import jams, slack_ropes
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import Recording
+from hoist_demo.report.events import marks
+from hoist_demo.report.summary import summarize
 
 
 @cache
-def recorded(name: str) -> Recording:
+def wound(name: str) -> Result:
     case = find_case(name)
     result = Host(rope_in_process(name), case.hoist, case.winding, Coupling(), case.gains).run()
     assert result.completed, result.cause
-    return result.recording
+    return result
+
+
+def recorded(name: str) -> Recording:
+    return wound(name).recording
 
 
 def test_no_scenario_takes_the_name_of_a_case() -> None:
@@ -60,3 +69,38 @@ def test_a_rope_is_caught_by_a_divider_and_released() -> None:
     assert passages(run).startswith("the rope struck a divider")
     assert np.max(run["contact.divider"]) > 1000.0
     assert np.all(run["contact.divider"][-100:] == 0.0)
+
+
+def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() -> None:
+    case, run = find_case("jammed-conveyance"), recorded("jammed-conveyance")
+    (jam,) = jams(run)
+    assert (jam.side, jam.way is not None) == ("right", True)
+    assert jam.way is not None
+    assert jam.way < Jam().distance
+    assert case.hoist.jam_right is not None
+    assert run["conveyance.right.y"][-1] == pytest.approx(jam.height - jam.way, abs=case.hoist.jam_right.travel)
+    # its ropes go slack by what the other conveyance rises until it stops
+    low = run["drive.pull_right"] < case.hoist.slack_tension
+    seen = int(np.argmax(low))
+    assert jam.t < run.time[seen] < jam.t + 0.2
+    rises = run["conveyance.left.y"][seen:] - run["conveyance.left.y"][seen]
+    assert np.max(run["drive.slack_right"]) == pytest.approx(np.max(rises), rel=0.3)
+    assert np.min(run["drive.pull_right"]) == 0.0
+    assert run["drive.brake_torque"][seen] == 0.0
+    assert abs(run["drive.rate"][-1]) < 0.01
+    # the rope's end stops hard
+    assert np.max(-run["right.fy"]) > 4.0 * -run["right.fy"][seen - 20]
+    assert np.max(np.abs(run["drive.energy_residual"])) < 1e-3
+
+
+def test_summary_and_report_tell_how_a_conveyance_jammed() -> None:
+    case, run = find_case("jammed-conveyance"), wound("jammed-conveyance")
+    rows = {(row.group, row.quantity): row for row in summarize(run, case.hoist, run.winding, Coupling())}
+    told, jam, slack = rows["Outcome", "status"].text, jams(run.recording)[0], slack_ropes(run.recording)[0]
+    assert f"; the right conveyance jammed at t = {jam.t:.4g} s; " in told
+    assert f"; the head ropes of the right conveyance were slack from t = {slack.t:.4g} s on" in told
+    seen = float(rows["Slack head ropes", "seen by the safety circuit at"].value)
+    assert seen == pytest.approx(run.winding.emergency_at)
+    assert ("After the jam, 10 s", "largest pull on a conveyance") in rows
+    labels = [mark.label for mark in marks(run, run.winding)]
+    assert labels.index("jam, right") < labels.index("slack head ropes, right") < labels.index("emergency stop")

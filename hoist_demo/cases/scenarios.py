@@ -5,6 +5,8 @@ overwind        the trip ends so far above its landing that the loop comes withi
 slack-rope      the brake grips at once with its full torque, harder than gravity: the rope under the rising conveyance
                 goes slack, and jerks when it falls back
 seized-swivel   one of two swivels does not turn
+jammed-conveyance
+                the descending conveyance catches in its guides; its head ropes go slack, which opens the safety circuit
 caught-rope     an emergency stop swings the loop up under a divider within it, which holds it and lets it go
 """
 
@@ -14,7 +16,7 @@ from dataclasses import replace
 
 from hoist_demo.cases.case import COULOMB, LOCKED, Case, swivels
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.parameters.components import Brake
+from hoist_demo.parameters.components import Brake, Jam
 
 EQUAL_ELEMENTS = 1
 """Code of mesh.kind, docs/interface.md."""
@@ -41,6 +43,11 @@ SCENARIOS = {
         _DEEP,
         Winding(travel=200.0, speed=10.0),
         rope={"rope.length": _DEEP.tail_rope_length, **swivels(COULOMB, release_time=0.0), "left.swivel.mode": LOCKED},
+    ),
+    "jammed-conveyance": Case(
+        replace(_HOIST, brake=Brake(), jam_right=Jam(), slack_tension=2e4),
+        replace(_WINDING, emergency_law="deceleration", settle=20.0),
+        rope=_ROPE,
     ),
     "caught-rope": Case(_HOIST, _STOPPED, rope=_ROPE | {"divider_1.size": 0.2, "divider_1.y": -12.5}),
 }

@@ -79,7 +79,8 @@ examples:
   balance-rope demo --speed 4 --travel 60
   balance-rope demo --case rope-240             240 m rope, swivels released at 20 s
   balance-rope demo --case monopol-1000         a hoist of installed size: 1000 m, 16 m/s
-  balance-rope demo --case slack-rope           what goes wrong, also overwind, seized-swivel, caught-rope
+  balance-rope demo --case slack-rope           what goes wrong, also overwind, seized-swivel, caught-rope,
+                                                jammed-conveyance
   balance-rope demo --case monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
   balance-rope demo --travel -90                 lower the left conveyance instead
   balance-rope demo --creep-distance 3           the last 3 m at creep speed, 0.5 m/s

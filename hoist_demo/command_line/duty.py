@@ -14,10 +14,8 @@ from typing import TYPE_CHECKING
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
-from hoist_demo.recording.guards import told
-from hoist_demo.recording.passages import outcome_of, passages
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.summary import SummaryRow, exposure_rows, render
+from hoist_demo.report.summary import SummaryRow, exposure_rows, incidents, render, status
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
@@ -92,7 +90,7 @@ def _duty(options: argparse.Namespace) -> int:
         print("balance-rope: interrupted; the same command goes on", file=sys.stderr)
         return 130
     if trips["trip"].size < schedule.count or (last is not None and last.result.end is None):
-        cause = "" if last is None else last.result.cause or told(last.result.recording).removeprefix("; ")
+        cause = "" if last is None else last.result.cause or incidents(last.result.recording).removeprefix("; ")
         print(f"balance-rope: the duty ends with trip {trips['trip'].size}: {cause}", file=sys.stderr)
         return 1
     return 0
@@ -138,7 +136,7 @@ def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow
     if last is not None:
         recording = last.result.recording
         rows += [
-            SummaryRow("Outcome", "status", outcome_of(last.result.completed, passages(recording)) + told(recording)),
+            SummaryRow("Outcome", "status", status(last.result.completed, recording)),
             SummaryRow("Outcome", "simulated time", float(recording.time[-1]), "s"),
         ]
     steady, count = steady_from(trips, cycle), trips["trip"].size

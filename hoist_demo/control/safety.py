@@ -1,4 +1,6 @@
-"""The hoist's safety circuit: a guard of the balance rope's loop that trips stops the hoist, by the law of its winding.
+"""The hoist's safety circuit stops it, by the law of its winding.
+
+A guard of the balance rope's loop opens it, or head ropes whose pull on a conveyance is below `Hoist.slack_tension`.
 
 The stop begins at the first sample that sees the trip. One that is under way already stays as it is, and a reference
 that has come to rest needs none.

@@ -8,7 +8,7 @@ from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant
 from hoist_demo.cosimulation.schemes.interface import Memory
-from hoist_demo.drive.plant import SHOWN, PlantOutput, tension_ratio
+from hoist_demo.drive.outputs import SHOWN, PlantOutput, tension_ratio
 from hoist_demo.recording.time_series import TIME
 
 DRIVE_UNITS = {
@@ -34,6 +34,12 @@ DRIVE_UNITS = {
     "drive.tension_right": "N",
     "drive.tension_ratio": "1",
     "drive.slip_safety": "1",
+    "drive.pull_left": "N",
+    "drive.pull_right": "N",
+    "drive.slack_left": "m",
+    "drive.slack_right": "m",
+    "drive.jam_left": "N",
+    "drive.jam_right": "N",
     "drive.work_motor": "J",
     "drive.work_losses": "J",
     "drive.work_rope_damping": "J",
@@ -75,6 +81,7 @@ def drive_signals(
         *tensions,
         ratio,
         drive.plant.hoist.slip_safety(ratio),
+        *shown[_HEAD_ROPES],
         motor,
         losses,
         ropes,
@@ -89,6 +96,7 @@ def drive_signals(
 
 _MOTION = [f"{name}_{side}" for side in ("left", "right") for name in "yva"]
 _motion_of = itemgetter(*(SHOWN[name] for name in (*_MOTION, "angle", "rate")))
+_HEAD_ROPES = slice(SHOWN["pull_left"], SHOWN["jam_right"] + 1)
 _TORQUE, _MOTOR_RATE, _BRAKE, _LEFT, _RIGHT, _KINETIC, _POTENTIAL = (
     SHOWN[name]
     for name in (

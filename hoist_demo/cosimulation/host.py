@@ -3,10 +3,10 @@
     controller(t_k) -> record -> scheme over [t_k, t_k + T] in communication steps H -> ... ,      t_k = start + k T.
 
 T is H unless the controller samples less often; where it samples more often, T is H and the drive asks it within its
-step. A rope or drive that cannot go on, or a coupling that cannot be
-solved, ends the loop; what was recorded stays, and the result names the cause. A guard of the rope that trips stops the
-hoist (`hoist_demo.control.safety`) at the first sample that sees it. The state is kept once per second, and
-where the user stops the run, as a checkpoint, from which `run` goes on.
+step. A rope or drive that cannot go on, or a coupling that cannot be solved, ends the loop; what was recorded stays,
+and the result names the cause. A guard of the rope that trips, and head ropes that go slack, stop the hoist
+(`hoist_demo.control.safety`) at the first sample that sees it. The state is kept once per second, and where the user
+stops the run, as a checkpoint, from which `run` goes on.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ from hoist_demo.cosimulation.schemes.interface import Pair, Scheme, Vector
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate
 from hoist_demo.cosimulation.stability import estimate_stability_at_rest
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
-from hoist_demo.drive.plant import SHOWN, SIDE_FORCES, HoistPlant, PlantState
+from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant, PlantState
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.recording.time_series import Array, Recorder
 
@@ -55,6 +56,7 @@ LOADED_EVERY = 0.1
 
 _GUARD = ("guard.tripped", "guard.time")
 _Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
+_PULLS = [SHOWN["pull_left"], SHOWN["pull_right"]]
 _NO_FORCES = np.zeros(len(SIDE_FORCES))
 
 
@@ -222,9 +224,9 @@ class Host:
             with self.rope_clock:
                 signals = self._read_signals()
             try:
-                run.course = self._heeding(run.course, signals)
+                run.course = self._heeding(run, t, signals)
             except ValueError as error:
-                return f"t = {t:.6g} s: the stop that a guard of the rope asks for: {error}"
+                return f"t = {t:.6g} s: the stop that the safety circuit asks for: {error}"
             command = self._sample(run, controller, t, signals)
             if k == run.first and save_to is not None:
                 encode(command.state, CONTROLLER)  # told now and not after a long run
@@ -236,11 +238,14 @@ class Host:
             progress(1.0, start + last * T)
         return ""
 
-    def _heeding(self, course: Course, signals: Array) -> Course:
-        """The course after what the guards of the rope's loop tell: an emergency stop from their first sample on."""
+    def _heeding(self, run: RunState, t: float, signals: Array) -> Course:
+        """The course after what the safety circuit sees at t [s]: an emergency stop from its first sample on."""
+        course, start, T, least = run.course, self.coupling.start, self.coupling.period, self.hoist.slack_tension
+        if least is not None and min(run.drive.outputs[_PULLS]) < least:
+            course = course.stopped(t - start)
         if not self._guard or not signals.item(self._guard[0]) > 0.0:
             return course
-        start, T, time = self.coupling.start, self.coupling.period, signals.item(self._guard[1])
+        time = signals.item(self._guard[1])
         return course.stopped(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
 
     @property

@@ -18,12 +18,14 @@ Journal 6, 1968). The rope flows through that field, zeta' = zeta w / l, as the 
     v(zeta) = (1 - zeta) v_y + zeta (H/l) w + sum_j [eta_j' sin(j pi zeta) + eta_j j pi cos(j pi zeta) zeta w / l] .
 
 Material damping is proportional to strain rates, with the damping ratio zeta_h for a conveyance on massless ropes. The
-ropes neither slip on the sheave nor slacken.
+ropes do not slip on the sheave.
+
+Head ropes that are too long for their leg hang slack from the sheave, at their own weight's stretch and without a pull
+on the conveyance: s, and H in the weight's term, are not below l + mu g l^2 / (2 EA). What the damping pulls or gives
+way is never more than the elastic pull on the conveyance, so that the two together never push. The ropes' inertia, and
+their modes, stay those of a straight rope.
 A row of Lagrange's equation holds a leg up to the sheave's top point, through which mu |w| kg/s flow: what it puts on
 the sheave is the tension less mu w^2 / 2, on both sides alike.
-
-Brake: torque p T z / z_max with the pressure p and the elastic deflection z of its linings at the rim, which sticks
-and slips after P. R. Dahl (Aerospace Corp. TOR-0158, 1968), z' = v - |v| z / z_max. It holds without creeping.
 """
 
 from __future__ import annotations
@@ -38,8 +40,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.drive.friction import BrakeFriction, JamFriction
 from hoist_demo.parameters import GRAVITY, Hoist
-from hoist_demo.parameters.components import Play
+from hoist_demo.parameters.components import Jam, Play
 
 STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")
 """First entries of every state."""
@@ -70,10 +73,15 @@ def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
 
 
 def state_names(hoist: Hoist) -> tuple[str, ...]:
-    """Names of all states: STATE_NAMES, further coordinates, their rates, the brake's pressure and deflection."""
+    """Names of all states: STATE_NAMES, further coordinates, their rates, the brake's pressure, all deflections."""
     extra = extra_coordinates(hoist)
     brake = ("brake_pressure", "brake_deflection") if hoist.brake is not None else ()
-    return STATE_NAMES + extra + tuple(f"{name}_rate" for name in extra) + brake
+    jams = tuple(f"jam_deflection_{side}" for side in SIDES if _jam_of(hoist, side) is not None)
+    return STATE_NAMES + extra + tuple(f"{name}_rate" for name in extra) + brake + jams
+
+
+def _jam_of(hoist: Hoist, side: str) -> Jam | None:
+    return hoist.jam_left if side == "left" else hoist.jam_right
 
 
 @dataclass(frozen=True)
@@ -82,9 +90,13 @@ class _Leg:
 
     kinetic: Any
     potential: Any
-    rope_damping: Any  # Rayleigh's function of the head ropes
+    rope_damping: Any  # dissipation function of the head ropes
+    rope_power: Any  # W, that it takes
     play_damping: Any  # of the conveyance's motion between its guides
-    friction: Any  # N, of the guides along y
+    friction: Any  # N, of the guides along y, the jam's included
+    jam: JamFriction
+    pull: Any  # N, of the head ropes on the conveyance, without their inertia
+    slack: Any  # m, of the head ropes
     side_force: Any  # generalised forces of the balance ropes on (y, x, z, yaw)
     static_tension: Any  # N at the sheave, were everything at rest here
 
@@ -168,13 +180,13 @@ def equations(parts: Hoist) -> Equations:
     legs = [_leg(hoist, at, side, l0[i], given) for i, side in enumerate(SIDES)]
     K, V, shaft_damping = _rotation(hoist, at)
     K, V = K + sum(leg.kinetic for leg in legs), V + sum(leg.potential for leg in legs)
-    rope_damping = sum(leg.rope_damping for leg in legs)
+    rope_damping, rope_power = sum(leg.rope_damping for leg in legs), sum(leg.rope_power for leg in legs)
     play_damping = sum(leg.play_damping for leg in legs)
     D = shaft_damping + rope_damping + play_damping
 
     # what acts from outside and the dry friction, as generalised forces
     rim = hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed) + hoist.loss_viscous * rim_speed
-    brake = _Brake(hoist, given["brake"], rim_speed)
+    brake = BrakeFriction(hoist, given["brake"], rim_speed)
     outside = {"phi": motor - R * rim - brake.torque, "twist": motor}
     for side, leg in zip(SIDES, legs, strict=True):
         y, x, z, yaw = ca.vertsplit(leg.side_force)
@@ -188,18 +200,22 @@ def equations(parts: Hoist) -> Equations:
     forces = Q - carried + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v)
     a = ca.ldl_solve(forces, *ca.ldl(mass_matrix))
 
-    x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *brake.states)
-    rates = ca.vertcat((command - torque) / hoist.torque_lag, v[:3], a[:3], v[3:], a[3:], *brake.rates)
+    deflections, sliding = brake.states, brake.rates
+    for leg in legs:
+        deflections, sliding = deflections + leg.jam.states, sliding + leg.jam.rates
+    x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *deflections)
+    rates = ca.vertcat((command - torque) / hoist.torque_lag, v[:3], a[:3], v[3:], a[3:], *sliding)
     ends = [ca.dot(leg.side_force, ca.vertcat(*(at(f"{n}_{s}")[1] for n in ("y", "x", "z", "yaw"))))
             for s, leg in zip(SIDES, legs, strict=True)]  # fmt: skip
     guides = sum(leg.friction * at(f"y_{side}")[1] for side, leg in zip(SIDES, legs, strict=True)) + 2 * play_damping
     losses = ca.vertcat(rim * rim_speed, guides, brake.torque * rate, 2 * shaft_damping)
-    powers = ca.vertcat(motor * (rate + twist_rate), ca.sum1(losses), 2 * rope_damping, *ends, losses)
+    powers = ca.vertcat(motor * (rate + twist_rate), ca.sum1(losses), rope_power, *ends, losses)
 
     tensions = [_tension(hoist, at, sign, leg, a, rim_speed) for sign, leg in zip((1.0, -1.0), legs, strict=True)]
     shown = ca.vertcat(
         *_upright(at, a), phi, rate, motor, *tensions, K, V,
         rate + twist_rate, brake.torque, *(leg.static_tension for leg in legs), *_lateral_motion(at, a),
+        *(leg.pull for leg in legs), *(leg.slack for leg in legs), *(leg.jam.force for leg in legs),
     )  # fmt: skip
     mobility = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
     arguments = [x, u, l0, p]
@@ -271,7 +287,7 @@ def _leg(hoist: Hoist, at: _Coordinates, side: str, l0: Any, given: dict[str, An
     # head ropes: the square of their velocity, integrated over zeta for each pair of its shapes
     flow = w / length
     speeds = [vy, height * flow, *(rate for _, _, rate in modes), *(eta * flow for _, eta, _ in modes)]
-    kinetic, potential = mass * vy**2 / 2, mass * g * y - mu * g * length * height / 2
+    kinetic, potential = mass * vy**2 / 2, mass * g * y
     speed_vector = ca.vertcat(*speeds)
     kinetic += mu * length / 2 * ca.bilin(ca.DM(_shape_products(n)), speed_vector, speed_vector)
     stretched, contact, play_damping, normal = height, 0.0, 0.0, 0.0
@@ -280,16 +296,26 @@ def _leg(hoist: Hoist, at: _Coordinates, side: str, l0: Any, given: dict[str, An
         stretched += lateral.pull / (2 * height)
         kinetic, contact = kinetic + lateral.kinetic, lateral.potential
         play_damping, normal = lateral.damping, lateral.normal
-    potential += contact + EA * (stretched - length) ** 2 / (2 * length)
+    # slack ones hang as far down as their weight stretches them
+    hanging_free = length + mu * g * length**2 / (2 * EA)
+    slack, elastic = ca.fmax(hanging_free - stretched, 0.0), EA * ca.fmax(stretched - hanging_free, 0.0) / length
+    potential -= mu * g * length * (height + slack) / 2
+    potential += contact + EA * (stretched + slack - length) ** 2 / (2 * length)
+
+    # with the rate cut where damping reaches the elastic pull; fmax for a damping of 0
     c = 2.0 * hoist.head_rope_damping * ca.sqrt(mass * EA / length)
-    damping = c * (w - vy) ** 2 / 2
+    stretching, most = w - vy, elastic / ca.fmax(c, 1.0)
+    damped = ca.fmin(ca.fmax(stretching, -most), most)
+    damping, damping_power = c * (damped * stretching - damped**2 / 2), c * (damped * stretching)
     for k, eta, eta_rate in modes:
         potential += EA * (k * eta) ** 2 / (4 * length) + mu * g * length * (1 - np.cos(k)) / k * eta
         damping += c * (k * eta_rate) ** 2 / 4
+        damping_power += c * (k * eta_rate) ** 2 / 2
 
-    friction = 0.0
+    jam = JamFriction(_jam_of(hoist, side), side, y, vy)
+    friction = jam.force
     if hoist.guides is not None:
-        friction = hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed) + hoist.guides.viscous * vy
+        friction += hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed) + hoist.guides.viscous * vy
     if hoist.play is not None:
         friction += hoist.play.friction * normal * ca.tanh(vy / hoist.loss_speed)
     pulls = [given[f"force_{side}"], *(given[f"{name}_{side}"] for name in ("fx", "fz", "my"))]
@@ -298,8 +324,12 @@ def _leg(hoist: Hoist, at: _Coordinates, side: str, l0: Any, given: dict[str, An
         kinetic=kinetic,
         potential=potential,
         rope_damping=damping,
+        rope_power=damping_power,
         play_damping=play_damping,
         friction=friction,
+        jam=jam,
+        pull=ca.fmax(elastic + c * damped, 0.0),  # of rounding
+        slack=slack,
         side_force=hoist.tail_rope_number * ca.vertcat(*pulls),
         static_tension=g * (mass + mu * length + hoist.tail_mass * hanging),
     )
@@ -343,21 +373,3 @@ def _lateral(play: Play, at: _Coordinates, side: str, mass: float, rope_mass: An
         pull += (spread * place) ** 2
         normal += force
     return _Lateral(kinetic, potential, damping, pull, normal)
-
-
-class _Brake:
-    """Torque, states and rates of the brake; nothing where there is none."""
-
-    def __init__(self, hoist: Hoist, asked: Any, rim_speed: Any) -> None:
-        self.torque: Any = 0.0
-        self.states: tuple[Any, ...] = ()
-        self.rates: tuple[Any, ...] = ()
-        if hoist.brake is not None:
-            pressure, z = ca.SX.sym("brake_pressure"), ca.SX.sym("brake_deflection")
-            travel = hoist.brake.travel
-            self.torque = hoist.brake.torque * pressure * z / travel
-            self.states = (pressure, z)
-            self.rates = (
-                (ca.fmin(ca.fmax(asked, 0.0), 1.0) - pressure) / hoist.brake.lag,
-                rim_speed - ca.fabs(rim_speed) * z / travel,
-            )

@@ -13,14 +13,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.drive.end_motion import EndMotion
 from hoist_demo.drive.equations import (
     INPUT_NAMES,
     LOSS_NAMES,
@@ -33,6 +32,7 @@ from hoist_demo.drive.equations import (
     state_names,
 )
 from hoist_demo.drive.kernels import CHUNK, WORKS, drive_kernels
+from hoist_demo.drive.outputs import PlantOutput
 from hoist_demo.drive.runge_kutta import ORDER
 from hoist_demo.parameters import GRAVITY, Hoist
 from rope_model.numerics.kernels import Kernel, KernelForm
@@ -100,67 +100,6 @@ class PlantInputPath:
     rise: PlantInput
     bend: PlantInput
     added_mass: tuple[float, float] = (0.0, 0.0)  # kg, m_a of the left and the right end
-
-
-@dataclass(frozen=True)
-class PlantOutput:
-    """What the drive shows at one instant."""
-
-    y_left: float  # m
-    y_right: float  # m
-    v_left: float  # m/s
-    v_right: float  # m/s
-    a_left: float  # m/s^2
-    a_right: float  # m/s^2
-    angle: float  # rad, of the sheave
-    rate: float  # rad/s
-    torque: float  # N m, of the motor
-    tension_left: float  # N, all head ropes, at the sheave
-    tension_right: float  # N
-    energy_kinetic: float  # J
-    energy_potential: float  # J
-    motor_rate: float = 0.0  # rad/s
-    brake_torque: float = 0.0  # N m, on the sheave, positive against positive rotation
-    static_tension_left: float = 0.0  # N, at the sheave, were everything at rest here
-    static_tension_right: float = 0.0  # N
-    x_left: float = 0.0  # m, of the conveyance from the middle of its guides, in the plane of the loop
-    vx_left: float = 0.0  # m/s
-    ax_left: float = 0.0  # m/s^2
-    z_left: float = 0.0  # m, out of plane
-    vz_left: float = 0.0  # m/s
-    az_left: float = 0.0  # m/s^2
-    yaw_left: float = 0.0  # rad, about the vertical
-    yaw_rate_left: float = 0.0  # rad/s
-    yaw_acceleration_left: float = 0.0  # rad/s^2
-    x_right: float = 0.0
-    vx_right: float = 0.0
-    ax_right: float = 0.0
-    z_right: float = 0.0
-    vz_right: float = 0.0
-    az_right: float = 0.0
-    yaw_right: float = 0.0
-    yaw_rate_right: float = 0.0
-    yaw_acceleration_right: float = 0.0
-
-    @property
-    def tension_ratio(self) -> float:
-        """Of the two tensions [-]."""
-        return tension_ratio(self.tension_left, self.tension_right)
-
-    @property
-    def static_tension_ratio(self) -> float:
-        """The same, were everything at rest here [-]."""
-        return tension_ratio(self.static_tension_left, self.static_tension_right)
-
-    @property
-    def power(self) -> float:
-        """Mechanical power of the motor [W]."""
-        return self.torque * self.motor_rate
-
-    @property
-    def ends(self) -> tuple[EndMotion, EndMotion]:
-        """Motion of the balance rope's left and right end."""
-        return rope_ends(np.array([*vars(self).values()]))
 
 
 class PlantStep(NamedTuple):
@@ -336,22 +275,10 @@ def energy_residual(start: PlantOutput, now: PlantOutput, work: Vector) -> float
     return float(motor + left + right - losses - ropes - gained)
 
 
-def rope_ends(shown: Vector) -> tuple[EndMotion, EndMotion]:
-    """Motion of the balance rope's left and right end in the numbers of PlantOutput."""
-    left, right = shown[_ENDS].tolist()
-    return EndMotion(*left), EndMotion(*right)
-
-
 def side_forces(signals: Mapping[str, float]) -> dict[str, float]:
     """The balance rope's horizontal forces and its moments about the vertical, as keywords of PlantInput."""
     sided = (name.partition(".") for name in SIDE_FORCES)
     return {f"{force}_{side}": signals.get(f"{side}.{force}", 0.0) for side, _, force in sided}
-
-
-def tension_ratio(one: float, other: float) -> float:
-    """Larger tension over smaller one (Euler-Eytelwein), infinite when a side is slack [-]."""
-    low, high = (one, other) if one < other else (other, one)
-    return high / low if low > 0.0 else math.inf
 
 
 _inputs_of = attrgetter(*INPUT_NAMES)
@@ -389,9 +316,3 @@ def _change(error: float) -> float:
         return SHRINKS
     factor: float = SAFETY * max(error, 1e-20) ** (-1.0 / ORDER)
     return max(SHRINKS, factor)
-
-
-SHOWN = {field.name: k for k, field in enumerate(fields(PlantOutput))}
-"""Places of PlantOutput's numbers."""
-_SPELT = {"y": "y", "vy": "v", "ay": "a"}
-_ENDS = np.array([[SHOWN[f"{_SPELT.get(name, name)}_{side}"] for name in EndMotion._fields] for side in SIDES])

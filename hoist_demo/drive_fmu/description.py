@@ -59,6 +59,12 @@ def drive_model(case: Case, tails: Sequence[Tail] = ()) -> DriveModel:
             f"play = {case.hoist.play} must be None where ropes hang at places of their own: their sideways forces "
             "and motions are not connected; take a case without play"
         )
+    for name in ("jam_left", "jam_right"):
+        if getattr(case.hoist, name) is not None:
+            raise ValueError(
+                f"{name} = {getattr(case.hoist, name)} must be None: an exported drive's steps are too long for what "
+                "sticks; wind this case with balance-rope demo"
+            )
     case = without_brake(case)
     require_trip_fits(case.hoist, case.winding)
     generated = kernels(case)

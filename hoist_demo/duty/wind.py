@@ -17,6 +17,7 @@ from hoist_demo.design.controllers import Drive, drive
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.guards import guard_trip
+from hoist_demo.recording.jams import jams
 from hoist_demo.study.run import RunData
 
 
@@ -40,7 +41,7 @@ def wind(
     """All trips behind the first `done`, after which drive and coupling were as `after` tells and the rope as it is.
 
     `torque_free` is whether the rope carries no torque; `progress` gives each trip whom to tell. The last trip is one
-    that does not end, or in which a guard of the loop trips, where there is such a one.
+    that does not end, or in which the safety circuit opens or a conveyance jams, where there is such a one.
     """
     drives = [_drive(run) for run in schedule.pattern]
     for number in range(done + 1, schedule.count + 1):
@@ -56,8 +57,9 @@ def wind(
             next_hoist=schedule.trip(number + 1).hoist,
         )
         result = host.run(None if progress is None else progress(number))
-        if guard_trip(result.recording) is not None:
-            result = replace(result, end=None)  # a hoist with an open safety circuit does not start again
+        if guard_trip(result.recording) is not None or jams(result.recording):
+            # a hoist with an open safety circuit does not start again
+            result = replace(result, end=None)
         yield Trip(number, run, replace(result, recording=mask_neglected(result.recording, torque_free)))
         after = result.end
         if after is None:

@@ -1,4 +1,4 @@
-"""Parts of a hoist that a model may leave out: shaft, brake, guides and their play. SI units, checked here.
+"""Parts of a hoist that a model may leave out: shaft, brake, guides, their play, a jam. SI units, checked here.
 
 A `Hoist` whose part is None has not the part's equations; there are no stiff or weak dummies.
 Masses "referred to the rope" are J / R^2 with the sheave's radius R.
@@ -101,3 +101,20 @@ class Play:
 
     def __post_init__(self) -> None:
         require_magnitudes(self, {"contact_damping", "damping", "friction", "clearance"}, "play.")
+
+
+@dataclass(frozen=True)
+class Jam:
+    """A place where its guides are too narrow for a conveyance: it catches there, and sticks; all values [assumed].
+
+    The holding force rises from 0 at `distance` from the place to its full value at the place, and falls again: a
+    conveyance that is pulled or carried through is free behind it.
+    """
+
+    height: float = quantity(45.0, "m", "of the place, by the conveyance's suspension")
+    distance: float = quantity(2.0, "m", "from the place to where the guides begin to hold, up and down")
+    force: float = quantity(8.0e5, "N", "that holds the conveyance at the place")
+    travel: float = quantity(0.01, "m", "elastic deflection of the stuck conveyance at its full force")
+
+    def __post_init__(self) -> None:
+        require_magnitudes(self, {"height"}, "jam.")

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hoist_demo.parameters.components import Brake, Guides, Play, Shaft, require, require_magnitudes
+from hoist_demo.parameters.components import Brake, Guides, Jam, Play, Shaft, require, require_magnitudes
 from hoist_demo.parameters.quantity import quantity
 
 GRAVITY = 9.81
@@ -72,6 +72,11 @@ class Hoist:
     brake: Brake | None = quantity(None, "", "none: no brake but the motor")
     guides: Guides | None = quantity(None, "", "none: no friction along the guides")
     play: Play | None = quantity(None, "", "none: conveyances move along straight lines")
+    jam_left: Jam | None = quantity(None, "", "none: the left conveyance passes everywhere")
+    jam_right: Jam | None = quantity(None, "", "none: the right conveyance passes everywhere")
+    slack_tension: float | None = quantity(
+        None, "N", "of the head ropes at either conveyance, below which the safety circuit opens; None: not watched"
+    )
 
     def __post_init__(self) -> None:
         may_vanish = {"payload_left", "payload_right", "head_rope_damping", "loss_coulomb", "loss_viscous"}
@@ -94,6 +99,26 @@ class Hoist:
                 "shaft.motor_mass",
                 f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
                 "give the motor's share",
+            )
+
+        for name in ("jam_left", "jam_right"):
+            jam = getattr(self, name)
+            if jam is not None:
+                require(
+                    jam.height,
+                    jam.height <= self.shaft_travel,
+                    f"{name}.height",
+                    f"within 0 and shaft_travel = {self.shaft_travel:g} m",
+                    "give a place that the conveyance passes",
+                )
+        if self.slack_tension is not None:
+            lightest = GRAVITY * min(self.mass_left, self.mass_right)
+            require(
+                self.slack_tension,
+                self.slack_tension < lightest,
+                "slack_tension",
+                f"below {lightest:.6g} N, the weight of the lighter conveyance",
+                "give a part of it",
             )
 
     @property

@@ -17,7 +17,7 @@ GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))
 """What `guard.cause` stands for."""
 
 AFTER = 10.0
-"""Time after a trip over which it is told what happened [s]."""
+"""Time after a trip, or a jam, over which it is told what happened [s]."""
 
 
 class GuardTrip(NamedTuple):
@@ -45,9 +45,9 @@ def told(recording: Recording) -> str:
     return "" if trip is None else f"; its guard tripped at t = {trip.t:.4g} s ({trip.cause})"
 
 
-def after_trip(recording: Recording, trip: GuardTrip) -> list[tuple[str, float, str]]:
-    """Quantity, value and unit of what the rope did at the utmost in the seconds after."""
-    within = (recording.time >= trip.t) & (recording.time <= trip.t + AFTER)
+def after(t: float, recording: Recording) -> list[tuple[str, float, str]]:
+    """Quantity, value and unit of what the rope did at the utmost in the seconds after an instant t [s]."""
+    within = (recording.time >= t) & (recording.time <= t + AFTER)
     if not bool(within.any()):
         return []
 

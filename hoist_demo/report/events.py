@@ -9,6 +9,7 @@ import numpy as np
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.guards import guard_trip
+from hoist_demo.recording.jams import jams, slack_ropes
 from hoist_demo.recording.time_series import Recording
 
 
@@ -21,7 +22,7 @@ class Mark:
 
 
 def marks(result: Result, winding: Winding) -> list[Mark]:
-    """Creep, emergency stop, arrival of the reference, and where a run was stopped; inside the record only."""
+    """What went wrong, creep, arrival of the reference, and where a run was stopped; inside the record only."""
     times = result.recording.time
     # Host's reference counts from the start of the record
     start = float(times[0])
@@ -30,6 +31,8 @@ def marks(result: Result, winding: Winding) -> list[Mark]:
         found.insert(0, Mark(start + winding.emergency_at, "emergency stop"))
     if (trip := guard_trip(result.recording)) is not None:
         found.insert(0, Mark(trip.t, f"guard: {trip.cause}"))
+    found[:0] = [Mark(slack.t, f"slack head ropes, {slack.side}") for slack in slack_ropes(result.recording)]
+    found[:0] = [Mark(jam.t, f"jam, {jam.side}") for jam in jams(result.recording)]
     if winding.creeps:
         found[:0] = [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
     found = [mark for mark in found if start <= mark.t <= float(times[-1])]

@@ -16,7 +16,8 @@ import numpy as np
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of, remark
-from hoist_demo.recording.guards import AFTER, after_trip, guard_trip, told
+from hoist_demo.recording.guards import AFTER, after, guard_trip, told
+from hoist_demo.recording.jams import jams, slack_ropes, told_of_jams
 from hoist_demo.recording.passages import BODIES, outcome_of, passages
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number
@@ -65,6 +66,7 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
             _trip(recording, hoist, winding)
             + _swing(recording, result.trajectory.duration)
             + _after_guard(recording)
+            + _after_jam(recording, hoist)
             + _rope(recording, hoist)
             + _energy(recording, hoist)
             + _counts(recording)
@@ -101,7 +103,7 @@ def render(rows: Sequence[SummaryRow]) -> str:
 def _outcome(result: Result, hoist: Hoist, coupling: Coupling) -> list[SummaryRow]:
     group = OUTCOME
     rows = [
-        SummaryRow(group, "status", outcome_of(result.completed, passages(result.recording)) + told(result.recording)),
+        SummaryRow(group, "status", status(result.completed, result.recording)),
         SummaryRow(group, "simulated time", result.steps * coupling.step, "s"),
         SummaryRow(group, "communication step", coupling.step, "s"),
         SummaryRow(group, "communication steps done", float(result.steps)),
@@ -109,6 +111,16 @@ def _outcome(result: Result, hoist: Hoist, coupling: Coupling) -> list[SummaryRo
     if result.cause:
         rows.insert(1, SummaryRow(group, CAUSE, result.cause))
     return rows + [SummaryRow(group, WARNING, text) for text in warnings(result, hoist)]
+
+
+def status(completed: bool, recording: Recording) -> str:
+    """How a run ended and what happened in it, in words."""
+    return outcome_of(completed, passages(recording)) + incidents(recording)
+
+
+def incidents(recording: Recording) -> str:
+    """Guards that tripped, conveyances that jammed and head ropes that went slack, as the end of a sentence."""
+    return told(recording) + told_of_jams(recording)
 
 
 def warnings(result: Result, hoist: Hoist) -> list[str]:
@@ -248,7 +260,38 @@ def _after_guard(recording: Recording) -> list[SummaryRow]:
         return []
     group = f"After the guard's trip, {AFTER:g} s"
     rows = [SummaryRow(group, "tripped at", trip.t, "s"), SummaryRow(group, "by", trip.cause)]
-    return rows + [SummaryRow(group, *row) for row in after_trip(recording, trip)]
+    return rows + [SummaryRow(group, *row) for row in after(trip.t, recording)]
+
+
+def _after_jam(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
+    """How a conveyance jammed, which head ropes went slack, and what the rope did in the seconds after that."""
+    rows: list[SummaryRow] = []
+    for jam in jams(recording):
+        group, way = f"Jam of the {jam.side} conveyance", jam.way
+        rows += [
+            SummaryRow(group, "caught at", jam.t, "s"),
+            SummaryRow(group, "at the height", jam.height, "m"),
+            SummaryRow(group, "way to standstill", *(("none, it went through", "") if way is None else (way, "m"))),
+            SummaryRow(group, "largest acceleration until then", jam.deceleration, "m/s2"),
+            *(SummaryRow(f"After the jam, {AFTER:g} s", *row) for row in after(jam.t, recording)),
+        ]
+    group = "Slack head ropes"
+    for slack in slack_ropes(recording):
+        rows += [
+            SummaryRow(group, f"{slack.side}, from", slack.t, "s"),
+            SummaryRow(group, f"{slack.side}, for", slack.duration, "s"),
+            SummaryRow(group, f"{slack.side}, at most", slack.length, "m"),
+        ]
+    opened = seen_slack(recording, hoist)
+    return rows if opened is None else [*rows, SummaryRow(group, "seen by the safety circuit at", opened, "s")]
+
+
+def seen_slack(recording: Recording, hoist: Hoist) -> float | None:
+    """First sample at which the safety circuit sees too little tension of the head ropes [s]."""
+    if hoist.slack_tension is None or not recording.has("drive.pull_left", "drive.pull_right"):
+        return None
+    low = np.minimum(recording["drive.pull_left"], recording["drive.pull_right"]) < hoist.slack_tension
+    return float(recording.time[np.argmax(low)]) if bool(low.any()) else None
 
 
 def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:

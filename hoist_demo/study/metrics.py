@@ -18,6 +18,7 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
 from hoist_demo.recording.fidelity import FIDELITY
 from hoist_demo.recording.guards import GUARD_CODES, GUARD_SIGNALS, guard_trip
+from hoist_demo.recording.jams import slack_ropes
 from hoist_demo.recording.passages import PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import exchange_energy
@@ -58,6 +59,7 @@ METRICS = {
     "guard_tripped": ("1", "whether a guard of the loop has tripped, and stopped the hoist"),
     "guard_cause": ("1", "which: {codes}".format(codes=", ".join(f"{k} {c}" for k, c in GUARD_CODES.items()))),
     "guard_time": ("s", "when, in the record's time"),
+    "slack_time": ("s", "during which the head ropes of a conveyance are slack, the worse side"),
     "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): below 1 they slip"),
     "simulated_time": ("s", "of the record"),
     "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
@@ -143,6 +145,7 @@ def _drive(recording: Recording, hoist: Hoist) -> dict[str, float]:
         "torque_limited_time": _time_of(recording, "drive.torque_limited"),
         "motor_energy": float(np.sum(power)),
         "motor_energy_drawn": float(np.sum(np.maximum(power, 0.0))),
+        "slack_time": max((slack.duration for slack in slack_ropes(recording)), default=0.0),
         "slip_safety": hoist.slip_safety(float(np.max(recording["drive.tension_ratio"]))),
     }
 

@@ -16,7 +16,8 @@ import numpy as np
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant, RopeStatus
 from hoist_demo.cosimulation.schemes.interface import Load, Motion, Vector
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
-from hoist_demo.drive.plant import SHOWN, HoistPlant, PlantOutput, PlantState, PlantStep, rope_ends
+from hoist_demo.drive.outputs import SHOWN, PlantOutput, rope_ends
+from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 
 ENDS = ("left", "right")
 ROPE_FORCES = tuple(f"{end}.{name}" for name in ("fy", "fy_mean") for end in ENDS)

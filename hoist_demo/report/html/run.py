@@ -10,6 +10,7 @@ import numpy as np
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
 from hoist_demo.recording.guards import guard_trip
+from hoist_demo.recording.jams import told_of_jams
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
 from hoist_demo.report import events
@@ -58,6 +59,8 @@ def run_report(
         said.insert(0, ("Passed through." if through else "Struck.", passed + after))
     if trip := guard_trip(result.recording):
         said.append(("Guard.", f"{trip.cause} tripped at t = {trip.t:.4g} s; the safety circuit opened."))
+    if jammed := told_of_jams(result.recording).removeprefix("; "):
+        said.append(("Head ropes and guides.", f"{jammed[0].upper()}{jammed[1:]}."))
     said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
     note = "".join(f'<p class="note stopped"><strong>{w}</strong> {page.escape(text)}</p>' for w, text in said)
     numbers = "".join(
