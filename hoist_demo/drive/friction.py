@@ -5,7 +5,8 @@ With the elastic deflection z of what sticks, after P. R. Dahl (Aerospace Corp. 
     F = F_max z / z_max ,   z' = v - |v| z / z_max .
 
 It holds without creeping. The brake's F_max is its torque times the pressure p; a jam's is that of a narrow place,
-F_j (1 - ((y - y_j) / d)^2)^2 within d of its middle and 0 beyond.
+F_j (1 - ((y - y_j) / d)^2)^2 within d of its middle and 0 beyond, and there z + tau z' stands for z in F: what is stuck
+swings with damping (C. Canudas de Wit et al., IEEE Transactions on Automatic Control 40, 1995), what slides has none.
 """
 
 from __future__ import annotations
@@ -46,5 +47,6 @@ class JamFriction:
         if jam is not None:
             z = ca.SX.sym(f"jam_deflection_{side}")
             grip = ca.fmax(1.0 - ((y - jam.height) / jam.distance) ** 2, 0.0) ** 2
-            self.force = jam.force * grip * z / jam.travel
-            self.states, self.rates = (z,), (vy - ca.fabs(vy) * z / jam.travel,)
+            rate = vy - ca.fabs(vy) * z / jam.travel
+            self.force = jam.force * grip * (z + jam.damping * rate) / jam.travel
+            self.states, self.rates = (z,), (rate,)

@@ -115,6 +115,7 @@ class Jam:
     distance: float = quantity(2.0, "m", "from the place to where the guides begin to hold, up and down")
     force: float = quantity(8.0e5, "N", "that holds the conveyance at the place")
     travel: float = quantity(0.01, "m", "elastic deflection of the stuck conveyance at its full force")
+    damping: float = quantity(5.0e-3, "s", "of the stuck conveyance: damping over stiffness")
 
     def __post_init__(self) -> None:
-        require_magnitudes(self, {"height"}, "jam.")
+        require_magnitudes(self, {"height", "damping"}, "jam.")
