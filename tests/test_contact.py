@@ -64,6 +64,12 @@ def test_the_normal_is_the_gradient_of_the_distance(side: float) -> None:
         assert_allclose(normal(point, body), np.array(gradient(point)).ravel(), atol=1e-12)
 
 
+def test_the_normal_is_a_unit_vector_in_line_with_an_edge_too() -> None:
+    body = Body(REST, (1.0, 1.0, 1.0), 0.0, 1.0, 0.0, 1.0)
+    assert normal((0.3, 1.2, 1.0), body) == pytest.approx((0.0, 1.0, 0.0))
+    assert normal((1.0, 1.3, 1.4), body) == pytest.approx((0.0, 0.6, 0.8))
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_the_force_is_the_energys_gradient_without_losses(seed: int) -> None:
     body, point = touched(seed)

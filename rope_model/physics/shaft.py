@@ -68,8 +68,8 @@ def normal(point: Any, body: Any) -> tuple[Any, Any, Any]:
     out = [larger(x, 0.0) for x in q]
     root = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + TINY)
     # within the box it is that of the nearest face
-    within = smaller(larger(larger(q[0], q[1]), q[2]), 0.0)
-    faces = [(1.0 - less(0.0, x)) * (1.0 - less(x, within)) for x in q]
+    largest = larger(larger(q[0], q[1]), q[2])
+    faces = [(1.0 - less(0.0, x)) * (1.0 - less(x, largest)) for x in q]
     x, y, z = (body.side * sign(p) * (o / root + face) for p, o, face in zip(place, out, faces, strict=True))
     return body.cosine * x + body.sine * z, y, body.cosine * z - body.sine * x
 
