@@ -104,7 +104,7 @@ class Sump:
 
 @dataclass(frozen=True)
 class Contact:
-    """What a body does to the rope that touches it, per length of rope: see physics.contact."""
+    """What a body does to the rope that touches it, or the rope to itself, per length: see physics.contact."""
 
     stiffness: float = parameter(
         1e6,
@@ -132,6 +132,14 @@ class Contact:
         lower=1e-6,
         upper=10.0,
         cure="use 0.01",
+    )
+    rope_stiffness: float = parameter(
+        0.0,
+        "N/m2",
+        "stiffness of the contact of the rope with itself, per length; 0: its legs pass through each other",
+        lower=0.0,
+        upper=1e9,
+        cure="1e7 holds a leg that swings across the other",
     )
 
     def __post_init__(self) -> None:

@@ -19,6 +19,7 @@ CALLS = {"Status", "RopeStatus", "_fail_later", "warning"}
 #: texts of the core that are no messages, or say nothing by themselves
 NO_ENTRY = {
     "the rope may touch a body": "status.fidelity_reason",
+    "the rope may touch itself": "status.fidelity_reason",
     "guards watch the loop": "status.fidelity_reason",
     "the air may carry the rope along": "status.fidelity_reason",
     "no torque acts and nothing acts out of plane": "status.fidelity_reason, not a failure",

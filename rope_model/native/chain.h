@@ -21,7 +21,8 @@ enum {
     CONTACT_MOVED,
     CONTACT_LOAD,
     CONTACT_FORCES = CONTACT_LOAD + 6,
-    CONTACT_BALANCE = CONTACT_FORCES + KINDS
+    CONTACT_ROPE = CONTACT_FORCES + KINDS, /* the pressure of the rope on itself */
+    CONTACT_BALANCE
 };
 
 /* the bodies around the rope: where they were last looked for, their speeds, and of each element which it may touch, as
@@ -34,15 +35,35 @@ typedef struct {
     unsigned *near;
 } Surroundings;
 
+/* Two places of the rope that press each other: the shares of r, r' of both elements' nodes, the second's negative; the
+   place in the second element; the length that the law is per length of. */
+typedef struct {
+    int elements[2];
+    double place, weight, shares[8];
+    Touch law;
+} RopeTouch;
+
+/* The rope's contact with itself: what find_rope_touches found last; boxes: of the elements, others: those near one;
+   scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients. */
+typedef struct {
+    const Scene *scene;
+    int number, *others;
+    double (*boxes)[6], *scratch;
+    RopeTouch *touches;
+} OwnContact;
+enum { OWN_SCRATCH = 4 };
+
 /* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
    newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
-   elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies.
+   elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies,
+   own: NULL where the rope does not touch itself.
    air: the numbers of physics.air.AirLaw, the first 0 where there is none. */
 typedef struct {
     int elements, free[2][DOF];
     const double *lengths;
     double *frames;
     Surroundings *around;
+    OwnContact *own;
     double P[PARAMETERS], air[AIR], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
@@ -84,6 +105,18 @@ void contact_tangent(const System *s, int element, const double *q, const double
                      double tangent[CONTACT_DOF][CONTACT_DOF]);
 /* all elements, where they are; zeros without bodies */
 void contact_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+
+/* chain_self.c: rope_model.simulation.self_contact */
+/* what it takes in this scene: 0 where the rope does not touch itself; and that in as much zeroed memory, aligned to 64
+   bytes */
+size_t own_contact_bytes(const Scene *scene, int elements);
+OwnContact *own_contact(const Scene *scene, int elements, void *memory);
+/* where the rope presses itself, with tangents along (cq, cv) of q and v: how often */
+int find_rope_touches(const System *s, const double *q, const double *v, double cq, double cv);
+/* to R, and the product of the tangent with x to y */
+void add_rope_force(const OwnContact *own, double *R);
+void add_rope_tangent(const OwnContact *own, const double *x, double *y);
+void add_rope_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
 /* bytes of work that a chain of so many elements needs, whatever the fidelity; aligned to 64 bytes */
 size_t chain_work_bytes(int elements);

@@ -33,6 +33,7 @@ from ..physics import (
     hermite,
     inextensible,
     outline,
+    rope_on_rope,
     shaft,
     stress,
     swivel,
@@ -88,6 +89,13 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "Touch touch(const Contact *contact, double diameter, const Body *body, const double moves[3], "
     "const double point[3], const double speed[3], double cq, double cv)": contact.touch,
+    "double places_of(double l, double diameter)": rope_on_rope.places,
+    "double most_places(double length, double elements, double diameter)": rope_on_rope.most_places,
+    "double nearer_place(double xi, double l, const double point[3], const double a[6], const double b[6])": (
+        rope_on_rope.nearer_place
+    ),
+    "Touch rope_touch(const Contact *contact, double diameter, const double apart[3], const double speed[3], "
+    "double cq, double cv)": rope_on_rope.rope_touch,
     "double largest_motion(double longest, const double q[6], const double before[6])": contact.largest_motion,
     "AirLaw air_law(const Air *air, double diameter)": air.air_law,
     "Body lining_body(const Lining *lining)": shaft.lining,
@@ -195,6 +203,12 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "YAWED_FAR": warning_cases.YAWED_FAR,
     "LOOK_AHEAD": contact.LOOK_AHEAD,
     "OWN_LENGTH": contact.OWN_LENGTH,
+    "MOST_PLACES": rope_on_rope.MOST_PLACES,
+    "APART": rope_on_rope.APART,
+    "PROBES": len(rope_on_rope.PROBES),
+    "PROBE_PLACES": rope_on_rope.PROBES,
+    "CORRECTIONS": rope_on_rope.CORRECTIONS,
+    "STRETCH": rope_on_rope.STRETCH,
     "CONTACT_POINTS": len(contact_element.POINTS),
     "CONTACT_PLACES": contact_element.POINTS,
     "CONTACT_WEIGHTS": contact_element.WEIGHTS,

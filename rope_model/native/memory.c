@@ -12,13 +12,14 @@ static size_t align(size_t bytes) {
     return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
 
-Simulator *with_memory(int elements, const Memory *memory, char *message) {
+Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, char *message) {
     const size_t nodes = (size_t)elements + 1, size = nodes * DOF;
     const size_t state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);
     const size_t bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) +
                          align(sizeof(double) * STRAINS * (size_t)elements) + align(chain_frames_bytes(elements)) +
                          align(chain_work_bytes(elements)) + align(sizeof(Surroundings)) +
-                         sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements;
+                         align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements) +
+                         own_contact_bytes(scene, elements);
     Simulator *rope = memory->take(1, sizeof *rope);
     if (rope != NULL) {
         memset(rope, 0, sizeof *rope);
@@ -31,6 +32,7 @@ Simulator *with_memory(int elements, const Memory *memory, char *message) {
     }
     memset(rope->block, 0, bytes + ALIGNMENT);
     rope->memory = *memory;
+    rope->scene = *scene;
     rope->elements = elements;
     rope->state_bytes = state_bytes;
     char *at = (char *)rope->block + (ALIGNMENT - (uintptr_t)rope->block % ALIGNMENT);
@@ -52,6 +54,9 @@ Simulator *with_memory(int elements, const Memory *memory, char *message) {
     rope->around->seen = (double *)(void *)(at + align(sizeof(Surroundings)));
     rope->around->seen_lengths = rope->around->seen + size;
     rope->around->near = (unsigned *)(void *)(rope->around->seen_lengths + elements);
+    at += align(sizeof(Surroundings)) +
+          align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements);
+    if (own_contact_bytes(scene, elements) > 0) rope->own = own_contact(&rope->scene, elements, at);
     return rope;
 }
 

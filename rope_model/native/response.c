@@ -140,7 +140,7 @@ double rope_signal(Simulator *rope, int signal) {
             const System s = system_of(rope, rope->state);
             double sums[CONTACT_BALANCE] = {0};
             if (rope->state->fidelity != RIGID) contact_balance(&s, m.q, m.v, sums);
-            memcpy(rope->values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * KINDS);
+            memcpy(rope->values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * (KINDS + 1));
         } else {
             if (group == STRESS_SIGNALS || group == ALONG_SIGNALS || group == STATION_SIGNALS) {
                 const System s = system_of(rope, rope->state);

@@ -49,7 +49,8 @@ static void passed_bodies(Simulator *rope, char *message) {
 static void leg_contact(Simulator *rope, char *message) {
     const double yaw = yaw_of(rope->state);
     if (!legs_near(rope->state, yaw)) return;
-    tell_touching_legs(yaw, rope_signal(rope, SIGNAL_LOOP_TURNS), rope_signal(rope, SIGNAL_LOOP_CLEARANCE), message);
+    tell_touching_legs(&rope->scene, yaw, rope_signal(rope, SIGNAL_LOOP_TURNS),
+                       rope_signal(rope, SIGNAL_LOOP_CLEARANCE), message);
 }
 
 /* twist of the rope from end to end by conveyances and swivels that have turned against the ends' line */

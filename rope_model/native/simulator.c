@@ -25,9 +25,8 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
         if (scene->mesh.kind == AUTO_MESH) say_fitted_mesh_fails(message, why);
         return NULL;
     }
-    Simulator *rope = with_memory(elements, memory, message);
+    Simulator *rope = with_memory(scene, elements, memory, message);
     if (rope == NULL) return NULL;
-    rope->scene = *scene;
     rope->mesh = mesh;
     rope->around->scene = &rope->scene;
     rope->around->bodies = may_touch(&scene->shaft);

@@ -32,6 +32,7 @@ struct Simulator {
     double *frames;             /* counted from the state, but from what is worked on while it is */
     void *work;                 /* of the chain */
     Surroundings *around;
+    OwnContact *own; /* NULL where the rope does not touch itself */
     double values[SIGNALS];
     unsigned known; /* bit g: the values of group g are those of the state */
     LoopBottom bottom;
@@ -40,8 +41,8 @@ struct Simulator {
     char message[MESSAGE];
 };
 
-/* memory.c: a simulator without a scene, all its memory zero; NULL and a message when there is none */
-Simulator *with_memory(int elements, const Memory *memory, char *message);
+/* memory.c: a simulator of the scene, all its other memory zero; NULL and a message when there is none */
+Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, char *message);
 
 /* state.c */
 /* whether what was read from elsewhere can be a state of this rope; trial is scratch */

@@ -22,6 +22,7 @@ System system_of(const Simulator *rope, State *state) {
                 .lengths = x.lengths,
                 .frames = rope->frames,
                 .around = rope->around->bodies > 0 ? rope->around : NULL,
+                .own = rope->own,
                 .shortest = x.lengths[0]};
     element_parameters(data, rope->scene.layout.gravity, s.P);
     const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter);

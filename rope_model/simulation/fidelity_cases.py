@@ -121,6 +121,7 @@ TORQUE: Cases = {messages.coupled: _coupled, messages.twisted: _twisted}
 #: why a scene needs the complete model wherever its ends are
 COMPLETE: Cases = {
     messages.may_touch: lambda scene: (may_touch(scene.shaft),),
+    messages.may_touch_itself: lambda scene: (scene.shaft.contact.rope_stiffness > 0,),
     messages.guards_watch: lambda scene: (guarded(scene.shaft.guard) > 0,),
     messages.in_air: lambda scene: (scene.shaft.air.density > 0,),
 }

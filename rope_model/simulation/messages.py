@@ -194,6 +194,10 @@ def may_touch() -> str:
     return "the rope may touch a body in the shaft"
 
 
+def may_touch_itself() -> str:
+    return "the rope may touch itself"
+
+
 def guards_watch() -> str:
     return "guards watch the loop, which may turn and swing"
 
@@ -265,6 +269,15 @@ def sides_passed(number: float, since: float, y: float) -> str:
     )
 
 
+def sides_passed_in_spite(number: float, since: float, y: float, stiffness: float) -> str:
+    return (
+        "one side of the rope has passed through the other, the conveyance and head ropes above its end where the "
+        f"scene has none, or the leg where contact.rope_stiffness = {stiffness:g} is too soft for it: {number:g} times "
+        f"(loop.crossings), the first at t = {since:.6g} s around y = {y:.4g} m; nothing after that is what a real "
+        "rope does; lower Qb, Qc or installed_twist, free the swivels, or widen the spacing"
+    )
+
+
 def turned_around(turns: float) -> str:
     return (
         f"the rope is turned around itself: one leg has swung {turns:.3g} turns about the other and the conveyance and "
@@ -276,8 +289,15 @@ def turned_around(turns: float) -> str:
 def legs_touch(clearance: float, yaw: float) -> str:
     return (
         f"the rope's legs touch (loop.clearance = {clearance:.3g} m) with the loop yawed by {yaw:.3g} rad; contact is "
-        "not computed, and a real rope would lie against itself; lower Qb, Qc or installed_twist, free the swivels, or "
-        "widen the spacing"
+        "not computed, and a real rope would lie against itself; contact.rope_stiffness = 1e7 computes it; lower Qb, "
+        "Qc or installed_twist, free the swivels, or widen the spacing"
+    )
+
+
+def legs_press(clearance: float, yaw: float) -> str:
+    return (
+        f"the rope's legs press each other (loop.clearance = {clearance:.3g} m) with the loop yawed by {yaw:.3g} rad; "
+        "contact.rope has the force; lower Qb, Qc or installed_twist, free the swivels, or widen the spacing"
     )
 
 

@@ -29,6 +29,7 @@ from .rope_system import (
     air_parameters,
     parameter_vector,
 )
+from .self_contact import SelfTouchingRope
 from .state import Powers, RopeState
 from .surroundings import surroundings
 
@@ -55,7 +56,8 @@ class RopeModel:
             own, blown = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
             fidelity, air = flexible(state.fidelity), (AIR,) if blown.size else ()
             around = surroundings(scene)
-            system = RopeSystem(
+            touching = partial(SelfTouchingRope, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
+            system = touching(
                 self.kernels.of(fidelity, air),
                 state.partition.lengths,
                 np.concatenate((own, blown)),

@@ -60,7 +60,7 @@ def leg_contact(scene: Scene, state: RopeState) -> str:
         return ""
     bottom = loop_bottom(q, lengths)
     clearance = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing)
-    return first_text(warning_cases.LEG_CONTACT, yaw, loop_turns(q, lengths, bottom).number, clearance)
+    return first_text(warning_cases.LEG_CONTACT, scene, yaw, loop_turns(q, lengths, bottom).number, clearance)
 
 
 def yaw_at_rest(scene: Scene, state: RopeState) -> str:

@@ -53,6 +53,8 @@ from ..physics.element import (
 from ..physics.shaft import KINDS
 
 Array = NDArray[np.float64]
+#: (elements, bodies): which elements may touch which bodies
+Near = NDArray[np.bool_]
 log = logging.getLogger(__name__)
 
 #: places of r, r' and theta in a node's row
@@ -62,7 +64,7 @@ Kinds = tuple[int, ...]
 AIR = len(KINDS)
 _WORDS = (*KINDS, "air")
 _NOTHING = np.zeros((1, 1), dtype=bool)
-_NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE), 0.0)
+_NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
 
 
 class RopeKernels:
@@ -288,7 +290,7 @@ class RopeSystem:
 
     def _alike(self) -> RopeSystem:
         """A copy, without the ceremony of copy.copy."""
-        other = object.__new__(RopeSystem)
+        other = object.__new__(type(self))
         vars(other).update(vars(self))
         return other
 
@@ -314,15 +316,21 @@ class RopeSystem:
     def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Evaluation]:
         near = self._near(q, LOOK_AHEAD)
         while True:
-            kernels, constants, P = self._with_bodies(near, q, v)
-            q, v, a, reaction, sums, progress = kernels.solve(
-                q, v, a, reaction, *constants, self._free, P, c, self._scale, tolerance
-            )
-            newton = report(progress.tolist())
-            more = self._near(q, 0.0) if newton.converged else _NOTHING
+            found = self._newton(near, q, v, a, reaction, c, tolerance)
+            more = self._near(found.q, 0.0) if found.newton.converged else _NOTHING
             if not more.any() or (near.any() and not (more & ~near).any()):
-                return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), newton)
-            near = near | more
+                return found
+            q, v, a, reaction, near = found.q, found.v, found.a, found.evaluation.reaction, near | more
+
+    def _newton(
+        self, near: Near, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float
+    ) -> Solution[Evaluation]:
+        """``solve``, where no more bodies than those ``near`` are touched."""
+        kernels, constants, P = self._with_bodies(near, q, v)
+        q, v, a, reaction, sums, progress = kernels.solve(
+            q, v, a, reaction, *constants, self._free, P, c, self._scale, tolerance
+        )
+        return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), report(progress.tolist()))
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
@@ -342,7 +350,7 @@ class RopeSystem:
         return Evaluation(R, balance)
 
     def outside(self, q: Array, v: Array) -> dict[str, float]:
-        """What bodies and air do to the rope: physics.contact_element.CONTACT_BALANCE and air.AIR_BALANCE by name."""
+        """What bodies and air do to the rope: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope", by name."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         if len(kernels.balance) == len(BALANCE):
             return _NOTHING_OUTSIDE
@@ -355,7 +363,7 @@ class RopeSystem:
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         return Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
 
-    def _near(self, q: Array, margin: float) -> NDArray[np.bool_]:
+    def _near(self, q: Array, margin: float) -> Near:
         """(elements, bodies): which elements may touch a body, or would if they moved by ``margin`` (m)."""
         if self.around is None:
             return _NOTHING
@@ -368,7 +376,7 @@ class RopeSystem:
         self._seen[:] = [(q, float(found.min()))]
         return found < margin
 
-    def _with_bodies(self, near: NDArray[np.bool_], q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
+    def _with_bodies(self, near: Near, q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
         """Kernels, their constants and parameters, with or without bodies."""
         if self.around is None or self._touching is None or not near.any():
             return self.kernels, self._constants, self.P

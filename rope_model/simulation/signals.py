@@ -86,7 +86,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("kinetic", "kinetic energy"),
         ("strain", "strain energy"),
         ("gravity", "potential energy of the weight, zero at height zero"),
-        ("contact", "energy stored where bodies in the shaft press the rope"),
+        ("contact", "energy stored where bodies in the shaft, or the rope itself, press the rope"),
         ("total", "kinetic, strain and potential energy, and that of contact"),
         ("work_ends", "work done on the rope by the conveyances since the start, where they strike it too"),
         ("dissipated_material", "energy dissipated by material damping since the start"),
@@ -101,6 +101,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
     for kind in KINDS:
         words = {"conveyance": "a conveyance", "divider": "dividers"}.get(kind, f"the {kind.replace('_', ' ')}")
         yield f"contact.{kind}", Signal("N", f"pressure of the rope and {words} on each other, summed along the rope")
+    yield "contact.rope", Signal("N", "pressure of the rope on itself, summed along it")
     for name, what in (
         ("steps", "accepted time steps"),
         ("rejections", "rejected time steps"),
@@ -294,11 +295,12 @@ def energy_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def contact_signals(rope: Evaluated) -> dict[str, float]:
-    """Forces between the rope and the bodies in the shaft."""
-    m, forces = rope.state.motion, dict.fromkeys(KINDS, 0.0)
+    """Forces between the rope and the bodies in the shaft, and those on itself."""
+    kinds = *KINDS, "rope"
+    m, forces = rope.state.motion, dict.fromkeys(kinds, 0.0)
     if rope.state.fidelity != "rigid":
         forces |= rope.system.outside(m.q, m.v)
-    return {f"contact.{kind}": forces[kind] for kind in KINDS}
+    return {f"contact.{kind}": forces[kind] for kind in kinds}
 
 
 def error_signals(rope: Evaluated) -> dict[str, float]:

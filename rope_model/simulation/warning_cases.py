@@ -53,15 +53,24 @@ def yawed_far_at_rest(scene: Any, state: Any, yaw: Any) -> Any:
 
 
 def _sides_passed(scene: Any, state: Any) -> tuple[Any, ...]:
+    crossing, open_to = state.crossing, scene.shaft.contact.rope_stiffness == 0
+    return both(crossing.number > 0, open_to), crossing.number, crossing.since, crossing.y
+
+
+def _sides_passed_in_spite(scene: Any, state: Any) -> tuple[Any, ...]:
     crossing = state.crossing
-    return crossing.number > 0, crossing.number, crossing.since, crossing.y
+    return crossing.number > 0, crossing.number, crossing.since, crossing.y, scene.shaft.contact.rope_stiffness
 
 
-def _turned_around(yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
+def _turned_around(scene: Any, yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
     return abs(turns) >= HALF_A_TURN, turns
 
 
-def _legs_touch(yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
+def _legs_touch(scene: Any, yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
+    return both(clearance <= 0, scene.shaft.contact.rope_stiffness == 0), clearance, yaw
+
+
+def _legs_press(scene: Any, yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
     return clearance <= 0, clearance, yaw
 
 
@@ -117,8 +126,15 @@ def _accuracy_given_up(scene: Any, state: Any) -> tuple[Any, ...]:
     return given_up > 0, given_up, state.given_up_since, scene.solver.work_max
 
 
-PASSED_SIDES: Cases = {messages.sides_passed: _sides_passed}
-LEG_CONTACT: Cases = {messages.turned_around: _turned_around, messages.legs_touch: _legs_touch}
+PASSED_SIDES: Cases = {
+    messages.sides_passed: _sides_passed,
+    messages.sides_passed_in_spite: _sides_passed_in_spite,
+}
+LEG_CONTACT: Cases = {
+    messages.turned_around: _turned_around,
+    messages.legs_touch: _legs_touch,
+    messages.legs_press: _legs_press,
+}
 TORQUE_SOURCE: Cases = {
     messages.torque_of_coupling: _torque_of_coupling,
     messages.torque_of_twist: _torque_of_twist,

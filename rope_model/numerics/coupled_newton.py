@@ -1,0 +1,93 @@
+"""Newton's method for a chain with forces between nodes far apart: (J + C) x = -R.
+
+J is the chain's block tridiagonal matrix, which the chain solves; C has the tangents of what couples far nodes,
+symmetric and positive semidefinite.  Conjugate gradients find x, preconditioned with J: as J^-1 C has rank r, in exact
+arithmetic they end after r + 1 steps, and each takes one solution with J, which need not be multiplied with: J p
+follows p.  Rounds of a factorization and corrections with it are those of numerics.newton, judged alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from .newton import PER_ROUND, ROUNDS, SLOW, NewtonReport, initial_progress, judge, report
+
+Array = NDArray[np.float64]
+
+#: of the first square of the error, in J's norm, what is left
+LEFT = 1e-16
+#: steps of conjugate gradients at most
+STEPS = 200
+
+
+class Iterate(NamedTuple):
+    """q, v, a and the residual there."""
+
+    q: Array
+    v: Array
+    a: Array
+    R: Array
+
+
+class Coupled(NamedTuple):
+    """What is solved; see ``newton``.
+
+    factorized: iterate -> a function that solves J x = -R for x
+    coupling:   iterate -> a function that multiplies with C
+    residual:   q, v, a, the last R -> R
+    norm:       of a correction
+    """
+
+    factorized: Callable[[Iterate], Callable[[Array], Array]]
+    coupling: Callable[[Iterate], Callable[[Array], Array]]
+    residual: Callable[[Array, Array, Array, Array], Array]
+    norm: Callable[[Array], float]
+
+
+def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Array], Array], R: Array) -> Array:
+    """x with (J + C) x = -R, where ``solve`` gives the x of J x = -R and ``coupling`` multiplies with C."""
+    p = solve(R)
+    error = first = -float(np.vdot(R, p))
+    g, Jp, x = R, -R, np.zeros_like(R)
+    for _ in range(STEPS):
+        Ap = Jp + coupling(p)
+        curvature = float(np.vdot(p, Ap))
+        if not curvature > 0:
+            return x if x.any() else p
+        part = error / curvature
+        x, g = x + part * p, g + part * Ap
+        z = solve(g)
+        before, error = error, -float(np.vdot(g, z))
+        if not error > LEFT * first:
+            break
+        p, Jp = z + error / before * p, error / before * Jp - g
+    return x
+
+
+def newton(system: Coupled, x: Iterate, c: Array, tolerance: float) -> tuple[Iterate, NewtonReport]:
+    """``x`` moved until its residual is zero where free; v and a follow by c[1] and c[2] times the corrections."""
+    progress = initial_progress()
+    for _ in range(ROUNDS):
+        solve = system.factorized(x)
+        for k in range(PER_ROUND):
+            if k > 0 and not (progress[0] == 0 and progress[5] < SLOW):
+                break
+            dx = conjugate_gradients(solve, system.coupling(x), x.R)
+            progress = _judge()(progress, system.norm(dx), tolerance, k == 0)
+            if progress[2] != 0:
+                q, v, a = (part + factor * dx for part, factor in zip(x[:3], c.tolist(), strict=True))
+                x = Iterate(q, v, a, system.residual(q, v, a, x.R))
+        if progress[0] != 0:
+            break
+    return x, report(np.array(progress).ravel().tolist())
+
+
+@cache
+def _judge() -> ca.Function:
+    return judge()

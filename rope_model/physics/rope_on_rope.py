@@ -1,0 +1,68 @@
+"""Contact of the rope with itself: leg on leg, loop on leg.
+
+Places stand along the rope, closer than its diameter.  Each is looked at against the nearest place of what lies to the
+right of it along the rope by more than APART diameters; where the centre lines are nearer than a diameter, the law of
+physics.contact holds between them, per length, with p = diameter - distance:
+
+    f(r_a - r_b, v_a - v_b)  on the one,   -f  on the other,     shared between the nodes of both elements
+
+so that the forces of a pair cancel to the bit.  The nearest place is where the distance is stationary: the spring's
+force is the gradient of its energy.  Friction pulls at the centre lines, a diameter apart: the couple that this leaves
+is no torque in the rope.
+
+Works on numbers and CasADi expressions; vectors have their components first.
+"""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+from .contact import Touch, touch
+from .elementary import ceil, dot, larger, smaller
+from .hermite import interpolate
+from .shaft import Body
+
+#: distance of the places that are looked at, in diameters: two ropes that cross do not slip between them
+SPACING = 0.25
+#: in an element at most; longer ones that are so thin are looked at less closely
+MOST_PLACES = 1000
+#: diameters along the rope within which it does not touch itself: the circle that would takes a radius of five
+APART = 10.0 * math.pi
+#: where in an element the nearest place is looked for first, and corrections from the best of these
+PROBES, CORRECTIONS = (0.0, 0.25, 0.5, 0.75, 1.0), 4
+#: places are no farther apart than so many times their distance along the rope
+STRETCH = 1.25
+
+
+def places(l: Any, diameter: Any) -> Any:
+    """How many places are looked at in an element of length ``l``."""
+    return smaller(ceil(l / (SPACING * diameter)), float(MOST_PLACES))
+
+
+def most_places(length: Any, elements: Any, diameter: Any) -> Any:
+    """How many of a rope at most, in any mesh of so many elements."""
+    return smaller(length / (SPACING * diameter) + elements, MOST_PLACES * elements)
+
+
+def nearer_place(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
+    """Newton's correction of ``xi``, the place nearest to ``point`` between the rows r, r' of an element's nodes."""
+    gap, slope, bend = [], [], []
+    for k in range(3):
+        r, d = interpolate(xi, l, a[k], a[3 + k], b[k], b[3 + k])
+        curve = (6 - 12 * xi) * (b[k] - a[k]) + l * ((6 * xi - 4) * a[3 + k] + (6 * xi - 2) * b[3 + k])
+        gap.append(r - point[k])
+        slope.append(d)
+        bend.append(curve / (l * l))
+    square = dot(slope, slope)
+    # beyond the centre of the bend the distance has no minimum
+    second = larger(square + dot(gap, bend), 0.25 * square)
+    return smaller(larger(xi - dot(gap, slope) / (l * second), 0.0), 1.0)
+
+
+def rope_touch(contact: Any, diameter: Any, apart: Any, speed: Any, cq: Any, cv: Any) -> Touch:
+    """Of a place of the rope that is ``apart`` (3,) from another and moves with ``speed`` against it, per length."""
+    law = SimpleNamespace(**(vars(contact) | {"stiffness": contact.rope_stiffness}))
+    other = Body((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * diameter, 1.0, 0.0, 1.0)
+    return touch(law, diameter, other, (0.0, 0.0, 0.0), apart, speed, cq, cv)

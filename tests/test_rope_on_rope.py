@@ -1,0 +1,215 @@
+"""Contact of the rope with itself: the law, the coupled Newton's method, both forms of the rope in it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from numpy.typing import NDArray
+
+from rope_model import BalanceRope, EndMotion, Status, balance_rope
+from rope_model.numerics.coupled_newton import conjugate_gradients
+from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
+from rope_model.physics.contact import ONSET
+from rope_model.shaft_parameters import Contact, Shaft
+from rope_model.simulation.self_contact import RopeTouches, touches_of
+
+Array = NDArray[np.float64]
+D, K = Rope().diameter, 1e6
+
+
+def holding(**changed: float) -> Scene:
+    return Scene(shaft=Shaft(contact=Contact(rope_stiffness=K, **changed)))
+
+
+def touches(q: Array, lengths: Array, v: Array | None = None, c: Any = (0.0, 0.0), **changed: float) -> RopeTouches:
+    return touches_of(holding(**changed), q, 0 * q if v is None else v, lengths, *c)
+
+
+def crossing(gap: float, angle: float, along: float = 0.0) -> tuple[Array, Array]:
+    """Two straight strings of 2 m, the second one above the first and the other way, and a wide loop between them."""
+    q = np.zeros((6, 7))
+    for k, (nodes, turn, z) in enumerate(((range(3), 0.0, 0.0), (range(3, 6), math.pi + angle, gap))):
+        tangent = np.array([math.cos(turn), math.sin(turn), 0.0])
+        for node, s in zip(nodes, (-1.0, along + 0.013 * k, 1.0), strict=True):
+            q[node, :3], q[node, 3:6] = s * tangent + [0.0, 0.0, z], tangent
+    return q, np.array([1.0 + along, 1.0 - along, 6.0, 1.013 + along, 0.987 - along])
+
+
+def spring(p: float) -> float:
+    """Force per length at the depth ``p``."""
+    soft = min(max(p, 0.0), ONSET * D)
+    return K * (soft * soft / (2 * ONSET * D) + max(p, 0.0) - soft)
+
+
+@pytest.mark.parametrize(("degrees", "off"), [(90, 0.03), (30, 2e-3), (5, 1e-4)])
+def test_the_force_of_crossing_strings_is_the_integral_of_the_law(degrees: float, off: float) -> None:
+    """Over the places of one, each at its distance from the other; ``off`` is by how much their spacing shows."""
+    gap, sine = 0.85 * D, math.sin(math.radians(degrees))
+    x = (np.arange(200000) + 0.5) / 200000 * math.sqrt(D * D - gap * gap) / sine
+    r = np.hypot(gap, x * sine)
+    exact = 2 * (x[1] - x[0]) * sum(spring(D - d) * gap / d for d in r.tolist())
+    for along in (0.0, 0.004, 0.009):
+        q, lengths = crossing(gap, math.radians(degrees), along)
+        R = np.zeros_like(q)
+        touches(q, lengths).take_force(R)
+        assert R[:3, 2].sum() == pytest.approx(exact, rel=off)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_forces_of_a_pair_cancel_and_its_friction_leaves_its_couple(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, lengths = crossing(0.8 * D, 0.4)
+    q += 0.003 * rng.normal(size=q.shape)
+    found, R = touches(q, lengths, rng.normal(size=q.shape)), np.zeros_like(q)
+    found.take_force(R)
+    sums = found.sums()
+    assert sums["contact_dissipated"] > 0
+    # rounding of shares that add up to 1
+    assert_allclose(R[:, :3].sum(axis=0), 0.0, atol=1e-14 * sums["rope"])
+    moment = np.cross(q[:, :3], R[:, :3]).sum(axis=0) + np.cross(q[:, 3:6], R[:, 3:6]).sum(axis=0)
+    assert_allclose(-moment, [sums[f"contact_m{x}"] for x in "xyz"], atol=1e-12 * sums["rope"])
+    assert np.linalg.norm(moment) < Contact().friction * D * sums["rope"]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_force_is_the_energys_gradient_without_losses(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, lengths = crossing(0.8 * D, 0.4)
+    q += 0.003 * rng.normal(size=q.shape)
+    R, way, size = np.zeros_like(q), rng.normal(size=q.shape), 1e-7
+    touches(q, lengths).take_force(R)
+    more, less = (touches(q + sign * size * way, lengths).sums()["contact"] for sign in (1, -1))
+    assert (more - less) / (2 * size) == pytest.approx(np.vdot(R, way), rel=1e-5)
+
+
+def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out() -> None:
+    """Of strings side by side that come nearer, or slide."""
+    q, lengths = crossing(0.8 * D, 0.0)
+    size, x = 1e-7, np.zeros_like(q)
+    x[3:, 2] = 1.0
+
+    def force(q: Array, v: Array, **changed: float) -> Array:
+        R = np.zeros_like(q)
+        touches(q, lengths, v, **changed).take_force(R)
+        return R
+
+    no_losses: dict[str, float] = {"friction": 0.0, "damping": 0.0}
+    product = touches(q, lengths, c=(1.0, 0.0), **no_losses).times(x)
+    stiffness = (force(q + size * x, 0 * q, **no_losses) - force(q - size * x, 0 * q, **no_losses)) / (2 * size)
+    assert np.abs(product).max() > 1e5
+    assert_allclose(product, stiffness, atol=1e-5 * np.abs(product).max())
+    v = np.zeros_like(q)
+    v[3:, :2], x[3:, :2] = (0.02, 0.01), (1.0, 2.0)
+    product = touches(q, lengths, v, (0.0, 1.0), damping=0.0).times(x)
+    rate = (force(q, v + size * x, damping=0.0) - force(q, v - size * x, damping=0.0)) / (2 * size)
+    assert_allclose(product, rate, atol=1e-5 * np.abs(product).max())
+
+
+def test_conjugate_gradients_solve_the_coupled_system_in_as_many_steps_as_its_rank() -> None:
+    rng, size, rank = np.random.default_rng(1), 60, 5
+    A, B = rng.normal(size=(size, size)), rng.normal(size=(size, rank))
+    J, C, R = A @ A.T + np.eye(size), 1e4 * B @ B.T, rng.normal(size=size)
+    solved: list[Array] = []
+
+    def solve(g: Array) -> Array:
+        solved.append(g)
+        return -np.linalg.solve(J, g)
+
+    x = conjugate_gradients(solve, lambda p: C @ p, R)
+    assert_allclose(x, -np.linalg.solve(J + C, R), atol=1e-6 * np.abs(x).max())
+    assert len(solved) <= rank + 3  # rounding costs one or two
+
+
+# whole ropes
+
+STEP = 0.01
+
+
+def twisted(stiffness: float = K, **parts: Any) -> Scene:
+    """A short rope, the legs of which come to lie against each other as its held ends twist it."""
+    return Scene(
+        rope=Rope(length=6.0, EI=100.0),
+        layout=Layout(0.3),
+        mesh=Mesh("eem", elements=8),
+        left=Swivel("locked"),
+        right=Swivel("locked"),
+        solver=Solver(step_max=STEP, tolerance=1e3),
+        shaft=Shaft(contact=Contact(rope_stiffness=stiffness)),
+    ).with_(**parts)
+
+
+def end(t: float, turns: float, time: float) -> EndMotion:
+    """Either end turns so far in this time, and twists the rope by as much."""
+    s, turn = min(t / time, 1.0), 2.0 * math.pi * turns
+    return EndMotion(yaw=turn * s**3 * (10 - 15 * s + 6 * s * s), yaw_rate=turn * 30 * (s * (1 - s)) ** 2 / time)
+
+
+def wind(rope: BalanceRope, start: int, steps: int, turns: float = 1.5, time: float = 2.0) -> BalanceRope:
+    for k in range(start + 1, start + steps + 1):
+        at = end(k * STEP, turns, time)
+        valid(rope.advance_to(k * STEP, at, at))
+    return rope
+
+
+def valid(status: Status) -> None:
+    assert status.valid, status.message
+
+
+def begun(scene: Scene, form: Any) -> BalanceRope:
+    rope = balance_rope(scene, form)
+    valid(rope.initialize(0.0, EndMotion(), EndMotion()))
+    return rope
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_a_rope_that_does_not_touch_itself_computes_what_it_does_without(form: Any) -> None:
+    one, other = (wind(begun(twisted(stiffness), form), 0, 20).state for stiffness in (0.0, K))
+    assert_array_equal(one.motion.q, other.motion.q)
+    assert_array_equal(one.motion.reaction, other.motion.reaction)
+    assert one.counts == other.counts
+
+
+def test_both_forms_agree_where_the_legs_press_each_other() -> None:
+    python, native = (wind(begun(twisted(), form), 0, 84) for form in ("python", "native"))
+    one, other = python.state, native.state
+    assert other.energy_balance.dissipated_contact > 1.0
+    assert native.signals(["contact.rope"])["contact.rope"] > 100
+    # rounding, by some ten steps of a stiff contact
+    assert_allclose(one.motion.q, other.motion.q, atol=1e-9)
+    assert one.counts == other.counts
+    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-6)
+    names = ["contact.rope", "energy.contact", "audit.momentum", "audit.moment"]
+    assert_allclose([*python.signals(names).values()], [*native.signals(names).values()], rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_a_rope_saved_as_its_legs_press_each_other_goes_on_bit_by_bit(form: Any) -> None:
+    rope = wind(begun(twisted(), form), 0, 81)
+    saved = rope.state.to_bytes()
+    straight = wind(rope, 81, 2).state
+    other = balance_rope(rope.scene, form)
+    other.restore(saved)
+    after = wind(other, 81, 2).state
+    assert_array_equal(after.motion.q, straight.motion.q)
+    assert after.energy_balance == straight.energy_balance
+    assert after.energy_balance.contact > 0.1
+
+
+def test_legs_that_turn_about_each_other_lie_against_each_other_and_keep_the_balances() -> None:
+    rope = Rope(length=10.0, EI=200.0)
+    scene = twisted(1e7, rope=rope, layout=Layout(0.5), mesh=Mesh("eem", elements=40), solver=Solver())
+    held, passing = (wind(begun(x, "native"), 0, 400, 4.0, 10.0) for x in (scene, scene.with_(shaft=Shaft())))
+    energy, audit = held.state.energy_balance, held.state.audit
+    assert energy.dissipated_contact > 10.0
+    assert abs(energy.residual) < 1e-3 * energy.work_ends
+    assert audit.missing_force < 1e-3 * audit.force
+    signals = held.signals(["loop.turns", "loop.crossings", "contact.rope", "loop.clearance"])
+    assert signals["contact.rope"] > 1000
+    assert signals["loop.turns"] > 1.0
+    assert signals["loop.crossings"] == 0
+    assert signals["loop.clearance"] > -0.1 * rope.diameter
+    assert passing.signals(["loop.crossings"])["loop.crossings"] > 0
