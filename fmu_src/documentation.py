@@ -145,8 +145,9 @@ with the tension T at the end</td></tr>
 <p>Damping is proportional to stiffness (beta_K). Ends are vertical and prescribed; between two instants of the host
 each coordinate follows a quintic in time. Time integration: generalized-alpha with step control. Mesh: TMN-ETM, seven
 segments with element lengths l, l/2, l/4, l/8, l/4, l/2, l that follow the loop. Its fidelity follows the case:
-torsional (all), spatial (no torsion), planar, rigid. There is no contact: legs that touch pass through each other;
-<code>status.warning</code> and <code>loop.clearance</code> show it.</p>
+torsional (all), spatial (no torsion), planar, rigid. Bodies of the shaft hold the rope; its legs hold each other where
+<code>contact.rope_stiffness</code> is above 0, else they pass through each other: <code>status.warning</code> and
+<code>loop.clearance</code> show it.</p>
 """
 _STYLE = (
     "body{font:15px/1.45 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"

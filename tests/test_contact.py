@@ -278,7 +278,11 @@ def test_bodies_that_do_not_hold_the_rope_are_passed() -> None:
 
 
 @pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=[pytest.mark.slow] if "divider" in c or "every kind" in c else []) for c in CASES]
+    "case",
+    [
+        pytest.param(c, marks=[pytest.mark.slow] if "divider" in c or "every kind" in c or "legs" in c else [])
+        for c in CASES
+    ],
 )
 def test_exact_case(case: str) -> None:
     for measurement in CASES[case]():

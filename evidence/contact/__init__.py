@@ -1,6 +1,8 @@
-"""Contact with bodies in the shaft against what is exact, and docs/contact.md.
+"""Contact with bodies in the shaft, and of the rope with itself, against what is exact, and docs/contact.md.
 
 rebound    a rope that strikes a floor flat: speed after it, order in the step
 scenes     ropes that lie on a floor, fall on it, slide around a divider, and strike bodies of every kind
+crossed    two strings that cross
+turned     legs that are turned about each other
 page       the checks, and what the page contact.md.j2 says
 """

@@ -9,8 +9,10 @@ import numpy as np
 
 from evidence.claims import Measurement
 
+from .crossed import force_error
 from .rebound import exact_speed, rebound
 from .scenes import fallen, pulled, struck, touch_down
+from .turned import struck_legs, turned
 
 #: s, steps of the rebound; and s/m, its damping
 STEPS, DAMPING = (2e-3, 1e-3, 5e-4, 2.5e-4), 0.5
@@ -67,10 +69,36 @@ def _struck() -> Iterator[Measurement]:
         yield Measurement(what, abs(x.unexplained) / x.work, "1", "<", 1e-3)
 
 
+def _crossed() -> Iterator[Measurement]:
+    for degrees, bound in ((90.0, 0.03), (30.0, 2e-3), (5.0, 1e-4)):
+        yield Measurement(f"force at {degrees:g} degrees, off by", force_error(degrees), "1", "<", bound)
+
+
+def _turned() -> Iterator[Measurement]:
+    smooth, rough = turned(0.0), turned(0.2)
+    yield Measurement("angle of the ply, off by", abs(smooth.angle / smooth.exact - 1.0), "1", "<", 0.02)
+    for name, x in (("without friction", smooth), ("friction 0.2", rough)):
+        growth = np.diff(np.interp(np.arange(1.0, 4.01, 0.25), x.turns, x.torque))
+        yield Measurement(f"least growth of the torque per quarter turn, {name}", float(growth.min()), "N m", ">", 0.0)
+        stiffer = float(growth[-4:].sum() / growth[:4].sum())
+        yield Measurement(f"its growth in the fourth turn over that in the second, {name}", stiffer, "1", ">", 1.0)
+        yield Measurement(f"energy unexplained, {name}, of the work done", abs(x.unexplained), "1", "<", 1e-3)
+    yield Measurement("times that the legs passed through each other", smooth.crossings + rough.crossings, "1", "<", 1)
+
+
+def _struck_legs() -> Iterator[Measurement]:
+    for stiffness in (1e6, 1e7):
+        what = f"energy unexplained, stiffness {stiffness:g} N/m^2, of the work done"
+        yield Measurement(what, abs(struck_legs(stiffness)), "1", "<", 1e-3)
+
+
 CASES = {
     "a rope that lies on a floor": _touch_down,
     "a rope that falls on a floor": _fallen,
     "a rope pulled half around a divider": _pulled,
     "a rope that strikes a floor flat": _rebound,
     "a loop let down among bodies of every kind": _struck,
+    "two strings that cross": _crossed,
+    "legs turned slowly about each other": _turned,
+    "legs that strike each other": _struck_legs,
 }

@@ -5,7 +5,8 @@ from __future__ import annotations
 from evidence.claims import Measurement
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, table
-from rope_model.physics import contact, contact_element
+from rope_model.parameters import Rope
+from rope_model.physics import contact, contact_element, rope_on_rope
 from rope_model.shaft_parameters import Contact
 
 from .scenes import GRAVITY
@@ -33,5 +34,9 @@ def page(tables: Tables) -> str:
         "own": contact.OWN_LENGTH,
         "points": len(contact_element.POINTS),
         "gravity": GRAVITY,
+        "spacing": rope_on_rope.SPACING,
+        "apart": number(rope_on_rope.APART),
+        # the integral of k p^2 / 2 over the places of a string that goes right through another, D the diameter
+        "cross_energy": number(1e6 * Rope().diameter ** 3 / 3.0),
     }
     return render("contact/contact.md.j2", data)
