@@ -6,7 +6,7 @@ from pathlib import Path
 
 from hoist_demo.calibration.fit import CONFIDENCE, UNLIKELY
 from hoist_demo.calibration.identify import Identified
-from hoist_demo.report.html.page import number, unit_text
+from hoist_demo.report.html.page import engineering, number, unit_text
 from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
 from hoist_demo.report.summary import SummaryRow
 from rope_model import SIGNALS
@@ -56,7 +56,11 @@ def write_page(found: Identified, path: Path) -> Path:
     steps = [(0.5 + x / (2 * SIDE), f"{x:+.0f}" if x else "0") for x in (-4, -3, -2, -1, 0, 1, 2, 3, 4)]
     head = ("property", "found", "unit", "known before", "status before")
     known = [
-        (*row, f"{number(datum.low)} to {number(datum.high)}", f"{datum.status}: {datum.source}")
+        (
+            *row,
+            f"{number(datum.low)} to {number(datum.high)} {unit_text(datum.unit)}",
+            f"{datum.status}: {datum.source}",
+        )
         for row, name in zip(_properties(found), found.names, strict=True)
         for datum in (bench.known.data[name],)
     ]
@@ -94,9 +98,10 @@ def _properties(found: Identified) -> list[tuple[str, str, str]]:
     rows = []
     for name in found.names:
         datum = found.known.data[name]
-        told = f"{number(found.value(name))} ({number(datum.low)} to {number(datum.high)})"
-        untold = f"not told: {number(datum.low)} to {number(datum.high)} as before"
-        rows.append((name, told if found.told(name) else untold, unit_text(datum.unit)))
+        factor, unit = engineering(datum.high, datum.unit)
+        value, low, high = (number(factor * x) for x in (found.value(name), datum.low, datum.high))
+        text = f"{value} ({low} to {high})" if found.told(name) else f"not told: {low} to {high} as before"
+        rows.append((name, text, unit_text(unit)))
     return rows
 
 
