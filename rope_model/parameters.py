@@ -52,6 +52,29 @@ class Rope:
         lower=LEAST,
         cure=_DATA_SHEET,
     )
+    EI_stick: float = parameter(
+        0.0,
+        "N.m2",
+        "bending stiffness while no wire slides on another; friction between the wires where it is above EI, which "
+        "then holds for wires that slide; 0: none",
+        lower=0.0,
+        cure="use 0 for no friction between the wires",
+    )
+    slip_moment: float = parameter(
+        1.0,
+        "N.m",
+        "moment of the friction between all wires of the slack rope [assumed]",
+        lower=LEAST,
+        cure="use a small one where only the tension presses the wires together",
+    )
+    slip_factor: float = parameter(
+        0.02,
+        "1",
+        "growth of that moment with the tension, over the diameter [assumed]",
+        lower=0.0,
+        upper=1.0,
+        cure="use 0 for a moment that does not depend on the tension",
+    )
     rhoJ: float = parameter(
         1.94e-3,  # rho d^2/8
         "kg.m",

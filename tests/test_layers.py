@@ -168,6 +168,7 @@ HOMES = {
     "casadi": {
         "rope_model.physics.element",
         "rope_model.physics.air_element",
+        "rope_model.physics.wire_element",
         "rope_model.physics.contact_element",
         "rope_model.physics.elementary",
         "rope_model.numerics",

@@ -145,8 +145,8 @@ void signals_by_members(int group, const Scene *scene, int fidelity, double t, d
     EnergyBalance *e = &s.energy_balance;
     e->kinetic = l[0], e->strain = l[1], e->gravity = l[2], e->contact = l[3];
     e->work_ends = l[4], e->dissipated_material = l[5], e->dissipated_swivel = l[6];
-    e->dissipated_contact = l[7], e->given_to_air = l[8], e->nonconservative = l[9];
-    e->transformations = l[10], e->start = l[11];
+    e->dissipated_contact = l[7], e->dissipated_wires = l[8], e->given_to_air = l[9];
+    e->nonconservative = l[10], e->transformations = l[11], e->start = l[12];
     s.counts.steps = (int64_t)n[0], s.counts.rejections = (int64_t)n[1], s.counts.newton = (int64_t)n[2];
     s.counts.transformations = (int64_t)n[3], s.counts.swivel_events = (int64_t)n[4];
     s.counts.given_up = (int64_t)n[5];
@@ -158,7 +158,7 @@ void signals_by_members(int group, const Scene *scene, int fidelity, double t, d
 
 void arrays_of(double *q, double *v, double *a, double *reaction, double *lengths, double *s, int nodes,
                Arrays *arrays) {
-    Arrays of = {q, v, a, NULL, NULL, reaction, lengths, s, nodes - 1, nodes};
+    Arrays of = {q, v, a, NULL, NULL, reaction, lengths, s, NULL, nodes - 1, nodes};
     *arrays = of;
 }
 """

@@ -28,7 +28,8 @@ FEW = 3
 #: function: products and quotients of real numbers, calls of libm; and what they are
 ARITHMETIC = {
     # places of arrays in memory
-    "with_memory": (11, 0),
+    "with_memory": (13, 0),
+    "solve_rubbing": (4, 0),
     # sums over nodes, and what is held at the ends
     "trial_step": (16, 0),
     "system_of": (2, 0),
@@ -43,6 +44,7 @@ ARITHMETIC = {
     # in rope.h, which hosts read without the formulas
     # assembly and solution of the transfer's equations
     "transfer_fields": (7, 0),
+    "mean_between": (5, 0),
     "solve_banded": (6, 0),
     # numbers of elements and their places
     "mesh_fit": (0, 1),
@@ -92,6 +94,7 @@ TWICE = (
             "state",
             "statics",
             "switching",
+            "wires",
         )
     ),
     *(

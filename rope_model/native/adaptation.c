@@ -26,7 +26,7 @@ static void record_energy_change(Simulator *rope, State *state) {
    trial; 0 when there is none, and the state is as it was */
 static int solve_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
-    const System s = system_of(rope, state);
+    System s = system_of(rope, state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
     double balance[BALANCE];
@@ -34,9 +34,9 @@ static int solve_equilibrium(Simulator *rope, State *state, double time, double 
     memcpy(now->v, m.v, bytes);
     memcpy(now->a, m.a, bytes);
     memcpy(now->reaction, m.reaction, bytes);
-    const Progress newton =
-        chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
+    const Progress newton = solve_rubbing(rope, chain_of_state(state), &s, c, tolerance, balance);
     if (newton.status != CONVERGED) return 0;
+    slip_wires(rope, state, now->q);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, m.v, m.a, m.b);
     memcpy(m.q, now->q, bytes);
     return 1;
@@ -51,6 +51,7 @@ static void on_partition(Simulator *rope, State *state, int direction) {
     if (state->fidelity == RIGID) /* its shape and energies do not come from the mesh */
         return;
     transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work); /* the chain's, free between solutions */
+    carry_wires(rope, state, old_s);
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     refer(rope, state, m.q);
     solve_equilibrium(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance);
@@ -152,5 +153,6 @@ int raise_fidelity(Simulator *rope, State *state, const char *why, char *message
         state->offsets[RIGHT] += transport_angles(rope, state, m.q, m.v, m.a, m.b);
     restart(rope, state);
     state->energy_balance.transformations += update_energies(rope, state);
+    begin_rubbing(rope, state);
     return 1;
 }

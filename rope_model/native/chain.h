@@ -8,7 +8,16 @@
 #include "rope.h"
 #include "shaft.h"
 
-enum { PARAMETERS = 12, BALANCE = 9, FRAME = 21, STRAINS = 3, MOMENTUM = 9, AIR = 4, AIR_BALANCE = 7 };
+enum {
+    PARAMETERS = 12,
+    BALANCE = 9,
+    FRAME = 21,
+    STRAINS = 3,
+    MOMENTUM = 9,
+    AIR = 4,
+    AIR_BALANCE = 7,
+    WIRE_HISTORY = 33
+};
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
 /* numerics.newton.NewtonStatus */
@@ -57,14 +66,16 @@ enum { OWN_SCRATCH = 4 };
    newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
    elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies,
    own: NULL where the rope does not touch itself.
-   air: the numbers of physics.air.AirLaw, the first 0 where there is none. */
+   air: the numbers of physics.air.AirLaw, the first 0 where there is none.  wires: physics.wire_element.HISTORY of each
+   element, NULL where no wires rub; secants: their share in the tangent. */
 typedef struct {
     int elements, free[2][DOF];
     const double *lengths;
     double *frames;
     Surroundings *around;
     OwnContact *own;
-    double P[PARAMETERS], air[AIR], load[2], friction_load[2], inertia[2], shortest;
+    const double *wires;
+    double secants, P[PARAMETERS], air[AIR], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
 typedef struct {

@@ -12,6 +12,7 @@ import casadi as ca
 
 from ..physics.air_element import air_functions
 from ..physics.element import ELEMENT_DOF, ElementFidelity, element_functions
+from ..physics.wire_element import wire_functions
 
 #: text of the operations that an element has
 _BINARY = {ca.OP_ADD: "{} + {}", ca.OP_SUB: "{} - {}", ca.OP_MUL: "{} * {}"}
@@ -38,6 +39,10 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     yield f"{fidelity}_air_residual", air.residual
     yield f"{fidelity}_air_sums", air.sums
     yield f"{fidelity}_air_tangent", _upper_half("air_tangent", air.tangent)
+    wires = wire_functions(fidelity)
+    yield f"{fidelity}_wire_residual", wires.residual
+    yield f"{fidelity}_wire_energy", wires.energy
+    yield f"{fidelity}_wire_tangent", _upper_half("wire_tangent", wires.tangent)
     if fidelity == "torsional":
         yield "torsional_reference", e.reference
         inputs = e.transport.sx_in()

@@ -27,6 +27,7 @@ from ..simulation.paths import SHORTEST_AIM, SIDES, EndMotion, EndPath
 from ..simulation.result_warnings import WARNINGS
 from ..simulation.signals import SIGNALS, checked_names
 from ..simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, Powers, RopeState
+from ..simulation.wires import NO_MEMORY
 from .build import library
 from .layout import (
     ARRAYS,
@@ -202,7 +203,10 @@ class NativeRope(BalanceRope):
 
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
         kept = data.kept if isinstance(data, Snapshot) else None
-        if not (status := self.restore_native(kept if isinstance(kept, bytes) else _pack(state_in(data)))).valid:
+        packed = kept if isinstance(kept, bytes) else _pack(state_in(data))
+        # a rope whose wires do not rub yet has room for what they will remember
+        packed = packed.ljust(self._lib.rope_state_bytes(self._rope), b"\0")
+        if not (status := self.restore_native(packed)).valid:
             raise ValueError(status.message)
 
     def retune(self, scene: Scene) -> None:
@@ -307,6 +311,7 @@ def _unpack(data: bytes) -> RopeState:
         nearest=tuple(Nearest(*(getattr(x, name) for name in Nearest._fields)) for x in s.nearest),
         crossing=Crossing(*(getattr(s.crossing, name) for name in Crossing._fields)),
         guard=GuardState(*(_numbers_of(getattr(s.guard, name)) for name in GuardState._fields)),
+        hysteresis=values[6 * size + 2 * n + 1 :].reshape(n, -1).copy() if s.rubs else NO_MEMORY,
     )
 
 
@@ -339,9 +344,10 @@ def _pack(state: RopeState) -> bytes:
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),
         fidelity_reason=state.fidelity_reason.encode()[: MESSAGE - 1],
+        rubs=state.hysteresis.size > 0,
     )
     arrays = [getattr(m, name).tobytes() for name in ARRAYS]
-    return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes()])
+    return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes(), state.hysteresis.tobytes()])
 
 
 def _numbers_of(x: Any) -> Any:

@@ -37,12 +37,14 @@ from ..physics import (
     shaft,
     stress,
     swivel,
+    wire_friction,
 )
 from ..shaft_parameters import FAR, PARTS
 from ..simulation import audit, ends, mesh_fit, statics, warning_cases
 from ..simulation import shaft as shaft_search
 from ..simulation.audit import Audit
 from ..simulation.paths import EndMotion, EndPath
+from ..simulation.rope_system import SHARES
 from ..simulation.state import EnergyBalance
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
@@ -98,6 +100,10 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double cq, double cv)": rope_on_rope.rope_touch,
     "double largest_motion(double longest, const double q[6], const double before[6])": contact.largest_motion,
     "AirLaw air_law(const Air *air, double diameter)": air.air_law,
+    "double wire_stiffness(const Rope *rope)": wire_friction.wire_stiffness,
+    "double slip_curvature(const Rope *rope, double stiffness, double e, double tau)": wire_friction.slip_curvature,
+    "void section_at(double xi, double l, const double nodes[14], double section[7])": wire_friction.section_at,
+    "Slid wire_slide(const double before[10], const double now[7], double k0)": wire_friction.slide,
     "Body lining_body(const Lining *lining)": shaft.lining,
     "Body conveyance_body(const Conveyance *conveyance, const double end[3])": shaft.conveyance,
     "Body head_ropes_body(const HeadRopes *head_ropes, const Conveyance *conveyance, const double end[3])": (
@@ -180,6 +186,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     shaft.Body,
     air.AirLaw,
     contact.Touch,
+    wire_friction.Slid,
 )
 #: what a formula may take or return whole
 STRUCTURES: dict[str, type[Any]] = {
@@ -209,6 +216,12 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "PROBE_PLACES": rope_on_rope.PROBES,
     "CORRECTIONS": rope_on_rope.CORRECTIONS,
     "STRETCH": rope_on_rope.STRETCH,
+    "WIRE_POINTS": len(element.POINTS),
+    "WIRE_PLACES": element.POINTS,
+    "WIRE_WEIGHTS": element.WEIGHTS,
+    "WIRE_MEMORY": wire_friction.MEMORY,
+    "SEARCHES": len(SHARES),
+    "SECANT_SHARES": SHARES,
     "CONTACT_POINTS": len(contact_element.POINTS),
     "CONTACT_PLACES": contact_element.POINTS,
     "CONTACT_WEIGHTS": contact_element.WEIGHTS,
@@ -241,6 +254,7 @@ _OPERATORS |= {ca.OP_EQ: ("==", _COMPARISON), ca.OP_NE: ("!=", _COMPARISON)}
 _CALLS = {
     ca.OP_SQRT: "sqrt",
     ca.OP_CEIL: "ceil",
+    ca.OP_EXP: "exp",
     ca.OP_LOG: "log",
     ca.OP_SIN: "sin",
     ca.OP_COS: "cos",

@@ -18,6 +18,7 @@ from ..simulation.ends import Phase
 from ..simulation.paths import PATH
 from ..simulation.state import Counts, Crossing, EnergyBalance, Nearest
 from ..simulation.switching import CHATTER
+from ..simulation.wires import NO_MEMORY
 
 MESSAGE, SEGMENTS, CHATTER_EVENTS, LOGGED_EVENTS = 512, 7, CHATTER[0], 128
 #: what an event tells of
@@ -109,6 +110,7 @@ class EventStructure(Structure):
 
 class StateStructure(Structure):
     """Everything that influences the future, and what happened in the last advance; the arrays lie behind it.
+    rubs: whether the wires rub on each other, and remember z.
     switchings: instants of the last swivel events of this advance, newest first.  switched and event_count go up to the
     room there is for them."""
 
@@ -137,7 +139,7 @@ class StateStructure(Structure):
         ("crossing", CrossingStructure),
         ("guard", GuardStructure),
         ("counts", CountsStructure),
-        *((name, c_int) for name in ("elements", "fidelity", "switched", "event_count")),
+        *((name, c_int) for name in ("elements", "fidelity", "switched", "event_count", "rubs", "unused")),
         ("fidelity_reason", c_char * MESSAGE),
     )
 
@@ -193,9 +195,11 @@ def _arrays_code() -> str:
     """The arrays behind a state, and where they are."""
     steps = "".join(f"    x.{after} = x.{before} + size;\n" for before, after in pairwise((*ARRAYS, "lengths")))
     return f"""
-/* behind a state: nodes x DOF each, element lengths (elements), arc lengths of the nodes (nodes) */
+/* behind a state: nodes x DOF each, element lengths (elements), arc lengths of the nodes (nodes), and of a rope with
+   friction between its wires z (elements x WIRE_Z) */
+enum {{ WIRE_Z = {NO_MEMORY.shape[1]} }};
 typedef struct {{
-    double *{", *".join((*ARRAYS, "lengths", "s"))};
+    double *{", *".join((*ARRAYS, "lengths", "s", "z"))};
     int elements, nodes;
 }} Arrays;
 
@@ -206,6 +210,7 @@ static inline Arrays state_arrays(State *state) {{
     const size_t size = (size_t)x.nodes * DOF;
     x.{ARRAYS[0]} = (double *)(state + 1);
 {steps}    x.s = x.lengths + x.elements;
+    x.z = x.s + x.nodes;
     return x;
 }}
 """

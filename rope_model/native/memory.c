@@ -3,6 +3,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "formulas.h"
 #include "messages.h"
 #include "simulator.h"
 
@@ -13,11 +14,14 @@ static size_t align(size_t bytes) {
 }
 
 Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, char *message) {
+    const int rubs = wire_stiffness(&scene->rope) > 0;
     const size_t nodes = (size_t)elements + 1, size = nodes * DOF;
-    const size_t state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes);
+    const size_t wires = rubs ? (size_t)elements : 0;
+    const size_t state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes + WIRE_Z * wires);
+    const size_t wire_bytes = rubs ? align(sizeof(double) * (WIRE_HISTORY * wires + 4 * size)) : 0;
     const size_t bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) +
                          align(sizeof(double) * STRAINS * (size_t)elements) + align(chain_frames_bytes(elements)) +
-                         align(chain_work_bytes(elements)) + align(sizeof(Surroundings)) +
+                         align(chain_work_bytes(elements)) + wire_bytes + align(sizeof(Surroundings)) +
                          align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements) +
                          own_contact_bytes(scene, elements);
     Simulator *rope = memory->take(1, sizeof *rope);
@@ -50,7 +54,10 @@ Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, c
     at += align(sizeof(double) * STRAINS * (size_t)elements);
     rope->frames = (double *)(void *)at;
     rope->work = at += align(chain_frames_bytes(elements));
-    rope->around = (Surroundings *)(void *)(at += align(chain_work_bytes(elements)));
+    at += align(chain_work_bytes(elements));
+    if (rubs) rope->wires = (double *)(void *)at;
+    if (rubs) rope->kept = rope->wires + WIRE_HISTORY * wires;
+    rope->around = (Surroundings *)(void *)(at += wire_bytes);
     rope->around->seen = (double *)(void *)(at + align(sizeof(Surroundings)));
     rope->around->seen_lengths = rope->around->seen + size;
     rope->around->near = (unsigned *)(void *)(rope->around->seen_lengths + elements);

@@ -152,6 +152,7 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     state->step_next = state->last_interval = scene->solver.step_max;
     state->calm_since = t;
     if (!(state->fidelity == RIGID ? rigid_state(rope, state, t, message) : hang(rope, state, message))) return 0;
+    begin_rubbing(rope, state);
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
     state->energy_balance.start = energy_total(&state->energy_balance);
     state->event_count = 0;

@@ -30,6 +30,8 @@ struct Simulator {
     double *x;                  /* nodes x DOF of scratch */
     double (*strains)[STRAINS]; /* scratch */
     double *frames;             /* counted from the state, but from what is worked on while it is */
+    double *wires;              /* physics.wire_element.HISTORY of the elements, counted as the frames are; or NULL */
+    double *kept;               /* 4 x nodes x DOF of scratch where there are such */
     void *work;                 /* of the chain */
     Surroundings *around;
     OwnContact *own; /* NULL where the rope does not touch itself */
@@ -79,6 +81,19 @@ void audit_interval(const Simulator *rope, State *state, double h, double residu
 void refer(Simulator *rope, State *state, const double *q);
 /* the same, and the angles become those counted along q; returns what theta gains at the right end */
 double transport_angles(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
+
+/* wires.c: rope_model.simulation.wires; all but the first do nothing where no wires rub */
+/* from now on they do, if the rope has friction and is not rigid, with z = 0 */
+void begin_rubbing(Simulator *rope, State *state);
+/* they begin to move from q and the state's z */
+void refer_wires(Simulator *rope, State *state, const double *q);
+/* z becomes that of q; returns what was dissipated, J */
+double slip_wires(Simulator *rope, State *state, const double *q);
+/* z goes from the mesh with nodes at old_s to the state's */
+void carry_wires(Simulator *rope, State *state, const double *old_s);
+/* q, v, a and reaction of the trial are solved for: RopeSystem.solve */
+Progress solve_rubbing(Simulator *rope, const Chain *chain, System *s, const double c[3], double tolerance,
+                       double balance[BALANCE]);
 
 /* statics.c: q of the state becomes an equilibrium, reaction its residual; v and a are not looked at.
    0 and a message when there is none, or when theta gains more than most_turn (rad) at the right end on the way */

@@ -76,14 +76,14 @@ static int happenings_plausible(const State *state) {
 }
 
 int state_plausible(const Simulator *rope, State *state) {
-    if (state->elements != rope->elements || !within(state->fidelity, TORSIONAL, RIGID) ||
-        memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
+    if (state->elements != rope->elements || !within(state->rubs, 0, rope->wires != NULL) ||
+        !within(state->fidelity, TORSIONAL, RIGID) || memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
         return 0;
     if (rope->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != rope->scene.model.fidelity) return 0;
     const Arrays m = state_arrays(state);
     /* the real numbers before the swivels lie in a row, and so do all arrays */
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
-        !all_finite(m.q, (size_t)(m.s + m.nodes - m.q)) ||
+        !all_finite(m.q, (size_t)(m.z - m.q) + (rope->wires != NULL ? WIRE_Z * (size_t)m.elements : 0)) ||
         !all_finite(&state->energy_balance.kinetic,
                     (offsetof(State, counts) - offsetof(State, energy_balance)) / sizeof(double)))
         return 0;

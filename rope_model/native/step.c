@@ -23,6 +23,7 @@ System system_of(const Simulator *rope, State *state) {
                 .frames = rope->frames,
                 .around = rope->around->bodies > 0 ? rope->around : NULL,
                 .own = rope->own,
+                .wires = state->rubs ? rope->wires : NULL,
                 .shortest = x.lengths[0]};
     element_parameters(data, rope->scene.layout.gravity, s.P);
     const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter);
@@ -45,6 +46,7 @@ System system_of(const Simulator *rope, State *state) {
 void refer(Simulator *rope, State *state, const double *q) {
     const System s = system_of(rope, state);
     chain_of_state(state)->refer(&s, q);
+    refer_wires(rope, state, q);
 }
 
 double transport_angles(Simulator *rope, State *state, double *q, double *v, double *a, double *b) {
@@ -59,6 +61,7 @@ double transport_angles(Simulator *rope, State *state, double *q, double *v, dou
         a[at] += gained[k][2];
         b[at] += gained[k][2];
     }
+    refer_wires(rope, state, q);
     return turn;
 }
 
@@ -107,7 +110,7 @@ static double apart(const Arrays *m) {
 
 Trial trial_step(Simulator *rope, State *state, double h) {
     const Arrays old = state_arrays(state), *now = &rope->trial;
-    const System s = system_of(rope, state);
+    System s = system_of(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
     const double moved_by = recentring(&method, h, state->h), ahead = rate_known(h, state->h) ? h : 0;
@@ -123,8 +126,8 @@ Trial trial_step(Simulator *rope, State *state, double h) {
     }
     prescribe(rope, state, &s, trial.t, 3, (double *[]){now->q, now->v, now->a});
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
-    trial.newton = chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c,
-                                                rope->scene.solver.newton_tolerance, trial.balance);
+    trial.newton =
+        solve_rubbing(rope, chain_of_state(state), &s, c, rope->scene.solver.newton_tolerance, trial.balance);
     for (size_t i = 0; i < size; i++) sum += fabs(now->reaction[i]);
     if (trial.newton.status == CONVERGED && !isfinite(sum)) trial.newton.status = NOT_FINITE;
     trial.reached = trial.newton.status == CONVERGED;
@@ -241,6 +244,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     chain_of_state(state)->losses(&s, m.q, m.v, losses);
     contact_balance(&s, m.q, m.v, contact);
     chain_of_state(state)->air(&s, m.q, m.v, air);
+    energy->dissipated_wires += slip_wires(rope, state, now->q);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);
     double *const to[] = {m.q, m.v, m.a, m.b, m.a_rate, m.reaction};
     double *const from[] = {now->q, now->v, now->a, now->b, now->a_rate, now->reaction};

@@ -18,7 +18,7 @@ import casadi as ca
 
 from . import hermite
 from .air import AirLaw, drag
-from .element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions, element_functions
+from .element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions
 from .elementary import cross, dot
 
 #: what the balance of the element has beyond element.BALANCE
@@ -74,9 +74,9 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
 
 
 @cache
-def air_element(fidelity: ElementFidelity) -> ElementFunctions:
-    """The element's functions in air; P has the AirLaw's numbers behind its own, the balance AIR_BALANCE."""
-    plain, air, m = element_functions(fidelity), air_functions(fidelity), len(ELEMENT_DOF[fidelity])
+def air_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFunctions:
+    """The ``plain`` element's functions in air; P has the AirLaw's numbers behind its own, the balance AIR_BALANCE."""
+    air, m = air_functions(fidelity), len(ELEMENT_DOF[fidelity])
     q, v, a = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a"))
     l, F, P = ca.SX.sym("l"), ca.SX.sym("F", plain.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + 4)
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))

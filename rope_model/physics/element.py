@@ -79,6 +79,8 @@ STRAINS = ("e", "tau", "k_rms")
 FRAME = 21
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
+#: places in the element, from 0 to 1, and their weights
+POINTS, WEIGHTS = tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist()), tuple((0.5 * _GAUSS_WEIGHTS).tolist())
 
 
 @dataclass(frozen=True)
@@ -126,8 +128,8 @@ def element_functions(
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
 
     # everything but weight and translation depends on the 11 relative coordinates r2 - r1, r', theta only
-    relative, weights = _relative(), 0.5 * _GAUSS_WEIGHTS
-    B = [_interpolation(xi, l) for xi in 0.5 * (1 + _GAUSS_POINTS)]
+    relative, weights = relative_coordinates(), 0.5 * _GAUSS_WEIGHTS
+    B = [interpolation(xi, l) for xi in 0.5 * (1 + _GAUSS_POINTS)]
     z, z_t, z_tt = ([B_p @ relative @ x for B_p in B] for x in (q, v, a))
     frames = ca.vertsplit(F[:-3], 6) if torsional else [F] * len(B)
     points = list(zip(weights, B, z, z_t, z_tt, frames, strict=True))
@@ -158,7 +160,7 @@ def element_functions(
     shared = coupling * e_z + 0.5 * torsion * tau_z
     J_r += l * (shared @ tau_z.T + tau_z @ shared.T)
     R = (mass @ a - weight + relative.T @ R_r)[kept]
-    J = _symmetric(c_a * mass + relative.T @ _symmetric(J_r) @ relative)[kept, kept]
+    J = symmetric(c_a * mass + relative.T @ symmetric(J_r) @ relative)[kept, kept]
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         return ca.Function(name, inputs, ca.cse(outputs))
@@ -224,7 +226,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     damping[:, 1] = 0
     held = P[4] * tau * strain[0] + elastic * turning  # what torque and the tension without energy do as it bends
     stiffness = ca.hessian(ca.substitute(U, *put) + held, z)[0]
-    J = _symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
+    J = symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
     k = strain[2:]
     balance = ca.vertcat(
@@ -262,7 +264,7 @@ def _spin(frame_rate: FrameRate, p: ca.SX, d: ca.SX, d_t: ca.SX, d_tt: ca.SX) ->
     return spin, ca.jtimes(spin, d, d_t) + ca.jtimes(spin, d_t, d_tt)
 
 
-def _symmetric(A: ca.SX) -> ca.SX:
+def symmetric(A: ca.SX) -> ca.SX:
     """A symmetric matrix from its upper half: the lower need not be computed."""
     return ca.triu2symm(ca.triu(A))
 
@@ -290,7 +292,7 @@ def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
     return torque, elastic
 
 
-def _relative() -> ca.DM:
+def relative_coordinates() -> ca.DM:
     """(11, 14): r2 - r1, r1', r2', theta1, theta2 from the element's degrees of freedom."""
     T = ca.DM(11, 14)
     for i in range(3):
@@ -299,7 +301,7 @@ def _relative() -> ca.DM:
     return T
 
 
-def _interpolation(xi: float, l: ca.SX) -> ca.SX:
+def interpolation(xi: float, l: ca.SX) -> ca.SX:
     """(7, 11) sparse: (r', r'', theta) at xi = x/l from the relative coordinates."""
     slope = (6 * xi - 6 * xi * xi) / l, 1 - 4 * xi + 3 * xi * xi, 3 * xi * xi - 2 * xi
     bend = (6 - 12 * xi) / l**2, (6 * xi - 4) / l, (6 * xi - 2) / l

@@ -24,6 +24,11 @@ def ceil(x: Any) -> Any:
     return float(math.ceil(x)) if isinstance(x, float | int) else _library(x).ceil(x)
 
 
+def exp(x: Any) -> Any:
+    """Exponential."""
+    return _library(x).exp(x)
+
+
 def log(x: Any) -> Any:
     """Natural logarithm."""
     return _library(x).log(x)

@@ -27,6 +27,7 @@ def residual(energy_balance: Any) -> Any:
         - energy_balance.dissipated_material
         - energy_balance.dissipated_swivel
         - energy_balance.dissipated_contact
+        - energy_balance.dissipated_wires
         - energy_balance.given_to_air
     )
     return total(energy_balance) - energy_balance.start - explained + energy_balance.nonconservative

@@ -26,6 +26,11 @@ def interpolate(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[An
     )
 
 
+def bend(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> Any:
+    """Second derivative with respect to arc length."""
+    return ((6 - 12 * xi) * (r2 - r1) + l * ((6 * xi - 4) * s1 + (6 * xi - 2) * s2)) / (l * l)
+
+
 def node_values(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
     """r, r' and theta, (7,), between the ``nodes`` of an element with as many each, (14,); theta is linear."""
     theta = (1 - xi) * nodes[6] + xi * nodes[13]

@@ -21,6 +21,7 @@ from .rigid import flexible_start, with_elastic_strain
 from .rope_system import POSITION, SLOPE, Evaluation
 from .state import Event, RopeState
 from .transfer import transfer_fields
+from .wires import carry, fresh_memory
 
 log = logging.getLogger(__name__)
 
@@ -45,11 +46,13 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     carried: dict[str, Any] = dict(zip(names, fields, strict=True))
     reaction = np.zeros_like(m.reaction)
     reaction[[0, -1]] = m.reaction[[0, -1]]
-    moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction))
+    z = carry(state.hysteresis, state.partition.lengths, new.lengths)
+    moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction), hysteresis=z)
     solution = _dynamic_equilibrium(model, moved)
     if solution.newton.converged:
         system = model.system(moved)
-        moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q)))
+        z = system.slip(solution.q).z
+        moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
     return _with_energy_change(model, moved)
 
 
@@ -85,9 +88,12 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
         motion = flexible_start(system, ends_of(system), state.motion)
     else:
         motion = with_elastic_strain(system, state.motion)
-    above = model.restart(with_angles_along(system, above._replace(motion=motion)))
+    z = system.slip(motion.q).z
+    above = model.restart(with_angles_along(system, above._replace(motion=motion, hysteresis=z)))
     m, before = above.motion, state.energy_balance
     after = before._replace(**energies(model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance))
+    if not above.hysteresis.size:
+        above = above._replace(hysteresis=fresh_memory(model.scene, state.partition.lengths.size))
     return above._replace(
         energy_balance=after._replace(transformations=before.transformations + after.total - before.total)
     )

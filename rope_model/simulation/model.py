@@ -23,6 +23,7 @@ from .rope_system import (
     ANGLE,
     POSITION,
     SLOPE,
+    WIRES,
     Evaluation,
     KernelCache,
     RopeSystem,
@@ -44,28 +45,33 @@ class RopeModel:
 
     def system(self, state: RopeState) -> RopeSystem:
         """The equations of motion of ``state``: its mesh, swivel phases and end paths, the frame counted from it."""
-        scene, key = self.scene, (state.partition, state.swivels, state.fidelity)
+        rubs = state.hysteresis.size > 0
+        scene, key = self.scene, (state.partition, state.swivels, state.fidelity, rubs)
         if self._latest and all(one is other for one, other in zip(self._latest[0][0], key, strict=True)):
             latest = self._latest[0][1]
             ends = ends_of(latest)
             alike = ends.paths is state.paths and ends.offsets is state.offsets
-            system = (latest if alike else latest.with_boundary(self.ends(state))).with_reference(state.motion.q)
+            system = (latest if alike else latest.with_boundary(self.ends(state))).with_reference(
+                state.motion.q, state.hysteresis
+            )
         else:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
             own, blown = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
-            fidelity, air = flexible(state.fidelity), (AIR,) if blown.size else ()
+            fidelity, along = flexible(state.fidelity), (*((WIRES,) if rubs else ()), *((AIR,) if blown.size else ()))
             around = surroundings(scene)
             touching = partial(SelfTouchingRope, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
             system = touching(
-                self.kernels.of(fidelity, air),
+                self.kernels.of(fidelity, along),
                 state.partition.lengths,
                 np.concatenate((own, blown)),
                 self.ends(state),
                 state.motion.q,
                 node_mass,
                 around,
-                partial(self.kernels.of, fidelity, (*air, *around.kinds) if around else air),
+                partial(self.kernels.of, fidelity, (*along, *around.kinds) if around else along),
+                scene.rope,
+                state.hysteresis,
             )
         self._latest[:] = [(key, system)]
         return system
@@ -125,17 +131,18 @@ class RopeModel:
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
-        losses = system.losses(middle, rate)
+        losses, slip = system.losses(middle, rate), system.slip(motion.q)
         energy_balance = old.energy_balance._replace(
             **energies(evaluation.balance),
             work_ends=old.energy_balance.work_ends + 0.5 * h * (before.ends + now.ends) + h * losses.moved,
             dissipated_swivel=old.energy_balance.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
             dissipated_material=old.energy_balance.dissipated_material + h * losses.damping,
             dissipated_contact=old.energy_balance.dissipated_contact + h * losses.contact,
+            dissipated_wires=old.energy_balance.dissipated_wires + slip.dissipated,
             given_to_air=old.energy_balance.given_to_air + h * system.outside(middle, rate)["given_to_air"],
             nonconservative=old.energy_balance.nonconservative + h * losses.nonconservative,
         )
-        after = old._replace(motion=motion, energy_balance=energy_balance, errors=errors, powers=now)
+        after = old._replace(motion=motion, hysteresis=slip.z, energy_balance=energy_balance, errors=errors, powers=now)
         return self._with_step_audited(old.motion, with_angles_along(system, after), system)
 
     def _with_step_audited(self, old: Motion, state: RopeState, system: RopeSystem) -> RopeState:

@@ -27,9 +27,9 @@ class Effect(NamedTuple):
 EFFECTS = (
     Effect(
         "planar",
-        "side forces, strain energy and damping in the rope, bodies that it touches, and air",
+        "side forces, strain energy, damping and friction in the rope, bodies that it touches, and air",
         (
-            *("fx", "mz", "energy.strain", "energy.dissipated_material"),
+            *("fx", "mz", "energy.strain", "energy.dissipated_material", "energy.dissipated_wires"),
             *("contact", "energy.dissipated_contact", "energy.given_to_air"),
         ),
         by_torque=False,

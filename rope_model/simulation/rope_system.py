@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import shutil
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import product
 from pathlib import Path
@@ -51,6 +51,8 @@ from ..physics.element import (
     parameters,
 )
 from ..physics.shaft import KINDS
+from ..physics.wire_element import HISTORY, wire_element
+from .wires import NO_MEMORY, Slip, history, slip
 
 Array = NDArray[np.float64]
 #: (elements, bodies): which elements may touch which bodies
@@ -59,12 +61,15 @@ log = logging.getLogger(__name__)
 
 #: places of r, r' and theta in a node's row
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
-#: kinds of the bodies that a rope may touch, and AIR before them where there is air
+#: kinds of the bodies that a rope may touch; before them AIR where there is air, WIRES where they rub on each other
 Kinds = tuple[int, ...]
-AIR = len(KINDS)
-_WORDS = (*KINDS, "air")
+AIR, WIRES = len(KINDS), len(KINDS) + 1
+_WORDS = (*KINDS, "air", "wires")
 _NOTHING = np.zeros((1, 1), dtype=bool)
 _NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
+#: where wires rub, Newton's method alone goes to and fro over the curvatures at which they stick: it takes these shares
+#: of secants in its tangent, one after the other
+SHARES = (0.7, 0.0, 0.0)
 
 
 class RopeKernels:
@@ -94,7 +99,7 @@ class RopeKernels:
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity = elements, fidelity
         # what solve and evaluate sum up
-        air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if set(bodies) - {AIR} else ()
+        air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if set(bodies) - {AIR, WIRES} else ()
         self.balance = (*BALANCE, *air, *contact)
         self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
         self.newton_step = Kernel(newton_step, (nodes, nodes))
@@ -166,8 +171,12 @@ def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies
 @cache
 def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     """CasADi functions that ropes of any number of elements have in common."""
-    element = air_element(fidelity) if AIR in bodies else element_functions(fidelity)
-    touched = tuple(kind for kind in bodies if kind != AIR)
+    element = element_functions(fidelity)
+    if WIRES in bodies:
+        element = wire_element(fidelity, element)
+    if AIR in bodies:
+        element = air_element(fidelity, element)
+    touched = tuple(kind for kind in bodies if kind not in (AIR, WIRES))
     return chain_parts(contact_element(fidelity, element, touched) if touched else element)
 
 
@@ -239,7 +248,8 @@ class Evaluation:
 class RopeSystem:
     """Equations of motion for numerics.generalized_alpha and for statics.
 
-    ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.
+    ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.  ``z`` is what its wires
+    remember where those of ``rope`` rub.
     """
 
     def __init__(
@@ -252,6 +262,8 @@ class RopeSystem:
         node_mass: Array | None = None,
         around: Around | None = None,
         touching: Callable[[], RopeKernels] | None = None,
+        rope: Rope | None = None,
+        z: Array = NO_MEMORY,
     ) -> None:
         nodes = lengths.size + 1
         self.around, self._touching = around, touching
@@ -259,7 +271,7 @@ class RopeSystem:
         self._seen: list[tuple[Array, float]] = []
         self._motion = np.array([largest_motion(lengths.max(), row, np.zeros(6)) for row in np.eye(NODE_DOF)])
         self.kernels, self.lengths, self.P, self.boundary = kernels, lengths, P, boundary
-        self.reference = reference
+        self.reference, self.z, self._rope = reference, z, rope
         self.free = boundary.free(nodes)
         self.load = boundary.load(nodes)
         self.node_mass = np.zeros((nodes, NODE_DOF)) if node_mass is None else node_mass
@@ -271,6 +283,10 @@ class RopeSystem:
 
     def _refer(self) -> None:
         self.frames = self.kernels.reference(self.reference, self.lengths)[0]
+        if self._rope is not None and self.z.size:
+            self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY))))
+            strains = self.strains(self.reference)
+            self.frames[:, -HISTORY:] = history(self._rope, self.reference, self.lengths, self.z, strains)
         self._constants = self.lengths, self.frames, *self._loads
 
     def with_boundary(self, boundary: Boundary) -> RopeSystem:
@@ -279,12 +295,12 @@ class RopeSystem:
         other.boundary = boundary
         return other
 
-    def with_reference(self, q: Array) -> RopeSystem:
-        """The same system with the frame counted from ``q``."""
-        if q is self.reference:
+    def with_reference(self, q: Array, z: Array = NO_MEMORY) -> RopeSystem:
+        """The same system with the frame counted from ``q``, where its wires have ``z``."""
+        if q is self.reference and z is self.z:
             return self
         other = self._alike()
-        other.reference = q
+        other.reference, other.z = q, z
         other._refer()
         return other
 
@@ -304,6 +320,10 @@ class RopeSystem:
         gained[0] = gained[0].cumsum()
         return gained
 
+    def slip(self, q: Array) -> Slip:
+        """What the wires do on the way to ``q``."""
+        return slip(self.frames[:, -HISTORY:], q, self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
+
     def frame_turn(self, q: Array) -> Array:
         """(nodes,): what theta gains when ``q`` becomes the reference, rad."""
         rest = np.zeros_like(q)
@@ -314,6 +334,27 @@ class RopeSystem:
         return self.boundary.prescribed_motion(t, self.lengths.size + 1)
 
     def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Evaluation]:
+        if not self.z.size:
+            return self._solve(q, v, a, reaction, c, tolerance)
+        found, iterations = None, 0
+        for share in SHARES:
+            now = self._with_secants(share)._solve(q, v, a, reaction, c, tolerance)
+            iterations += now.newton.iterations
+            if found is None or now.newton.converged or not found.newton.converged:
+                found = now
+            q, v, a, reaction = found.q, found.v, found.a, found.evaluation.reaction
+        assert found is not None
+        return replace(found, newton=replace(found.newton, iterations=iterations))
+
+    def _with_secants(self, share: float) -> RopeSystem:
+        """The same system, its tangent that of wires with this ``share`` of their secants."""
+        other = self._alike()
+        other.frames = self.frames.copy()
+        other.frames[:, -1] = share
+        other._constants = self.lengths, other.frames, *self._loads
+        return other
+
+    def _solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Evaluation]:
         near = self._near(q, LOOK_AHEAD)
         while True:
             found = self._newton(near, q, v, a, reaction, c, tolerance)

@@ -92,6 +92,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("dissipated_material", "energy dissipated by material damping since the start"),
         ("dissipated_swivel", "energy dissipated by swivel friction since the start"),
         ("dissipated_contact", "energy dissipated by damping and friction of contact since the start"),
+        ("dissipated_wires", "energy dissipated by friction between the wires since the start"),
         ("given_to_air", "energy given to the air since the start; negative where it blows and drives the rope"),
         ("nonconservative", "energy taken up by the difference of Qb and Qc since the start"),
         ("transformations", "energy change of all mesh transformations and rises of the fidelity since the start"),

@@ -39,6 +39,7 @@ from .signals import checked_names, group_of
 from .state import RopeState
 from .statics import StaticsError, hanging_guess
 from .stepping import as_rigid, placement_message, step_towards
+from .wires import fresh_memory
 
 log = logging.getLogger(__name__)
 
@@ -197,6 +198,8 @@ class RopeSimulator(BalanceRope):
             state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state)
         except (StaticsError, ValueError) as error:
             return Status(False, str(error))
+        if fidelity != "rigid":
+            state = state._replace(hysteresis=fresh_memory(scene, cells.lengths.size))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())

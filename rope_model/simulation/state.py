@@ -19,6 +19,7 @@ from .ends import Phase, SwivelState
 from .fidelity import Fidelity
 from .mesh import Partition
 from .paths import EndPath
+from .wires import NO_MEMORY, Array
 
 
 class EnergyBalance(NamedTuple):
@@ -32,6 +33,7 @@ class EnergyBalance(NamedTuple):
     dissipated_material: float = 0.0
     dissipated_swivel: float = 0.0
     dissipated_contact: float = 0.0
+    dissipated_wires: float = 0.0
     given_to_air: float = 0.0
     nonconservative: float = 0.0  # taken up by Qb != Qc
     transformations: float = 0.0  # sum of the energy changes of mesh changes
@@ -125,12 +127,13 @@ class RopeState(NamedTuple):
     crossing: Crossing = Crossing()
     looked_at: float = 0.0  # s, when nearest, crossing and guard were brought up to date
     guard: GuardState = GuardState()
+    hysteresis: Array = NO_MEMORY  # 1/m, z of simulation.wires
 
     def to_bytes(self) -> bytes:
         """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
         m = self.motion
         arrays = {name: getattr(m, name) for name in ("q", "v", "a", "b", "a_rate", "reaction")}
-        arrays["lengths"] = self.partition.lengths
+        arrays |= {"lengths": self.partition.lengths, "hysteresis": self.hysteresis}
         arrays |= {f"path{i}": np.array(path.coefficients) for i, path in enumerate(self.paths)}
         cells = self.partition
         scalars: dict[str, Any] = {name: x for name, x in self._asdict().items() if name not in _IN_PARTS} | {
@@ -163,6 +166,7 @@ class RopeState(NamedTuple):
                 | {
                     "motion": Motion(t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], h, x["reaction"]),
                     "partition": Partition(x["lengths"], *pattern),
+                    "hysteresis": x["hysteresis"],
                     "swivels": tuple(SwivelState(Phase(phase), *rest) for phase, *rest in phases),
                     "paths": tuple(map(EndPath, *zip(*times, strict=True), coefficients)),
                     "events": tuple(Event(*event) for event in s["events"]),
@@ -173,7 +177,7 @@ class RopeState(NamedTuple):
 
 
 #: parts of the state that are saved piece by piece, and structures that are saved as their numbers
-_IN_PARTS = ("motion", "partition", "swivels", "paths")
+_IN_PARTS = ("motion", "partition", "swivels", "paths", "hysteresis")
 _KINDS: dict[str, Any] = {
     "energy_balance": EnergyBalance,
     "errors": ErrorSums,

@@ -1,0 +1,117 @@
+/* The memory of a rope whose wires rub on each other: rope_model.simulation.wires, which see. */
+
+#include <math.h>
+#include <string.h>
+
+#include "simulator.h"
+
+/* where in the element the length of rope begins that a point stands for: the first sum of weights, in parts of 1 */
+static double cell_begin(int point) {
+    static const double weights[] = WIRE_WEIGHTS;
+    double sum = 0;
+    for (int k = 0; k < point; k++) sum += weights[k];
+    return sum;
+}
+
+static double *memory_of(const Simulator *rope, int element) {
+    return rope->wires + (ptrdiff_t)element * WIRE_HISTORY;
+}
+
+void refer_wires(Simulator *rope, State *state, const double *q) {
+    static const double places[] = WIRE_PLACES;
+    const Arrays m = state_arrays(state);
+    const System s = system_of(rope, state);
+    const double stiffness = wire_stiffness(&rope->scene.rope);
+    if (!state->rubs) return;
+    chain_of_state(state)->strains(&s, q, rope->strains);
+    for (int e = 0; e < m.elements; e++) {
+        double *to = memory_of(rope, e), *at = to;
+        for (int k = 0; k < WIRE_POINTS; k++, at += WIRE_MEMORY) {
+            section_at(places[k], m.lengths[e], q + (ptrdiff_t)e * DOF, at);
+            memcpy(at + WIRE_MEMORY - 3, m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *at);
+        }
+        at[0] = slip_curvature(&rope->scene.rope, stiffness, rope->strains[e][0], rope->strains[e][1]);
+        at[1] = stiffness;
+    }
+}
+
+double slip_wires(Simulator *rope, State *state, const double *q) {
+    static const double places[] = WIRE_PLACES, weights[] = WIRE_WEIGHTS;
+    const Arrays m = state_arrays(state);
+    double dissipated = 0;
+    for (int e = 0; state->rubs && e < m.elements; e++) {
+        const double *before = memory_of(rope, e), *law = before + WIRE_POINTS * WIRE_MEMORY;
+        double now[WIRE_MEMORY];
+        for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_MEMORY) {
+            section_at(places[k], m.lengths[e], q + (ptrdiff_t)e * DOF, now);
+            const Slid slid = wire_slide(before, now, law[0]);
+            memcpy(m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, slid.z, sizeof slid.z);
+            dissipated += law[1] * m.lengths[e] * weights[k] * slid.dissipated;
+        }
+    }
+    return dissipated;
+}
+
+void begin_rubbing(Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    if (state->rubs || state->fidelity == RIGID || rope->wires == NULL) return;
+    state->rubs = 1;
+    memset(m.z, 0, sizeof(double) * WIRE_Z * (size_t)m.elements);
+    refer_wires(rope, state, m.q);
+}
+
+/* the mean of z over arc lengths from `from` to `to` of elements between nodes at s; z is constant in a point's cell */
+static void mean_between(const double *z, const double *s, int elements, double from, double to, double mean[3]) {
+    const double close = 1e-9 * s[elements];
+    memset(mean, 0, 3 * sizeof *mean);
+    for (int e = 0; e < elements && s[e] < to; e++)
+        for (int k = 0; s[e + 1] > from && k < WIRE_POINTS; k++) {
+            const double l = s[e + 1] - s[e], begin = s[e] + l * cell_begin(k), end = s[e] + l * cell_begin(k + 1);
+            const double *own = z + (ptrdiff_t)e * WIRE_Z + 3 * k;
+            const double part = (fmin(end, to) - fmax(begin, from)) / (to - from);
+            if (fabs(begin - from) <= close && fabs(end - to) <= close) {
+                memcpy(mean, own, 3 * sizeof *mean);
+                return;
+            }
+            for (int i = 0; part > 0 && i < 3; i++) mean[i] += part * own[i];
+        }
+}
+
+void carry_wires(Simulator *rope, State *state, const double *old_s) {
+    const Arrays m = state_arrays(state);
+    double *before = rope->wires; /* what it held is of the old mesh */
+    if (!state->rubs) return;
+    memcpy(before, m.z, sizeof(double) * WIRE_Z * (size_t)m.elements);
+    for (int e = 0; e < m.elements; e++)
+        for (int k = 0; k < WIRE_POINTS; k++)
+            mean_between(before, old_s, m.elements, m.s[e] + m.lengths[e] * cell_begin(k),
+                         m.s[e] + m.lengths[e] * cell_begin(k + 1), m.z + (ptrdiff_t)e * WIRE_Z + 3 * k);
+}
+
+Progress solve_rubbing(Simulator *rope, const Chain *chain, System *s, const double c[3], double tolerance,
+                       double balance[BALANCE]) {
+    static const double shares[] = SECANT_SHARES;
+    const Arrays *now = &rope->trial;
+    double *const x[] = {now->q, now->v, now->a, now->reaction}, kept_balance[BALANCE];
+    const size_t size = (size_t)now->nodes * DOF;
+    Progress found = {.status = TOO_MANY};
+    int iterations = 0;
+    if (s->wires == NULL)
+        return chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
+    for (int search = 0; search < SEARCHES; search++) {
+        for (size_t k = 0; k < 4; k++) memcpy(rope->kept + k * size, x[k], sizeof(double) * size);
+        memcpy(kept_balance, balance, sizeof kept_balance);
+        s->secants = shares[search];
+        const Progress newton =
+            chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
+        iterations += newton.iterations;
+        if (newton.status == CONVERGED || found.status != CONVERGED) {
+            found = newton;
+            continue;
+        }
+        for (size_t k = 0; k < 4; k++) memcpy(x[k], rope->kept + k * size, sizeof(double) * size);
+        memcpy(balance, kept_balance, sizeof kept_balance);
+    }
+    found.iterations = iterations;
+    return found;
+}

@@ -1,0 +1,88 @@
+"""The memory of a rope whose wires rub on each other: physics.wire_friction at the Gauss points of its elements.
+
+z of each point is state.  It has (elements, 9) numbers, none where there is no friction: without it in the scene, in
+the rigid rope, and while a rope is hung up, which so begins with z = 0.
+
+From mesh to mesh z goes as the mean over the length of rope that a point stands for, its weight in the element: the
+integral of z stays, and that of z^2 can only fall.  Points whose length of rope is the same keep z to the bit.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..parameters import Rope, Scene
+from ..physics.element import POINTS, WEIGHTS
+from ..physics.wire_friction import MEMORY, section_at, slide, slip_curvature, wire_stiffness
+
+Array = NDArray[np.float64]
+
+#: of a rope without friction between its wires
+NO_MEMORY = np.zeros((0, 3 * len(POINTS)))
+
+
+class Slip(NamedTuple):
+    """z after a step, and what the wires dissipated in it, J."""
+
+    z: Array
+    dissipated: float
+
+
+def fresh_memory(scene: Scene, elements: int) -> Array:
+    """z of a flexible rope that has come to rest with no moment between its wires."""
+    return np.zeros((elements, NO_MEMORY.shape[1])) if wire_stiffness(scene.rope) else NO_MEMORY
+
+
+def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> Array:
+    """(elements, physics.wire_element.HISTORY): what ``q`` and ``z`` are when the elements begin to move.
+
+    ``strains`` (elements, ...) begin with e and tau.
+    """
+    known = np.concatenate((_sections(q, lengths), z.reshape(lengths.size, len(POINTS), 3)), axis=2)
+    stiffness, none = wire_stiffness(rope), np.zeros(lengths.size)
+    k0 = slip_curvature(rope, stiffness, *strains.T[:2])
+    return np.column_stack((known.reshape(lengths.size, -1), k0, none + stiffness, none))
+
+
+def slip(history: Array, q: Array, lengths: Array) -> Slip:
+    """From the ``history`` to the rope ``q``."""
+    before, k0, stiffness = history[:, :-3].reshape(lengths.size, -1, MEMORY), history[:, -3, None], history[:, -2]
+    slid = slide(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0)
+    work = float(stiffness * lengths @ (slid.dissipated @ np.array(WEIGHTS)))
+    return Slip(np.stack(slid.z, axis=2).reshape(lengths.size, -1), work)
+
+
+def carry(z: Array, old_lengths: Array, new_lengths: Array) -> Array:
+    """``z`` on elements of other lengths."""
+    if not z.size:
+        return z
+    of_points = z.reshape(-1, 3)
+    old, new = _cells(old_lengths), _cells(new_lengths)
+    total = np.vstack((np.zeros(3), np.cumsum(np.diff(old)[:, None] * of_points, axis=0)))
+    at_ends = np.stack([np.interp(new, old, column) for column in total.T], axis=1)
+    carried = np.diff(at_ends, axis=0) / np.diff(new)[:, None]
+    # cells that are the same
+    nearest = np.clip(np.searchsorted(old, new - _tolerance(old)), 0, old.size - 1)
+    same = np.abs(old[nearest] - new) <= _tolerance(old)
+    kept = same[:-1] & same[1:] & (np.diff(nearest) == 1)
+    carried[kept] = of_points[nearest[:-1][kept]]
+    return carried.reshape(new_lengths.size, -1)
+
+
+def _sections(q: Array, lengths: Array) -> Array:
+    """(elements, points, 7): the sections at the points."""
+    nodes = np.concatenate((q[:-1], q[1:]), axis=1).T
+    return np.stack([np.stack(section_at(xi, lengths, nodes), axis=1) for xi in POINTS], axis=1)
+
+
+def _cells(lengths: Array) -> Array:
+    """Arc lengths (m) between which the points stand for the rope."""
+    return np.concatenate(([0.0], np.cumsum(np.outer(lengths, WEIGHTS).ravel())))
+
+
+def _tolerance(cells: Array) -> float:
+    """Within which two arc lengths are the same, m."""
+    return 1e-9 * float(cells[-1])
