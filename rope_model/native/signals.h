@@ -28,7 +28,8 @@ int signal_group(int signal);
 
 /* The values of a group at their numbers in values (SIGNALS); the others stay.  Added masses and contact are not
    computed here.  strains (elements x 3), columns as in physics.element.STRAINS, is read for STRESS_SIGNALS,
-   ALONG_SIGNALS and STATION_SIGNALS only; bottom, as shape_loop_bottom gives it, for these, LOOP_SIGNALS and SHAPE_SIGNALS. */
+   ALONG_SIGNALS and STATION_SIGNALS only; bottom, as shape_loop_bottom gives it, for these, LOOP_SIGNALS and
+   SHAPE_SIGNALS. */
 void signals_of(int group, const Scene *scene, const State *state, const Arrays *arrays, const double (*strains)[3],
                 const LoopBottom *bottom, double *values);
 
