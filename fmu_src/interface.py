@@ -28,7 +28,7 @@ from rope_model.parameters import (
 )
 from rope_model.shaft_parameters import PARTS, Shaft
 from rope_model.simulation.paths import SIDES, EndMotion
-from rope_model.simulation.signals import SIGNALS
+from rope_model.simulation.signal_table import SIGNALS
 
 Causality = Literal["parameter", "input", "output"]
 Kind = Literal["Real", "Integer", "Boolean", "String"]

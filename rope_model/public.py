@@ -48,7 +48,7 @@ from .simulation.guards import CAUSES as GUARD_CAUSES
 from .simulation.neglected_effects import Effect, neglected_effects
 from .simulation.paths import EndMotion
 from .simulation.shaft import BODIES
-from .simulation.signals import SIGNALS, Signal
+from .simulation.signal_table import SIGNALS, Signal
 from .simulation.simulator import RopeSimulator
 from .simulation.state import RopeState
 

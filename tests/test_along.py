@@ -17,7 +17,8 @@ from rope_model.simulation.diagnostics import interpolate_midpoints, shape, shap
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.signals import SHAPE_POINTS, SIGNALS, nominal_stresses
+from rope_model.simulation.signal_table import SHAPE_POINTS, SIGNALS
+from rope_model.simulation.signals import nominal_stresses
 from rope_model.simulation.simulator import RopeSimulator
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01

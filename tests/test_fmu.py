@@ -20,7 +20,7 @@ from numpy.testing import assert_allclose
 from fmu_src.documentation import interface_page
 from fmu_src.export import export_fmu
 from fmu_src.native.build import host_platform
-from rope_model.simulation.signals import SIGNALS
+from rope_model.simulation.signal_table import SIGNALS
 
 DRIVER = Path(__file__).with_name("fmu_driver.py")
 HERE = (host_platform(),)

@@ -37,7 +37,7 @@ from rope_model.parameters import (
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.sensitivity import load_derivative
-from rope_model.simulation.signals import SIGNALS
+from rope_model.simulation.signal_table import SIGNALS
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 

@@ -45,8 +45,8 @@ from rope_model.simulation.mesh import (
 )
 from rope_model.simulation.paths import EndPath
 from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.signal_table import SIGNALS
 from rope_model.simulation.signals import (
-    SIGNALS,
     added_mass_signals,
     along_signals,
     audit_signals,

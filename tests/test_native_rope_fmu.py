@@ -27,7 +27,7 @@ from fmu_src.native.export import export_native
 from rope_model.parameters import rope_120
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.sensitivity import LOADS
-from rope_model.simulation.signals import SHAPE_POINTS
+from rope_model.simulation.signal_table import SHAPE_POINTS
 from rope_model.simulation.simulator import RopeSimulator
 
 pytest.importorskip("rope_model.native.build")

@@ -20,7 +20,7 @@ from rope_model.native.formulas import FORMULAS
 ROPE = Path(__file__).resolve().parent.parent / "rope_model"
 NATIVE = ROPE / "native"
 #: the method in C; in Python it is CasADi text, numerics.block_chain and newton, that is generated for each mesh size
-CHAIN = ("chain", "lanes")
+CHAIN = ("chain.", "chain_avx2", "chain_f", "chain_wide", "lanes")
 #: what Python does not write at all: it has memory, and its own numbers as text
 C_ALONE = ("memory.c", "text.c", "text.h")
 #: products and quotients that a function of control flow may have; libm's functions none
@@ -30,6 +30,12 @@ ARITHMETIC = {
     # places of arrays in memory
     "with_memory": (13, 0),
     "solve_rubbing": (4, 0),
+    # places and sums along the rope where it touches something
+    "interpolate": (4, 0),
+    "own_contact_bytes": (4, 0),
+    "place_on": (4, 0),
+    "length_between": (0, 1),
+    "add_rope_balance": (4, 0),
     # sums over nodes, and what is held at the ends
     "trial_step": (16, 0),
     "system_of": (2, 0),
@@ -65,7 +71,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2253, "C": 2666}
+MOST_LINES = {"Python": 2363, "C": 2940}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(
@@ -79,6 +85,7 @@ TWICE = (
             "mesh",
             "model",
             "rigid",
+            "self_contact",
             "shaft",
         )
     ),
@@ -94,12 +101,14 @@ TWICE = (
             "state",
             "statics",
             "switching",
+            "surroundings",
             "wires",
         )
     ),
     *(
         "simulation/transfer.py",
         "numerics/banded.py",
+        "numerics/coupled_newton.py",
         "numerics/events.py",
         "numerics/generalized_alpha.py",
     ),

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.sensitivity import LOADS
-from rope_model.simulation.signals import SIGNALS
+from rope_model.simulation.signal_table import SIGNALS
 
 from ..arrays import arrays, scalars
 from ..interface import Variable, choices_of

@@ -25,7 +25,7 @@ from ..simulation.fidelity import Fidelity
 from ..simulation.mesh import Partition
 from ..simulation.paths import SHORTEST_AIM, SIDES, EndMotion, EndPath
 from ..simulation.result_warnings import WARNINGS
-from ..simulation.signals import SIGNALS, checked_names
+from ..simulation.signal_table import SIGNALS, checked_names
 from ..simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, Powers, RopeState
 from ..simulation.wires import NO_MEMORY
 from .build import library

@@ -14,7 +14,8 @@ from ..simulation.fidelity import FIDELITIES
 from ..simulation.neglected_effects import neglected_text
 from ..simulation.paths import HARDEST, REACH, SIDES
 from ..simulation.shaft import BODIES
-from ..simulation.signals import SHAPE_POINTS, SIGNALS, group_of
+from ..simulation.signal_table import SHAPE_POINTS, SIGNALS
+from ..simulation.signals import group_of
 from ..simulation.state import EnergyBalance
 from .formulas import host_formulas
 from .layout import structure_code

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..parameters import Scene
 from .fidelity import Fidelity
 from .paths import SHORTEST_AIM, EndMotion
-from .signals import checked_names
+from .signal_table import checked_names
 from .state import RopeState
 
 

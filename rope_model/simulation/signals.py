@@ -1,12 +1,9 @@
-"""What a running rope tells the outside: one table of names, units and descriptions, and their values.
-
-The names are the FMU's output names too.
-"""
+"""Values of what a running rope tells the outside, by the names of simulation.signal_table."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
@@ -14,7 +11,7 @@ from ..parameters import Rope, Scene
 from ..physics.accuracy import end_force_error, loop_error
 from ..physics.estimates import loop_width
 from ..physics.frame import end_moment
-from ..physics.guard import CAUSES, sideways
+from ..physics.guard import sideways
 from ..physics.shaft import KINDS
 from ..physics.stress import bending_stress, torque_of, torsional_stress
 from .adaptation import nearest_turn
@@ -26,155 +23,10 @@ from .guards import rise
 from .paths import SIDES
 from .rigid import rigid_tension
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem, arc_lengths
-from .shaft import BODIES, clearances
+from .shaft import clearances
+from .signal_table import SHAPE_POINTS, SIGNALS
 from .state import RopeState
 from .transfer import interpolate
-
-SHAPE_POINTS = 81
-
-
-class Signal(NamedTuple):
-    """Unit ('1' without one), description, and the kind of value."""
-
-    unit: str
-    description: str
-    kind: str = "real"
-
-
-def _table() -> Iterator[tuple[str, Signal]]:
-    for side in SIDES:
-        for k, axis in enumerate("xyz"):
-            what = ("horizontal, in plane", "vertical", "horizontal, out of plane")[k]
-            yield f"{side}.f{axis}", Signal("N", f"force of the rope on the {side} conveyance, {what}")
-        for axis in "xyz":
-            yield f"{side}.m{axis}", Signal("N.m", f"moment of the rope on the {side} conveyance about {axis.upper()}")
-        yield f"{side}.fy_mean", Signal("N", f"mean of {side}.fy over the last communication step")
-        yield f"{side}.swivel.angle", Signal("rad", f"angle of the rope's {side} end against the conveyance")
-        yield f"{side}.swivel.rate", Signal("rad/s", f"rate of {side}.swivel.angle")
-        yield f"{side}.swivel.torque", Signal("N.m", f"moment of the {side} swivel on the rope, about the tangent")
-        yield f"{side}.swivel.slipping", Signal("1", f"whether the {side} swivel turns", "boolean")
-        yield (
-            f"{side}.added_mass",
-            Signal("kg", f"derivative of {side}.fy to {side}.ay held over a communication step, negated"),
-        )
-    for axis in "xyz":
-        yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
-    yield "loop.yaw", Signal("rad", "yaw of the loop at its lowest point, about Y, counted on through full turns")
-    yield (
-        "loop.clearance",
-        Signal("m", "smallest free distance between the legs, from one spacing above the loop's bottom"),
-    )
-    yield (
-        "loop.turns",
-        Signal("1", "turns of one side of the rope, leg, conveyance and head ropes, about the other, over the height"),
-    )
-    yield "loop.crossings", Signal("1", "times so far that one side of the rope has passed through the other")
-    yield "loop.crossed_at", Signal("s", "time at which it first did; 0 before")
-    yield "loop.crossed_y", Signal("m", "height at which it first did; 0 before")
-    yield "loop.rise", Signal("m", "height of the rope's lowest point over its quasi-static place")
-    yield "loop.sideways", Signal("m", "horizontal distance of the rope's lowest point from midway between the ends")
-    yield "guard.tripped", Signal("1", "whether a guard of the loop has tripped", "boolean")
-    causes = ", ".join(f"{code} {cause}" for code, cause in enumerate(("none", *CAUSES)))
-    yield "guard.cause", Signal("1", f"the guard that has tripped first: {causes}", "integer")
-    yield "guard.time", Signal("s", "time at which it has tripped; 0 before")
-    for place in (*SIDES, "loop"):
-        where = "at the loop's lowest point" if place == "loop" else f"at the {place} end"
-        yield f"{place}.twist", Signal("rad/m", f"twist of the rope {where}: change of its lay")
-    yield "stress.bending_max", Signal("Pa", "largest nominal bending stress, 32 EI kappa / (pi d^3)")
-    yield "stress.torsion_max", Signal("Pa", "largest nominal torsional stress, 16 M / (pi d^3)")
-    for name, what in (
-        ("kinetic", "kinetic energy"),
-        ("strain", "strain energy"),
-        ("gravity", "potential energy of the weight, zero at height zero"),
-        ("contact", "energy stored where bodies in the shaft, or the rope itself, press the rope"),
-        ("total", "kinetic, strain and potential energy, and that of contact"),
-        ("work_ends", "work done on the rope by the conveyances since the start, where they strike it too"),
-        ("dissipated_material", "energy dissipated by material damping since the start"),
-        ("dissipated_swivel", "energy dissipated by swivel friction since the start"),
-        ("dissipated_contact", "energy dissipated by damping and friction of contact since the start"),
-        ("dissipated_wires", "energy dissipated by friction between the wires since the start"),
-        ("given_to_air", "energy given to the air since the start; negative where it blows and drives the rope"),
-        ("nonconservative", "energy taken up by the difference of Qb and Qc since the start"),
-        ("transformations", "energy change of all mesh transformations and rises of the fidelity since the start"),
-        ("residual", "residual of the energy balance: numerical dissipation is negative"),
-    ):
-        yield f"energy.{name}", Signal("J", what)
-    for kind in KINDS:
-        words = {"conveyance": "a conveyance", "divider": "dividers"}.get(kind, f"the {kind.replace('_', ' ')}")
-        yield f"contact.{kind}", Signal("N", f"pressure of the rope and {words} on each other, summed along the rope")
-    yield "contact.rope", Signal("N", "pressure of the rope on itself, summed along it")
-    for name, what in (
-        ("steps", "accepted time steps"),
-        ("rejections", "rejected time steps"),
-        ("newton", "Newton iterations"),
-        ("transformations", "mesh transformations"),
-        ("swivel_events", "changes between stick and slip"),
-    ):
-        yield f"count.{name}", Signal("1", f"{what} since the start", "integer")
-    yield (
-        "status.end_force_error",
-        Signal("1", "estimated error of the end forces so far, root mean square, relative to the largest"),
-    )
-    yield "status.loop_error", Signal("m", "estimated largest error of the loop's place so far")
-    for name, unit, what in (
-        ("momentum", "N", "largest missing force so far: of the momentum, against end forces and weight"),
-        ("moment", "N.m", "largest missing moment so far: of the angular momentum, about a point between the ends"),
-        ("energy", "J", "largest change of energy.residual in a communication step so far"),
-        ("force_change", "N", "largest change of an end's vertical force in a time step so far"),
-        ("steps_per_period", "1", "fewest time steps in an axial period of the longer leg so far"),
-        ("elements_per_bend", "1", "fewest elements in half a turn as sharp as the sharpest so far"),
-    ):
-        yield f"audit.{name}", Signal(unit, what)
-    yield (
-        "status.given_up",
-        Signal("1", "time steps since the start less accurate than asked for, because of solver.work_max", "integer"),
-    )
-    yield "status.given_up_since", Signal("s", "time from which on status.given_up counts; 0 before")
-    for kind in KINDS:
-        yield f"clearance.{kind}", Signal("m", f"least distance of the rope from {BODIES[kind]}; 1e6: there is none")
-    for kind in KINDS:
-        of = f"nearest.{kind}"
-        yield f"{of}.clearance", Signal("m", f"smallest clearance.{kind} so far")
-        yield f"{of}.time", Signal("s", f"time of {of}.clearance")
-        yield f"{of}.s", Signal("m", f"place of {of}.clearance along the rope, from its left end")
-        yield f"{of}.y", Signal("m", f"height of {of}.clearance")
-        yield f"{of}.touched_at", Signal("s", f"time at which clearance.{kind} was first 0 or less; 0 before")
-    for axis in "xyz":
-        for i in range(1, SHAPE_POINTS + 1):
-            yield f"shape.{axis}[{i}]", Signal("m", f"{axis.upper()} of point {i} of {SHAPE_POINTS} along the rope")
-    for name, unit, what in (
-        ("s", "m", "place along the rope, from its left end,"),
-        ("tension", "N", "tension"),
-        ("bending", "Pa", "nominal bending stress"),
-        ("torsion", "Pa", "nominal torsional stress"),
-    ):
-        for i in range(1, SHAPE_POINTS + 1):
-            yield f"shape.{name}[{i}]", Signal(unit, f"{what} at point {i} of {SHAPE_POINTS} along the rope")
-    for name, unit, what in (
-        ("tension", "N", "tension"),
-        ("curvature", "1/m", "curvature"),
-        ("torque", "N.m", "torque about the tangent"),
-    ):
-        for i in range(1, SHAPE_POINTS + 1):
-            yield f"station.{name}[{i}]", Signal(unit, f"{what} at station {i} of {SHAPE_POINTS}, fixed in the rope")
-
-
-#: name -> Signal, in the order of the FMI interface
-SIGNALS: dict[str, Signal] = dict(_table())
-
-
-_CHEAP = tuple(name for name in SIGNALS if not name.endswith(".added_mass"))
-
-
-def checked_names(names: Iterable[str] | None) -> tuple[str, ...]:
-    """The names of the signals asked for: without any, all but the added masses, which cost as much as a step."""
-    if names is None:
-        return _CHEAP
-    wanted = tuple(names)
-    for name in wanted:
-        if name not in SIGNALS:
-            raise ValueError(f"{name!r} is no signal of the rope; SIGNALS has their names, left.fy for one")
-    return wanted
 
 
 class Evaluated(Protocol):

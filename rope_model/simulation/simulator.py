@@ -35,7 +35,8 @@ from .result_warnings import WARNINGS
 from .rigid import rigid_added_mass
 from .rope_system import Array, KernelCache, RopeSystem
 from .shaft import LOOK_EVERY, with_passages
-from .signals import checked_names, group_of
+from .signal_table import checked_names
+from .signals import group_of
 from .state import RopeState
 from .statics import StaticsError, hanging_guess
 from .stepping import as_rigid, placement_message, step_towards
