@@ -53,11 +53,12 @@ typedef struct {
 } RopeTouch;
 
 /* The rope's contact with itself: what find_rope_touches found last; boxes: of the elements, others: those near one;
+   seen: q and lengths as they were when it last looked, free: how near any two elements were at least, m;
    scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients. */
 typedef struct {
     const Scene *scene;
     int number, *others;
-    double (*boxes)[6], *scratch;
+    double (*boxes)[6], *scratch, *seen, *seen_lengths, free;
     RopeTouch *touches;
 } OwnContact;
 enum { OWN_SCRATCH = 4 };

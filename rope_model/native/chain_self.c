@@ -8,7 +8,7 @@ size_t own_contact_bytes(const Scene *scene, int elements) {
     const size_t n = (size_t)elements, size = (n + 1) * DOF;
     if (!(scene->shaft.contact.rope_stiffness > 0)) return 0;
     const size_t places = (size_t)most_places(scene->rope.length, elements, scene->rope.diameter);
-    return sizeof(OwnContact) + sizeof(double) * (6 * n + OWN_SCRATCH * size) + sizeof(RopeTouch) * places +
+    return sizeof(OwnContact) + sizeof(double) * (7 * n + (OWN_SCRATCH + 1) * size) + sizeof(RopeTouch) * places +
            sizeof(int) * (n + n % 2);
 }
 
@@ -17,7 +17,9 @@ OwnContact *own_contact(const Scene *scene, int elements, void *memory) {
     OwnContact *own = memory;
     own->scene = scene;
     own->scratch = (double *)(void *)(own + 1);
-    own->boxes = (double (*)[6])(void *)(own->scratch + OWN_SCRATCH * size);
+    own->seen = own->scratch + OWN_SCRATCH * size;
+    own->seen_lengths = own->seen + size;
+    own->boxes = (double (*)[6])(void *)(own->seen_lengths + n);
     own->others = (int *)(void *)(own->boxes + n);
     /* ints in twos keep what follows aligned */
     own->touches = (RopeTouch *)(void *)(own->others + n + n % 2);
@@ -36,22 +38,39 @@ static double length_between(const double a[3], const double b[3]) {
     return sqrt(dot(across, across));
 }
 
-static int boxes_near(const double a[6], const double b[6], double reach) {
-    for (int i = 0; i < 3; i++)
-        if (!(fabs(a[i] - b[i]) - (a[3 + i] + b[3 + i]) < reach)) return 0;
-    return 1;
+/* what is in two boxes is no nearer */
+static double gap_of(const double a[6], const double b[6]) {
+    double gap = -INFINITY;
+    for (int i = 0; i < 3; i++) gap = larger(gap, fabs(a[i] - b[i]) - (a[3 + i] + b[3 + i]));
+    return gap;
 }
 
-/* how many elements to the right may touch this one; own->others says which */
+/* how many elements to the right may touch this one; own->others says which, own->free how near the nearest may be */
 static int near_elements(const System *s, int element) {
     OwnContact *own = s->own;
     const double diameter = own->scene->rope.diameter;
     double along = 0;
     int number = 0;
-    for (int e = element + 1; e < s->elements; along += s->lengths[e++])
-        if (along >= APART * diameter && boxes_near(own->boxes[element], own->boxes[e], diameter))
-            own->others[number++] = e;
+    for (int e = element + 1; e < s->elements; along += s->lengths[e++]) {
+        if (along < APART * diameter) continue;
+        const double gap = gap_of(own->boxes[element], own->boxes[e]);
+        own->free = smaller(own->free, gap);
+        if (gap < diameter) own->others[number++] = e;
+    }
     return number;
+}
+
+/* whether nothing can touch, by how far the rope has moved since it was last looked at */
+static int surely_apart(const System *s, const double *q) {
+    const OwnContact *own = s->own;
+    const double diameter = own->scene->rope.diameter, *before = own->seen;
+    double longest = 0;
+    if (!(own->free > diameter)) return 0;
+    if (memcmp(own->seen_lengths, s->lengths, sizeof(double) * (size_t)s->elements) != 0) return 0;
+    for (int e = 0; e < s->elements; e++) longest = larger(longest, s->lengths[e]);
+    for (int node = 0; node <= s->elements; node++, q += DOF, before += DOF)
+        if (!(own->free - largest_motion(longest, q, before) > diameter)) return 0; /* what is not a number is near */
+    return 1;
 }
 
 /* where the element is nearest to the point, and how far that is from it */
@@ -112,6 +131,10 @@ int find_rope_touches(const System *s, const double *q, const double *v, double 
     OwnContact *own = s->own;
     const double c[2] = {cq, cv};
     own->number = 0;
+    if (surely_apart(s, q)) return 0;
+    own->free = INFINITY;
+    memcpy(own->seen, q, sizeof(double) * DOF * (size_t)(s->elements + 1));
+    memcpy(own->seen_lengths, s->lengths, sizeof(double) * (size_t)s->elements);
     for (int e = 0; e < s->elements; e++) {
         const double *a = q + (size_t)e * DOF;
         enclosing_box(s->lengths[e], a, a + DOF, own->boxes[e]);
