@@ -32,7 +32,7 @@ ARITHMETIC = {
     "solve_rubbing": (4, 0),
     # places and sums along the rope where it touches something
     "interpolate": (4, 0),
-    "own_contact_bytes": (4, 0),
+    "own_contact_bytes": (5, 0),
     "place_on": (4, 0),
     "length_between": (0, 1),
     "add_rope_balance": (4, 0),
@@ -71,7 +71,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2363, "C": 2940}
+MOST_LINES = {"Python": 2363, "C": 2960}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(
