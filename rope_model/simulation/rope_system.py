@@ -69,7 +69,7 @@ _NOTHING = np.zeros((1, 1), dtype=bool)
 _NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
 #: where wires rub, Newton's method alone goes to and fro over the curvatures at which they stick: it takes these shares
 #: of secants in its tangent, one after the other
-SHARES = (0.7, 0.3, 0.0, 0.0)
+SHARES = (0.7, 0.3, 0.0, 0.0, 0.0)
 
 
 class RopeKernels:
