@@ -19,6 +19,7 @@ from rope_model.simulation.mesh import (
     LEG_LENGTHS,
     Partition,
     distance_to_due,
+    fewest_outer,
     inner_length,
     partition,
     relative_lengths,
@@ -146,10 +147,13 @@ def test_the_pattern_adds_up_to_the_rope_and_is_centred_as_well_as_it_can_be(
     np.testing.assert_allclose(p.lengths.sum(), length, rtol=1e-12)  # a sum of some hundred lengths
     if mesh.grading_length == 0:
         assert sum(p.counts) + 2 * mesh.end_levels == p.lengths.size
-    assert min(p.counts[0], p.counts[3], p.counts[6]) >= 1
+    # of the pattern nothing is left out but what an end cuts off
+    assert p.lengths.min() >= min(0.5**mesh.end_levels * p.coarse, p.fine) * (1 - 1e-9)
+    fewest = fewest_outer(mesh.counts)
+    assert min(p.counts[::6]) >= fewest
     assert p.counts[1:6] == mesh.counts
-    # half a coarse element off, where the ends leave room for it
-    if p.counts[0] > 1 and p.counts[6] > 1:
+    # half a coarse element off, until half of the pattern is cut off
+    if min(p.counts[::6]) > fewest:
         assert abs(p.centre - place * length) <= 0.5 * p.coarse * (1 + 1e-9)
 
 
@@ -161,7 +165,7 @@ def test_a_transformation_moves_one_coarse_element_across_and_back_again(
     inner = inner_length(mesh.counts) * mesh.coarse_length
     assume(length > inner + 3 * mesh.coarse_length)
     p = partition(mesh, length, place * length)
-    assume(p.counts[6 if direction > 0 else 0] > 1)
+    assume(p.counts[6 if direction > 0 else 0] > fewest_outer(mesh.counts))
     there = transform(p, direction)
     assert there.lengths.size == p.lengths.size
     assert there.counts[1:6] == p.counts[1:6]
@@ -190,8 +194,9 @@ def test_a_transformation_is_due_when_the_loop_has_travelled_and_not_due_back_at
         assert transformation_due(p, p.centre + direction * (DUE * p.coarse - 1e-6)) == 0
         assert transformation_due(p, at) == direction
         assert transformation_due(transform(p, direction), at) == 0
-    # at the end of the rope there is nothing left to give
-    spent = replace(p, counts=(p.counts[0] + p.counts[6] - 1, *p.counts[1:6], 1))
+    # half of the pattern beyond the end of the rope, there is nothing left to give
+    fewest = fewest_outer(p.counts[1:6])
+    spent = replace(p, counts=(p.counts[0] + p.counts[6] - fewest, *p.counts[1:6], fewest))
     assert transformation_due(spent, 119.0) == 0
 
 
@@ -376,7 +381,7 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
 @given(place=st.floats(0.2, 0.8), length=st.floats(80.0, 250.0), direction=st.sampled_from([-1, 1]))
 def test_a_transformation_there_and_back_returns_a_smooth_motion(place: float, length: float, direction: int) -> None:
     p = partition(Mesh(), length, place * length)
-    assume(p.counts[6 if direction > 0 else 0] > 1)
+    assume(p.counts[6 if direction > 0 else 0] > fewest_outer(p.counts[1:6]))
     s, other = nodes(p), nodes(transform(p, direction))
     v = smooth(s, length)
     back = carry(carry(v, s, other), other, s)

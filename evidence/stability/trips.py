@@ -70,7 +70,7 @@ def follow(rope: RopeSimulator, reference: Any, travel: float, interval: float =
 
 
 def without_transformations(rope: RopeSimulator) -> RopeSimulator:
-    """The same rope, whose mesh stays from now on as it is and is not checked any more."""
+    """The same rope, whose mesh stays from now on as it is."""
     state = rope.state
     rope._accept(state._replace(partition=replace(state.partition, counts=())))  # which restore refuses
     return rope

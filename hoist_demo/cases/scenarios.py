@@ -1,7 +1,6 @@
 """What goes wrong in a shaft, by name: trips of the published hoists that end in an emergency, or begin with a fault.
 
-overwind        the trip ends so far above its landing that the loop comes within 4 m of the rope's end; the mesh is of
-                equal elements, for a fitted one has to keep its fine middle off the ends
+overwind        the trip ends so far above its landing that the loop comes within 4 m of the rope's end
 slack-rope      the brake grips at once with its full torque, harder than gravity: the rope under the rising conveyance
                 goes slack, and jerks when it falls back
 seized-swivel   one of two swivels does not turn
@@ -18,9 +17,6 @@ from hoist_demo.cases.case import COULOMB, LOCKED, Case, swivels
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.components import Brake, Jam
 
-EQUAL_ELEMENTS = 1
-"""Code of mesh.kind, docs/interface.md."""
-
 _HOIST, _WINDING = Hoist(), Winding()
 _ROPE = {"rope.length": _HOIST.tail_rope_length, **swivels(LOCKED)}
 #: m: of the rope's length
@@ -32,7 +28,7 @@ SCENARIOS = {
     "overwind": Case(
         replace(_HOIST, shaft_travel=_OVERWIND),
         replace(_WINDING, travel=_OVERWIND),
-        rope=_ROPE | {"mesh.kind": EQUAL_ELEMENTS, "mesh.elements": 240},
+        rope=_ROPE,
     ),
     "slack-rope": Case(
         replace(_HOIST, brake=Brake(torque=8e5)),

@@ -21,11 +21,11 @@ int mesh_elements(const Mesh *mesh, double length, char *message);
 /* `elements` as mesh_elements counts them: the count looks at every place of the loop */
 void mesh_partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths);
 void mesh_transform(Pattern *pattern, int direction, int elements, double *lengths);
+int mesh_fewest_outer(const int *ii_to_vi);
 double mesh_centre(const Pattern *pattern);
 double mesh_distance_to_due(const Pattern *pattern, double bottom);
 int mesh_transformation_due(const Pattern *pattern, double bottom, double slack);
 /* length: of the rope */
-void mesh_placement_problem(const Pattern *pattern, double length, double bottom, char *message);
 /* s (elements + 1) from lengths (elements) */
 void mesh_arc_lengths(int elements, const double *lengths, double *s);
 

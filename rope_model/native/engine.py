@@ -279,7 +279,7 @@ def _unpack(data: bytes) -> RopeState:
     values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(StateStructure))
     size = 7 * (n + 1)
     x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(ARRAYS)}
-    counts = tuple(s.pattern.counts) if s.pattern.counts[0] else ()
+    counts = tuple(s.pattern.counts) if s.pattern.coarse else ()
     return RopeState(
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
         partition=Partition(

@@ -136,7 +136,6 @@ FORMULAS: dict[str, Callable[..., Any]] = {
         inextensible.tension
     ),
     "double loop_width(const Scene *scene)": estimates.loop_width,
-    "double bending_length(const Scene *scene)": estimates.bending_length,
     "Hanging hanging_shape(double length, double middle, double width, double cell)": hanging.hanging_shape,
     "void hanging_row(const Hanging *hanging, const double left[3], const double across[3], double s, double row[7])": (
         hanging.node_row

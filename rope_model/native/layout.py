@@ -92,7 +92,7 @@ class CountsStructure(Structure):
 
 
 class PatternStructure(Structure):
-    """the pattern of TMN-ETM; counts[0] = 0 for EEM"""
+    """the pattern of TMN-ETM; coarse = 0 for EEM"""
 
     _fields_ = (
         ("coarse", c_double),

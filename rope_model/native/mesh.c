@@ -31,7 +31,12 @@ static int as_int(double x) {
 
 double mesh_fine_length(const Pattern *pattern, const double *lengths) {
     const int32_t *n = pattern->counts;
-    return n[0] > 0 ? fine_share(n[1] > 0, n[2] > 0) * pattern->coarse : lengths[0];
+    return pattern->coarse > 0 ? fine_share(n[1] > 0, n[2] > 0) * pattern->coarse : lengths[0];
+}
+
+int mesh_fewest_outer(const int *ii_to_vi) {
+    const int *n = ii_to_vi;
+    return 1 - (int)(0.5 * inner_length(n[0], n[1], n[2], n[3], n[4]));
 }
 
 Mesh mesh_fit(const Scene *scene) {
@@ -78,10 +83,10 @@ static int leg_elements(int units, double growth) {
     return most;
 }
 
-/* the index of the longest element, of several the one nearest the loop */
+/* the index of the longest element but the outermost, of several the one nearest the loop; 0: there is no other */
 static int longest_of(const double *lengths, int stride, int count) {
-    int found = 0;
-    for (int k = 1; k < count; k++)
+    int found = count > 1;
+    for (int k = 2; k < count; k++)
         if (lengths[(ptrdiff_t)stride * k] >= lengths[(ptrdiff_t)stride * found]) found = k;
     return found;
 }
@@ -91,7 +96,8 @@ static int longest_of(const double *lengths, int stride, int count) {
 static int fill_legs(int first, int last, double growth, int elements, double *left, double *right) {
     int counts[2] = {fill_leg(first, growth, left, 1), fill_leg(last, growth, right, -1)};
     for (int spare = elements - counts[0] - counts[1]; spare > 0; spare--) {
-        int i = longest_of(left, 1, counts[0]), j = longest_of(right, -1, counts[1]), side = right[-j] > left[i];
+        int i = longest_of(left, 1, counts[0]), j = longest_of(right, -1, counts[1]);
+        int side = i == 0 || (j > 0 && right[-j] > left[i]);
         double *lengths = side ? right - j : left + i;
         int stride = side ? -1 : 1;
         for (int k = counts[side] - (side ? j : i); k > 0; k--)
@@ -125,21 +131,54 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
     return (int)elements;
 }
 
+/* elements of the segments II to VI, in units of l, but what the ends cut off; gives their number; NULL: only that */
+static int fill_inner(const int *counts, double *lengths) {
+    const double relative[SEGMENTS] = {1, HALF, QUARTER, fine_share(counts[1] > 0, counts[2] > 0), QUARTER, HALF, 1};
+    const double inner = inner_length(counts[1], counts[2], counts[3], counts[4], counts[5]);
+    const double begin = fmax(1 - counts[0], 0), end = inner - fmax(1 - counts[SEGMENTS - 1], 0);
+    double at = 0;
+    int n = 0;
+    for (int segment = 1; segment < SEGMENTS - 1; segment++)
+        for (int k = 0; k < counts[segment]; k++) {
+            const double from = fmax(at, begin), to = fmin(at += relative[segment], end);
+            if (!(to > from)) continue;
+            if (lengths != NULL) lengths[n] = to - from;
+            n++;
+        }
+    return n;
+}
+
+/* the outermost l from the end on: the last length twice, ..., l/4, l/2, none above `longest`; gives their number */
+static int fill_end(int levels, double longest, double *lengths, int stride) {
+    int n = 0;
+    for (int k = 0; k <= levels; k++) {
+        const double size = ldexp(1.0, k == 0 ? -levels : k - 1 - levels), each = fmin(size, longest);
+        for (double at = 0; at < size; at += each, n++)
+            if (lengths != NULL) lengths[(ptrdiff_t)stride * n] = each;
+    }
+    return n;
+}
+
 static void fill_lengths(const Pattern *pattern, int elements, double *lengths) {
     double coarse = pattern->coarse;
     const int *counts = pattern->counts;
-    int first = counts[0], last = counts[SEGMENTS - 1], levels = pattern->end_levels, n = levels;
-    int legs = elements - 2 * levels;
-    for (int k = 1; k < SEGMENTS - 1; k++) legs -= counts[k];
+    int first = counts[0] > 1 ? counts[0] : 1, last = counts[SEGMENTS - 1] > 1 ? counts[SEGMENTS - 1] : 1;
+    const double growth = pattern->grading_length / coarse, fine = fine_share(counts[1] > 0, counts[2] > 0);
+    const int levels = pattern->end_levels, least = fill_leg(first, growth, NULL, 0) + fill_leg(last, growth, NULL, 0);
+    /* where the pattern is cut off the loop bends the rope up to its end */
+    double longest[2] = {counts[0] < 1 ? fine : 1, counts[SEGMENTS - 1] < 1 ? fine : 1};
+    int ends[2], legs;
+    for (;;) {
+        for (int side = 0; side < 2; side++) ends[side] = fill_end(levels, longest[side], NULL, 0) - 1;
+        legs = elements - ends[0] - ends[1] - fill_inner(counts, NULL);
+        if (legs >= least) break;
+        longest[0] = longest[1] = 1;
+    }
 
-    double *left = lengths + n, *right = lengths + elements - 1 - n;
-    n += fill_legs(first, last, pattern->grading_length / coarse, legs, left, right);
-    const double relative[SEGMENTS] = {1, HALF, QUARTER, fine_share(counts[1] > 0, counts[2] > 0), QUARTER, HALF, 1};
-    for (int segment = 1; segment < SEGMENTS - 1; segment++)
-        for (int k = 0; k < counts[segment]; k++) lengths[n++] = relative[segment];
-    /* the outermost: l/2, l/4 ... and the last length once more */
-    for (int k = 0; k <= levels; k++)
-        lengths[k] = lengths[elements - 1 - k] = ldexp(1.0, k == 0 ? -levels : k - 1 - levels);
+    double *left = lengths + ends[0], *right = lengths + elements - 1 - ends[1];
+    fill_inner(counts, left + fill_legs(first, last, growth, legs, left, right));
+    fill_end(levels, longest[0], lengths, 1);
+    fill_end(levels, longest[1], lengths + elements - 1, -1);
     for (int k = 0; k < elements; k++) lengths[k] *= coarse;
 }
 
@@ -151,8 +190,8 @@ void mesh_partition(const Mesh *mesh, double length, double bottom, int elements
     }
     double inner = inner_of(mesh), outer = outer_of(mesh, length);
     double coarse = length / (outer + inner);
-    double first = rint(bottom / coarse - 0.5 * inner);
-    first = first > 1 ? fmin(first, outer - 1) : 1;
+    double first = rint(bottom / coarse - 0.5 * inner), least = mesh_fewest_outer(mesh->counts);
+    first = first > least ? fmin(first, outer - least) : least;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;
     pattern->grading_length = mesh->grading_length;
@@ -174,9 +213,9 @@ double mesh_centre(const Pattern *pattern) {
 }
 
 double mesh_distance_to_due(const Pattern *pattern, double bottom) {
-    if (pattern->counts[0] == 0) return -HUGE_VAL;
+    if (!(pattern->coarse > 0)) return -HUGE_VAL;
     double offset = bottom - mesh_centre(pattern);
-    if (pattern->counts[offset > 0 ? SEGMENTS - 1 : 0] == 1) return -HUGE_VAL;
+    if (pattern->counts[offset > 0 ? SEGMENTS - 1 : 0] == mesh_fewest_outer(pattern->counts + 1)) return -HUGE_VAL;
     return fabs(offset) - DUE * pattern->coarse;
 }
 
@@ -184,13 +223,6 @@ int mesh_transformation_due(const Pattern *pattern, double bottom, double slack)
     if (mesh_distance_to_due(pattern, bottom) < -slack) return 0;
     double offset = bottom - mesh_centre(pattern);
     return (offset > 0) - (offset < 0);
-}
-
-void mesh_placement_problem(const Pattern *pattern, double length, double bottom, char *message) {
-    message[0] = '\0';
-    const double centre = mesh_centre(pattern);
-    if (pattern->counts[0] != 0 && !(fabs(bottom - centre) <= (DUE + 1.0) * pattern->coarse))
-        say_loop_near_end(message, bottom, length, centre);
 }
 
 void mesh_arc_lengths(int elements, const double *lengths, double *s) {

@@ -83,15 +83,6 @@ int rope_retune(Simulator *rope, const Scene *scene) {
     return 1;
 }
 
-/* as mesh_placement_problem; where the mesh was fitted to the rope, with what it was fitted to */
-static void placement_problem(const Simulator *rope, const Pattern *pattern, double bottom, char *message) {
-    const Rope *data = &rope->scene.rope;
-    mesh_placement_problem(pattern, data->length, bottom, message);
-    if (message[0] && rope->scene.mesh.kind == AUTO_MESH)
-        say_loop_near_end_of_fitted_mesh(message, bottom, data->length, data->EI, bending_length(&rope->scene),
-                                         mesh_centre(pattern));
-}
-
 /* the ends at rest at t; points: where they are; 0 when they cannot be */
 static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], double points[2][3]) {
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -145,8 +136,6 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     if (message[0]) return 0;
     fidelity_unsupported_motion(scene, state->fidelity, ends, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
-    placement_problem(rope, &state->pattern, bottom, message);
-    if (message[0]) return 0;
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
@@ -265,8 +254,6 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
     if (state->fidelity == RIGID) return rigid_step(rope, state, t_end, message);
     transform_if_due(rope, state);
     release_swivels(rope, state);
-    placement_problem(rope, &state->pattern, bottom_of(rope, state, state->t), message);
-    if (message[0]) return 0;
     const double stop = next_stop(rope, state, t_end);
     double step_next;
     int reaches, switching;

@@ -37,12 +37,12 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
         return 0;
     for (int k = 1; k < SEGMENTS - 1; k++)
         if (pattern->counts[k] != expected.counts[k]) return 0;
-    if (expected.counts[0] == 0) {
+    if (!(expected.coarse > 0)) {
         if (pattern->counts[0] != 0 || pattern->counts[SEGMENTS - 1] != 0) return 0;
     } else {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
-        if (!within(pattern->counts[0], 1, outer - 1) || pattern->counts[SEGMENTS - 1] != outer - pattern->counts[0])
-            return 0;
+        const int first = pattern->counts[0], least = mesh_fewest_outer(expected.counts + 1);
+        if (!within(first, least, outer - least) || pattern->counts[SEGMENTS - 1] != outer - first) return 0;
         mesh_transform(&expected, pattern->counts[0] - expected.counts[0], m->elements, lengths);
     }
     mesh_arc_lengths(m->elements, lengths, s);

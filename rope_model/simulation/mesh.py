@@ -10,6 +10,8 @@ IV around the loop's lowest point.  When the loop has travelled l along the rope
 by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets
 coarser two elements become one, where it gets finer one becomes two (see transfer).  Without III and V
 IV has l/4, without II and VI too l/2: shorter ways from one transformation to the next, which IV need not cover.
+Near an end of the rope the pattern goes on beyond it.  The outermost l stays, with the loop's elements where they are
+shorter; what the end cuts off, up to half of the pattern, halves the other leg's longest elements: their number stays.
 
 Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
@@ -46,6 +48,7 @@ class Partition:
 
     ``counts`` are the elements of the seven segments (empty for EEM) before the end elements are halved
     ``end_levels`` times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.
+    Where I or VII has fewer than one, the end cuts off as many l of the other segments.
     """
 
     lengths: Array
@@ -79,6 +82,11 @@ def relative_lengths(counts: tuple[int, ...]) -> Array:
 def inner_length(counts: tuple[int, ...]) -> float:
     """Length of the segments II to VI in units of l, for their numbers of elements."""
     return float(np.dot(counts, relative_lengths(counts)))
+
+
+def fewest_outer(counts: tuple[int, ...]) -> int:
+    """Fewest elements of I or VII: so many below 1 as the half of II to VI, of these counts, has l."""
+    return 1 - int(0.5 * inner_length(counts))
 
 
 def fit_mesh(scene: Scene) -> Mesh:
@@ -116,15 +124,9 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
     elements = _leg_elements(int(outer), mesh.grading_length / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
     if elements > MOST_ELEMENTS:
         raise ValueError(messages.too_many_elements(elements, MOST_ELEMENTS))
-    first = int(np.clip(round(bottom / coarse - 0.5 * inner), 1, outer - 1))
+    least = fewest_outer(mesh.counts)
+    first = int(np.clip(round(bottom / coarse - 0.5 * inner), least, outer - least))
     return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.grading_length)
-
-
-def placement_problem(mesh: Partition, bottom: float) -> str:
-    """'' while the loop at arc length ``bottom`` hangs in the mesh's fine middle; otherwise what is wrong."""
-    if not mesh.counts or abs(bottom - mesh.centre) <= (DUE + 1.0) * mesh.coarse:
-        return ""
-    return messages.loop_near_end(bottom, float(np.sum(mesh.lengths)), mesh.centre)
 
 
 def transform(old: Partition, direction: int) -> Partition:
@@ -146,18 +148,34 @@ def distance_to_due(mesh: Partition, bottom: float) -> float:
     if not mesh.counts:
         return -np.inf
     offset = bottom - mesh.centre
-    if mesh.counts[6 if offset > 0 else 0] == 1:
+    if mesh.counts[6 if offset > 0 else 0] == fewest_outer(mesh.counts[1:6]):
         return -np.inf
     return float(abs(offset) - DUE * mesh.coarse)
 
 
 def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, grading_length: float) -> Partition:
     inner = np.repeat(relative_lengths(counts[1:6]), counts[1:6])
-    # l/2, l/4 ... and the last length once more
-    end = np.array([*(0.5**k for k in range(1, end_levels + 1)), 0.5**end_levels])
-    left, right = _legs(counts[0], counts[6], grading_length / coarse)
-    lengths = np.concatenate((end[::-1], left[1:], inner, right[:0:-1], end))
+    first, last = max(counts[0], 1), max(counts[6], 1)
+    # what the ends of the rope leave of II to VI
+    shares = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
+    kept = shares[shares > 0.0]
+    growth, fine = grading_length / coarse, relative_lengths(counts[1:6])[2]
+    # where the pattern is cut off the loop bends the rope up to its end
+    for longest in (fine, 1.0):
+        ends = [_end(end_levels, longest if n < 1 else 1.0) for n in counts[::6]]
+        elements = _leg_elements(counts[0] + counts[6], growth) + inner.size - kept.size
+        elements -= sum(end.size - end_levels - 1 for end in ends)
+        if elements >= len(_leg(first, growth)) + len(_leg(last, growth)):
+            break
+    left, right = _legs(first, last, elements, growth)
+    lengths = np.concatenate((ends[0], left[1:], kept, right[:0:-1], ends[1][::-1]))
     return Partition(coarse * lengths, counts, coarse, end_levels, grading_length)
+
+
+def _end(levels: int, longest: float) -> Array:
+    """The outermost l, in units of it, from the end on: the last length twice ... l/4, l/2; none above ``longest``."""
+    sizes = [0.5**levels, *(0.5**k for k in range(levels, 0, -1))]
+    return np.concatenate([np.full(int(max(size / longest, 1.0)), min(size, longest)) for size in sizes])
 
 
 def _leg(units: int, growth: float) -> list[float]:
@@ -186,11 +204,11 @@ def _leg_elements(units: int, growth: float) -> int:
     return max(counts[k] + counts[units - k] for k in range(1, units))
 
 
-def _legs(first: int, last: int, growth: float) -> tuple[list[float], list[float]]:
-    """Both legs from their ends on; what another place of the loop would ask for halves the longest elements."""
+def _legs(first: int, last: int, elements: int, growth: float) -> tuple[list[float], list[float]]:
+    """Both legs from their ends on, of so many elements in all: those to spare halve the longest but the outermost."""
     both = _leg(first, growth), _leg(last, growth)
-    for _ in range(_leg_elements(first + last, growth) - len(both[0]) - len(both[1])):
-        leg = max(both, key=max)
-        k = len(leg) - 1 - leg[::-1].index(max(leg))  # the one nearest the loop
+    for _ in range(elements - len(both[0]) - len(both[1])):
+        leg = max(both, key=lambda leg: max(leg[1:], default=0.0))
+        k = len(leg) - 1 - leg[::-1].index(max(leg[1:]))  # the one nearest the loop
         leg[k : k + 1] = [0.5 * leg[k]] * 2
     return both

@@ -40,7 +40,7 @@ LOCKING_SHARE, LONGEST = 0.6, 0.75
 #: what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much
 #: more for a tenth of it
 FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.43
-#: how near an end the loop may hang, in rope lengths: ends that part by 3/4 of the rope's length
+#: how near an end the loop has the whole pattern about it, in rope lengths: ends that part by 3/4 of them
 NEAREST = 0.12
 #: end elements in units of the bending layer there, for an error of END_ERROR R; shorter by the fifth root of the error
 END_LENGTH, END_ERROR = 2.9, 0.033
@@ -89,7 +89,7 @@ class FittedMesh(NamedTuple):
 def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     """The mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     length, of = scene.rope.length, fit_lengths(scene, loop_error, decades)
-    # the loop comes near an end: segment IV must be able to follow
+    # the loop comes near an end: nothing of the pattern is cut off until NEAREST
     coarse = RATIO * of.fine
     coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(of, coarse)))
     fine = _fine_count(of, coarse)

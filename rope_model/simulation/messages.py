@@ -69,23 +69,6 @@ def too_many_elements(elements: float, most: int) -> str:
     return f"coarse_length and counts make {elements:.0f} elements, more than {most}; use fewer"
 
 
-def loop_near_end(bottom: float, length: float, centre: float) -> str:
-    return (
-        f"the loop at {bottom:.3g} m of the rope's {length:.4g} m is too close to an end: the mesh's fine middle "
-        f"reaches no further than {centre:.3g} m; use a smaller coarse_length or fewer elements in segments II to VI, "
-        "or keep the ends closer in height"
-    )
-
-
-def loop_near_end_of_fitted_mesh(bottom: float, length: float, EI: float, stiff: float, centre: float) -> str:
-    return (
-        f"the loop at {bottom:.3g} m of the rope's {length:.4g} m is too close to an end: mesh.kind = auto covers what "
-        f"EI = {EI:.4g} N m^2 bends, some (EI / rho g)^(1/3) = {stiff:.3g} m to either side, and reaches no further "
-        f"than {centre:.3g} m; check EI and length, take equal elements (mesh.kind = eem, code 1), or keep the ends "
-        "closer in height"
-    )
-
-
 # motions of its ends
 
 

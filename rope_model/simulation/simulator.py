@@ -39,7 +39,7 @@ from .signal_table import checked_names
 from .signals import group_of
 from .state import RopeState
 from .statics import StaticsError, hanging_guess
-from .stepping import as_rigid, placement_message, step_towards
+from .stepping import as_rigid, step_towards
 from .wires import fresh_memory
 
 log = logging.getLogger(__name__)
@@ -179,8 +179,6 @@ class RopeSimulator(BalanceRope):
             guess = hanging_guess(cells.nodes_s, *ends)
             if why := unsupported_motion(scene, fidelity, (left, right)):
                 return Status(False, messages.fixed_model_cannot_follow(fidelity, why))
-            if message := placement_message(scene, cells, bottom):
-                return Status(False, message)
             rest = np.zeros_like(guess)
             state = RopeState(
                 motion=Motion(t, guess, rest, rest, rest, rest, 0.0, rest),

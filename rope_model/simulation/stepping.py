@@ -8,11 +8,9 @@ from dataclasses import dataclass, replace
 
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import StepResult
-from ..parameters import Scene
-from ..physics.estimates import bending_length
 from . import messages
 from .adaptation import transform_if_due, with_loop_yaw
-from .mesh import LATEST, Partition, distance_to_due, placement_problem
+from .mesh import LATEST, distance_to_due
 from .model import RopeModel, powers
 from .paths import ends_at
 from .rigid import rigid_rope
@@ -51,8 +49,6 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
     if state.fidelity == "rigid":
         return _rigid_step(model, state, t_end)
     state = release_swivels(model, transform_if_due(model, state))
-    if message := placement_message(model.scene, state.partition, model.bottom(state.paths, state.motion.t)):
-        return message
     system = model.system(state)
     stop = _next_stop(model, state, t_end)
     while True:
@@ -164,14 +160,6 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
         if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
             return min(locate(due, t, time, at_start, at_time, 1e-9), stop)
     return stop
-
-
-def placement_message(scene: Scene, cells: Partition, bottom: float) -> str:
-    """As mesh.misplaced; where the mesh was fitted to the rope, with what it was fitted to."""
-    message, rope, stiff = placement_problem(cells, bottom), scene.rope, bending_length(scene)
-    if not message or scene.mesh.kind != "auto":
-        return message
-    return messages.loop_near_end_of_fitted_mesh(bottom, rope.length, rope.EI, stiff, cells.centre)
 
 
 def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
