@@ -232,6 +232,7 @@ def rope(construction: str, diameter: float, length: float = Rope.length, lay: L
     require(construction in CONSTRUCTIONS, "construction", construction, f"one of {', '.join(CONSTRUCTIONS)}", _OTHER)
     require(lay in get_args(Lay), "lay", lay, f"one of {', '.join(get_args(Lay))}", "see the rope's data sheet")
     require(0.0 < diameter <= 1.0, "diameter", diameter, "above 0 and at most 1 m", "give it in metres")
+    require(0.0 < length < math.inf, "length", length, "above 0 and finite", "give it in metres")
     data = {}
     for name, factor in CONSTRUCTIONS[construction].factors().items():
         kind = PROPERTIES[name]

@@ -163,7 +163,17 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
         (ROPE + "[known]\nEI = 3.0\n" + WIDTH, r"\[known\] EI = 3.0 is not a property"),
         (ROPE + "[known]\nbending_stiffness = { low = 3.0, high = 2.0 }\n" + WIDTH, "in order"),
         (ROPE + "[fixed]\nrope.EI = 3.0\n" + WIDTH, r"rope.EI follows from the properties: give \[known\]"),
-        (ROPE + WIDTH + '[[measured]]\nwhat = "at rest"\nvalue = 1\nsigma = 1\nleft_y=0\nright_y=0\n', "signal = None"),
+        (
+            ROPE + WIDTH + '[[measured]]\nwhat = "at rest"\nvalue = 1\nsigma = 1\nleft_y=0\nright_y=0\n',
+            "2: signal = None",
+        ),
+        (ROPE + WIDTH.replace("sigma", "sgima"), "sigma is missing"),
+        (ROPE.replace("0.046", '"46 mm"') + WIDTH, "diameter = '46 mm' must be a number"),
+        (ROPE.replace("120.0", "-400") + WIDTH, "length = -400 is out of range: it must be above 0"),
+        (ROPE + '[[measured]]\nwhat = "sample extension"\nload = -5.0\nlength = 10\n', "load = -5 must be above 0"),
+        (ROPE + '[[measured]]\nwhat = "swing"\nnumber = 0\n', "number = 0 must be a whole number from 1 on"),
+        ("measured = [1]\n" + ROPE, r"measured = \[1\] must be tables: write \[\[measured\]\] above each"),
+        (ROPE.replace("[rope]", "[[rope]]") + WIDTH, r"rope = \[.* must be one table: write \[rope\] above it"),
         (
             ROPE + '[[measured]]\nwhat = "sample torque"\nload = [1.0, 2.0]\nvalue = [1, 2, 3]\nsigma = 1\n',
             "load has 2 numbers, value 3",
@@ -179,3 +189,25 @@ def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: s
 def test_a_rope_file_without_values_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"has no \[fixed\]: give a file that balance-rope identify has written"):
         rope_values(written(tmp_path, ROPE), Catalogue(PARAMETERS_KNOWN))
+
+
+def test_a_file_of_other_values_is_no_rope_file(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"layout.spacing is none of rope.*: give a file that balance-rope identify"):
+        rope_values(written(tmp_path, "[fixed]\nlayout.spacing = 2.2\n"), Catalogue(PARAMETERS_KNOWN))
+
+
+def test_a_mode_beyond_the_computed_ones_is_refused() -> None:
+    swing = Measurement(
+        "swing",
+        "swing",
+        "Hz",
+        (0.1,),
+        0.01,
+        {"number": (99.0,), "left_y": (0.0,), "right_y": (0.0,)},
+        {"plane": "in plane"},
+    )
+    known = rope("34x7", diameter=0.046, length=60.0)
+    with pytest.raises(
+        RuntimeError, match=r"swing: number = 99 must be at most \d+, as 14 modes hold so many in plane"
+    ):
+        Bench(known, Scene()).predict(np.full(5, 0.5), [swing])

@@ -16,18 +16,18 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from hoist_demo.calibration.measurements import DEFAULTS, KINDS, PLANES, Bench, Measurement
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.definition import StudyError, read_toml
-from hoist_demo.study.reading import read_values
+from hoist_demo.study.definition import StudyError
+from hoist_demo.study.reading import read_tables, read_values
 from rope_model import SIGNALS, Datum, KnownRope, rope
 
-_TABLES = ("rope", "known", "fixed", "measured", "wanted")
-_ROPE = ("construction", "diameter", "length", "lay")
+_TABLES = {"rope": dict, "known": dict, "fixed": dict, "measured": list, "wanted": dict}
+_ROPE = {"construction": "word", "diameter": "number", "length": "number", "lay": "word"}
 #: parameters that follow from the properties
 FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
 #: kept in the file, for commands that need no fit
@@ -55,17 +55,15 @@ class Measured:
 
 def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measured:
     """What a file holds of a rope with these parameters; raises StudyError with all problems."""
-    raw, problems = read_toml(path), list[str]()
-    for name in raw.keys() - set(_TABLES):
-        problems.append(f"[{name}] is not a table of measurements: the tables are {', '.join(_TABLES)}")
+    problems = list[str]()
+    raw = read_tables(path, "measurements", _TABLES, problems)
     known = read_known(path, raw, problems)
     fixed = read_values(Catalogue(parameters), "[fixed]", raw.get("fixed", {}), problems)
     for key in fixed.keys() & {f"rope.{name}" for name in FOLLOWING}:
         problems.append(f"[fixed] {key} follows from the properties: give [known] or [rope] instead")
     tables = raw.get("measured", [])
-    if not (isinstance(tables, list) and tables):
+    if not tables:
         problems.append("nothing is measured: give at least one [[measured]]")
-        tables = []
     found = [_measurement(number, table, problems) for number, table in enumerate(tables, 1)]
     wanted = _wanted(raw.get("wanted", {}), problems)
     if problems or known is None or wanted is None:
@@ -80,8 +78,11 @@ def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measure
 def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> KnownRope | None:
     """The rope of [rope] with the ranges of [known]; None where something is wrong, which is added to the problems."""
     head, before = raw.get("rope", {}), len(problems)
-    for key in head.keys() - set(_ROPE):
-        problems.append(f"[rope] {key} = {head[key]!r} is not a key: it has {', '.join(_ROPE)}")
+    for key, content in head.items():
+        if key not in _ROPE:
+            problems.append(f"[rope] {key} = {content!r} is not a key: it has {', '.join(_ROPE)}")
+        elif not (_is_number(content) if _ROPE[key] == "number" else isinstance(content, str)):
+            problems.append(f"[rope] {key} = {content!r} must be a {_ROPE[key]}: {_CURES[_ROPE[key]]}")
     for key in ("construction", "diameter"):
         if key not in head:
             problems.append(f"[rope] {key} is missing: the catalogue needs construction and diameter")
@@ -89,7 +90,7 @@ def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> Known
         return None
     try:
         found = rope(**head)
-    except (ValueError, TypeError) as error:
+    except ValueError as error:
         problems.append(f"[rope] {error}")
         return None
     data = dict(found.data)
@@ -105,10 +106,17 @@ def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> Known
     return replace(found, data=data)
 
 
+_CURES = {"number": "give it in m, without quotation marks", "word": "put it in quotation marks"}
+
+
+def _is_number(content: Any) -> TypeGuard[float]:
+    return isinstance(content, int | float) and not isinstance(content, bool) and math.isfinite(content)
+
+
 def _datum(path: Path, before: Datum, content: Any) -> Datum | None:
     table = content if isinstance(content, dict) else {"low": content, "high": content}
     low, high = table.get("low"), table.get("high")
-    numbers = [x for x in (low, high) if isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)]
+    numbers = [x for x in (low, high) if _is_number(x)]
     if len(numbers) < 2 or not 0 <= numbers[0] <= numbers[1] or table.keys() - {"low", "high", *_FACTS}:
         return None
     return Datum(
@@ -135,12 +143,15 @@ def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> 
     numbers = {}
     for name, unit in kind.numbers.items():
         numbers[name] = _numbers(where, name, table.get(name, DEFAULTS.get(name)), unit, problems)
+        if problem := _out_of_range(name, numbers[name]):
+            problems.append(f"{where}: {problem}")
         if values and len(numbers[name]) not in (0, 1, len(values)):
             problems.append(
                 f"{where}: {name} has {len(numbers[name])} numbers, value {len(values)}: give one or as many"
             )
-    sigma = table.get("sigma")
-    if not isinstance(sigma, int | float) or isinstance(sigma, bool) or not 0 < sigma < math.inf:
+    if "sigma" not in table:
+        problems.append(f"{where}: sigma is missing: give the standard error of the value")
+    elif not _is_number(sigma := table["sigma"]) or sigma <= 0:
         problems.append(f"{where}: sigma = {sigma!r} must be a number above 0: give the standard error of the value")
     texts = {name: _text(where, name, table.get(name), problems) for name in kind.texts}
     if len(problems) > before:
@@ -150,10 +161,20 @@ def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> 
     return Measurement(name, what, unit, values, float(table["sigma"]), numbers, texts)
 
 
+def _out_of_range(name: str, numbers: tuple[float, ...]) -> str:
+    """What is wrong with the circumstances of a measurement; "" for nothing."""
+    for x in numbers:
+        if name in ("load", "length") and x <= 0.0:
+            return f"{name} = {x:g} must be above 0: give it in {'N' if name == 'load' else 'm'}"
+        if name == "number" and (x < 1.0 or x % 1.0):
+            return f"number = {x:g} must be a whole number from 1 on: count the modes of the plane"
+    return ""
+
+
 def _numbers(where: str, name: str, content: Any, unit: str, problems: list[str]) -> tuple[float, ...]:
     """A number, or a list of them."""
     found = content if isinstance(content, list) else [content]
-    if not found or not all(isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in found):
+    if not found or not all(map(_is_number, found)):
         problems.append(
             f"{where}: {name} = {content!r} must be a number or a list of numbers: give it in {unit or 'SI'}"
         )

@@ -140,7 +140,8 @@ def candidates(bench: Bench, shares: Array) -> list[Measurement]:
             {},
         ),
         Measurement(
-            f"the same, turned in by {turn:.2g} rad/m",
+            f"torque of a sample under {1e-3 * load:.3g} kN turned in by {turn:.2g} rad/m, "
+            "to 0.05 % of load times diameter",
             "sample torque",
             "N.m",
             (0.0,),

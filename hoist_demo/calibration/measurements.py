@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model import BalanceRope, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, balance_rope
+from rope_model import BalanceRope, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, Status, balance_rope
 from rope_model.catalogue import properties_of
 from rope_model.physics.estimates import natural_width
 from rope_model.simulation.modal import natural_modes
@@ -47,8 +47,7 @@ class Trial:
         if (left, right) not in self._at_rest:
             rope = balance_rope(self.scene)
             status = rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right))
-            if not status.valid:
-                raise RuntimeError(status.message)
+            _require_rest(status, left, right)
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
 
@@ -57,10 +56,14 @@ class Trial:
         # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
         rope = RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
         status = rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right))
-        if not status.valid:
-            raise RuntimeError(status.message)
+        _require_rest(status, left, right)
         modes = natural_modes(rope.system, rope.state.motion.q, MODES)
         return np.asarray(modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")])
+
+
+def _require_rest(status: Status, left: float, right: float) -> None:
+    if not status.valid:
+        raise RuntimeError(f"at rest with left_y = {left:g} m and right_y = {right:g} m: {status.message}")
 
 
 @dataclass(frozen=True)
@@ -131,10 +134,16 @@ def _at_rest(trial: Trial, m: Measurement) -> list[float]:
 
 
 def _swing(trial: Trial, m: Measurement) -> list[float]:
-    return [
-        float(trial.frequencies(m.texts["plane"], left, right)[round(number) - 1])
-        for number, left, right in m.each("number", "left_y", "right_y")
-    ]
+    plane, found = m.texts["plane"], []
+    for number, left, right in m.each("number", "left_y", "right_y"):
+        known = trial.frequencies(plane, left, right)
+        if number > known.size:
+            raise RuntimeError(
+                f"{m.name}: number = {number:g} must be at most {known.size}, as {MODES} modes hold so many {plane}: "
+                "give a lower one"
+            )
+        found.append(float(known[round(number) - 1]))
+    return found
 
 
 _HEIGHTS = {"left_y": "m", "right_y": "m"}

@@ -32,18 +32,28 @@ def rope_values(path: Path | None, catalogue: Catalogue) -> dict[str, Value]:
     """The values of [fixed] of a parameter file, as --rope names it; none without a file."""
     table = {} if path is None else with_file({"from": str(path)})
     if path is not None and not table:
-        raise ValueError(f"--rope {path} has no [fixed]: give a file that balance-rope identify has written")
+        raise ValueError(f"--rope {path} has no [fixed]: {_ROPE_FILE}")
     found: dict[str, Value] = {}
     for name, content in flat(table):
+        if not name.startswith("rope."):
+            raise ValueError(f"--rope {path}: {name} is none of rope.*: {_ROPE_FILE}, or set it by --set")
         parameter = catalogue[name]
         found[name] = parameter.read(strip_unit(parameter, content))
     return found
 
 
+_ROPE_FILE = "give a file that balance-rope identify has written"
+
+
 def rope_statuses(path: Path | None) -> dict[str, str]:
     """What the [known] of a parameter file says of each parameter: measured, published, calibrated, ..."""
     known = {} if path is None else read_toml(path).get("known", {})
-    return {name: known[key]["status"] for key, names in _FOLLOWING.items() if key in known for name in names}
+    return {
+        name: known[key].get("status", "measured") if isinstance(known[key], dict) else "measured"
+        for key, names in _FOLLOWING.items()
+        if key in known
+        for name in names
+    }
 
 
 _FOLLOWING = {

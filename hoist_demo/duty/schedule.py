@@ -18,12 +18,12 @@ from typing import Any
 
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.definition import StudyError, read_toml
-from hoist_demo.study.reading import read_head, read_values
+from hoist_demo.study.definition import StudyError
+from hoist_demo.study.reading import read_head, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level
 
-_TABLES = ("duty", "fixed", "trip")
+_TABLES = {"duty": dict, "fixed": dict, "trip": list}
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
 _ROUNDING = 1e-9
 """Of heights [m]."""
@@ -65,27 +65,23 @@ def read_schedule(path: Path, rope: Mapping[str, FmuParameter], repeat: int | No
 
     Raises StudyError with all problems.
     """
-    return _Reader(path, read_toml(path), Catalogue(rope)).schedule({} if repeat is None else {"repeat": repeat})
+    return _Reader(path, Catalogue(rope)).schedule({} if repeat is None else {"repeat": repeat})
 
 
 class _Reader:
     """Collects the problems while it reads."""
 
-    def __init__(self, path: Path, raw: dict[str, Any], catalogue: Catalogue) -> None:
-        self._path, self._raw, self._catalogue = path, raw, catalogue
-        self._problems = [
-            f"[{name}] is not a table of a duty: the tables are {', '.join(_TABLES)}"
-            for name in raw.keys() - set(_TABLES)
-        ]
+    def __init__(self, path: Path, catalogue: Catalogue) -> None:
+        self._path, self._catalogue, self._problems = path, catalogue, list[str]()
+        self._raw = read_tables(path, "a duty", _TABLES, self._problems)
 
     def schedule(self, given: Mapping[str, Value]) -> Schedule:
         """The schedule, where nothing is wrong; what is given replaces the file's."""
         head = self._head(given)
         fixed = read_values(self._catalogue, "[fixed]", self._raw.get("fixed", {}), self._problems)
         trips = self._raw.get("trip", [])
-        if not (isinstance(trips, list) and trips):
+        if not trips:
             self._problems.append("a duty needs trips: give at least one [[trip]]")
-            trips = []
         own = [read_values(self._catalogue, f"trip {k}", trip, self._problems) for k, trip in enumerate(trips, 1)]
         for k, values in enumerate(own, 1):
             for key in values:

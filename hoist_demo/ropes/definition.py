@@ -22,12 +22,12 @@ from hoist_demo.cosimulation.participants.rope_plant import RopePlant
 from hoist_demo.parameters import Hoist
 from hoist_demo.ropes.table import READ
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Value
-from hoist_demo.study.definition import StudyError, flat, read_toml
-from hoist_demo.study.reading import read_head, read_values
+from hoist_demo.study.definition import StudyError, flat
+from hoist_demo.study.reading import read_head, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level, Scene
 
-_TABLES = ("ropes", "fixed", "rope")
+_TABLES = {"ropes": dict, "fixed": dict, "rope": list}
 _PLACE = ("x_left", "x_right", "z")
 _BREAK = ("breaks_at", "breaks_s")
 
@@ -74,19 +74,18 @@ class Ropes:
 
 def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
     """The ropes of a file, which may have these parameters; raises StudyError with all problems."""
-    raw, catalogue, problems = read_toml(path), Catalogue(rope), list[str]()
-    for name in raw.keys() - set(_TABLES):
-        problems.append(f"[{name}] is not a table of ropes: the tables are {', '.join(_TABLES)}")
+    catalogue, problems = Catalogue(rope), list[str]()
+    raw = read_tables(path, "ropes", _TABLES, problems)
     head = read_head(path, "ropes", raw.get("ropes", {}), {}, problems)
     fixed = read_values(catalogue, "[fixed]", raw.get("fixed", {}), problems)
     tables = raw.get("rope", [])
     problems += [
         f"{key} = {value!r} must be left out: guards of several ropes are not computed"
-        for table in [raw.get("fixed", {}), *(tables if isinstance(tables, list) else [])]
+        for table in [raw.get("fixed", {}), *tables]
         for key, value in flat(table)
         if key.startswith("guard.")
     ]
-    if not (isinstance(tables, list) and tables):
+    if not tables:
         problems.append("there must be ropes: give at least one [[rope]]")
     if problems:
         raise StudyError(path, problems)

@@ -358,7 +358,10 @@ def with_file(table: Mapping[str, Any]) -> Mapping[str, Any]:
     if "from" not in table:
         return table
     rest = {key: content for key, content in table.items() if key != "from"}
-    return dict(flat(read_toml(Path(str(table["from"]))).get("fixed", {}))) | dict(flat(rest))
+    fixed = read_toml(Path(str(table["from"]))).get("fixed", {})
+    if not isinstance(fixed, dict):
+        raise ValueError(f"{table['from']}: fixed = {fixed!r} must be one table: write [fixed] above it")
+    return dict(flat(fixed)) | dict(flat(rest))
 
 
 def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

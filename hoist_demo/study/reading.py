@@ -1,4 +1,4 @@
-"""Parts of files like a study's, about ropes in this process: their head, and tables of single values."""
+"""Parts of files like a study's, about ropes in this process: their tables, their head, and single values."""
 
 from __future__ import annotations
 
@@ -8,8 +8,29 @@ from typing import Any, get_args
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.definition import flat, strip_unit, with_file
+from hoist_demo.study.definition import flat, read_toml, strip_unit, with_file
 from rope_model import Level
+
+
+def read_tables(path: Path, of: str, kinds: Mapping[str, type], problems: list[str]) -> dict[str, Any]:
+    """The tables of a file, by name: `dict` for one, [name], `list` for several, [[name]].
+
+    What is wrong is added to the problems, and left out.
+    """
+    found: dict[str, Any] = {}
+    for name, content in read_toml(path).items():
+        kind = kinds.get(name)
+        tables = content if isinstance(content, list) else [content]
+        if kind is None:
+            problems.append(f"[{name}] is not a table of {of}: the tables are {', '.join(kinds)}")
+        elif not isinstance(content, kind) or not all(isinstance(table, dict) for table in tables):
+            problems.append(f"{name} = {content!r} must be {_KINDS[kind].format(name)}")
+        else:
+            found[name] = content
+    return found
+
+
+_KINDS: dict[type, str] = {dict: "one table: write [{0}] above it", list: "tables: write [[{0}]] above each"}
 
 
 def read_values(catalogue: Catalogue, where: str, table: Mapping[str, Any], problems: list[str]) -> dict[str, Value]:

@@ -22,11 +22,11 @@ from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.study.catalogue import Catalogue, Value
 from hoist_demo.study.definition import StudyError, read_toml
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.reading import read_head, read_values
+from hoist_demo.study.reading import read_head, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import BEARINGS, Datum, KnownRope, Level
 
-_TABLES = ("uncertain", "rope", "known", "fixed")
+_TABLES = {"uncertain": dict, "rope": dict, "known": dict, "fixed": dict}
 MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
 _OWN: dict[str, Any] = {"samples": 64, "seed": 1, "measures": list(MEASURES), "bearing": ""}
 SWIVELS = ("left", "right")
@@ -72,9 +72,8 @@ class Uncertain:
 
 def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncertain:
     """What a file asks of a rope with these parameters; raises StudyError with all problems."""
-    raw, problems = read_toml(path), list[str]()
-    for name in raw.keys() - set(_TABLES):
-        problems.append(f"[{name}] is not a table of an uncertain winding: the tables are {', '.join(_TABLES)}")
+    problems = list[str]()
+    raw = read_tables(path, "an uncertain winding", _TABLES, problems)
     head = read_head(path, "uncertain", raw.get("uncertain", {}), _OWN, problems)
     _check(head, problems)
     fixed = read_values(Catalogue(parameters), "[fixed]", raw.get("fixed", {}), problems)
