@@ -103,4 +103,5 @@ def test_summary_and_report_tell_how_a_conveyance_jammed() -> None:
     assert seen == pytest.approx(run.winding.emergency_at)
     assert ("After the jam, 10 s", "largest pull on a conveyance") in rows
     labels = [mark.label for mark in marks(run, run.winding)]
-    assert labels.index("jam, right") < labels.index("slack head ropes, right") < labels.index("emergency stop")
+    assert labels[:2] == ["right conveyance jams", "right head ropes slack"]
+    assert "emergency stop" in labels

@@ -31,8 +31,8 @@ def marks(result: Result, winding: Winding) -> list[Mark]:
         found.insert(0, Mark(start + winding.emergency_at, "emergency stop"))
     if (trip := guard_trip(result.recording)) is not None:
         found.insert(0, Mark(trip.t, f"guard: {trip.cause}"))
-    found[:0] = [Mark(slack.t, f"slack head ropes, {slack.side}") for slack in slack_ropes(result.recording)]
-    found[:0] = [Mark(jam.t, f"jam, {jam.side}") for jam in jams(result.recording)]
+    found[:0] = [Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)]
+    found[:0] = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]
     if winding.creeps:
         found[:0] = [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
     found = [mark for mark in found if start <= mark.t <= float(times[-1])]

@@ -129,12 +129,19 @@ class TimePlot {
   // names of the marks, above curves, ticks and bands
   drawNames(group) {
     if (!(this.panel.named ?? true)) return;
-    DATA.marks.forEach((mark, k) => {
-      const x = this.x(mark.t), next = k + 1 < DATA.marks.length ? this.x(DATA.marks[k + 1].t) : this.width;
+    const groups = [];
+    for (const mark of [...DATA.marks].sort((one, other) => one.t - other.t)) {
+      const x = this.x(mark.t), group = groups.at(-1);
+      // lines that lie on one another share a name; the text above the plots has them all
+      if (group && x - group.x < 8) group.more += 1;
+      else groups.push({ x, label: mark.label, more: 0 });
+    }
+    groups.forEach(({ x, label, more }, k) => {
+      const next = k + 1 < groups.length ? groups[k + 1].x : this.width;
       // the name goes where no other mark is
       const before = next - x < 100 && x > MARGIN.left + 90;
       const place = { x: x + (before ? -4 : 4), y: MARGIN.top - 5, "text-anchor": before ? "end" : "start" };
-      add(group, "text", { class: "mark-label", ...place }, mark.label);
+      add(group, "text", { class: "mark-label", ...place }, more ? `${label} +${more}` : label);
     });
   }
 
