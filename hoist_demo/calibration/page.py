@@ -54,15 +54,22 @@ def write_page(found: Identified, path: Path) -> Path:
     ]
     residuals = [Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(found)]
     steps = [(0.5 + x / (2 * SIDE), f"{x:+.0f}" if x else "0") for x in (-4, -3, -2, -1, 0, 1, 2, 3, 4)]
-    head = ("property", "found", "unit", "known before", "status before")
+    head = (
+        "property",
+        f"found, with the interval of {100 * CONFIDENCE:.0f} %",
+        "unit",
+        "known before",
+        "status before",
+    )
     known = [
         (
             *row,
-            f"{number(datum.low)} to {number(datum.high)} {unit_text(datum.unit)}",
+            f"{number(factor * datum.low)} to {number(factor * datum.high)}",
             f"{datum.status}: {datum.source}",
         )
         for row, name in zip(_properties(found), found.names, strict=True)
         for datum in (bench.known.data[name],)
+        for factor in (_unit(found, name)[0],)
     ]
     fitted = [
         (name, number(value), number(predicted), number(sigma), unit_text(unit))
@@ -98,11 +105,17 @@ def _properties(found: Identified) -> list[tuple[str, str, str]]:
     rows = []
     for name in found.names:
         datum = found.known.data[name]
-        factor, unit = engineering(datum.high, datum.unit)
+        factor, unit = _unit(found, name)
         value, low, high = (number(factor * x) for x in (found.value(name), datum.low, datum.high))
         text = f"{value} ({low} to {high})" if found.told(name) else f"not told: {low} to {high} as before"
         rows.append((name, text, unit_text(unit)))
     return rows
+
+
+def _unit(found: Identified, name: str) -> tuple[float, str]:
+    """Factor and unit in which a property is written."""
+    datum = found.known.data[name]
+    return engineering(datum.high, datum.unit)
 
 
 def _open(found: Identified) -> list[str]:

@@ -57,7 +57,7 @@ def _uncertain(options: argparse.Namespace) -> int:
     # the rope loads slowly and is needed here only
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
     from hoist_demo.uncertainty.definition import read_uncertain
-    from hoist_demo.uncertainty.page import summary, write_page, write_table
+    from hoist_demo.uncertainty.page import summary, too_few, write_page, write_table
     from hoist_demo.uncertainty.spread import spread
 
     workers = os.cpu_count() or 1 if options.workers is None else options.workers
@@ -75,4 +75,6 @@ def _uncertain(options: argparse.Namespace) -> int:
     print(f"\nwritten: {write_table(found, out / 'windings.csv')}, {write_page(found, out / 'report.html')}")
     for text, count in found.warnings.items():
         print(f"balance-rope: in {count} of {asked.samples} windings: warning: {text}", file=sys.stderr)
+    if text := too_few(found):
+        print(f"balance-rope: warning: {text}", file=sys.stderr)
     return 0 if all(found.wound(name).all() for name in asked.measures) else 1

@@ -13,6 +13,8 @@ from hoist_demo.uncertainty.spread import QUANTILES, Spread
 
 #: share of a spread from which on a datum is named in the terminal
 NAMED = 0.05
+#: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
+SPOILED = 1.1
 
 
 def summary(found: Spread) -> list[SummaryRow]:
@@ -25,9 +27,23 @@ def summary(found: Spread) -> list[SummaryRow]:
         rows.append(SummaryRow(group, "half of the ropes below", middle, unit))
         rows.append(SummaryRow(group, "nine in ten within", f"{low} to {high}", unit))
         rows += [
-            SummaryRow(group, f"caused by {key}", f"{100 * x:.0f} %") for key, x in _sorted(found, name) if x > NAMED
+            SummaryRow(group, key if key == "unexplained" else f"caused by {key}", f"{100 * x:.0f} %")
+            for key, x in _sorted(found, name)
+            if x > NAMED
         ]
     return rows
+
+
+def too_few(found: Spread) -> str:
+    """A warning where the windings are too few to tell causes apart; '' where they are not."""
+    sums = {name: sum(found.causes(name).values()) for name in found.asked.measures}
+    spoiled = [f"{name} {100 * x:.0f} %" for name, x in sums.items() if x > SPOILED]
+    return (
+        f"the shares of what causes the spread add up to more than 100 % ({', '.join(spoiled)}): {found.asked.samples} "
+        "windings are too few to tell the causes apart; raise samples"
+        if spoiled
+        else ""
+    )
 
 
 def write_table(found: Spread, path: Path) -> Path:
@@ -60,8 +76,11 @@ def write_page(found: Spread, path: Path) -> Path:
     parts = [
         ("", paragraphs([wound])),
         ("What the results may be", grid(head, results)),
-        ("Which datum causes it", paragraphs([hint]) + causes),
-        ("What varies, evenly over its range", grid(("datum", "range", "unit", "status", "source"), data)),
+        ("Which datum causes it", paragraphs([hint, *filter(None, [too_few(found)])]) + causes),
+        (
+            "What varies, evenly over its range, in logarithms where it does not begin at 0",
+            grid(("datum", "range", "unit", "status", "source"), data),
+        ),
     ]
     return write_sheet(path, asked.title, parts)
 
