@@ -21,7 +21,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.ssp import Component, export_ssp
     from hoist_demo.cases.case import Case
     from hoist_demo.cases.table import CASES
-    from hoist_demo.command_line.demo import SHARED, add_demo
+    from hoist_demo.command_line.demo import add_demo, tail_rope
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.identify import add_identify
     from hoist_demo.command_line.ropes import add_ropes
@@ -149,8 +149,8 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         choices=("all", *GROUPS),
         default=list(DEFAULT),
         metavar="GROUP",
-        help=f"outputs that the FMU shows: all, or groups of {', '.join(GROUPS)} (all but shape, the points along the "
-        "rope, which the demo's report draws)",
+        help=f"outputs that the FMU shows: all, or groups of {', '.join(GROUPS)} (all but shape and "
+        "station, points along the rope and places in it, which the demo's report draws)",
     )
     export.add_argument(
         "--scalar", action="store_true", help="FMI 3.0 without arrays: each element a variable, for tools without them"
@@ -226,7 +226,7 @@ def _with_rope(case: Case, path: Path | None) -> Case:
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 
     own = {name: float(value) for name, value in rope_values(path, Catalogue(rope_parameters())).items()}
-    shared: dict[str, Any] = {field: own[name] for name, field, _ in SHARED if name in own}
+    shared: dict[str, Any] = tail_rope(own)
     return replace(case, rope={**case.rope, **own}, hoist=replace(case.hoist, **shared))
 
 

@@ -137,7 +137,8 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     resume = Checkpoint.read(options.resume) if options.resume else None
     catalogue = Catalogue(_parameters(options))
     own = settings(options.set, catalogue)
-    chosen = rope_values(options.rope, catalogue) | own
+    identified = rope_values(options.rope, catalogue)
+    chosen = {f"hoist.{field}": value for field, value in tail_rope(identified).items()} | identified | own
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
     options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _CASE
     run = build(options.case, _winding(options) | chosen)
@@ -181,6 +182,11 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
             print(f"balance-rope: the last good state is in {result.saved}; see --resume", file=sys.stderr)
         return 1
     return 130 if interrupted() else 0
+
+
+def tail_rope(values: Mapping[str, Value]) -> dict[str, Value]:
+    """Fields of the hoist by which its drive takes the balance rope for the one with these parameters."""
+    return {field: values[name] for name, field, _ in SHARED if name in values}
 
 
 def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
