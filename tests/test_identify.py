@@ -10,11 +10,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from balance_rope import _with_rope, main
-from hoist_demo.calibration.definition import read_known, read_measured
+from hoist_demo.calibration.definition import FOLLOWING, read_known, read_measured
 from hoist_demo.calibration.fit import CONFIDENCE, RANGE_VARIANCE, fit, with_measurement
 from hoist_demo.calibration.identify import identify, stacked
 from hoist_demo.calibration.measurements import Bench, Measurement, Trial
-from hoist_demo.calibration.rope_file import PARAMETERS
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.settings import rope_statuses, rope_values
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
@@ -117,7 +116,7 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
 
     catalogue = Catalogue(PARAMETERS_KNOWN)
     values = rope_values(made, catalogue)
-    assert values.keys() == {f"rope.{name}" for name in PARAMETERS}
+    assert values.keys() == {f"rope.{name}" for name in FOLLOWING}
     problems: list[str] = []
     assert read_values(catalogue, "[fixed]", {"from": str(made), "rope": {"EI": 99.0}}, problems) == {
         **values,

@@ -72,7 +72,6 @@ class Kind:
 
     unit: str
     numbers: Mapping[str, str]  # unit by name
-    description: str
     model: Callable[[Trial, Measurement], Sequence[float]]
     texts: tuple[str, ...] = ()
 
@@ -148,21 +147,13 @@ def _swing(trial: Trial, m: Measurement) -> list[float]:
 
 _HEIGHTS = {"left_y": "m", "right_y": "m"}
 KINDS = {
-    "loop width": Kind("m", {}, "of a piece that hangs in a loop between legs far apart", _loop_width),
-    "mass": Kind("kg/m", {}, "weighed, per length", _weighed),
-    "sample torque": Kind(
-        "N.m", {"load": "N", "twist": "rad/m"}, "of a loaded sample with held ends, turned into its lay", _sample_torque
-    ),
-    "sample rotation": Kind(
-        "rad", {"load": "N", "length": "m"}, "by which a loaded sample with a free end unlays", _sample_rotation
-    ),
-    "sample extension": Kind(
-        "m", {"load": "N", "length": "m"}, "of a loaded sample with held ends, beyond its settling", _sample_extension
-    ),
-    "at rest": Kind("", _HEIGHTS, "an output of docs/interface.md, the rope at rest", _at_rest, ("signal",)),
-    "swing": Kind(
-        "Hz", {"number": "1", **_HEIGHTS}, f"natural frequency, plane = {' or '.join(PLANES)}", _swing, ("plane",)
-    ),
+    "loop width": Kind("m", {}, _loop_width),
+    "mass": Kind("kg/m", {}, _weighed),
+    "sample torque": Kind("N.m", {"load": "N", "twist": "rad/m"}, _sample_torque),
+    "sample rotation": Kind("rad", {"load": "N", "length": "m"}, _sample_rotation),
+    "sample extension": Kind("m", {"load": "N", "length": "m"}, _sample_extension),
+    "at rest": Kind("", _HEIGHTS, _at_rest, ("signal",)),
+    "swing": Kind("Hz", {"number": "1", **_HEIGHTS}, _swing, ("plane",)),
 }
 #: what a number is where it is not given
 DEFAULTS = {"twist": 0.0, "number": 1.0}

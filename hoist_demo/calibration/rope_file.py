@@ -5,9 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from hoist_demo.calibration.definition import FOLLOWING
 from hoist_demo.calibration.identify import Identified
-
-PARAMETERS = ("length", "mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "diameter")
 
 
 def write_rope_file(found: Identified, path: Path) -> Path:
@@ -28,6 +27,6 @@ def write_rope_file(found: Identified, path: Path) -> Path:
     for name, datum in known.data.items():
         facts = f"status = {json.dumps(datum.status)}, source = {json.dumps(datum.source)}"
         lines.append(f"{name} = {{ low = {datum.low:.6g}, high = {datum.high:.6g}, {facts} }}")
-    lines += ["", "[fixed]", *(f"rope.{name} = {getattr(rope, name):.8g}" for name in PARAMETERS)]
+    lines += ["", "[fixed]", *(f"rope.{name} = {getattr(rope, name):.8g}" for name in FOLLOWING)]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
     return path
