@@ -15,7 +15,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from evidence.contact.checks import CASES
 from rope_model import EndMotion, balance_rope
 from rope_model.parameters import Mesh, Rope, Scene
-from rope_model.physics.contact import SUMS, Touch, touch
+from rope_model.physics import hermite
+from rope_model.physics.contact import SUMS, Touch, largest_motion, touch
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
 from rope_model.physics.shaft import KINDS, Body, distance, normal
@@ -68,6 +69,18 @@ def test_the_normal_is_a_unit_vector_in_line_with_an_edge_too() -> None:
     body = Body(REST, (1.0, 1.0, 1.0), 0.0, 1.0, 0.0, 1.0)
     assert normal((0.3, 1.2, 1.0), body) == pytest.approx((0.0, 1.0, 0.0))
     assert normal((1.0, 1.3, 1.4), body) == pytest.approx((0.0, 0.6, 0.8))
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.1, 1.0, 100.0])
+def test_no_place_of_an_element_moves_by_more_than_half_of_what_its_nodes_say(turned: float) -> None:
+    """Nodes that move and turn so that all adds up: the other half is for what it may come to."""
+    chance, l = np.random.default_rng(1), 0.7
+    for moved in chance.uniform(size=(100, 4)) * [1.0, turned, 1.0, turned]:
+        rows = np.zeros((2, 6))
+        rows[:, 1], rows[:, 4] = moved[[0, 2]], moved[[1, 3]] * [1.0, -1.0]
+        most = max(largest_motion(l, row, np.zeros(6)) for row in rows)
+        for xi in np.linspace(0.0, 1.0, 21):
+            assert abs(np.dot(hermite.shares(xi, l), rows[:, [1, 4]].ravel())) <= 0.5 * most
 
 
 @pytest.mark.parametrize("seed", range(6))

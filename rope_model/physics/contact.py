@@ -35,12 +35,13 @@ SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pr
 
 
 def largest_motion(longest: Any, q: Any, before: Any) -> Any:
-    """By how much (m) the rope's distance from a body may have changed between two rows r, r' of a node.
+    """By how much (m) the rope's distance from a body or itself may have changed: the largest of all nodes' counts.
 
-    Elements are no longer than ``longest``; the body may have moved like the node.
+    The node had the row r, r' ``before`` and has ``q``.  No place of an element moves by more than half of it, elements
+    being no longer than ``longest``, and no end with what it holds.
     """
     x, y, z, a, b, c = (abs(q[k] - before[k]) for k in range(6))
-    return 2.0 * (x + y + z) + 0.25 * longest * (a + b + c)
+    return 2.0 * (x + y + z) + 0.75 * longest * (a + b + c)
 
 
 class Touch(NamedTuple):
