@@ -308,6 +308,14 @@ def test_a_saved_rope_goes_on_to_the_bit(form: Any) -> None:
 
 
 @pytest.mark.parametrize("form", ["python", "native"])
+@pytest.mark.parametrize(("saved", "here"), [(3000.0, 0.0), (0.0, 3000.0)])
+def test_what_wires_remember_is_restored_only_where_wires_rub(form: Any, saved: float, here: float) -> None:
+    data, other = wound(scene(EI_stick=saved), form, 2).state.to_bytes(), balance_rope(scene(EI_stick=here), form)
+    with pytest.raises(ValueError, match="restore it into"):
+        other.restore(data)
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
 def test_a_stiffness_not_above_that_of_sliding_wires_changes_no_bit(form: Any) -> None:
     plain, same = (wound(scene(EI_stick=stick), form, 10).state for stick in (0.0, 300.0))
     assert_array_equal(plain.motion.q, same.motion.q)

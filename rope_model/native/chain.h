@@ -115,7 +115,7 @@ int see_more_bodies(const System *s, const double *q);
 void contact_force(const System *s, int element, const double *q, const double *v, double force[CONTACT_DOF]);
 void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
                      double tangent[CONTACT_DOF][CONTACT_DOF]);
-/* all elements, where they are; zeros without bodies */
+/* of bodies and of the rope with itself, all elements, where they are */
 void contact_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
 /* chain_self.c: rope_model.simulation.self_contact */

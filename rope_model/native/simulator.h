@@ -82,7 +82,7 @@ void refer(Simulator *rope, State *state, const double *q);
 /* the same, and the angles become those counted along q; returns what theta gains at the right end */
 double transport_angles(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
 
-/* wires.c: rope_model.simulation.wires; all but the first do nothing where no wires rub */
+/* wires.c: rope_model.simulation.wires; of no effect where no wires rub, but for the first and the last */
 /* from now on they do, if the rope has friction and is not rigid, with z = 0 */
 void begin_rubbing(Simulator *rope, State *state);
 /* they begin to move from q and the state's z */

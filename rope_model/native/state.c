@@ -76,8 +76,9 @@ static int happenings_plausible(const State *state) {
 }
 
 int state_plausible(const Simulator *rope, State *state) {
-    if (state->elements != rope->elements || !within(state->rubs, 0, rope->wires != NULL) ||
-        !within(state->fidelity, TORSIONAL, RIGID) || memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
+    if (state->elements != rope->elements || !within(state->fidelity, TORSIONAL, RIGID) ||
+        state->rubs != (rope->wires != NULL && state->fidelity != RIGID) ||
+        memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
         return 0;
     if (rope->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != rope->scene.model.fidelity) return 0;
     const Arrays m = state_arrays(state);

@@ -136,7 +136,7 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def retune(self, scene: Scene) -> None:
-        """Go on with other solver tolerances or swivel friction; nothing else of the scene may differ."""
+        """Go on with other solver tolerances, swivel friction or wind; nothing else of the scene may differ."""
 
 
 def state_in(data: bytes | RopeState | Snapshot) -> RopeState:

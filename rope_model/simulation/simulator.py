@@ -153,6 +153,12 @@ class RopeSimulator(BalanceRope):
                 f"not a state of this rope: counts of II to VI, of I and VII, end_levels, grading_length and l are "
                 f"{saved}, here {self._own_pattern}; restore it into a rope with the same parameters"
             )
+        remembers = 0 if state.fidelity == "rigid" else fresh_memory(self.scene, self.model.kernels.elements).size
+        if state.hysteresis.size != remembers:
+            raise ValueError(
+                f"the saved state has {state.hysteresis.size} numbers that wires remember, this rope {remembers} "
+                "(rope.EI_stick); restore it into a rope with the same parameters"
+            )
 
     @cached_property
     def _own_pattern(self) -> tuple[tuple[int, ...], int, int, float, float]:

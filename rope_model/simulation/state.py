@@ -28,7 +28,7 @@ class EnergyBalance(NamedTuple):
     kinetic: float = 0.0
     strain: float = 0.0
     gravity: float = 0.0
-    contact: float = 0.0  # stored where bodies press the rope
+    contact: float = 0.0  # stored where bodies, or the rope itself, press the rope
     work_ends: float = 0.0  # put in by the conveyances
     dissipated_material: float = 0.0
     dissipated_swivel: float = 0.0
@@ -41,7 +41,7 @@ class EnergyBalance(NamedTuple):
 
     @property
     def total(self) -> float:
-        """Kinetic, strain and potential energy."""
+        """Kinetic, strain and potential energy, and that of contact."""
         return float(total(self))
 
     @property
