@@ -247,8 +247,8 @@ def sides_passed(number: float, since: float, y: float) -> str:
     return (
         "the rope's legs have passed through each other, or one of them through the conveyance and head ropes above "
         f"the other: {number:g} times (loop.crossings), the first at t = {since:.6g} s around y = {y:.4g} m; contact "
-        "is not computed: nothing after that is what a real rope does; lower Qb, Qc or installed_twist, free the "
-        "swivels, or widen the spacing"
+        "is not computed: nothing after that is what a real rope does; contact.rope_stiffness = 1e7 computes that of "
+        "the legs; lower Qb, Qc or installed_twist, free the swivels, or widen the spacing"
     )
 
 
@@ -257,7 +257,8 @@ def sides_passed_in_spite(number: float, since: float, y: float, stiffness: floa
         "one side of the rope has passed through the other, the conveyance and head ropes above its end where the "
         f"scene has none, or the leg where contact.rope_stiffness = {stiffness:g} is too soft for it: {number:g} times "
         f"(loop.crossings), the first at t = {since:.6g} s around y = {y:.4g} m; nothing after that is what a real "
-        "rope does; lower Qb, Qc or installed_twist, free the swivels, or widen the spacing"
+        "rope does; give conveyance and head_ropes, raise contact.rope_stiffness, lower Qb, Qc or installed_twist, or "
+        "free the swivels"
     )
 
 
