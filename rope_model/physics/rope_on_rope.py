@@ -1,8 +1,8 @@
 """Contact of the rope with itself: leg on leg, loop on leg.
 
-Places stand along the rope, closer than its diameter.  Each is looked at against the nearest place of what lies to the
-right of it along the rope by more than APART diameters; where the centre lines are nearer than a diameter, the law of
-physics.contact holds between them, per length, with p = diameter - distance:
+Places stand along the rope, closer than its diameter.  Each is looked at against the nearest place of the elements to
+the right of its own that begin APART diameters or more behind its end; where the centre lines are nearer than a
+diameter, the law of physics.contact holds between them, per length, with p = diameter - distance:
 
     f(r_a - r_b, v_a - v_b)  on the one,   -f  on the other,     shared between the nodes of both elements
 
