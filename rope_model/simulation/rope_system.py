@@ -11,7 +11,6 @@ import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -125,10 +124,10 @@ class KernelCache:
         return self._made[fidelity, bodies]
 
 
-def write_bundle(elements: int, folder: Path, bodies: Kinds = ()) -> list[Path]:
+def write_bundle(elements: int, folder: Path) -> list[Path]:
     """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every fidelity.
 
-    With ``bodies`` also those of a rope that is near one of them.
+    They are those of a rope without air, bodies and friction between its wires; others are built where they are needed.
     """
     folder.mkdir(parents=True, exist_ok=True)
     written, compiler = [], find_compiler()
@@ -138,12 +137,12 @@ def write_bundle(elements: int, folder: Path, bodies: Kinds = ()) -> list[Path]:
             "long; install a compiler, or pip install 'balance-rope[compiler]'",
             folder.name,
         )
-    for fidelity, near in product(ELEMENT_DOF, dict.fromkeys(((), bodies))):
-        library, portable = _bundle_files(folder, elements, fidelity, near)
-        save_portable(rope_functions(elements, fidelity, near).all(), portable)
+    for fidelity in ELEMENT_DOF:
+        library, portable = _bundle_files(folder, elements, fidelity, ())
+        save_portable(rope_functions(elements, fidelity).all(), portable)
         written.append(portable)
         if compiler is not None:
-            shutil.copyfile(_build(elements, fidelity, near, compiler), library)
+            shutil.copyfile(_build(elements, fidelity, (), compiler), library)
             written.append(library)
     return written
 
