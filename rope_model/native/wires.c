@@ -107,10 +107,11 @@ Progress solve_rubbing(Simulator *rope, const Chain *chain, System *s, const dou
         iterations += newton.iterations;
         if (newton.status == CONVERGED || found.status != CONVERGED) {
             found = newton;
-            continue;
+        } else {
+            for (size_t k = 0; k < 4; k++) memcpy(x[k], rope->kept + k * size, sizeof(double) * size);
+            memcpy(balance, kept_balance, sizeof kept_balance);
         }
-        for (size_t k = 0; k < 4; k++) memcpy(x[k], rope->kept + k * size, sizeof(double) * size);
-        memcpy(balance, kept_balance, sizeof kept_balance);
+        if (found.status == CONVERGED && shares[search] == 0) break; /* once more would be the same again */
     }
     found.iterations = iterations;
     return found;

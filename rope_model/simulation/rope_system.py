@@ -341,6 +341,8 @@ class RopeSystem:
             iterations += now.newton.iterations
             if found is None or now.newton.converged or not found.newton.converged:
                 found = now
+            if found.newton.converged and share == 0:  # once more would be the same again
+                break
             q, v, a, reaction = found.q, found.v, found.a, found.evaluation.reaction
         assert found is not None
         return replace(found, newton=replace(found.newton, iterations=iterations))
