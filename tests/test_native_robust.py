@@ -357,6 +357,19 @@ def test_hostile_states_are_refused_or_step_without_harm(library: Library, kind:
     rope.free()
 
 
+@pytest.mark.parametrize("first", [b"\x00", b"\x80", b"\x07"])
+def test_a_state_that_cannot_say_what_failed_is_refused(library: Library, first: bytes) -> None:
+    rope, state, bad = Instance(library), ctypes.c_void_p(), ctypes.c_void_p()
+    assert rope.hang(SMALL | {"right.y": 1e3}) == ERROR
+    assert rope.save(state) == OK
+    data = rope.write(state)
+    place = data.index(rope.said[-1][:20].encode())
+    assert rope.read(reseal(data[:place] + first + data[place + 1 :]), bad) == ERROR
+    assert "the state contradicts itself" in rope.said[-1]
+    assert rope.forget(state) == OK
+    rope.free()
+
+
 def test_a_state_on_other_elements_is_refused(library: Library) -> None:
     """Element lengths and arc lengths, at the state's end, are those of the mesh."""
     rope, state, bad = Instance(library), ctypes.c_void_p(), ctypes.c_void_p()

@@ -433,6 +433,15 @@ void component_save(const Component *c, void *to) {
     memcpy(to, &header, sizeof header);
 }
 
+/* whether the text is one that refuse() made: it ends, and its characters can be shown */
+static int is_message(const char text[MODEL_MESSAGE]) {
+    for (size_t i = 0; i < MODEL_MESSAGE; i++) {
+        if (text[i] == '\0') return 1;
+        if ((text[i] < ' ' && text[i] != '\n') || text[i] > '~') return 0;
+    }
+    return 0;
+}
+
 int component_is_state(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
     const double *values = (const double *)(header + 1);
@@ -451,7 +460,7 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
         ((header->mode == STEPPING || header->mode == TERMINATED) && !header->started) ||
         ((header->mode == INSTANTIATED || header->mode == INITIALIZATION) && header->started) ||
         !isfinite(header->start) || !isfinite(header->time) || !(header->stop >= header->start) ||
-        header->status[MODEL_MESSAGE - 1])
+        !is_message(header->status) || (!header->valid && header->status[0] == '\0'))
         return refuse(c, "the state contradicts itself; save it anew");
     for (i = 0; i < 2 * MODEL_SCALARS; i++) {
         const Variable *variable = &MODEL_VARIABLES[i % MODEL_SCALARS];
