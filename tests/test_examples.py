@@ -85,6 +85,7 @@ def test_a_released_swivel_ends_stuck_below_its_static_friction(tmp_path: Path) 
     assert 0.0 < last_number(lines) <= 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_air_damps_a_swing_by_the_square_of_its_speed_and_wires_more(tmp_path: Path) -> None:
     # dA/dt = -4 / (3 pi) c omega A^2 of a rope that swings by A everywhere, c = rho_a c_d d / (2 rho)
