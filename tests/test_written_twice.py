@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from rope_model.native.cases import NUMBERS
 from rope_model.native.formulas import FORMULAS
 
 ROPE = Path(__file__).resolve().parent.parent / "rope_model"
@@ -212,3 +213,17 @@ def code_lines(text: str) -> int:
 def test_neither_side_grows() -> None:
     lines = {"Python": python_lines(), "C": c_lines()}
     assert all(lines[side] <= MOST_LINES[side] for side in lines), lines
+
+
+def test_the_page_on_architecture_has_these_numbers() -> None:
+    page = (ROPE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    products, calls = (sum(found[k] for found in count_arithmetic().values()) for k in (0, 1))
+    for row, now in {
+        "products and quotients in hand-written C": f"{products} |",
+        "calls of libm in hand-written C": f"{calls} |",
+        "lines of C that Python has too": f"{c_lines()} |",
+        "lines of Python that C has too": f"{python_lines()} |",
+        "formulas that are generated": f"the element, {len(FORMULAS) + len(NUMBERS)} functions and",
+    }.items():
+        (line,) = [line for line in page.splitlines() if line.startswith(f"| {row}")]
+        assert f"| {now}" in line, row
