@@ -25,7 +25,7 @@ from pythonfmu.builder import FmuBuilder
 
 from rope_model.parameters import Level
 from rope_model.simulation.mesh import fit_mesh, partition
-from rope_model.simulation.rope_system import write_bundle
+from rope_model.simulation.rope_kernels import write_bundle
 
 from .archive import read_archive, write_archive
 from .attachments import attachments

@@ -20,7 +20,8 @@ from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from fmu_src.profile import FULL
 from rope_model.numerics.kernels import find_compiler
-from rope_model.simulation.rope_system import RopeKernels, RopeSystem
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import RopeSystem
 
 Array = NDArray[np.float64]
 

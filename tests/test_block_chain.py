@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rope_model.numerics import kernels
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, PARAMETERS, element_functions
-from rope_model.simulation.rope_system import RopeKernels, write_bundle
+from rope_model.simulation.rope_kernels import RopeKernels, write_bundle
 
 Array = NDArray[np.float64]
 
@@ -277,7 +277,7 @@ def test_a_library_that_does_not_load_is_passed_over_with_a_warning(
 ) -> None:
     # as on a machine without a compiler
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
-    monkeypatch.setattr("rope_model.simulation.rope_system.find_compiler", lambda: None)
+    monkeypatch.setattr("rope_model.simulation.rope_kernels.find_compiler", lambda: None)
     portable = write_bundle(2, tmp_path)[0]
     library = tmp_path / f"torsional-2-{kernels.platform_tag()}{kernels.LIBRARY_SUFFIX}"
     library.write_bytes(b"not a library")

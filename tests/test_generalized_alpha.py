@@ -27,7 +27,8 @@ from rope_model.numerics.generalized_alpha import (
 )
 from rope_model.numerics.newton import NewtonReport, NewtonStatus, initial_progress, judge, newton, report
 from rope_model.parameters import Rope
-from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
 Array = NDArray[np.float64]

@@ -17,15 +17,8 @@ from rope_model.physics.element import PARAMETERS
 from rope_model.physics.frame import end_moment
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
 from rope_model.simulation.modal import assemble_matrix, natural_modes
-from rope_model.simulation.rope_system import (
-    ANGLE,
-    POSITION,
-    SLOPE,
-    RopeKernels,
-    RopeSystem,
-    arc_lengths,
-    parameter_vector,
-)
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.statics import Equilibrium, find_equilibrium, hanging_guess
 
 Array = NDArray[np.float64]

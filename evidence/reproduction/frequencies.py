@@ -20,7 +20,8 @@ from rope_model.simulation.ends import HangingEnds, Phase, SwivelState, nominal_
 from rope_model.simulation.mesh import fit_mesh, partition
 from rope_model.simulation.modal import natural_modes
 from rope_model.simulation.paths import EndMotion, EndPath
-from rope_model.simulation.rope_system import RopeKernels, RopeSystem, arc_lengths, parameter_vector
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 from rope_model.simulation.transfer import interpolate
 

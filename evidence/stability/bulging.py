@@ -10,7 +10,8 @@ from evidence.claims import Measurement
 from rope_model.parameters import Layout, Mesh, Rope
 from rope_model.simulation.ends import nominal_points
 from rope_model.simulation.mesh import partition
-from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, arc_lengths, parameter_vector
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import POSITION, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
 from .chain import StaticBoundary, is_stable, plain_newton

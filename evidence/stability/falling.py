@@ -12,7 +12,8 @@ from scipy.integrate import quad, solve_ivp
 from evidence.claims import Measurement
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Layout, Rope
-from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
 from .chain import StaticBoundary, potential

@@ -11,7 +11,8 @@ import numpy as np
 from evidence.claims import Measurement
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation import modal
-from rope_model.simulation.rope_system import ANGLE, RopeKernels, RopeSystem, arc_lengths
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import ANGLE, RopeSystem, arc_lengths
 
 from .chain import Solve, StaticBoundary, by_continuation, by_newton, is_stable
 from .counterexamples import no_rate

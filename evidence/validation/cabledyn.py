@@ -15,7 +15,8 @@ import numpy as np
 
 from evidence.tables import Table, table
 from rope_model.parameters import Layout, Rope
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, parameter_vector
 from rope_model.simulation.statics import find_equilibrium, hanging_guess
 
 from .statics import clamped, turned

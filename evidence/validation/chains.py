@@ -22,7 +22,8 @@ from evidence.stability.falling import CHAIN, GRAVITY, Fall, exact_fall, fall
 from evidence.tables import Table, table
 from rope_model.parameters import Rope
 from rope_model.simulation.modal import natural_modes
-from rope_model.simulation.rope_system import POSITION, RopeKernels, RopeSystem, parameter_vector
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
 from rope_model.simulation.statics import find_equilibrium
 
 Array = NDArray[np.float64]

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from evidence.tables import Table, rows, table
 from rope_model.physics.element import PARAMETERS
-from rope_model.simulation.rope_system import ANGLE, SLOPE, RopeKernels, RopeSystem
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import ANGLE, SLOPE, RopeSystem
 from rope_model.simulation.statics import find_equilibrium
 
 from .statics import clamped, turned

@@ -9,6 +9,7 @@ These are ranges, not lives: how many of them a rope bears is for its maker to s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import rainflow
@@ -40,7 +41,7 @@ UNITS = {"station": "1", "s": "m", "bent": "s"} | {
 _PLACES = ("station", "s")
 
 
-def exposure(recording: Recording, parameters: Mapping[str, object]) -> Recording | None:
+def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording | None:
     """One row per station, from the left end on; None where stations were not recorded.
 
     `parameters` of the rope by FMI name tell where the stations are. What the fidelity leaves out is NaN.
@@ -49,7 +50,7 @@ def exposure(recording: Recording, parameters: Mapping[str, object]) -> Recordin
     if any(values.size == 0 for values in rows.values()):
         return None
     count = rows["tension"].shape[1]
-    first, last, length = (float(str(parameters[name])) for name in ("station.first", "station.last", "rope.length"))
+    first, last, length = (float(parameters[name]) for name in ("station.first", "station.last", "rope.length"))
     columns = {"station": np.arange(1.0, count + 1.0), "s": length * np.linspace(first, last, count)}
     for name, values in rows.items():
         found = dict(zip(("range", "cycles"), _counted(values), strict=True))

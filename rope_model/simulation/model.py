@@ -18,18 +18,8 @@ from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share
 from .ends import HangingEnds, Phase, nominal_points
 from .fidelity import flexible
 from .paths import EndPath
-from .rope_system import (
-    AIR,
-    ANGLE,
-    POSITION,
-    SLOPE,
-    WIRES,
-    Evaluation,
-    KernelCache,
-    RopeSystem,
-    air_parameters,
-    parameter_vector,
-)
+from .rope_kernels import AIR, WIRES, KernelCache
+from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters, parameter_vector
 from .self_contact import SelfTouchingRope
 from .state import Powers, RopeState
 from .surroundings import surroundings

@@ -19,7 +19,8 @@ from ..physics import hermite
 from ..physics.contact import SUMS, Touch
 from ..physics.outline import enclosing_box
 from ..physics.rope_on_rope import APART, CORRECTIONS, PROBES, STRETCH, nearer_place, places, rope_touch
-from .rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeKernels, RopeSystem
+from .rope_kernels import RopeKernels
+from .rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
 _UPPER = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])

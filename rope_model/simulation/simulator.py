@@ -33,7 +33,8 @@ from .model import RopeModel, ends_of
 from .paths import SHORTEST_AIM, SIDES, EndMotion, EndPath, aim, ends_at, path_program
 from .result_warnings import WARNINGS
 from .rigid import rigid_added_mass
-from .rope_system import Array, KernelCache, RopeSystem
+from .rope_kernels import KernelCache
+from .rope_system import Array, RopeSystem
 from .shaft import LOOK_EVERY, with_passages
 from .signal_table import checked_names
 from .signals import group_of

@@ -1,0 +1,163 @@
+"""The functions of a chain of rope elements for CasADi's machine or compiled: which there are, kept, and bundled.
+
+They depend on the number of elements, the fidelity and what acts on the rope (``Kinds``), and on no data of the rope.
+"""
+
+from __future__ import annotations
+
+import logging
+import shutil
+from collections.abc import Sequence
+from functools import cache, partial
+from pathlib import Path
+
+from ..numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
+from ..numerics.kernels import (
+    LIBRARY_SUFFIX,
+    Kernel,
+    KernelForm,
+    build_library,
+    build_parts,
+    cache_folder,
+    find_compiler,
+    load_compiled,
+    load_portable,
+    platform_tag,
+    prepare,
+    save_portable,
+)
+from ..numerics.newton import PROGRESS
+from ..physics.air_element import AIR_BALANCE, air_element
+from ..physics.contact_element import CONTACT_BALANCE, contact_element
+from ..physics.element import (
+    BALANCE,
+    ELEMENT_DOF,
+    MOMENTUM,
+    NODE_DOF,
+    STRAINS,
+    ElementFidelity,
+    element_functions,
+)
+from ..physics.shaft import KINDS
+from ..physics.wire_element import wire_element
+
+log = logging.getLogger(__name__)
+
+#: kinds of the bodies that a rope may touch; before them AIR where there is air, WIRES where they rub on each other
+Kinds = tuple[int, ...]
+AIR, WIRES = len(KINDS), len(KINDS) + 1
+_WORDS = (*KINDS, "air", "wires")
+
+
+class RopeKernels:
+    """The chain's functions for ``elements`` elements on one fidelity, to be called on arrays of shape (nodes, 7).
+
+    What a fidelity leaves out stays zero.  ``bundle`` is a folder written by ``write_bundle``; without it, or without
+    files for this size, fidelity and platform in it, the functions are built from the element and compiled when that is
+    possible.
+    """
+
+    def __init__(
+        self,
+        elements: int,
+        form: KernelForm = "auto",
+        bundle: Path | None = None,
+        fidelity: ElementFidelity = "torsional",
+        bodies: Kinds = (),
+    ) -> None:
+        library, portable = _bundle_files(bundle, elements, fidelity, bodies) if bundle else (None, None)
+        if portable is not None and portable.exists():
+            functions = load_portable(portable)
+        else:
+            functions = list(rope_functions(elements, fidelity, bodies).all())
+        (solve, newton_step, evaluate, losses, strains, momentum, reference, transport), self.form = prepare(
+            functions, partial(_build, elements, fidelity, bodies), form, library
+        )
+        nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
+        self.elements, self.fidelity = elements, fidelity
+        # what solve and evaluate sum up
+        air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if set(bodies) - {AIR, WIRES} else ()
+        self.balance = (*BALANCE, *air, *contact)
+        self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
+        self.newton_step = Kernel(newton_step, (nodes, nodes))
+        self.evaluate = Kernel(evaluate, (nodes, balance))
+        self.losses = Kernel(losses, ((losses.size1_out(0),),))
+        self.strains = Kernel(strains, ((elements, len(STRAINS)),))
+        self.momentum = Kernel(momentum, ((len(MOMENTUM),),))
+        self.reference = Kernel(reference, ((elements, reference.size1_out(0)),))
+        self.transport = Kernel(transport, ((elements, 3),))
+
+
+class KernelCache:
+    """The kernels of every fidelity for one number of elements, made when first needed."""
+
+    def __init__(self, elements: int, form: KernelForm = "auto", bundle: Path | None = None) -> None:
+        self.elements, self._form, self._bundle = elements, form, bundle
+        self._made: dict[tuple[ElementFidelity, Kinds], RopeKernels] = {}
+
+    def of(self, fidelity: ElementFidelity, bodies: Kinds = ()) -> RopeKernels:
+        """Those of ``fidelity``, of a rope that is near one of the ``bodies``, or far from all."""
+        if (fidelity, bodies) not in self._made:
+            self._made[fidelity, bodies] = RopeKernels(self.elements, self._form, self._bundle, fidelity, bodies)
+        return self._made[fidelity, bodies]
+
+
+def write_bundle(elements: int, folder: Path) -> list[Path]:
+    """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every fidelity.
+
+    They are those of a rope without air, bodies and friction between its wires; others are built where they are needed.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    written, compiler = [], find_compiler()
+    if compiler is None:
+        log.warning(
+            "no compiled kernels go into %s, for want of a C compiler: CasADi's virtual machine takes several times as "
+            "long; install a compiler, or pip install 'balance-rope[compiler]'",
+            folder.name,
+        )
+    for fidelity in ELEMENT_DOF:
+        library, portable = _bundle_files(folder, elements, fidelity, ())
+        save_portable(rope_functions(elements, fidelity).all(), portable)
+        written.append(portable)
+        if compiler is not None:
+            shutil.copyfile(_build(elements, fidelity, (), compiler), library)
+            written.append(library)
+    return written
+
+
+def _build(elements: int, fidelity: ElementFidelity, bodies: Kinds, compiler: Sequence[str]) -> Path:
+    """The compiled library: the element is the same in ropes of any number of elements, and compiled once."""
+    kind = "-".join((fidelity, *(_WORDS[kind] for kind in bodies)))
+    parts = build_parts(rope_parts(fidelity, bodies), compiler, cache_folder(), f"element-{kind}")
+    functions = _linked_functions(elements, fidelity, bodies, parts.library).all()
+    return build_library(functions, compiler, cache_folder(), f"kernels-{kind}-{elements}", [parts.linked])
+
+
+@cache
+def _linked_functions(elements: int, fidelity: ElementFidelity, bodies: Kinds, library: Path) -> ChainFunctions:
+    """Those of ``rope_functions``, but calling what ropes of any size have in common."""
+    parts = ChainParts(*load_compiled(rope_parts(fidelity, bodies), library))
+    return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
+
+
+def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies: Kinds) -> tuple[Path, Path]:
+    name = "-".join((fidelity, *(_WORDS[kind] for kind in bodies), str(elements)))
+    return folder / f"{name}-{platform_tag()}{LIBRARY_SUFFIX}", folder / f"{name}.casadi"
+
+
+@cache
+def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
+    """CasADi functions that ropes of any number of elements have in common."""
+    element = element_functions(fidelity)
+    if WIRES in bodies:
+        element = wire_element(fidelity, element)
+    if AIR in bodies:
+        element = air_element(fidelity, element)
+    touched = tuple(kind for kind in bodies if kind not in (AIR, WIRES))
+    return chain_parts(contact_element(fidelity, element, touched) if touched else element)
+
+
+@cache
+def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", bodies: Kinds = ()) -> ChainFunctions:
+    """CasADi functions of a rope of ``elements`` elements, with ``bodies`` that it may touch."""
+    return chain_functions(elements, rope_parts(fidelity, bodies), NODE_DOF, ELEMENT_DOF[fidelity])
