@@ -136,6 +136,7 @@ def test_the_compiled_kernels_give_what_the_portable_ones_give() -> None:
             np.testing.assert_allclose(ours, reference, rtol=1e-12, atol=1e-12 * np.abs(reference).max())
 
 
+@pytest.mark.slow  # five seconds of the optimiser
 @pytest.mark.skipif("OPTIMISING_CC" not in os.environ, reason="the tests have no C compiler of the system")
 def test_the_optimiser_does_not_change_a_bit(monkeypatch: pytest.MonkeyPatch) -> None:
     """So the tests may compile without it."""

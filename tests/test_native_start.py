@@ -36,7 +36,7 @@ EVERYWHERE = [
         name,
         marks=[
             pytest.mark.skipif(name not in available_platforms(), reason="needs ziglang"),
-            *([] if name.endswith("linux") else [pytest.mark.slow]),
+            *([] if name == host_platform() else [pytest.mark.slow]),
         ],
     )
     for name in PLATFORMS
@@ -109,6 +109,7 @@ def test_the_linkers_own_page_hashes_are_computed_again() -> None:
 
 
 @needs_zig
+@pytest.mark.slow
 def test_what_is_written_into_is_signed_anew_alone_and_in_a_universal_library() -> None:
     shared = without_start(SOURCES, 4)
     pair = [library(shared, "start", name).read_bytes() for name in ("x86_64-darwin", "aarch64-darwin")]

@@ -13,10 +13,16 @@ from rope_model.public import Form
 from rope_model.simulation.modal import natural_modes
 
 SEED = 7
-DRAWN = list(poses(SEED, 5 * len(KINDS)))
+DRAWN, QUICK = list(poses(SEED, 5 * len(KINDS))), 2 * len(KINDS)
 
 
-@pytest.mark.parametrize("pose", DRAWN, ids=[f"{k}, {pose.kind}" for k, pose in enumerate(DRAWN)])
+@pytest.mark.parametrize(
+    "pose",
+    [
+        pytest.param(pose, marks=[pytest.mark.slow] if k >= QUICK else [], id=f"{k}, {pose.kind}")
+        for k, pose in enumerate(DRAWN)
+    ],
+)
 def test_every_pose_finds_rest_or_is_refused_for_a_reason(pose: Pose) -> None:
     rest = hang(pose)
     assert NO_REASON not in rest.refusal

@@ -193,6 +193,6 @@ def theta_prime() -> Finding:
 
 ENTRIES = (
     Entry("tait-bryan", "Tait-Bryan angles at 90 degrees of loop yaw", tait_bryan, slow=True),
-    Entry("frenet", "Frenet's frame on the legs", frenet),
+    Entry("frenet", "Frenet's frame on the legs", frenet, slow=True),
     Entry("theta-prime", "Torsional strain without the frame's twist", theta_prime, slow=True),
 )
