@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from copy import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from evidence.contact.crossed import crossing, force_error
 from rope_model import BalanceRope, EndMotion, Status, balance_rope
 from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
+from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Air, Contact, Shaft
 from rope_model.simulation.self_contact import RopeTouches, SelfTouchingRope, touches_of
 from rope_model.simulation.simulator import RopeSimulator
@@ -35,6 +37,56 @@ def touches(q: Array, lengths: Array, v: Array | None = None, c: Any = (0.0, 0.0
 def test_the_force_of_crossing_strings_is_the_integral_of_the_law(degrees: float, off: float) -> None:
     """``off`` is by how much the spacing of the places shows."""
     assert force_error(degrees) < off
+
+
+ORDERS = ((0, 1, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0))
+
+
+def bundle(order: tuple[int, ...]) -> Array:
+    """Three straight strands of 3 m in a triangle, 0.8 diameters apart, which one rope passes in this order."""
+    q = np.zeros((12, 7))
+    for k, corner in enumerate(order):
+        angle, sense = 2.0 * math.pi * corner / 3, 1 - 2 * (k % 2)
+        q[4 * k : 4 * k + 4, 0] = sense * np.linspace(-1.5, 1.5, 4)
+        q[4 * k : 4 * k + 4, 1:4] = math.cos(angle), math.sin(angle), sense
+        q[4 * k : 4 * k + 4, 1:3] *= 0.8 * THIN / math.sqrt(3.0)
+    return q
+
+
+THIN = 0.02
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_each_of_three_strands_feels_both_others_in_whatever_order_the_rope_passes_them(order: tuple[int, ...]) -> None:
+    scene = holding().with_(rope=Rope(diameter=THIN))
+    q, lengths = bundle(order), np.where(np.arange(11) % 4 == 3, 20.0, 1.0)
+    found, R = touches_of(scene, q, 0 * q, lengths, 0.0, 0.0), np.zeros_like(q)
+    found.take_force(R)
+    pressed, onset = 0.2 * THIN, ONSET * THIN
+    each = 3.0 * K * (0.5 * onset + pressed - onset)
+    # what joins the strands goes on along them, and presses within a diameter of their ends: 1/150 of their length
+    most = THIN / 3.0
+    assert found.sums()["rope"] == pytest.approx(3.0 * each, rel=most)
+    for k, corner in enumerate(order):
+        angle = 2.0 * math.pi * corner / 3
+        outwards = math.sqrt(3.0) * each * np.array([0.0, math.cos(angle), math.sin(angle)])
+        assert_allclose(-R[4 * k : 4 * k + 4, :3].sum(axis=0), outwards, atol=most * each)
+
+
+def test_both_forms_find_the_same_strands() -> None:
+    scene = Scene(
+        rope=Rope(length=11.0, diameter=THIN, EI=100.0),
+        layout=Layout(0.3),
+        mesh=Mesh("eem", elements=11),
+        shaft=Shaft(contact=Contact(rope_stiffness=K)),
+    )
+    found = []
+    for form in ("python", "native"):
+        rope = begun(scene, form)
+        rope.restore(rope.state._replace(motion=replace(rope.state.motion, q=bundle((0, 1, 2)))))
+        found.append(rope.signals(["contact.rope"])["contact.rope"])
+    assert found[0] > 3.0 * 2.5 * K * 0.15 * THIN  # all three pairs, nearly along their whole length
+    assert found[1] == pytest.approx(found[0], rel=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -52,13 +52,14 @@ typedef struct {
     Touch law;
 } RopeTouch;
 
-/* The rope's contact with itself: what find_rope_touches found last; boxes: of the elements, others: those near one;
-   seen: q and lengths as they were when it last looked, free: how near any two elements were at least, m;
+/* The rope's contact with itself: what find_rope_touches found last, room of them at most; boxes: of the elements,
+   others: those near one, with the arc length from its end to each, and of a place of it how far they are and where in
+   them; seen: q and lengths as they were when it last looked, free: how near any two elements were at least, m;
    scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients. */
 typedef struct {
     const Scene *scene;
-    int number, *others;
-    double (*boxes)[6], *scratch, *seen, *seen_lengths, free;
+    int number, room, *others;
+    double (*boxes)[6], *scratch, *seen, *seen_lengths, *ways, *distances, *where, free;
     RopeTouch *touches;
 } OwnContact;
 enum { OWN_SCRATCH = 4 };

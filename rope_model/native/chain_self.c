@@ -4,22 +4,30 @@
 
 #include "chain.h"
 
+/* strands that do not overlap make no more */
+static size_t most_touches(const Scene *scene, int elements) {
+    return PAIRS * (size_t)most_places(scene->rope.length, elements, scene->rope.diameter);
+}
+
 size_t own_contact_bytes(const Scene *scene, int elements) {
     const size_t n = (size_t)elements, size = (n + 1) * DOF;
     if (!(scene->shaft.contact.rope_stiffness > 0)) return 0;
-    const size_t places = (size_t)most_places(scene->rope.length, elements, scene->rope.diameter);
-    return sizeof(OwnContact) + sizeof(double) * (7 * n + (OWN_SCRATCH + 1) * size) + sizeof(RopeTouch) * places +
-           sizeof(int) * (n + n % 2);
+    return sizeof(OwnContact) + sizeof(double) * (10 * n + (OWN_SCRATCH + 1) * size) +
+           sizeof(RopeTouch) * most_touches(scene, elements) + sizeof(int) * (n + n % 2);
 }
 
 OwnContact *own_contact(const Scene *scene, int elements, void *memory) {
     const size_t n = (size_t)elements, size = (n + 1) * DOF;
     OwnContact *own = memory;
     own->scene = scene;
+    own->room = (int)most_touches(scene, elements);
     own->scratch = (double *)(void *)(own + 1);
     own->seen = own->scratch + OWN_SCRATCH * size;
     own->seen_lengths = own->seen + size;
-    own->boxes = (double (*)[6])(void *)(own->seen_lengths + n);
+    own->ways = own->seen_lengths + n;
+    own->distances = own->ways + n;
+    own->where = own->distances + n;
+    own->boxes = (double (*)[6])(void *)(own->where + n);
     own->others = (int *)(void *)(own->boxes + n);
     /* ints in twos keep what follows aligned */
     own->touches = (RopeTouch *)(void *)(own->others + n + n % 2);
@@ -55,7 +63,7 @@ static int near_elements(const System *s, int element) {
         if (along < APART * diameter) continue;
         const double gap = gap_of(own->boxes[element], own->boxes[e]);
         own->free = smaller(own->free, gap);
-        if (gap < diameter) own->others[number++] = e;
+        if (gap < diameter) own->others[number] = e, own->ways[number++] = along;
     }
     return number;
 }
@@ -107,8 +115,28 @@ static void note(const System *s, const double *q, const double *v, const double
     own->touches[own->number++] = touch;
 }
 
+/* arc length from the element looked at to the nearest place of one near it */
+static double way_to(const System *s, int n) {
+    return s->own->ways[n] + s->own->where[n] * s->lengths[s->own->others[n]];
+}
+
+/* of the near elements the nearest, if it touches, and those of its strand are left out from now on; or -1 */
+static int next_strand(const System *s, int others) {
+    OwnContact *own = s->own;
+    const double diameter = own->scene->rope.diameter;
+    double least = diameter;
+    int nearest = -1;
+    for (int n = 0; n < others; n++)
+        if (own->distances[n] < least) least = own->distances[n], nearest = n;
+    if (nearest < 0) return -1;
+    for (int n = 0; n < others; n++)
+        if (fabs(way_to(s, n) - way_to(s, nearest)) < APART * diameter) own->distances[n] = INFINITY;
+    return nearest;
+}
+
 static void look_along(const System *s, const double *q, const double *v, const double c[2], int element, int others) {
-    const double diameter = s->own->scene->rope.diameter, l = s->lengths[element];
+    OwnContact *own = s->own;
+    const double diameter = own->scene->rope.diameter, l = s->lengths[element];
     const int number = (int)places_of(l, diameter);
     const double weight = l / number;
     for (int k = 0; k < number;) {
@@ -117,11 +145,16 @@ static void look_along(const System *s, const double *q, const double *v, const 
         hermite_shares((k + 0.5) / number, l, shares);
         place_on(q, element, shares, point);
         for (int n = 0; n < others; n++) {
-            double xi = 0;
-            const double distance = nearest_place(s, q, s->own->others[n], point, &xi);
-            if (distance < least) least = distance, touch.elements[1] = s->own->others[n], touch.place = xi;
+            own->distances[n] = nearest_place(s, q, own->others[n], point, own->where + n);
+            if (own->distances[n] < least) least = own->distances[n];
         }
-        if (least < diameter) note(s, q, v, c, shares, touch);
+        for (int strand = 0; least < diameter && strand < MOST_STRANDS && own->number < own->room; strand++) {
+            const int n = next_strand(s, others);
+            if (n < 0) break;
+            touch.elements[1] = own->others[n];
+            touch.place = own->where[n];
+            note(s, q, v, c, shares, touch);
+        }
         /* what is certainly farther than a diameter is left out; a distance that is not a number ends the look */
         k += least < diameter ? 1 : least < INFINITY ? 1 + (int)((least - diameter) / (STRETCH * weight)) : number;
     }

@@ -1,8 +1,9 @@
 """Contact of the rope with itself: leg on leg, loop on leg.
 
-Places stand along the rope, closer than its diameter.  Each is looked at against the nearest place of the elements to
-the right of its own that begin APART diameters or more behind its end; where the centre lines are nearer than a
-diameter, the law of physics.contact holds between them, per length, with p = diameter - distance:
+Places stand along the rope, closer than its diameter.  Each is looked at against the elements to the right of its own
+that begin APART diameters or more behind its end, of which several strands may lie around it: the nearest place, and
+each next one that is APART diameters or more along the rope from those before it.  Where the centre lines are nearer
+than a diameter, the law of physics.contact holds between them, per length, with p = diameter - distance:
 
     f(r_a - r_b, v_a - v_b)  on the one,   -f  on the other,     shared between the nodes of both elements
 
@@ -30,6 +31,8 @@ SPACING = 0.25
 MOST_PLACES = 1000
 #: diameters along the rope within which it does not touch itself: the circle that would takes a radius of five
 APART = 10.0 * math.pi
+#: so many strands of equal diameter lie around one, and so many pairs they make at most for each of them
+MOST_STRANDS, PAIRS = 6, 3
 #: where in an element the nearest place is looked for first, and corrections from the best of these
 PROBES, CORRECTIONS = (0.0, 0.25, 0.5, 0.75, 1.0), 4
 #: places are no farther apart than so many times their distance along the rope

@@ -7,7 +7,7 @@ is then a few looks.  Nothing is remembered: the state has no part in it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from ..parameters import Scene
 from ..physics import hermite
 from ..physics.contact import SUMS, Touch
 from ..physics.outline import enclosing_box
-from ..physics.rope_on_rope import APART, CORRECTIONS, PROBES, STRETCH, nearer_place, places, rope_touch
+from ..physics.rope_on_rope import APART, CORRECTIONS, MOST_STRANDS, PROBES, STRETCH, nearer_place, places, rope_touch
 from .rope_kernels import RopeKernels
 from .rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
@@ -78,20 +78,21 @@ def touches_of(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: 
     """Where a rope in elements of these ``lengths`` presses itself, with the tangent along (cq, cv) of q and v."""
     rows = np.concatenate((q[:, : SLOPE.stop], v[:, : SLOPE.stop]), axis=1).tolist()
     diameter, law, l, found = scene.rope.diameter, scene.shaft.contact, lengths.tolist(), []
+    start = (np.cumsum(lengths) - lengths).tolist()
     for e, others in _near(q, lengths, diameter):
         number, k = int(places(l[e], diameter)), 0
         weight = l[e] / number
         while k < number:
             shares = hermite.shares((k + 0.5) / number, l[e])
             point = _at(rows, e, shares, 0)
-            distance, other, xi = min(_nearest(rows, l[o], o, point) for o in others)
-            if distance < diameter:
+            near = sorted(_nearest(rows, l[o], o, point) for o in others)
+            for other, xi in _strands((x for x in near if x[0] < diameter), start, l, APART * diameter):
                 partner = hermite.shares(xi, l[other])
                 apart = _difference(point, _at(rows, other, partner, 0))
                 speed = _difference(_at(rows, e, shares, 6), _at(rows, other, partner, 6))
                 one = rope_touch(law, diameter, apart, speed, cq, cv)
                 found.append(RopeTouch((e, other), (*shares, *(-share for share in partner)), weight, one))
-            k += 1 + max(int((distance - diameter) / (STRETCH * weight)), 0)
+            k += 1 + max(int((near[0][0] - diameter) / (STRETCH * weight)), 0)
     return RopeTouches(found)
 
 
@@ -179,6 +180,18 @@ def _near(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int
     start = np.cumsum(lengths) - lengths
     near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= APART * diameter)
     return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
+
+
+def _strands(
+    near: Iterable[tuple[float, int, float]], start: list[float], l: list[float], reach: float
+) -> Iterator[tuple[int, float]]:
+    """Elements and where in them of ``near``, nearest first: each ``reach`` or more along the rope from the others."""
+    taken: list[float] = []
+    for _, other, xi in near:
+        s = start[other] + xi * l[other]
+        if len(taken) < MOST_STRANDS and all(abs(s - before) >= reach for before in taken):
+            taken.append(s)
+            yield other, xi
 
 
 def _at(rows: list[list[float]], element: int, shares: tuple[float, ...], first: int) -> tuple[float, float, float]:
