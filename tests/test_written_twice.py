@@ -41,7 +41,7 @@ ARITHMETIC = {
     "trial_step": (16, 0),
     "system_of": (2, 0),
     "restart": (5, 0),
-    "commit": (12, 0),
+    "commit": (11, 0),
     "flexible_start": (4, 0),
     "added_masses": (5, 0),
     "rope_derivative": (7, 0),
@@ -72,7 +72,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2371, "C": 3006}
+MOST_LINES = {"Python": 2435, "C": 3087}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(
@@ -85,6 +85,7 @@ TWICE = (
             "guards",
             "mesh",
             "model",
+            "point_forces",
             "rigid",
             "self_contact",
             "shaft",

@@ -67,7 +67,7 @@ enum { OWN_SCRATCH = 4 };
 /* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
    newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
    elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies,
-   own: NULL where the rope does not touch itself.
+   own: NULL where the rope does not touch itself.  forces, at `time`: NULL where there are none.
    air: the numbers of physics.air.AirLaw, the first 0 where there is none.  wires: physics.wire_element.HISTORY of each
    element, NULL where no wires rub; secants: their share in the tangent. */
 typedef struct {
@@ -76,8 +76,9 @@ typedef struct {
     double *frames;
     Surroundings *around;
     OwnContact *own;
+    const PointForces *forces;
     const double *wires;
-    double secants, P[PARAMETERS], air[AIR], load[2], friction_load[2], inertia[2], shortest;
+    double time, secants, P[PARAMETERS], air[AIR], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
 typedef struct {
@@ -119,7 +120,14 @@ void contact_tangent(const System *s, int element, const double *q, const double
 /* of bodies and of the rope with itself, all elements, where they are */
 void contact_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
+/* point_forces.c: rope_model.simulation.point_forces */
+/* to R; and what they do as a load, and their power */
+void add_point_forces(const System *s, double *R);
+void add_point_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+
 /* chain_self.c: rope_model.simulation.self_contact */
+/* r (or its speed) at a place of an element */
+void place_on(const double *x, int element, const double shares[4], double y[3]);
 /* what it takes in this scene: 0 where the rope does not touch itself; and that in as much zeroed memory, aligned to 64
    bytes */
 size_t own_contact_bytes(const Scene *scene, int elements);

@@ -146,6 +146,7 @@ void contact_balance(const System *s, const double *q, const double *v, double s
     int kind;
     memset(sums, 0, sizeof(double) * CONTACT_BALANCE);
     add_rope_balance(s, q, v, sums);
+    add_point_balance(s, q, v, sums);
     if (s->around == NULL) return;
     look_for_bodies(s, q, v, 0);
     if (!s->around->any) return;

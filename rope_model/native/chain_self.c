@@ -34,8 +34,7 @@ OwnContact *own_contact(const Scene *scene, int elements, void *memory) {
     return own;
 }
 
-/* r (or its speed) at a place of an element */
-static void place_on(const double *x, int element, const double shares[4], double y[3]) {
+void place_on(const double *x, int element, const double shares[4], double y[3]) {
     const double *a = x + (size_t)element * DOF, *b = a + DOF;
     for (int i = 0; i < 3; i++)
         y[i] = shares[0] * a[i] + shares[1] * a[SLOPE + i] + shares[2] * b[i] + shares[3] * b[SLOPE + i];

@@ -24,6 +24,7 @@ from ..simulation.ends import Phase, SwivelState
 from ..simulation.fidelity import Fidelity
 from ..simulation.mesh import Partition
 from ..simulation.paths import SHORTEST_AIM, SIDES, EndMotion, EndPath
+from ..simulation.point_forces import PointForces
 from ..simulation.result_warnings import WARNINGS
 from ..simulation.signal_table import SIGNALS, checked_names
 from ..simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, Powers, RopeState
@@ -64,6 +65,10 @@ class _Memory(Structure):
     _fields_ = (("take", c_void_p), ("give_back", c_void_p))
 
 
+class _PointForces(Structure):
+    _fields_ = (("number", c_int), ("start", c_double), ("stop", c_double), ("places", c_void_p))
+
+
 @cache
 def _load() -> ctypes.CDLL:
     return declare(ctypes.CDLL(str(library())))
@@ -78,6 +83,9 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_initialize": (c_int, (rope, c_double, c_char_p)),
         "rope_advance": (c_int, (rope, c_double, c_char_p, c_double)),
         "rope_retune": (c_int, (rope, c_void_p)),
+        "rope_apply": (None, (rope, c_void_p)),
+        "rope_rows": (None, (rope, c_void_p)),
+        "rope_displacement": (None, (rope, c_void_p, c_void_p)),
         "rope_message": (c_char_p, (rope,)),
         "rope_is_initialized": (c_int, (rope,)),
         "rope_time": (c_double, (rope,)),
@@ -115,6 +123,7 @@ class NativeRope(BalanceRope):
             raise ValueError(message.value.decode())
         self._scene = scene
         self._state: RopeState | None = None  # the present one, when it was asked for
+        self._forces: tuple[Structure, Any] | None = None  # kept for the library, which does not copy them
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy, or the rope that a pickle makes, is a rope of its own in the same state."""
@@ -185,6 +194,22 @@ class NativeRope(BalanceRope):
 
         return read_now
 
+    def apply(self, forces: PointForces) -> None:
+        self._forces = _forces(forces)
+        self._lib.rope_apply(self._rope, byref(self._forces[0]))
+
+    def rows(self) -> NDArray[np.float64]:
+        self._require_state()
+        found = np.empty((self.elements + 1, 13))
+        self._lib.rope_rows(self._rope, found.ctypes.data)
+        return found
+
+    def displacement(self, forces: PointForces) -> NDArray[np.float64]:
+        self._require_state()
+        given, found = _forces(forces), np.empty((forces.s.size, 3))
+        self._lib.rope_displacement(self._rope, byref(given[0]), found.ctypes.data)
+        return found
+
     def added_mass(self) -> tuple[float, float]:
         left, right = self.signals(("left.added_mass", "right.added_mass")).values()
         return left, right
@@ -244,6 +269,12 @@ class NativeRope(BalanceRope):
 
     def _message(self) -> str:
         return str(self._lib.rope_message(self._rope).decode())
+
+
+def _forces(forces: PointForces) -> tuple[Structure, Any]:
+    """As rope.h has them, and the places, which stay where they are as long as they are kept."""
+    places = np.column_stack((forces.s, forces.at_start, forces.at_stop))
+    return _PointForces(forces.s.size, forces.start, forces.stop, places.ctypes.data), places
 
 
 def _made(kind: type[NativeRope], scene: Scene, state: bytes) -> NativeRope:

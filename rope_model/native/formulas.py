@@ -33,6 +33,7 @@ from ..physics import (
     hermite,
     inextensible,
     outline,
+    point_forces,
     rope_on_rope,
     shaft,
     stress,
@@ -98,6 +99,8 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "Touch rope_touch(const Contact *contact, double diameter, const double apart[3], const double speed[3], "
     "double cq, double cv)": rope_on_rope.rope_touch,
+    "double part_of_time(double start, double stop, double t)": point_forces.part_of_time,
+    "void point_load(const double place[3], const double force[3], double load[6])": point_forces.point_load,
     "double largest_motion(double longest, const double q[6], const double before[6])": contact.largest_motion,
     "AirLaw air_law(const Air *air, double diameter)": air.air_law,
     "double wire_stiffness(const Rope *rope)": wire_friction.wire_stiffness,

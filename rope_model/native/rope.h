@@ -40,6 +40,21 @@ int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double with
 
 /* go on with other solver tolerances or swivel friction; nothing else of the scene may differ */
 int rope_retune(Simulator *rope, const Scene *scene);
+/* Forces at places of the rope: the arc length from its left end, m, in ascending order, and the force at `start` and
+   at `stop`, N, linear between them and held beyond. */
+typedef struct {
+    int number;
+    double start, stop;
+    const double (*places)[7];
+} PointForces;
+/* They act until others are given.  The places stay the caller's and must stay where they are; they are no part of the
+   state. */
+void rope_apply(Simulator *rope, const PointForces *forces);
+/* of each node: arc length, r, r', and the rates of both */
+void rope_rows(const Simulator *rope, double (*rows)[13]);
+/* by how much each of the places is moved by their forces at `start`, when those come in at the end of a step as long
+   as the last, as far as the equations are linear in it */
+void rope_displacement(Simulator *rope, const PointForces *forces, double (*moved)[3]);
 const char *rope_message(const Simulator *rope);
 
 int rope_is_initialized(const Simulator *rope);

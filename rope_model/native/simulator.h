@@ -35,6 +35,7 @@ struct Simulator {
     void *work;                 /* of the chain */
     Surroundings *around;
     OwnContact *own; /* NULL where the rope does not touch itself */
+    PointForces forces;
     double values[SIGNALS];
     unsigned known; /* bit g: the values of group g are those of the state */
     LoopBottom bottom;

@@ -23,6 +23,8 @@ System system_of(const Simulator *rope, State *state) {
                 .frames = rope->frames,
                 .around = rope->around->bodies > 0 ? rope->around : NULL,
                 .own = rope->own,
+                .forces = rope->forces.number > 0 ? &rope->forces : NULL,
+                .time = state->t,
                 .wires = state->rubs ? rope->wires : NULL,
                 .shortest = x.lengths[0]};
     element_parameters(data, rope->scene.layout.gravity, s.P);
@@ -125,6 +127,7 @@ Trial trial_step(Simulator *rope, State *state, double h) {
         now->a[i] = old.a[i] + ahead * old.a_rate[i];
     }
     prescribe(rope, state, &s, trial.t, 3, (double *[]){now->q, now->v, now->a});
+    s.time = trial.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     trial.newton =
         solve_rubbing(rope, chain_of_state(state), &s, c, rope->scene.solver.newton_tolerance, trial.balance);
@@ -225,9 +228,9 @@ double update_energies(Simulator *rope, State *state) {
 
 void commit(Simulator *rope, State *state, const Trial *trial) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
-    const System s = system_of(rope, state);
+    System s = system_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF;
-    const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
+    const double h = trial->t - state->t, half = 0.5 * h, before[2] = {state->power_ends, state->power_swivel};
     const double forces[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
     const Coefficients method = {rope->scene.solver.rho_inf};
     const double moved_by = recentring(&method, trial->h, state->h);
@@ -241,6 +244,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
         m.q[i] = 0.5 * (q + now->q[i]);
         m.v[i] = (now->q[i] - q) / h;
     }
+    s.time = state->t + half;
     chain_of_state(state)->losses(&s, m.q, m.v, losses);
     contact_balance(&s, m.q, m.v, contact);
     chain_of_state(state)->air(&s, m.q, m.v, air);
@@ -256,8 +260,8 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, trial->strains, trial->place, force);
     set_powers(rope, state);
     set_energies(energy, trial->balance, &s, m.q, m.v);
-    energy->work_ends += 0.5 * h * (before[0] + state->power_ends) + h * contact[CONTACT_MOVED];
-    energy->dissipated_swivel += 0.5 * h * (before[1] + state->power_swivel);
+    energy->work_ends += half * (before[0] + state->power_ends) + h * contact[CONTACT_MOVED];
+    energy->dissipated_swivel += half * (before[1] + state->power_swivel);
     energy->dissipated_material += h * losses[0];
     energy->dissipated_contact += h * contact[CONTACT_DISSIPATED];
     energy->given_to_air += h * air[0];

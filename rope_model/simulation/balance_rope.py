@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..parameters import Scene
 from .fidelity import Fidelity
 from .paths import SHORTEST_AIM, EndMotion
+from .point_forces import PointForces
 from .signal_table import checked_names
 from .state import RopeState
 
@@ -107,6 +108,21 @@ class BalanceRope(ABC):
         """A function that reads these values again and again, in this order; faster than ``signals``."""
         wanted = checked_names(names)
         return lambda: np.array([*self.signals(wanted).values()])
+
+    @abstractmethod
+    def apply(self, forces: PointForces) -> None:
+        """From now on these forces act on the rope, and no others of the kind; they are no part of its state."""
+
+    @abstractmethod
+    def rows(self) -> NDArray[np.float64]:
+        """(nodes, 13): arc length, r and r' of the nodes, and their rates; faster than ``state``."""
+
+    @abstractmethod
+    def displacement(self, forces: PointForces) -> NDArray[np.float64]:
+        """(n, 3): by how much its forces at ``start`` move their places, m, at the end of a step as long as the last.
+
+        As far as the equations are linear in it.
+        """
 
     @abstractmethod
     def added_mass(self) -> tuple[float, float]:

@@ -18,6 +18,7 @@ from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share
 from .ends import HangingEnds, Phase, nominal_points
 from .fidelity import flexible
 from .paths import EndPath
+from .point_forces import NO_FORCES, PointForces, nodal_forces
 from .rope_kernels import AIR, WIRES, KernelCache
 from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters, parameter_vector
 from .self_contact import SelfTouchingRope
@@ -31,6 +32,7 @@ class RopeModel:
 
     scene: Scene
     kernels: KernelCache
+    forces: PointForces = NO_FORCES
     _latest: list[tuple[tuple[Any, ...], RopeSystem]] = field(default_factory=list, init=False, compare=False)
 
     def system(self, state: RopeState) -> RopeSystem:
@@ -64,7 +66,11 @@ class RopeModel:
                 state.hysteresis,
             )
         self._latest[:] = [(key, system)]
-        return system
+        return self.pushed(system, state.motion.t)
+
+    def pushed(self, system: RopeSystem, t: float) -> RopeSystem:
+        """``system`` with the forces that act at ``t``."""
+        return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
 
     def ends(self, state: RopeState) -> HangingEnds:
         """How the ends of ``state`` are held."""
@@ -95,7 +101,7 @@ class RopeModel:
 
     def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
-        return step(system, old, h, self.method, self.scene.solver.newton_tolerance)
+        return step(self.pushed(system, old.t + h), old, h, self.method, self.scene.solver.newton_tolerance)
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Arc length (m) of the loop's lowest point by the ends' heights alone."""
@@ -121,7 +127,8 @@ class RopeModel:
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
-        losses, slip = system.losses(middle, rate), system.slip(motion.q)
+        halfway = self.pushed(system, old.motion.t + 0.5 * h)
+        losses, slip = halfway.losses(middle, rate), system.slip(motion.q)
         energy_balance = old.energy_balance._replace(
             **energies(evaluation.balance),
             work_ends=old.energy_balance.work_ends + 0.5 * h * (before.ends + now.ends) + h * losses.moved,
@@ -144,7 +151,7 @@ class RopeModel:
             method,
             h,
             recentring(method, m.h, old.h),
-            load_on(self.ends(state), m, system),
+            load_on(self.ends(state), m, self.pushed(system, m.t)),
             max(map(abs, now)),
             max(abs(now[0] - left), abs(now[1] - right)),
             axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),

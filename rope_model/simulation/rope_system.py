@@ -25,6 +25,7 @@ from ..physics.element import (
     NODE_DOF,
     parameters,
 )
+from ..physics.point_forces import point_load
 from ..physics.wire_element import HISTORY
 from .rope_kernels import RopeKernels
 from .wires import NO_MEMORY, Slip, history, slip
@@ -129,7 +130,8 @@ class RopeSystem:
         self.kernels, self.lengths, self.P, self.boundary = kernels, lengths, P, boundary
         self.reference, self.z, self._rope = reference, z, rope
         self.free = boundary.free(nodes)
-        self.load = boundary.load(nodes)
+        self.load = self._dead_load = boundary.load(nodes)
+        self.pushed: Array | None = None
         self.node_mass = np.zeros((nodes, NODE_DOF)) if node_mass is None else node_mass
         self._free = self.free.astype(float)
         self._scale = np.ones(NODE_DOF)
@@ -149,6 +151,14 @@ class RopeSystem:
         """The same system with the ends held in the same way but moved otherwise."""
         other = self._alike()
         other.boundary = boundary
+        return other
+
+    def with_forces(self, forces: Array) -> RopeSystem:
+        """The same system with these ``forces`` on its nodes (nodes, 7), and no others of the kind."""
+        other = self._alike()
+        other.pushed, other.load = forces, self._dead_load + forces
+        other._loads = other.load, *self._loads[1:]
+        other._constants = self.lengths, self.frames, *other._loads
         return other
 
     def with_reference(self, q: Array, z: Array = NO_MEMORY) -> RopeSystem:
@@ -251,16 +261,18 @@ class RopeSystem:
     def outside(self, q: Array, v: Array) -> dict[str, float]:
         """What bodies and air do to the rope: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope", by name."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
+        found = _NOTHING_OUTSIDE if self.pushed is None else _NOTHING_OUTSIDE | _push(self.pushed, q, v)
         if len(kernels.balance) == len(BALANCE):
-            return _NOTHING_OUTSIDE
+            return found
         rest = np.zeros_like(q)
-        sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1]
-        return _NOTHING_OUTSIDE | dict(zip(kernels.balance, sums.tolist(), strict=True))
+        sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1].tolist()
+        return found | {name: found.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
 
     def losses(self, q: Array, v: Array) -> Losses:
         """What flows out in the rope and in its contacts, W."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        return Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
+        found = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
+        return found if self.pushed is None else found._replace(moved=found.moved + float(np.vdot(self.pushed, v)))
 
     def _near(self, q: Array, margin: float) -> Near:
         """(elements, bodies): which elements may touch a body, or would if they moved by ``margin`` (m)."""
@@ -295,3 +307,11 @@ class RopeSystem:
 
     def norm(self, x: Array) -> float:
         return float((np.abs(x) * self._scale).max())
+
+
+def _push(forces: Array, q: Array, v: Array) -> dict[str, float]:
+    """What ``forces`` on the nodes (nodes, 7) are as a load, and their power."""
+    of_r, of_slope = (point_load(q[:, of].T, forces[:, of].T) for of in (POSITION, SLOPE))
+    load = [float(x.sum()) for x in (*of_r[:3], *(a + b for a, b in zip(of_r[3:], of_slope[3:], strict=True)))]
+    names = ("contact_fx", "contact_fy", "contact_fz", "contact_mx", "contact_my", "contact_mz", "contact_moved")
+    return dict(zip(names, (*load, float(np.vdot(forces, v))), strict=True))

@@ -31,10 +31,11 @@ from .hang import hang
 from .mesh import Partition, fit_mesh, partition
 from .model import RopeModel, ends_of
 from .paths import SHORTEST_AIM, SIDES, EndMotion, EndPath, aim, ends_at, path_program
+from .point_forces import PointForces, at_places, elements_at, nodal_forces
 from .result_warnings import WARNINGS
 from .rigid import rigid_added_mass
 from .rope_kernels import KernelCache
-from .rope_system import Array, RopeSystem
+from .rope_system import ANGLE, Array, RopeSystem
 from .shaft import LOOK_EVERY, with_passages
 from .signal_table import checked_names
 from .signals import group_of
@@ -256,6 +257,21 @@ class RopeSimulator(BalanceRope):
         state = self.model.audited(self.state, state)
         self._accept(state._replace(last_interval=t - start, force_mean=mean))
         return Status(True)
+
+    def apply(self, forces: PointForces) -> None:
+        self.model, self._system, self._signals = replace(self.model, forces=forces), None, {}
+
+    def rows(self) -> Array:
+        m = self.state.motion
+        return np.hstack((self.state.partition.nodes_s[:, None], m.q[:, :ANGLE], m.v[:, :ANGLE]))
+
+    def displacement(self, forces: PointForces) -> Array:
+        m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
+        nodal = nodal_forces(forces, system.lengths, forces.start)
+        alone, moved = (
+            system.with_forces(part * nodal).newton_step(m.q, m.v, m.a, m.reaction, c)[0] for part in (0.0, 1.0)
+        )
+        return at_places(moved - alone, *elements_at(forces.s, system.lengths))
 
     def added_mass(self) -> tuple[float, float]:
         # one step of that length carries the change y = a h^2 / 2, v = a h

@@ -1,0 +1,17 @@
+"""Forces at places of the rope, which change linearly in time.  Vectors have their components first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .elementary import cross, larger, smaller
+
+
+def part_of_time(start: Any, stop: Any, t: Any) -> Any:
+    """Where ``t`` is between ``start`` and ``stop``, 0 to 1; beyond them the nearer."""
+    return smaller(larger((t - start) / (stop - start), 0.0), 1.0)
+
+
+def point_load(place: Any, force: Any) -> tuple[Any, ...]:
+    """A force at a place and its moment about the origin, (6,)."""
+    return (force[0], force[1], force[2], *cross(place, force))

@@ -1,0 +1,73 @@
+"""Forces that a host puts on places of the rope, between two instants that they change linearly between.
+
+They act on the rope from when they are applied until others are; they are no part of its state.  On the nodes of an
+element they act by its shape functions, so that their power is that of the places they act on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..physics import hermite
+from ..physics.point_forces import part_of_time
+from .rope_system import POSITION, SLOPE, Array
+
+
+@dataclass(frozen=True)
+class PointForces:
+    """Places ``s`` (n,), m along the rope, in ascending order, and the forces on them (n, 3), N, at two instants, s."""
+
+    s: Array
+    at_start: Array
+    at_stop: Array
+    start: float
+    stop: float
+
+    def __post_init__(self) -> None:
+        shape = (self.s.size, 3)
+        if not (self.at_start.shape == shape == self.at_stop.shape):
+            shapes = f"{self.at_start.shape} and {self.at_stop.shape}"
+            raise ValueError(f"forces have the shapes {shapes}, both must be {shape}: give three components per place")
+        if not self.start < self.stop:
+            raise ValueError(f"start = {self.start:g} s must be before stop = {self.stop:g} s: give the step's ends")
+        if not (np.diff(self.s) >= 0.0).all():
+            raise ValueError("s goes back along the rope and must ascend: sort the places")
+
+    def at(self, t: float) -> Array:
+        """(n, 3): at ``t``, N."""
+        part = part_of_time(self.start, self.stop, t)
+        now: Array = self.at_start + part * (self.at_stop - self.at_start)
+        return now
+
+
+NO_FORCES = PointForces(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), 0.0, 1.0)
+
+
+def elements_at(s: Array, lengths: Array) -> tuple[Array, Array]:
+    """The element that each place is in, and the shares (4, n) of its nodes' r, r'."""
+    ends = np.cumsum(lengths)
+    elements: Any = np.searchsorted(ends[:-1], s)
+    l = lengths[elements]
+    return elements, np.array(hermite.shares((s - (ends[elements] - l)) / l, l))
+
+
+def at_places(x: Array, elements: Array, shares: Array) -> Array:
+    """(n, 3): what rows (nodes, 6 or more) of r, r' have there."""
+    a, b = x[elements], x[elements + 1]
+    parts = (a[:, POSITION], a[:, SLOPE], b[:, POSITION], b[:, SLOPE])
+    found: Array = sum(share[:, None] * part for share, part in zip(shares, parts, strict=True))
+    return found
+
+
+def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
+    """(nodes, 7): what they are at the nodes, at ``t``."""
+    found, now = np.zeros((lengths.size + 1, 7)), forces.at(t)
+    elements: Any
+    elements, shares = elements_at(forces.s, lengths)
+    for k, share in enumerate(shares):
+        columns = (POSITION, SLOPE)[k % 2]
+        np.add.at(found[:, columns], elements + k // 2, share[:, None] * now)
+    return found
