@@ -34,6 +34,24 @@ def smallest_rotation_rate(p: Any, turn: Any, d: Any, change: Any) -> Any:
     return (dot(turn, d) - dot(p, cross(d, change)) / length) / (length + dot(p, d))
 
 
+def carried(p: Any, t: Any, x: Any) -> list[Any]:
+    """``x``, across the tangent p, by the smallest rotation from p to t."""
+    share = dot(t, x) / (1.0 + dot(p, t))
+    return [x[i] - share * (p[i] + t[i]) for i in range(3)]
+
+
+def turned(t: Any, x: Any, c: Any, s: Any) -> list[Any]:
+    """``x``, across the tangent t, turned about it by the angle with cosine ``c`` and sine ``s``."""
+    across = cross(t, x)
+    return [c * x[i] + s * across[i] for i in range(3)]
+
+
+def small_turn(angle: Any) -> tuple[Any, Any]:
+    """Cosine and sine, without those functions, of an angle (rad) that is ``angle`` but for angle^7 / 1200."""
+    half = 0.5 * angle * (1.0 + angle * angle / 12 * (1.0 + angle * angle / 10))
+    return (1.0 - half * half) / (1.0 + half * half), 2.0 * half / (1.0 + half * half)
+
+
 def end_moment(d: Any, f: Any, torque: Any) -> tuple[Any, Any, Any]:
     """Moment (N m) of the conveyance on the rope's end, from the reaction ``f`` to r' = ``d`` and the torque."""
     length = sqrt(dot(d, d))

@@ -31,6 +31,7 @@ from typing import Any, NamedTuple
 from . import hermite
 from .costello import tension
 from .elementary import cross, dot, exp, larger, log, sqrt
+from .frame import carried, small_turn, turned
 
 #: of a section: tangent, curvature vector, angle; and z behind them
 SECTION, MEMORY = 7, 10
@@ -104,14 +105,7 @@ def slide(before: Any, now: Any, k0: Any) -> Slid:
 def _carried(before: Any, now: Any, x: Any) -> list[Any]:
     """``x`` across the rope, turned as the section is from ``before`` to ``now``."""
     p, t = before[0:3], now[0:3]
-    # the smallest rotation between the tangents
-    share = dot(t, x) / (1.0 + dot(p, t))
-    y = [x[i] - share * (p[i] + t[i]) for i in range(3)]
-    # the turn about the tangent, by its half's tangent
-    angle = now[6] - before[6]
-    half = 0.5 * angle * (1.0 + angle * angle / 12 * (1.0 + angle * angle / 10))
-    across = cross(t, y)
-    return [((1.0 - half * half) * y[i] + 2.0 * half * across[i]) / (1.0 + half * half) for i in range(3)]
+    return turned(t, carried(p, t, x), *small_turn(now[6] - before[6]))
 
 
 def _positive(x: Any) -> Any:
