@@ -129,6 +129,22 @@ class Rope:
         upper=1e3,
         cure="give it in radians",
     )
+    initial_curvature: float = parameter(
+        0.0,
+        "1/m",
+        "permanent curvature, as a reel leaves it: that of the rope where nothing bends it; 0: straight",
+        lower=0.0,
+        upper=10.0,
+        cure="take a part of 1/R of the reel of radius R, and turn its direction for the other sense",
+    )
+    initial_curvature_angle: float = parameter(
+        0.0,
+        "rad",
+        "direction of that curvature in the cross-section at the left end, about the tangent; 0: as the loop bends",
+        lower=-1e3,
+        upper=1e3,
+        cure="give it in radians",
+    )
 
     def __post_init__(self) -> None:
         require_in_bounds(self)

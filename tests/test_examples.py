@@ -85,6 +85,12 @@ def test_a_released_swivel_ends_stuck_below_its_static_friction(tmp_path: Path) 
     assert 0.0 < last_number(lines) <= 1.0
 
 
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_a_reel_s_curvature_in_the_loop_s_plane_adds_its_moment_at_the_ends(tmp_path: Path) -> None:
+    # coupling and the loop's yaw, 4 degrees, turn a part of it away
+    assert last_number(lines_of(EXAMPLES / "reel_set.py", tmp_path)) == pytest.approx(1.0, abs=5e-3)
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_air_damps_a_swing_by_the_square_of_its_speed_and_wires_more(tmp_path: Path) -> None:

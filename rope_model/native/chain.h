@@ -16,7 +16,8 @@ enum {
     MOMENTUM = 9,
     AIR = 4,
     AIR_BALANCE = 7,
-    WIRE_HISTORY = 33
+    WIRE_HISTORY = 33,
+    CURVED = 13
 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
@@ -69,7 +70,8 @@ enum { OWN_SCRATCH = 4 };
    elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies,
    own: NULL where the rope does not touch itself.  forces, at `time`: NULL where there are none.
    air: the numbers of physics.air.AirLaw, the first 0 where there is none.  wires: physics.wire_element.HISTORY of each
-   element, NULL where no wires rub; secants: their share in the tangent. */
+   element, NULL where no wires rub; secants: their share in the tangent.  curved: physics.curved_element.CURVED numbers
+   of each element, NULL of a rope without permanent curvature. */
 typedef struct {
     int elements, free[2][DOF];
     const double *lengths;
@@ -77,7 +79,7 @@ typedef struct {
     Surroundings *around;
     OwnContact *own;
     const PointForces *forces;
-    const double *wires;
+    const double *wires, *curved;
     double time, secants, P[PARAMETERS], air[AIR], load[2], friction_load[2], inertia[2], shortest;
 } System;
 

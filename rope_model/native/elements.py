@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import casadi as ca
 
 from ..physics.air_element import air_functions
+from ..physics.curved_element import curved_functions
 from ..physics.element import ELEMENT_DOF, ElementFidelity, element_functions
 from ..physics.wire_element import wire_functions
 
@@ -44,6 +45,10 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     yield f"{fidelity}_wire_energy", wires.energy
     yield f"{fidelity}_wire_tangent", _upper_half("wire_tangent", wires.tangent)
     if fidelity == "torsional":
+        curved = curved_functions()
+        yield "torsional_curved_residual", curved.residual
+        yield "torsional_curved_energy", curved.energy
+        yield "torsional_curved_tangent", _upper_half("curved_tangent", curved.tangent)
         yield "torsional_reference", e.reference
         inputs = e.transport.sx_in()
         transport = ca.vertcat(e.transport(*inputs), e.reference(inputs[0], inputs[3]))

@@ -32,6 +32,7 @@ from ..physics import (
     hanging,
     hermite,
     inextensible,
+    initial_curvature,
     outline,
     point_forces,
     rope_on_rope,
@@ -107,6 +108,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double slip_curvature(const Rope *rope, double stiffness, double e, double tau)": wire_friction.slip_curvature,
     "void section_at(double xi, double l, const double nodes[14], double section[7])": wire_friction.section_at,
     "Slid wire_slide(const double before[10], const double now[7], double k0)": wire_friction.slide,
+    "void directors(double angle, double l, const double nodes[14], const double start[3], double found[12])": (
+        initial_curvature.directors
+    ),
     "Body lining_body(const Lining *lining)": shaft.lining,
     "Body conveyance_body(const Conveyance *conveyance, const double end[3])": shaft.conveyance,
     "Body head_ropes_body(const HeadRopes *head_ropes, const Conveyance *conveyance, const double end[3])": (
@@ -220,6 +224,7 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "PROBE_PLACES": rope_on_rope.PROBES,
     "CORRECTIONS": rope_on_rope.CORRECTIONS,
     "STRETCH": rope_on_rope.STRETCH,
+    "DIRECTOR_START": initial_curvature.START,
     "WIRE_POINTS": len(element.POINTS),
     "WIRE_PLACES": element.POINTS,
     "WIRE_WEIGHTS": element.WEIGHTS,

@@ -8,6 +8,7 @@
 #define TWIST_STEP 1.
 #define LEAST_TWIST_STEP 0.01
 #define MOST_TURN 2.
+enum { CURVATURE_STEPS = 8 };
 
 /* the state at rest in equilibrium */
 static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn, char *message) {
@@ -57,6 +58,19 @@ static int turn_in(Simulator *rope, State *state, double twist, char *message) {
     return 1;
 }
 
+/* the state at rest, its rope straight first and then curved by and by */
+static int let_curve(Simulator *rope, State *state, char *message) {
+    const double k0 = rope->scene.rope.initial_curvature;
+    const int parts = is_curved(rope, state) ? CURVATURE_STEPS : 0;
+    int found = 1;
+    for (int k = 0; k <= parts && found; k++) {
+        if (parts > 0) rope->scene.rope.initial_curvature = k0 * k / parts;
+        found = equilibrium_in_frame(rope, state, INFINITY, message);
+    }
+    rope->scene.rope.initial_curvature = k0;
+    return found;
+}
+
 int hang(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     double left[3][DOF], right[3][DOF];
@@ -65,5 +79,5 @@ int hang(Simulator *rope, State *state, char *message) {
     for (int node = 0; node < m.nodes; node++) m.q[(size_t)node * DOF + ANGLE] = left[0][ANGLE];
     const double twist = right[0][ANGLE] - left[0][ANGLE];
     state->offsets[RIGHT] -= twist;
-    return equilibrium_in_frame(rope, state, INFINITY, message) && turn_in(rope, state, twist, message);
+    return let_curve(rope, state, message) && turn_in(rope, state, twist, message);
 }

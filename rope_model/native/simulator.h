@@ -31,6 +31,7 @@ struct Simulator {
     double (*strains)[STRAINS]; /* scratch */
     double *frames;             /* counted from the state, but from what is worked on while it is */
     double *wires;              /* physics.wire_element.HISTORY of the elements, counted as the frames are; or NULL */
+    double *curved;             /* physics.curved_element.CURVED of the elements, counted alike; or NULL */
     double *kept;               /* 4 x nodes x DOF of scratch where there are such */
     void *work;                 /* of the chain */
     Surroundings *around;
@@ -82,6 +83,11 @@ void audit_interval(const Simulator *rope, State *state, double h, double residu
 void refer(Simulator *rope, State *state, const double *q);
 /* the same, and the angles become those counted along q; returns what theta gains at the right end */
 double transport_angles(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
+
+/* curvature.c: rope_model.simulation.curvature */
+int is_curved(const Simulator *rope, const State *state);
+/* permanent curvature is counted from q, as the frames are; of no effect on a straight rope */
+void refer_curved(Simulator *rope, State *state, const double *q);
 
 /* wires.c: rope_model.simulation.wires; of no effect where no wires rub, but for the first and the last */
 /* from now on they do, if the rope has friction and is not rigid, with z = 0 */

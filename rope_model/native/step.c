@@ -26,6 +26,7 @@ System system_of(const Simulator *rope, State *state) {
                 .forces = rope->forces.number > 0 ? &rope->forces : NULL,
                 .time = state->t,
                 .wires = state->rubs ? rope->wires : NULL,
+                .curved = is_curved(rope, state) ? rope->curved : NULL,
                 .shortest = x.lengths[0]};
     element_parameters(data, rope->scene.layout.gravity, s.P);
     const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter);
@@ -48,6 +49,7 @@ System system_of(const Simulator *rope, State *state) {
 void refer(Simulator *rope, State *state, const double *q) {
     const System s = system_of(rope, state);
     chain_of_state(state)->refer(&s, q);
+    refer_curved(rope, state, q);
     refer_wires(rope, state, q);
 }
 
@@ -63,6 +65,7 @@ double transport_angles(Simulator *rope, State *state, double *q, double *v, dou
         a[at] += gained[k][2];
         b[at] += gained[k][2];
     }
+    refer_curved(rope, state, q);
     refer_wires(rope, state, q);
     return turn;
 }

@@ -114,6 +114,11 @@ def twist_torque(rope: Any, angle: Any) -> Any:
     return abs((rope.Qd - rope.Qb * rope.Qc / rope.Qa) * angle / rope.length)
 
 
+def curvature_torque(rope: Any) -> Any:
+    """Torque (N m) that turns a rope of permanent curvature in its loop, half a turn of it, at most."""
+    return math.pi * rope.EI * rope.initial_curvature
+
+
 def natural_width(scene: Any) -> Any:
     """Width (m) of the loop of a rope that hangs from legs wherever they like to be."""
     return NATURAL_WIDTH * bending_length(scene)

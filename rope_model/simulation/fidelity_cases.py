@@ -33,7 +33,7 @@ INPUTS = tuple(field.name for field in fields(EndMotion))
 
 def carries_torque(scene: Any) -> Any:
     """Whether the rope carries torque even in the plane while its ends do not turn."""
-    return either(_coupled(scene)[0], _twisted(scene)[0])
+    return either(_coupled(scene)[0], _twisted(scene)[0], _curved(scene)[0])
 
 
 def expected_travel(ends: Sequence[Any]) -> Travel:
@@ -96,6 +96,10 @@ def _twisted(scene: Any) -> tuple[Any, ...]:
     return scene.rope.installed_twist != 0, scene.rope.installed_twist
 
 
+def _curved(scene: Any) -> tuple[Any, ...]:
+    return scene.rope.initial_curvature > 0, scene.rope.initial_curvature
+
+
 def _errs_too_much(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
     error, tolerance = force_error(scene, fidelity, expected_travel((left, right))), scene.model.force_tolerance
     return error > tolerance, 100 * tolerance, 100 * error
@@ -124,6 +128,7 @@ COMPLETE: Cases = {
     messages.may_touch_itself: lambda scene: (scene.shaft.contact.rope_stiffness > 0,),
     messages.guards_watch: lambda scene: (guarded(scene.shaft.guard) > 0,),
     messages.in_air: lambda scene: (scene.shaft.air.density > 0,),
+    messages.is_curved: _curved,
 }
 #: what 'auto' does not leave to a fidelity that leaves out no input
 UNSUPPORTED: Cases = {messages.errs_too_much: _errs_too_much, messages.would_go_slack: _would_go_slack}

@@ -1,4 +1,4 @@
-"""The rope at rest: hung up untwisted, and turned in until it has the twist that it is to have."""
+"""The rope at rest: hung up straight and untwisted, let take its permanent curvature, then turned in to its twist."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from . import messages
 from .adaptation import with_loop_yaw
+from .curvature import is_curved
+from .fidelity import flexible
 from .model import RopeModel, energies
 from .rope_system import ANGLE
 from .state import RopeState
 from .statics import StaticsError, find_equilibrium
 
+#: parts in which the permanent curvature comes in
+CURVATURE_STEPS = 8
 #: rad of twist put in at once, at most and at least
 TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
 #: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
@@ -22,11 +26,21 @@ MOST_TURN = 2.0
 
 
 def hang(model: RopeModel, state: RopeState) -> RopeState:
-    """``state`` at rest, hung up untwisted and then turned in."""
+    """``state`` at rest, hung up straight and untwisted, then curved and turned in."""
     q, held = state.motion.q, model.system(state).prescribed_motion(state.motion.t)[0]
     q[:, ANGLE] = held[0, ANGLE]
     twist = float(held[-1, ANGLE] - held[0, ANGLE])
-    return _turned_in(model, _equilibrium_in_frame(model, _turn_right_end(state, -twist)), twist)
+    return _turned_in(model, _curved(model, _turn_right_end(state, -twist)), twist)
+
+
+def _curved(model: RopeModel, state: RopeState) -> RopeState:
+    """``state`` at rest, its rope straight first and then curved by and by."""
+    rope = model.scene.rope
+    parts = CURVATURE_STEPS if is_curved(rope, flexible(state.fidelity)) else 0
+    for k in range(parts):
+        less = replace(rope, initial_curvature=rope.initial_curvature * k / parts)
+        state = _equilibrium_in_frame(RopeModel(model.scene.with_(rope=less), model.kernels), state)
+    return _equilibrium_in_frame(model, state)
 
 
 def _turned_in(model: RopeModel, state: RopeState, twist: float) -> RopeState:

@@ -189,6 +189,10 @@ def in_air() -> str:
     return "the air may carry the rope along"
 
 
+def is_curved(curvature: float) -> str:
+    return f"the rope has a permanent curvature of {curvature:g} 1/m"
+
+
 def no_torque() -> str:
     return "no torque acts and nothing acts out of plane"
 
@@ -342,6 +346,13 @@ def torque_of_coupling(Qb: float, Qc: float) -> str:
 
 def torque_of_twist(angle: float) -> str:
     return f"installed_twist = {angle:g} rad: lower it, free the swivels"
+
+
+def torque_of_curvature(curvature: float, angle: float) -> str:
+    return (
+        f"initial_curvature = {curvature:g} 1/m, which lies at {angle:g} rad: lower it, or turn it to 0 rad, as the "
+        "loop bends"
+    )
 
 
 def torque_of_ends(angle: float) -> str:

@@ -39,7 +39,7 @@ EFFECTS = (
     ),
     Effect(
         "torsional",
-        "torque, twist, turning swivels and torsional stress",
+        "torque, twist, permanent curvature, turning swivels and torsional stress",
         (
             *("my", "swivel", "twist", "stress.torsion_max", "shape.torsion", "station.torque"),
             *("energy.dissipated_swivel", "energy.nonconservative"),

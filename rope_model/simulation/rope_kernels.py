@@ -29,6 +29,7 @@ from ..numerics.kernels import (
 from ..numerics.newton import PROGRESS
 from ..physics.air_element import AIR_BALANCE, air_element
 from ..physics.contact_element import CONTACT_BALANCE, contact_element
+from ..physics.curved_element import curved_element
 from ..physics.element import (
     BALANCE,
     ELEMENT_DOF,
@@ -43,10 +44,11 @@ from ..physics.wire_element import wire_element
 
 log = logging.getLogger(__name__)
 
-#: kinds of the bodies that a rope may touch; before them AIR where there is air, WIRES where they rub on each other
+#: kinds of the bodies that a rope may touch; before them AIR where there is air, WIRES where they rub on each other,
+#: CURVED where the rope has a permanent curvature
 Kinds = tuple[int, ...]
-AIR, WIRES = len(KINDS), len(KINDS) + 1
-_WORDS = (*KINDS, "air", "wires")
+AIR, WIRES, CURVED = range(len(KINDS), len(KINDS) + 3)
+_WORDS = (*KINDS, "air", "wires", "curved")
 
 
 class RopeKernels:
@@ -76,7 +78,7 @@ class RopeKernels:
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity = elements, fidelity
         # what solve and evaluate sum up
-        air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if set(bodies) - {AIR, WIRES} else ()
+        air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if _touched(bodies) else ()
         self.balance = (*BALANCE, *air, *contact)
         self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
         self.newton_step = Kernel(newton_step, (nodes, nodes))
@@ -105,7 +107,8 @@ class KernelCache:
 def write_bundle(elements: int, folder: Path) -> list[Path]:
     """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every fidelity.
 
-    They are those of a rope without air, bodies and friction between its wires; others are built where they are needed.
+    They are those of a straight rope without air, bodies and friction between its wires; others are built where they
+    are needed.
     """
     folder.mkdir(parents=True, exist_ok=True)
     written, compiler = [], find_compiler()
@@ -149,12 +152,18 @@ def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies
 def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     """CasADi functions that ropes of any number of elements have in common."""
     element = element_functions(fidelity)
+    if CURVED in bodies:
+        element = curved_element(element)
     if WIRES in bodies:
         element = wire_element(fidelity, element)
     if AIR in bodies:
         element = air_element(fidelity, element)
-    touched = tuple(kind for kind in bodies if kind not in (AIR, WIRES))
+    touched = _touched(bodies)
     return chain_parts(contact_element(fidelity, element, touched) if touched else element)
+
+
+def _touched(bodies: Kinds) -> Kinds:
+    return tuple(kind for kind in bodies if kind < len(KINDS))
 
 
 @cache

@@ -27,6 +27,7 @@ from ..physics.element import (
 )
 from ..physics.point_forces import point_load
 from ..physics.wire_element import HISTORY
+from .curvature import curved, is_curved
 from .rope_kernels import RopeKernels
 from .wires import NO_MEMORY, Slip, history, slip
 
@@ -106,7 +107,7 @@ class RopeSystem:
     """Equations of motion for numerics.generalized_alpha and for statics.
 
     ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.  ``z`` is what its wires
-    remember where those of ``rope`` rub.
+    remember where those of ``rope`` rub; the permanent curvature is that of ``rope``.
     """
 
     def __init__(
@@ -141,6 +142,8 @@ class RopeSystem:
 
     def _refer(self) -> None:
         self.frames = self.kernels.reference(self.reference, self.lengths)[0]
+        if self._rope is not None and is_curved(self._rope, self.kernels.fidelity):
+            self.frames = np.hstack((self.frames, curved(self._rope, self.reference, self.lengths)))
         if self._rope is not None and self.z.size:
             self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY))))
             strains = self.strains(self.reference)

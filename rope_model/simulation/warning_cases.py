@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from ..physics.elementary import both, either
-from ..physics.estimates import coupling_torque, twist_torque
+from ..physics.estimates import coupling_torque, curvature_torque, twist_torque
 from . import messages
 from .audit import (
     FEWEST_ELEMENTS,
@@ -75,12 +75,19 @@ def _legs_press(scene: Any, yaw: Any, turns: Any, clearance: Any) -> tuple[Any, 
 
 
 def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
-    coupling, installed, ends = _torques(scene, turned)
-    return both(coupling >= installed, coupling >= ends), scene.rope.Qb, scene.rope.Qc
+    coupling, curvature, installed, ends = _torques(scene, turned)
+    largest = both(coupling >= curvature, coupling >= installed, coupling >= ends)
+    return largest, scene.rope.Qb, scene.rope.Qc
+
+
+def _torque_of_curvature(scene: Any, turned: Any) -> tuple[Any, ...]:
+    _, curvature, installed, ends = _torques(scene, turned)
+    largest = both(curvature >= installed, curvature >= ends)
+    return largest, scene.rope.initial_curvature, scene.rope.initial_curvature_angle
 
 
 def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:
-    _, installed, ends = _torques(scene, turned)
+    *_, installed, ends = _torques(scene, turned)
     return installed >= ends, scene.rope.installed_twist
 
 
@@ -88,12 +95,13 @@ def _torque_of_ends(scene: Any, turned: Any) -> tuple[Any, ...]:
     return True, turned
 
 
-def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any]:
-    """By the coupling, by the installed twist, and by ends that twist the rope by ``turned`` (rad)."""
+def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any, Any]:
+    """By coupling, permanent curvature, installed twist, and by ends that twist the rope by ``turned`` (rad)."""
     rope = scene.rope
     # the installed twist is part of the last
     ends = twist_torque(rope, turned) * (1 - 1e-9)
-    return coupling_torque(rope, scene.layout.gravity), twist_torque(rope, rope.installed_twist), ends
+    coupling = coupling_torque(rope, scene.layout.gravity)
+    return coupling, curvature_torque(rope), twist_torque(rope, rope.installed_twist), ends
 
 
 def _other_rests(scene: Any, state: Any) -> tuple[Any, ...]:
@@ -137,6 +145,7 @@ LEG_CONTACT: Cases = {
 }
 TORQUE_SOURCE: Cases = {
     messages.torque_of_coupling: _torque_of_coupling,
+    messages.torque_of_curvature: _torque_of_curvature,
     messages.torque_of_twist: _torque_of_twist,
     messages.torque_of_ends: _torque_of_ends,
 }

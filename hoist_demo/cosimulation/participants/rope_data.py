@@ -16,7 +16,7 @@ Levels = Mapping[str, Mapping[str, Value]]
 _FREE = "solver.kernels"
 """What may differ when a run goes on."""
 
-_TORQUE = ("rope.Qb", "rope.Qc", "rope.installed_twist")
+_TORQUE = ("rope.Qb", "rope.Qc", "rope.installed_twist", "rope.initial_curvature")
 
 
 def code(name: str, word: str) -> int | None:

@@ -1,0 +1,144 @@
+"""The beam element with the permanent curvature of physics.initial_curvature: physics.element with the energy
+
+    U0 = int EI (1/2 k0^2 - k0 k . d) dx
+
+beside that of bending.  While the element moves, the director d of a section goes from what it is in the frame's
+reference by the smallest rotation of the tangent and is turned about that by the gain of
+
+    theta(x) - (turn of the frame from the left node to x) + x/l (turn of the frame to the right node)
+
+which is what the section turns where tau is uniform; so the energy stays when the present shape becomes the reference.
+
+F has behind the frame's entries what the element is in the reference, (13,): d at the three Gauss points, theta at both
+nodes, k0 and EI.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import casadi as ca
+
+from .element import (
+    BALANCE,
+    FRAME,
+    NODE_DOF,
+    POINTS,
+    WEIGHTS,
+    ElementFunctions,
+    interpolation,
+    relative_coordinates,
+    symmetric,
+)
+from .elementary import dot, sqrt
+from .frame import carried, small_turn, smallest_rotation_rate, turned
+from .initial_curvature import TO_POINTS
+
+_BENDING = BALANCE.index("bending")
+#: numbers of an element: directors, angles, k0 and EI
+CURVED = 3 * len(POINTS) + 4
+
+
+class CurvedFunctions(NamedTuple):
+    """What permanent curvature adds to an element, ``C`` being its CURVED numbers.
+
+    residual: (q, l, F, C) -> R (14,); tangent: (q, l, F, C, cq) -> J (14, 14); energy: (q, l, F, C) -> J.
+    """
+
+    residual: ca.Function
+    tangent: ca.Function
+    energy: ca.Function
+
+
+@cache
+def curved_functions() -> CurvedFunctions:
+    """Build the functions."""
+    relative = relative_coordinates()
+    q, l = ca.SX.sym("q", 2 * NODE_DOF), ca.SX.sym("l")
+    F, C, cq = ca.SX.sym("F", FRAME), ca.SX.sym("C", CURVED), ca.SX.sym("cq")
+    numbers, frames = ca.vertsplit(C), ca.vertsplit(F[:-3], 6)
+    before, k0, EI = numbers[-4:-2], numbers[-2], numbers[-1]
+    B = [interpolation(xi, l) for xi in POINTS]
+    z = [B_p @ relative @ q for B_p in B]
+    turn, bend = _turn_function(), _bend_function()
+    f, f_z, f_zz = zip(*(turn(*pair) for pair in zip(z, frames, strict=True)), strict=True)
+    # what of each point's turn is not the section's, and of which angle the section's gain is counted at the point
+    parts = [
+        [l * (to - xi * w) for to, w in zip(row, WEIGHTS, strict=True)]
+        for row, xi in zip(TO_POINTS, POINTS, strict=True)
+    ]
+    angles: list[Any] = [
+        (1 - xi) * before[0] + xi * before[1] + dot(row, f) for row, xi in zip(parts, POINTS, strict=True)
+    ]
+    W, W_z, W_zz = zip(
+        *(bend(z[i], frames[i][:3], C[3 * i : 3 * i + 3], angles[i]) for i in range(len(B))), strict=True
+    )
+    R, J, U = ca.SX.zeros(relative.shape[0]), ca.SX.zeros(relative.shape[0], relative.shape[0]), ca.SX(0)
+    for i, (w, B_p) in enumerate(zip(WEIGHTS, B, strict=True)):
+        # the derivative of the angle, and of the gain that it takes from all points
+        angle_x: Any = sum((parts[i][k] * B[k].T @ f_z[k] for k in range(len(B))), start=ca.SX.zeros(relative.shape[0]))
+        share: Any = sum(WEIGHTS[k] * W_z[k][6] * parts[k][i] for k in range(len(B)))
+        R += B_p.T @ (w * W_z[i] - share * f_z[i])
+        J += B_p.T @ symmetric(w * W_zz[i] - share * f_zz[i]) @ B_p
+        coupled = w * (B_p.T @ W_zz[i][:, 6] - 0.5 * W_zz[i][6, 6] * angle_x)
+        J -= coupled @ angle_x.T + angle_x @ coupled.T
+        U += w * (0.5 * k0 - W[i])
+    R, U, factor = relative.T @ R, l * EI * k0 * U, -l * EI * k0
+    J = symmetric(cq * factor * (relative.T @ symmetric(J) @ relative))
+    inputs = [q, l, F, C]
+    return CurvedFunctions(
+        ca.Function("curved_residual", inputs, [ca.cse(factor * R)]),
+        ca.Function("curved_tangent", [*inputs, cq], [ca.cse(J)]),
+        ca.Function("curved_energy", inputs, [ca.cse(U)]),
+    )
+
+
+def _turn_function() -> ca.Function:
+    """(z, frame) -> how the frame turns along the rope at a point z = (r', r'', theta), and its derivatives."""
+    z, frame = ca.SX.sym("z", 7), ca.SX.sym("frame", 6)
+    f: Any = smallest_rotation_rate(frame[:3], frame[3:], z[0:3], z[3:6])
+    f_zz, f_z = ca.hessian(f, z)
+    return ca.Function("curved_turn", [z, frame], [ca.cse(x) for x in (f, f_z, f_zz)])
+
+
+def _bend_function() -> ca.Function:
+    """(z, p, d in the reference, angle there) -> k . d at a point z = (r', r'', theta), and its derivatives."""
+    z, p, before, angle = ca.SX.sym("z", 7), ca.SX.sym("p", 3), ca.SX.sym("before", 3), ca.SX.sym("angle")
+    d, c = z[0:3], z[3:6]
+    square = dot(d, d)
+    length = sqrt(square)
+    t = [d[k] / length for k in range(3)]
+    director = turned(t, carried(p, t, before), *small_turn(z[6] - angle))
+    along = dot(ca.cross(d, c), director) / square
+    along_zz, along_z = ca.hessian(along, z)
+    return ca.Function("curved_bend", [z, p, before, angle], [ca.cse(x) for x in (along, along_z, along_zz)])
+
+
+@cache
+def curved_element(plain: ElementFunctions) -> ElementFunctions:
+    """The ``plain`` torsional element's functions with permanent curvature."""
+    curved, m = curved_functions(), NODE_DOF
+    q, v, a = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a"))
+    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", FRAME + CURVED), ca.SX.sym("P", plain.residual.size1_in(5))
+    cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
+    own, C = F[:FRAME], F[FRAME:]
+    R, J = plain.tangent(q, v, a, l, own, P, cq, cv, c_a)
+    bent = curved.residual(q, l, own, C)
+    balance = plain.balance(q, v, l, own, P)
+    balance[_BENDING] += curved.energy(q, l, own, C)
+
+    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+        return ca.Function(f"element_{name}", inputs, outputs)
+
+    tangent = [R + bent, J + curved.tangent(q, l, own, C, cq)]
+    return replace(
+        plain,
+        residual=function("residual", [q, v, a, l, F, P], [plain.residual(q, v, a, l, own, P) + bent]),
+        tangent=function("tangent", [q, v, a, l, F, P, cq, cv, c_a], tangent),
+        balance=function("balance", [q, v, l, F, P], [balance]),
+        losses=function("losses", [q, v, l, F, P], [plain.losses(q, v, l, own, P)]),
+        strains=function("strains", [q, l, F], [plain.strains(q, l, own)]),
+        transport=function("transport", [q, v, a, l, F], [plain.transport(q, v, a, l, own)]),
+    )

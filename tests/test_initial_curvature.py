@@ -1,0 +1,369 @@
+"""Permanent curvature: its energy, rods with closed forms, the 45 degree bend, both forms of the rope that has it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import Chain, rotation
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.integrate import solve_ivp
+from scipy.optimize import root
+
+from rope_model import EndMotion, balance_rope
+from rope_model.parameters import Mesh, Model, Rope, Scene, Solver
+from rope_model.physics.curved_element import curved_functions
+from rope_model.physics.element import element_functions
+from rope_model.physics.initial_curvature import START, directors
+from rope_model.simulation.balance_rope import BalanceRope
+from rope_model.simulation.rope_kernels import CURVED, RopeKernels
+from rope_model.simulation.rope_system import RopeSystem, parameter_vector
+from rope_model.simulation.statics import find_equilibrium
+
+Array = np.ndarray[Any, Any]
+BENT, ELEMENT = curved_functions(), element_functions()
+K0, EI, ANGLE = 0.3, 1.7, 0.7
+
+
+def numbers(q: Array, l: float, e1: Any = START) -> Array:
+    """What a curved element has in its reference ``q`` (14,)."""
+    return np.concatenate((directors(ANGLE, l, q, e1)[:9], q[[6, 13]], [K0, EI]))
+
+
+def frame(q: Array, l: float) -> Array:
+    return np.array(ELEMENT.reference(q, l)).ravel()
+
+
+def element_state(seed: int) -> tuple[Array, float]:
+    """An element that is bent, twisted and stretched; its left end hangs down."""
+    chance, l = np.random.default_rng(seed), 1.3
+    slopes = np.array([[0.0, -1.02, 0.0], [0.3, -0.9, 0.2]]) + np.array([[0.0], [0.1]]) * chance.normal(size=3)
+    left = chance.normal(size=3)
+    right = left + l * (slopes.mean(axis=0) + 0.05 * chance.normal(size=3))
+    return np.concatenate((left, slopes[0], chance.normal(size=1), right, slopes[1], chance.normal(size=1))), l
+
+
+def energy(q: Array, l: float, F: Array, C: Array) -> float:
+    return float(BENT.energy(q, l, F, C))
+
+
+def difference(f: Callable[[Array], Any], x: Array) -> Array:
+    """Columns df/dx_i by central differences, which err by 1e-10."""
+    step = 1e-5
+    return np.stack([(np.asarray(f(x + d)) - np.asarray(f(x - d))) / (2 * step) for d in step * np.eye(x.size)], -1)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_force_and_tangent_are_derivatives_of_the_energy(seed: int) -> None:
+    reference, l = element_state(seed)
+    F, C = frame(reference, l), numbers(reference, l)
+    q = reference + 0.2 * np.random.default_rng(seed + 10).normal(size=14)
+    R, J = np.array(BENT.residual(q, l, F, C)).ravel(), np.array(BENT.tangent(q, l, F, C, 1.0))
+    assert_allclose(R, difference(lambda x: energy(x, l, F, C), q), atol=1e-8)
+    assert_allclose(J, difference(lambda x: np.array(BENT.residual(x, l, F, C)).ravel(), q), atol=1e-8)
+    assert np.abs(J).max() > 0.1
+
+
+def test_a_rigid_turn_costs_nothing() -> None:
+    q, l = element_state(1)
+    Q = rotation(np.array([0.5, -0.8, 0.3]))
+    turned = q.copy()
+    for at in (0, 3, 7, 10):
+        turned[at : at + 3] = Q @ q[at : at + 3]
+    before = energy(q, l, frame(q, l), numbers(q, l))
+    after = energy(turned, l, frame(turned, l), numbers(turned, l, tuple(Q @ START)))
+    assert after == pytest.approx(before, rel=1e-12)
+
+
+def on_a_curve(l: float, moved: float) -> Array:
+    """An element of length ``l`` on a smooth space curve, which has ``moved``; at its left end it hangs down."""
+    q = []
+    for s in (0.0, l):
+        still = 0.4 * s**2 + 0.1 * s**3, -s + 0.1 * s**3, 0.15 * s**3 - 0.05 * s**2
+        way = 0.2 * s**2 + 0.3 * s**3, 0.2 * s**2, 0.5 * s**2 - 0.2 * s**4
+        slope = 0.8 * s + 0.3 * s**2, -1 + 0.3 * s**2, 0.45 * s**2 - 0.1 * s
+        turn = 0.4 * s + 0.9 * s**2, 0.4 * s, s - 0.8 * s**3
+        q += [a + moved * b for a, b in zip((*still, *slope), (*way, *turn), strict=True)]
+        q.append(0.3 * s)
+    return np.array(q)
+
+
+def test_the_energy_stays_when_the_present_shape_becomes_the_reference() -> None:
+    """But for what three Gauss points leave, per length and step: it falls with the sixth power of the length."""
+    changes = []
+    for l in (1.0, 0.5, 0.25):
+        reference, q = on_a_curve(l, 0.0), on_a_curve(l, 0.01)
+        F, C = frame(reference, l), numbers(reference, l)
+        now = q.copy()
+        now[13] += np.array(ELEMENT.transport(q, 0 * q, 0 * q, l, F)).ravel()[0]
+        changes.append(abs(energy(now, l, frame(now, l), numbers(now, l)) - energy(q, l, F, C)) / l)
+    orders = np.log2(np.array(changes[:-1]) / changes[1:])
+    assert (orders > 5.5).all(), (changes, orders)
+
+
+def arc(elements: int, k: float, length: float) -> Array:
+    """q of a rod bent to a circle, from the origin down, to where the loop of a rope bends."""
+    s, q = np.linspace(0.0, length, elements + 1), np.zeros((elements + 1, 7))
+    q[:, 0], q[:, 1] = 0.5 * k * s**2 * np.sinc(0.5 * k * s / np.pi) ** 2, -s * np.sinc(k * s / np.pi)
+    q[:, 3], q[:, 4] = np.sin(k * s), -np.cos(k * s)
+    return q
+
+
+def system(rope: Rope, q: Array, held: Array | None = None, loads: Array | None = None) -> RopeSystem:
+    elements = q.shape[0] - 1
+    chain = Chain(
+        np.zeros(q.shape, dtype=bool) if held is None else held, q, np.zeros(q.shape) if loads is None else loads
+    )
+    kernels = RopeKernels(elements, "portable", bodies=(CURVED,))
+    lengths = np.full(elements, rope.length / elements)
+    return RopeSystem(kernels, lengths, parameter_vector(rope, 0.0), chain, q, rope=rope)
+
+
+ROD = Rope(length=2.0, Qb=0.0, Qc=0.0, EI=300.0, initial_curvature=0.4)
+
+
+def at_rest(q: Array, rope: Rope = ROD) -> tuple[Array, float]:
+    """Residual, and energy of bending."""
+    rest = np.zeros_like(q)
+    found = system(rope, q).evaluate(q, rest, rest, rest)
+    return found.reaction, found.balance["bending"]
+
+
+@pytest.mark.parametrize("part", [0.0, 0.25, 0.5, 1.0])
+def test_a_bent_rod_that_is_turned_about_itself_stores_the_closed_form(part: float) -> None:
+    """Half a turn of all sections costs 2 EI k k0 L; the torques of all nodes are its slope."""
+    k, k0, L, turn = 0.5, ROD.initial_curvature, ROD.length, math.pi * part
+    q = arc(4, k, L)
+    q[:, 6] = turn
+    R, bending = at_rest(q)
+    # a cubic of 0.5 m bent by 0.25 rad errs by (k l)^4 / 720 = 5e-6 of its curvature
+    assert bending == pytest.approx(0.5 * ROD.EI * L * (k * k + k0 * k0 - 2 * k * k0 * math.cos(turn)), abs=1e-3)
+    assert R[:, 6].sum() == pytest.approx(ROD.EI * k * k0 * math.sin(turn) * L, abs=1e-3)
+
+
+def test_a_rod_held_straight_takes_the_moment_of_its_curvature() -> None:
+    q = arc(4, 0.0, ROD.length)
+    R, bending = at_rest(q)
+    moment = ROD.EI * ROD.initial_curvature
+    assert bending == pytest.approx(0.5 * moment * ROD.initial_curvature * ROD.length, rel=1e-12)
+    # r' is straight down: a moment about Z is a force on its x
+    expected = np.zeros_like(R)
+    expected[[0, -1], 3] = moment, -moment
+    assert_allclose(R, expected, atol=1e-9 * moment)
+
+
+def test_a_ring_is_at_rest() -> None:
+    """All forces vanish with the elements as the cubic comes near to a circle."""
+    sizes = []
+    for elements in (8, 16, 32):
+        R = at_rest(arc(elements, 0.4, 5 * math.pi), replace(ROD, length=5 * math.pi))[0]
+        sizes.append(float(np.abs(R[:, :3]).max()))
+    assert sizes[-1] < 1e-3 * ROD.Qa * ROD.initial_curvature * 5 * math.pi / 32
+    orders = np.log2(np.array(sizes[:-1]) / sizes[1:])
+    assert (orders > 2.8).all(), (sizes, orders)
+
+
+def test_a_straight_rod_that_is_let_go_closes_to_a_ring() -> None:
+    rope = replace(ROD, length=math.pi, initial_curvature=2.0)
+    q, held = arc(12, 0.0, rope.length), np.zeros((13, 7), dtype=bool)
+    held[0, [0, 1, 2, 3, 5, 6]] = True
+    found = find_equilibrium(system(rope, q, held), q).q
+    # a cubic that turns by x = 2 pi / 12 errs by x^4 / 720 = 1e-4 of it, in twelve elements by 6.6e-4; the stretch adds
+    # as much
+    assert_allclose(found[-1, :6], found[0, :6], atol=2e-3)
+    assert_allclose(found[:, 6], 0.0, atol=1e-9)
+
+
+BEND = Rope(
+    length=25 * math.pi, Qa=1e7, Qb=0.0, Qc=0.0, Qd=1e7 / 12, EI=1e7 / 12, initial_curvature=0.01
+)  # E = 1e7, G = E/2, 1 x 1, radius 100, 45 degrees
+
+
+def bend_tip(elements: int, load: float) -> Array:
+    q, held, loads = (
+        arc(elements, 0.01, BEND.length),
+        np.zeros((elements + 1, 7), dtype=bool),
+        np.zeros((elements + 1, 7)),
+    )
+    held[0, [0, 1, 2, 3, 5, 6]], loads[-1, 2] = True, load
+    return find_equilibrium(system(BEND, q, held, loads), q).q[-1, :3]
+
+
+def rod_tip(load: float) -> Array:
+    """The same by the equations of a rod, shot from the clamp: moments m, r x force, sections D with d3 the tangent."""
+
+    def rates(s: float, y: Array) -> Array:
+        D, m = y[3:12].reshape(3, 3), y[12:]
+        force = np.array([0.0, 0.0, load])
+        bend = D @ m / np.array([BEND.EI, BEND.EI, BEND.Qd]) + np.array([BEND.initial_curvature, 0.0, 0.0])
+        tangent = (1 + D[2] @ force / BEND.Qa) * D[2]
+        return np.concatenate((tangent, np.cross(bend @ D, D).ravel(), -np.cross(tangent, force)))
+
+    def end(m: Array) -> Array:
+        start = np.concatenate((np.zeros(3), [0, 0, 1, 1, 0, 0, 0, -1, 0], m))
+        start[6:9] = np.cross([0, -1, 0], [0, 0, 1])
+        end: Array = solve_ivp(rates, (0.0, BEND.length), start, rtol=1e-8, atol=1e-6).y[:, -1]
+        return end
+
+    x, y, _ = PUBLISHED[load][1]
+    found = root(lambda m: end(m)[12:] / load, load * np.array([-y, -x, 0.0]), tol=1e-9)
+    assert found.success
+    return end(found.x)[:3]
+
+
+#: tip of the 45 degree bend, without the sense of the axes, from K.-J. Bathe and S. Bolourchi, Int. J. Numer. Methods
+#: Eng. 14 (1979), and J. C. Simo and L. Vu-Quoc, Comput. Methods Appl. Mech. Eng. 58 (1986)
+PUBLISHED = {
+    300.0: ((22.5, 59.2, 39.5), (22.33, 58.84, 40.08)),
+    600.0: ((15.9, 47.2, 53.4), (15.79, 47.23, 53.37)),
+}
+
+
+@pytest.mark.parametrize("load", [300.0, 600.0])
+def test_the_45_degree_bend(load: float) -> None:
+    """Published by elements of straight beams; the curved element converges to the rod's equations.
+
+    In the end with the second order, as its torsional strain is uniform, and the torque along a curved rod is not.
+    """
+    exact = rod_tip(load)
+    errors = [float(np.abs(bend_tip(elements, load) - exact).max()) for elements in (4, 8, 16)]
+    assert errors[-1] < 0.005
+    assert (np.log2(np.array(errors[:-1]) / errors[1:]) > 1.9).all(), errors
+    # eight straight beams of each, with shear: 0.7 % and 0.12 % of the radius
+    for tip, within in zip(PUBLISHED[load], (0.75, 0.12), strict=True):
+        assert_allclose(np.abs(exact), tip, atol=within)
+
+
+def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
+    made = replace(Rope(length=10.0, initial_curvature=K0, initial_curvature_angle=1.0), **rope)
+    solver = Solver(kernels="portable", step_max=0.01, tolerance=100.0)
+    return Scene(rope=made, mesh=mesh or Mesh("eem", elements=10), solver=solver)
+
+
+def ends(t: float) -> tuple[EndMotion, EndMotion]:
+    """Past each other in 1 s, and to the side."""
+    s = min(t, 1.0)
+    y, v, a = s**3 * (10 - 15 * s + 6 * s * s), 30 * (s * (1 - s)) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
+    up, aside = {"y": 0.5 * y, "vy": 0.5 * v, "ay": 0.5 * a}, {"z": 0.2 * y, "vz": 0.2 * v, "az": 0.2 * a}
+    return EndMotion(**up, **aside), EndMotion(**{name: -x for name, x in up.items()})
+
+
+def hung(of: Scene, form: Any = "native", height: float = 0.0) -> BalanceRope:
+    rope = balance_rope(of, form)
+    status = rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=height))
+    assert status.valid, status.message
+    return rope
+
+
+def wound(of: Scene, form: Any, steps: int, step: float = 0.01) -> BalanceRope:
+    rope = hung(of, form)
+    for k in range(1, steps + 1):
+        status = rope.advance_to(k * step, *ends(k * step))
+        assert status.valid, status.message
+    return rope
+
+
+@pytest.mark.parametrize(
+    "more", [{"installed_twist": 1.0}, {"EI_stick": 3000.0, "slip_moment": 2.0}], ids=["twisted", "wires rub"]
+)
+def test_both_forms_agree(more: dict[str, float]) -> None:
+    one, other = (wound(scene(**more), form, 20).state for form in ("python", "native"))
+    assert one.counts == other.counts
+    assert_allclose(one.motion.q, other.motion.q, atol=1e-8)
+    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-5)
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_a_straight_rope_has_its_bits_wherever_a_curvature_would_lie(form: Any) -> None:
+    plain, same = (wound(scene(initial_curvature=0.0, initial_curvature_angle=a), form, 10).state for a in (0.0, 1.0))
+    assert_array_equal(plain.motion.q, same.motion.q)
+    assert plain.energy_balance == same.energy_balance
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_a_saved_rope_goes_on_to_the_bit(form: Any) -> None:
+    rope, other = wound(scene(), form, 6), balance_rope(scene(), form)
+    other.restore(rope.state.to_bytes())
+    for one in (rope, other):
+        assert one.advance_to(0.08, *ends(0.08)).valid
+    assert_array_equal(rope.state.motion.q, other.state.motion.q)
+
+
+def uncoupled(angle: float, k0: float = K0) -> Scene:
+    return scene(Qb=0.0, Qc=0.0, initial_curvature=k0, initial_curvature_angle=angle).with_(model=Model("torsional"))
+
+
+def test_in_its_plane_a_clamped_rope_only_takes_the_moment() -> None:
+    """The work of a uniform moment goes with the turn from end to end, which clamps fix."""
+    straight, curved = hung(uncoupled(0.0, 0.0)), hung(uncoupled(0.0))
+    # three Gauss points integrate the curvature of elements of 1 m to 1e-5 of the turn
+    assert_allclose(curved.state.motion.q, straight.state.motion.q, atol=2e-5)
+    now, before = curved.signals(), straight.signals()
+    moment = K0 * curved.scene.rope.EI
+    assert now["left.mz"] - before["left.mz"] == pytest.approx(-moment, rel=1e-4)
+    assert now["right.mz"] - before["right.mz"] == pytest.approx(moment, rel=1e-4)
+
+
+def test_across_its_plane_it_turns_the_loop_either_way() -> None:
+    one, other = (hung(uncoupled(angle), height=2.0).signals() for angle in (1.0, -1.0))
+    assert one["loop.yaw"] == pytest.approx(-other["loop.yaw"], rel=1e-6)
+    assert abs(one["loop.yaw"]) > 0.03
+    for name in ("left.fx", "left.fy", "right.mz"):
+        assert one[name] == pytest.approx(other[name], rel=1e-6)
+
+
+def test_a_direction_is_a_turn_of_both_ends() -> None:
+    """The section at the left end, and with it the whole rope, turned about the tangent."""
+    turned = balance_rope(uncoupled(0.0))
+    # about Y: against the left tangent, along the right one
+    assert turned.initialize(0.0, EndMotion(y=0.0, yaw=-1.0), EndMotion(y=2.0, yaw=1.0)).valid
+    laid = hung(uncoupled(1.0), height=2.0)
+    assert_allclose(turned.state.motion.q[:, :6], laid.state.motion.q[:, :6], atol=1e-7)
+
+
+def test_the_energy_balance_closes_with_the_square_of_the_step() -> None:
+    def missing(steps: int) -> float:
+        free = Solver(step_max=1 / steps, tolerance=1e6, newton_tolerance=1e-10, rho_inf=1.0)
+        of = scene(Mesh("eem", elements=40), beta_K=0.0)
+        energy = wound(replace(of, solver=free), "native", steps, 1 / steps).state.energy_balance
+        return abs(energy.residual)
+
+    losses = [missing(steps) for steps in (200, 400, 800)]
+    orders = np.log2(np.array(losses[:-1]) / losses[1:])
+    assert (orders > 1.7).all(), (losses, orders)
+
+
+def test_a_transformed_mesh_keeps_the_direction() -> None:
+    """Torque and yaw along a winding are those of a mesh that stays; nothing else makes them without coupling."""
+    of = uncoupled(1.0)
+    solver = Solver(step_max=0.005)
+    tmn = wound(of.with_(mesh=Mesh("tmn", coarse_length=0.25), solver=solver), "native", 120)
+    eem = wound(of.with_(mesh=Mesh("eem", elements=80), solver=solver), "native", 120)
+    assert tmn.state.counts.transformations >= 1
+    one, other = tmn.signals(), eem.signals()
+    for name in ("left.my", "right.my", "loop.yaw"):
+        assert one[name] == pytest.approx(other[name], rel=0.01), name
+    energy = tmn.state.energy_balance
+    assert abs(energy.transformations) < 1e-3 * energy.strain
+
+
+def test_only_the_complete_model_has_it() -> None:
+    of = uncoupled(0.0)
+    rope = hung(of.with_(model=Model("auto")))
+    assert rope.fidelity == "torsional"
+    assert "permanent curvature of 0.3 1/m" in rope.fidelity_reason
+    assert "permanent" not in hung(uncoupled(0.0, 0.0).with_(model=Model("auto"))).fidelity_reason
+    planar = hung(of.with_(model=Model("planar")))
+    assert "computes no torsion" in planar.warnings()["neglected_effects"]
+    assert_allclose(
+        planar.state.motion.q, hung(uncoupled(0.0, 0.0).with_(model=Model("planar"))).state.motion.q, atol=0
+    )
+
+
+def test_a_loop_that_it_turns_far_says_so() -> None:
+    rope = hung(Scene(Rope(initial_curvature=0.2, initial_curvature_angle=3.0)), height=90.0)
+    assert "initial_curvature = 0.2 1/m" in rope.warnings()["yaw_at_rest"]
