@@ -9,17 +9,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from rope_model import EndMotion, balance_rope
-from rope_model.parameters import Mesh, Rope, Scene
-from rope_model.physics.air import AirLaw, air_law
+from rope_model import EndMotion, balance_rope, rope_120
+from rope_model.parameters import Accuracy, Mesh, Rope, Scene
+from rope_model.physics.air import air_law
 from rope_model.physics.air_element import AIR_BALANCE, air_element, air_functions
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity, element_functions
 from rope_model.shaft_parameters import Air, Shaft, Sump
 from rope_model.simulation.rope_system import parameter_vector
 
 STEP, LENGTH = 0.01, 10.0
-LAW = air_law(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044)
-A = [LAW.factor, *LAW.velocity]
+LAW = air_law(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)
+#: numbers of the law, and of conveyances at rest
+A = [LAW.factor, *LAW.velocity, *LAW[2:], *8 * [0.0]]
 
 
 def moved(fidelity: ElementFidelity, seed: int) -> tuple[np.ndarray[Any, Any], ...]:
@@ -50,6 +51,36 @@ def test_a_straight_element_has_the_drag_of_a_cylinder() -> None:
     assert_allclose(-R[:, :3].sum(axis=0), force, rtol=1e-12)
 
 
+#: m, m/s: a conveyance so high that what its bow does is over before its tail comes, which rises fast
+SPACING, HEIGHT, SPEED = 0.4, 80.0, 10.0
+PUSH = air_law(Air(density=1.2, drag=1.1, buffet=0.3, buffet_length=HEIGHT), 0.044, SPACING)
+
+
+def pulse(x: float, y: float, l: float = 0.1) -> dict[str, float]:
+    """What an upright element at (x, y) gets of a conveyance whose bow is at the origin; the other one stands."""
+    q, v = np.zeros((2, NODE_DOF)), np.zeros(2 * NODE_DOF)
+    q[:, 0], q[:, 1], q[:, 4] = x, (y, y - l), -1.0
+    passing = [*(0.0, -HEIGHT, 0.0, SPEED), *(x, 0.0, 0.0, 0.0)]
+    sums = air_functions("torsional").sums(q.ravel(), v, l, [PUSH.factor, *PUSH.velocity, *PUSH[2:], *passing])
+    return dict(zip(AIR_BALANCE, np.array(sums).ravel().tolist(), strict=True))
+
+
+def test_the_bow_gives_a_rigid_leg_the_impulse_of_its_pulse() -> None:
+    """By the integral of (1 + h^2)^-3 over all h, 3 pi/8; the tail draws it back by as much."""
+    places = np.arange(-20.0, 20.0, 0.1)
+    impulse = sum(pulse(SPACING, y)["air_fx"] for y in places) / SPEED  # of 0.1 m, past which the bow moves
+    expected = PUSH.factor * (PUSH.buffet * SPEED) ** 2 * 3 * np.pi / 8 * SPACING / SPEED
+    assert impulse == pytest.approx(expected, rel=1e-4)  # the tail is 200 spacings away
+    drawn = sum(pulse(SPACING, y - HEIGHT)["air_fx"] for y in places) / SPEED
+    assert drawn == pytest.approx(-expected, rel=1e-4)
+
+
+def test_a_conveyance_blows_on_the_other_leg_away_from_itself() -> None:
+    right, left = (pulse(x, 0.0)["air_fx"] for x in (SPACING, -SPACING))
+    assert right == -left > 0
+    assert pulse(0.0, 0.0)["air_fx"] == pulse(0.0, -HEIGHT)["air_fx"] == 0.0
+
+
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
 def test_the_tangent_is_the_derivative_to_the_speed(fidelity: ElementFidelity) -> None:
     air, (q, v) = air_functions(fidelity), moved(fidelity, 1)
@@ -64,7 +95,7 @@ def test_the_tangent_is_the_derivative_to_the_speed(fidelity: ElementFidelity) -
 def test_without_air_the_element_is_the_plain_one() -> None:
     (q, v), F = moved("torsional", 2), np.array(element_functions().reference(moved("torsional", 3)[0], 2.0))
     P = parameter_vector(Rope(), 9.81)
-    still = np.concatenate((P, [0.0, *LAW.velocity]))
+    still = np.concatenate((P, [0.0], A[1:]))
     one, other = (
         np.array(f.residual(q, v, v, 2.0, F, p))
         for f, p in ((element_functions(), P), (air_element("torsional", element_functions()), still))
@@ -145,8 +176,68 @@ def test_what_a_rope_loses_to_the_air_is_in_the_energy_balance() -> None:
 
 def test_ends_hold_what_the_wind_pushes() -> None:
     """Across its plane: all of the rope has the whole wind, but for the square of its lean."""
-    law = AirLaw(0.5 * 1.2 * 1.2 * 0.044, (0.0, 0.0, 3.0))
+    law = air_law(Air(density=1.2, drag=1.2, vz=3.0), 0.044, 2.0)
     rope = balance_rope(Scene(shaft=Shaft(air=Air(density=1.2, drag=1.2, vz=3.0))))
     assert rope.initialize(0.0, EndMotion(), EndMotion(y=60.0)).valid
     signals = rope.signals()
     assert signals["left.fz"] + signals["right.fz"] == pytest.approx(law.factor * 9.0 * 120.0, rel=1e-4)
+
+
+def pushed(t: float) -> tuple[EndMotion, EndMotion]:
+    """The left conveyance rises along the right leg, from 3.5 m below the right one, which falls."""
+    left, right = (EndMotion(y=y * t**3, vy=3 * y * t**2, ay=6 * y * t) for y in (4.0, -1.0))
+    return left, replace(right, y=3.5 + right.y)
+
+
+def passed(form: Any, buffet: float, accuracy: Accuracy) -> Any:
+    """What the rope of `scene` is a second later, in thick air."""
+    air = Air(density=20.0, buffet=buffet, buffet_length=2.0)
+    rope = balance_rope(replace(scene(), accuracy=accuracy, shaft=Shaft(air=air)), form)
+    assert rope.initialize(0.0, *pushed(0.0)).valid
+    for k in range(1, 101):
+        status = rope.advance_to(k * STEP, *pushed(k * STEP))
+        assert status.valid, status.message
+    return rope.state
+
+
+def test_a_passing_conveyance_pushes_the_rope_in_both_forms_alike() -> None:
+    python, native = (passed(form, 1.0, Accuracy(end_force=0.05, loop=0.5)) for form in ("python", "native"))
+    assert_allclose(python.motion.q, native.motion.q, atol=1e-9)
+    assert_allclose(python.energy_balance, native.energy_balance, atol=1e-6)
+
+
+def test_what_a_passing_conveyance_does_is_in_the_balances() -> None:
+    pushed_rope, still = (passed("native", buffet, Accuracy()) for buffet in (1.0, 0.0))
+    assert np.abs(pushed_rope.motion.q - still.motion.q)[:, :3].max() > 0.01
+    energy, before = pushed_rope.energy_balance, still.energy_balance
+    given = energy.given_to_air - before.given_to_air
+    assert given > 1
+    assert abs(energy.residual - before.residual) < 1e-3 * given
+    assert pushed_rope.audit.missing_force < 1e-3 * pushed_rope.audit.force
+
+
+def winding(t: float) -> tuple[EndMotion, EndMotion]:
+    """90 m in 20 s."""
+    s = min(t / 20, 1.0)
+    y, v, a = 90 * s**3 * (10 - 15 * s + 6 * s * s), 135 * (s * (1 - s)) ** 2, 13.5 * s * (1 - s) * (1 - 2 * s)
+    return EndMotion(y=y, vy=v, ay=a), EndMotion(y=90 - y, vy=-v, ay=-a)
+
+
+def loop_places(air: Air) -> np.ndarray[Any, Any]:
+    """loop.x (m) of the 120 m rope through its winding and as long after it."""
+    given = rope_120().scene
+    rope, places = balance_rope(given.with_(shaft=replace(given.shaft, air=air)), "native"), []
+    assert rope.initialize(0.0, *winding(0.0)).valid
+    read = rope.reader(("loop.x",))
+    for k in range(1, 2001):
+        assert rope.advance_to(0.02 * k, *winding(0.02 * k)).valid
+        places.append(read()[0])
+    return np.array(places)
+
+
+def test_a_winding_hardly_feels_the_pulse() -> None:
+    """As docs/model.md says."""
+    still = loop_places(Air(density=1.25))
+    for share, expected in ((0.06, 0.6e-3), (0.3, 6e-3)):
+        moved = loop_places(Air(density=1.25, buffet=share, buffet_length=6.0)) - still
+        assert np.abs(moved).max() == pytest.approx(expected, rel=0.2)

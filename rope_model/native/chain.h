@@ -14,7 +14,8 @@ enum {
     FRAME = 21,
     STRAINS = 3,
     MOMENTUM = 9,
-    AIR = 4,
+    AIR_LAW = 7,
+    AIR = AIR_LAW + 2 * 4,
     AIR_BALANCE = 7,
     WIRE_HISTORY = 33,
     CURVED = 13
@@ -80,7 +81,7 @@ typedef struct {
     OwnContact *own;
     const PointForces *forces;
     const double *wires, *curved;
-    double time, secants, P[PARAMETERS], air[AIR], load[2], friction_load[2], inertia[2], shortest;
+    double time, secants, P[PARAMETERS], air[AIR_LAW], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
 typedef struct {

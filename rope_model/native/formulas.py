@@ -103,7 +103,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double part_of_time(double start, double stop, double t)": point_forces.part_of_time,
     "void point_load(const double place[3], const double force[3], double load[6])": point_forces.point_load,
     "double largest_motion(double longest, const double q[6], const double before[6])": contact.largest_motion,
-    "AirLaw air_law(const Air *air, double diameter)": air.air_law,
+    "AirLaw air_law(const Air *air, double diameter, double spacing)": air.air_law,
     "double wire_stiffness(const Rope *rope)": wire_friction.wire_stiffness,
     "double slip_curvature(const Rope *rope, double stiffness, double e, double tau)": wire_friction.slip_curvature,
     "void section_at(double xi, double l, const double nodes[14], double section[7])": wire_friction.section_at,

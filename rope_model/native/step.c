@@ -29,7 +29,7 @@ System system_of(const Simulator *rope, State *state) {
                 .curved = is_curved(rope, state) ? rope->curved : NULL,
                 .shortest = x.lengths[0]};
     element_parameters(data, rope->scene.layout.gravity, s.P);
-    const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter);
+    const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter, rope->scene.layout.spacing);
     memcpy(s.air, &law, sizeof s.air);
     for (int k = 1; k < x.elements; k++) s.shortest = fmin(s.shortest, x.lengths[k]);
     for (int side = LEFT; side <= RIGHT; side++) {

@@ -4,8 +4,18 @@ With the unit tangent t and the rope's velocity w against the air, whose part ac
 
     f = -1/2 rho_a c_d d |w_n| w_n
 
-the drag of a cylinder across a flow; the flow along it is left out, as are vortices and what a passing conveyance
-pushes before it.  |w_n| is rounded off below ROUNDING, where nothing is left of it.
+the drag of a cylinder across a flow; the flow along it is left out, as are vortices.  |w_n| is rounded off below
+ROUNDING, where nothing is left of it.
+
+The air moves as one, and aside where a conveyance passes.  In potential flow a slender body that moves at the speed V
+along its axis has a source at its bow and a sink of the same strength at its tail (Rankine's ovoid).  D away from the
+axis, at the height h above one of them, each moves the air across at
+
+    b V (1 + (h/D)^2)^(-3/2)
+
+outwards at the bow, inwards at the tail; b is A/(4 pi D^2) for a body of the cross section A in the open, more between
+walls.  D is the spacing of the suspensions: this is the flow at the leg beside the conveyance, where it hangs at rest.
+It is taken as proportional to the distance from the axis, so that the leg below the conveyance itself feels none.
 
 The tangent -df/dv is symmetric: it leaves out that t turns.
 
@@ -14,6 +24,7 @@ Works on numbers and CasADi expressions; vectors have their components first.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from .elementary import dot, sqrt
@@ -23,20 +34,46 @@ ROUNDING = 1e-6
 
 
 class AirLaw(NamedTuple):
-    """Numbers of the law: force per length and square of the speed, and the air's velocity (m/s)."""
+    """Numbers of the law: force per length and square of the speed, the air's velocity (m/s), b, and lengths in m."""
 
     factor: float  # kg/m2
     velocity: tuple[float, float, float]
+    buffet: float
+    height: float  # of a conveyance
+    spacing: float
 
 
-def air_law(air: Any, diameter: Any) -> AirLaw:
-    """Of a rope of this diameter, m; without air the factor is 0."""
-    return AirLaw(0.5 * air.density * air.drag * diameter, (air.vx, air.vy, air.vz))
+class Passing(NamedTuple):
+    """A conveyance that moves the air: place (m) and upward speed (m/s) of its underside, where its rope ends."""
+
+    place: tuple[float, float, float]
+    speed: float
 
 
-def drag(law: AirLaw, slope: Any, speed: Any) -> tuple[list[Any], list[list[Any]]]:
-    """Force per length where r' and r_t are ``slope`` and ``speed``, and -df/dv (3, 3)."""
-    against = [speed[i] - law.velocity[i] for i in range(3)]
+def air_law(air: Any, diameter: Any, spacing: Any) -> AirLaw:
+    """Of a rope of this diameter between suspensions so far apart, m; without air the factor is 0."""
+    velocity = air.vx, air.vy, air.vz
+    return AirLaw(0.5 * air.density * air.drag * diameter, velocity, air.buffet, air.buffet_length, spacing)
+
+
+def flow(law: AirLaw, conveyances: Sequence[Passing], point: Any) -> list[Any]:
+    """Velocity (m/s) of the air at ``point``."""
+    x, y, z = law.velocity
+    for underside, speed in conveyances:
+        h = point[1] - underside[1]
+        aside = law.buffet * speed / law.spacing * (_bell((h - law.height) / law.spacing) - _bell(h / law.spacing))
+        x, z = x + aside * (point[0] - underside[0]), z + aside * (point[2] - underside[2])
+    return [x, y, z]
+
+
+def _bell(h: Any) -> Any:
+    square = 1.0 + h * h
+    return 1.0 / (square * sqrt(square))
+
+
+def drag(law: AirLaw, velocity: Any, slope: Any, speed: Any) -> tuple[list[Any], list[list[Any]]]:
+    """Force per length in air of this ``velocity`` where r' and r_t are ``slope`` and ``speed``, and -df/dv (3, 3)."""
+    against = [speed[i] - velocity[i] for i in range(3)]
     square = dot(slope, slope)
     along = dot(against, slope) / square
     across = [against[i] - along * slope[i] for i in range(3)]

@@ -17,10 +17,13 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 from . import hermite
-from .air import AirLaw, drag
+from .air import AirLaw, Passing, drag, flow
 from .element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions
 from .elementary import cross, dot
 
+#: numbers of an AirLaw, and of it with both conveyances
+LAW_SIZE = 7
+AIR_SIZE = LAW_SIZE + 2 * 4
 #: what the balance of the element has beyond element.BALANCE
 AIR_BALANCE = (
     "given_to_air",  # W
@@ -30,7 +33,7 @@ AIR_BALANCE = (
 
 
 class AirFunctions(NamedTuple):
-    """What the air does to an element, ``A`` being an AirLaw's numbers (4,).
+    """What the air does to an element, ``A`` being the numbers of an AirLaw and of both Passing conveyances.
 
     residual: (q, v, l, A) -> R (2 m,); tangent: (q, v, l, A, cv) -> J (2 m, 2 m); sums: (q, v, l, A) -> AIR_BALANCE.
     """
@@ -46,19 +49,19 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
     kept = ELEMENT_DOF[fidelity]
     entries = [*kept, *(NODE_DOF + k for k in kept)]
     symbols = [ca.SX.sym(name, len(entries)) for name in "qv"]
-    l, A, cv = ca.SX.sym("l"), ca.SX.sym("A", 4), ca.SX.sym("cv")
+    l, A, cv = ca.SX.sym("l"), ca.SX.sym("A", AIR_SIZE), ca.SX.sym("cv")
     q, v = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v), symbols, strict=True):
         x[entries] = symbol
-    numbers: Any = ca.vertsplit(A)
-    # what blows across the plane does not act in a model of the plane
-    across: Any = numbers[3] if 2 in kept else ca.SX(0)
-    law = AirLaw(numbers[0], (numbers[1], numbers[2], across))
+    law, conveyances = _numbers(ca.vertsplit(A))
     R, J, sums = ca.SX.zeros(2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(len(AIR_BALANCE))
     for xi, weight in hermite.GAUSS:
         nodes = dict(_nodes(hermite.shares(xi, l)))
         (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
-        force, tangent = drag(law, slope, speed)
+        velocity = flow(law, conveyances, point)
+        if 2 not in kept:  # what blows across the plane does not act in a model of the plane
+            velocity[2] = 0
+        force, tangent = drag(law, velocity, slope, speed)
         w = weight * l
         sums += w * ca.vertcat(-dot(force, speed), *force, *cross(point, force))
         for row, (i, share) in nodes.items():
@@ -75,10 +78,10 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
 
 @cache
 def air_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFunctions:
-    """The ``plain`` element's functions in air; P has the AirLaw's numbers behind its own, the balance AIR_BALANCE."""
+    """The ``plain`` element's functions in air; P has the numbers A behind its own, the balance AIR_BALANCE."""
     air, m = air_functions(fidelity), len(ELEMENT_DOF[fidelity])
     q, v, a = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a"))
-    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", plain.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + 4)
+    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", plain.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
     own, blown = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
     R, J = plain.tangent(q, v, a, *own, cq, cv, c_a)
@@ -96,6 +99,11 @@ def air_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFu
         losses=function("losses", [q, v, l, F, P], [plain.losses(q, v, *own)]),
         momentum=function("momentum", [q, v, l, P], [plain.momentum(q, v, l, own[2])]),
     )
+
+
+def _numbers(A: Any) -> tuple[AirLaw, list[Passing]]:
+    law = AirLaw(A[0], (A[1], A[2], A[3]), *A[4:LAW_SIZE])
+    return law, [Passing((A[k], A[k + 1], A[k + 2]), A[k + 3]) for k in (LAW_SIZE, LAW_SIZE + 4)]
 
 
 def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:

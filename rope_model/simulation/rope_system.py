@@ -17,12 +17,13 @@ from ..numerics.generalized_alpha import Solution
 from ..numerics.newton import report
 from ..parameters import Rope, Scene
 from ..physics.air import air_law
-from ..physics.air_element import AIR_BALANCE
+from ..physics.air_element import AIR_BALANCE, AIR_SIZE, LAW_SIZE
 from ..physics.contact import LOOK_AHEAD, largest_motion
 from ..physics.contact_element import CONTACT_BALANCE
 from ..physics.element import (
     BALANCE,
     NODE_DOF,
+    PARAMETERS,
     parameters,
 )
 from ..physics.point_forces import point_load
@@ -50,9 +51,9 @@ def parameter_vector(rope: Rope, gravity: float) -> Array:
 
 
 def air_parameters(scene: Scene) -> Array:
-    """What the element has beyond them where there is air; empty without."""
-    law = air_law(scene.shaft.air, scene.rope.diameter)
-    return np.array([law.factor, *law.velocity] if law.factor else [])
+    """What the element has beyond them where there is air, with conveyances at rest; empty without."""
+    law = air_law(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
+    return np.array([law.factor, *law.velocity, *law[2:], *(AIR_SIZE - LAW_SIZE) * [0.0]] if law.factor else [])
 
 
 def arc_lengths(lengths: Array) -> Array:
@@ -292,11 +293,20 @@ class RopeSystem:
 
     def _with_bodies(self, near: Near, q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
         """Kernels, their constants and parameters, with or without bodies."""
+        P = self._blown(q, v)
         if self.around is None or self._touching is None or not near.any():
-            return self.kernels, self._constants, self.P
+            return self.kernels, self._constants, P
         lengths, frames, *loads = self._constants
-        P = np.concatenate((self.P, self.around.numbers(q, v)))
+        P = np.concatenate((P, self.around.numbers(q, v)))
         return self._touching(), (lengths, np.hstack((frames, near)), *loads), P
+
+    def _blown(self, q: Array, v: Array) -> Array:
+        """The element's parameters, in air with the conveyances where the rope ends."""
+        if self.P.size == len(PARAMETERS):
+            return self.P
+        P = self.P.copy()
+        P[LAW_SIZE - AIR_SIZE :].reshape(2, 4)[:] = np.column_stack((q[[0, -1], POSITION], v[[0, -1], 1]))
+        return P
 
     def strains(self, q: Array) -> Array:
         """(elements, 3), columns as in physics.element.STRAINS."""
