@@ -25,7 +25,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.identify import add_identify
     from hoist_demo.command_line.ropes import add_ropes
-    from hoist_demo.command_line.settings import rope_values
+    from hoist_demo.command_line.settings import rope_values, settings
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.drive_fmu.description import drive_model, duration
@@ -138,6 +138,14 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "--rope", type=Path, metavar="FILE", help="start values of the rope, as balance-rope identify writes them"
     )
     export.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="start value of a parameter by its name in docs/interface.md, in SI units; may be repeated, and counts "
+        "more than --case and --rope",
+    )
+    export.add_argument(
         "--level",
         choices=tuple(LEVELS),
         default="standard",
@@ -219,13 +227,14 @@ def _export(options: argparse.Namespace) -> int:
     return 0
 
 
-def _with_rope(case: Case, path: Path | None) -> Case:
-    """The case with the rope of a parameter file, for which its drive takes it."""
-    if path is None:
+def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
+    """The case with the rope of a parameter file and of --set, for which its drive takes it."""
+    if path is None and not texts:
         return case
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 
-    own = {name: float(value) for name, value in rope_values(path, Catalogue(rope_parameters())).items()}
+    catalogue = Catalogue(rope_parameters())
+    own = {**rope_values(path, catalogue), **settings(texts, catalogue)}
     shared: dict[str, Any] = tail_rope(own)
     return replace(case, rope={**case.rope, **own}, hoist=replace(case.hoist, **shared))
 
@@ -255,9 +264,11 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
 def _hoist(options: argparse.Namespace) -> tuple[Case, Level, tuple[OneRope, ...]]:
     """The case to export, the level of its rope, and its ropes where a file has several."""
     if options.ropes is None:
-        return _with_rope(CASES[options.case], options.rope), options.level, ()
+        return _with_rope(CASES[options.case], options.rope, options.set), options.level, ()
     if options.rope is not None:
         raise ValueError(f'--rope {options.rope} is one rope: in {options.ropes} give a rope from = "{options.rope}"')
+    if options.set:
+        raise ValueError(f"--set {options.set[0]} is for one rope: give it to a rope of {options.ropes}")
     # a file of ropes is read with what winds them, which loads slowly
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
     from hoist_demo.ropes.definition import read_ropes

@@ -1,10 +1,10 @@
 """Builds the FMU of the Python flavour; ``balance-rope export`` on the command line.
 
 pythonfmu's builder makes the FMU: it asks the class in slave.py for the model description and packs the resources,
-which are copies of rope_model and fmu_src, the interpreted kernels for every platform and the compiled ones for the
-exporting platform.  Its library is replaced: pythonfmu's answers all calls but doStep with OK, whatever became of them,
-and has no way to do otherwise.  Ours is the native flavour's, with Python behind it (native/python_model.c).  The
-importing host needs Python with numpy and casadi.
+which are copies of rope_model and fmu_src, and the kernels for what acts on the rope of the start values, interpreted
+for every platform and compiled for the exporting one.  Its library is replaced: pythonfmu's answers all calls but
+doStep with OK, whatever became of them, and has no way to do otherwise.  Ours is the native flavour's, with Python
+behind it (native/python_model.c).  The importing host needs Python with numpy and casadi.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ from pythonfmu.builder import FmuBuilder
 
 from rope_model.parameters import Level
 from rope_model.simulation.mesh import fit_mesh, partition
+from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_kernels import write_bundle
+from rope_model.simulation.scene_kernels import kernels_needed
 
 from .archive import read_archive, write_archive
 from .attachments import attachments
@@ -64,7 +66,7 @@ def export_fmu(
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"
-        write_bundle(elements, kernels)
+        write_bundle(elements, kernels, kernels_needed(scene, (EndMotion(), EndMotion(y=data.travel))))
         key = _build_key(f"{case} {level} {sorted(start.items())} {profile}", kernels, library_sources(table))
         package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
         _copy_package(package)

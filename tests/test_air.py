@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,16 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import EndMotion, balance_rope, rope_120
-from rope_model.parameters import Accuracy, Mesh, Rope, Scene
+from rope_model.numerics import kernels
+from rope_model.parameters import Accuracy, Mesh, Rope, Scene, Solver
 from rope_model.physics.air import air_law
 from rope_model.physics.air_element import AIR_BALANCE, air_element, air_functions
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity, element_functions
 from rope_model.shaft_parameters import Air, Shaft, Sump
+from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.rope_system import parameter_vector
+from rope_model.simulation.scene_kernels import kernels_needed
+from rope_model.simulation.simulator import RopeSimulator
 
 STEP, LENGTH = 0.01, 10.0
 LAW = air_law(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)
@@ -135,6 +140,27 @@ def test_both_forms_agree_in_the_wind_with_a_floor() -> None:
     assert other.energy_balance.given_to_air < -0.1  # it drives the rope
     # the momentum is that of end forces, weight, floor and air
     assert max(one.audit.missing_force, other.audit.missing_force) < 1e-3 * other.audit.force
+
+
+@pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to bring along")
+def test_a_bundle_has_all_that_its_scene_needs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """In air and on a floor without a compiler; what it was not made for is interpreted, and says so."""
+    blown = scene(density=1.2, vx=4.0)
+    still, start = (EndMotion(), EndMotion()), replace(blown, solver=Solver(kernels="compiled"))
+    needed = kernels_needed(blown, still)
+    assert {fidelity for fidelity, kinds in needed if not kinds} == set(ELEMENT_DOF)
+    write_bundle(10, tmp_path, [one for one in needed if one[1]])
+    monkeypatch.setattr(kernels, "find_compiler", lambda: None)
+    rope = RopeSimulator(start, tmp_path)
+    assert rope.initialize(0.0, *still).valid
+    assert rope.advance_to(STEP, *still).valid
+    assert rope.signals()["contact.floor"] > 0
+    airless = RopeSimulator(scene(), tmp_path)
+    with caplog.at_level("WARNING"):
+        assert airless.initialize(0.0, *still).valid
+    assert "5 to 10 times as long" in caplog.text
 
 
 def gust(form: Any) -> Any:

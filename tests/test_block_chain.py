@@ -16,7 +16,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rope_model.numerics import kernels
-from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, PARAMETERS, element_functions
+from rope_model.physics.element import NODE_DOF, PARAMETERS, element_functions
 from rope_model.simulation.rope_kernels import RopeKernels, write_bundle
 
 Array = NDArray[np.float64]
@@ -279,7 +279,7 @@ def test_a_library_that_does_not_load_is_passed_over_with_a_warning(
     # as on a machine without a compiler
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     monkeypatch.setattr("rope_model.simulation.rope_kernels.find_compiler", lambda: None)
-    portable = write_bundle(2, tmp_path)[0]
+    portable = write_bundle(2, tmp_path, [("torsional", ())])[0]
     library = tmp_path / f"torsional-2-{kernels.platform_tag()}{kernels.LIBRARY_SUFFIX}"
     library.write_bytes(b"not a library")
     with caplog.at_level(logging.WARNING, logger=kernels.__name__):
@@ -295,8 +295,7 @@ def test_a_library_that_does_not_load_is_passed_over_with_a_warning(
 def test_a_bundle_brings_its_library_along(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    written = write_bundle(2, tmp_path)
-    assert len(written) == 2 * len(ELEMENT_DOF)
+    assert len(write_bundle(2, tmp_path, [("torsional", ())])) == 2
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     assert RopeKernels(2, "compiled", tmp_path).form == "compiled"
 

@@ -40,6 +40,23 @@ def test_an_installed_case_is_exported_by_its_name(tmp_path: Path, monkeypatch: 
     assert math.isclose(float(starts["rope.EI"]), 300.0 * (14.25 / 8.0) ** 2)
 
 
+def test_start_values_are_set_on_the_command_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
+    path = tmp_path / "rope.fmu"
+    options = ["export", "--native", "--platform", "host", "--out", str(path)]
+    assert main([*options, "--set", "air.density=1.2", "--set", "model.fidelity=torsional"]) == 0
+    starts = {v.name: v.start for v in fmpy.read_model_description(str(path)).modelVariables}
+    assert [float(starts[name]) for name in ("air.density", "model.fidelity", "rope.length")] == [1.2, 1.0, 120.0]
+    for wrong, told in (
+        ("air.density=-1", "density = -1.0 is out of range"),
+        ("hoist.payload_left=1", "parameters of the rope"),
+    ):
+        assert main([*options, "--set", wrong]) == 2
+        assert told in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("options", "named"),
     [

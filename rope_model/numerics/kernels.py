@@ -105,9 +105,9 @@ def prepare(
             cause = f"{' '.join(compiler)} failed: {last_words(error)}"
     if form == "compiled":
         raise RuntimeError(f"compiled kernels asked for, but {cause}; install a C compiler or use kernels='portable'")
-    # without a compiler that is as expected; with one that fails it is not
-    level = logging.INFO if compiler is None else logging.WARNING
-    log.log(level, "kernels: portable (CasADi virtual machine, several times slower), because %s", cause)
+    # without a compiler that is as expected, but not where a library was to be; nor is one that fails
+    level = logging.INFO if compiler is None and bundle is None else logging.WARNING
+    log.log(level, "kernels: portable (CasADi virtual machine, 5 to 10 times as long), because %s", cause)
     return list(functions), "portable"
 
 

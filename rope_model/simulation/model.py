@@ -15,13 +15,13 @@ from ..physics.accuracy import add_errors, place_error, step_limits
 from ..physics.energy_balance import energies as energies_of
 from ..physics.frame import end_moment
 from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
-from .curvature import is_curved
 from .ends import HangingEnds, Phase, nominal_points
 from .fidelity import flexible
 from .paths import EndPath
 from .point_forces import NO_FORCES, PointForces, nodal_forces
-from .rope_kernels import AIR, CURVED, WIRES, KernelCache
+from .rope_kernels import KernelCache
 from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters, parameter_vector
+from .scene_kernels import acting_along
 from .self_contact import SelfTouchingRope
 from .state import Powers, RopeState
 from .surroundings import surroundings
@@ -51,10 +51,8 @@ class RopeModel:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
             own, blown = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
-            fidelity = flexible(state.fidelity)
-            present = {CURVED: is_curved(scene.rope, fidelity), WIRES: rubs, AIR: blown.size > 0}
-            along = tuple(kind for kind, there in present.items() if there)
-            around = surroundings(scene)
+            fidelity, around = flexible(state.fidelity), surroundings(scene)
+            along = acting_along(scene, fidelity, rubs)
             touching = partial(SelfTouchingRope, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
             system = touching(
                 self.kernels.of(fidelity, along),

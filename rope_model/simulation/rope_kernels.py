@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
 
@@ -104,12 +104,8 @@ class KernelCache:
         return self._made[fidelity, bodies]
 
 
-def write_bundle(elements: int, folder: Path) -> list[Path]:
-    """Write the portable kernels and, with a compiler, those for this platform into ``folder``, for every fidelity.
-
-    They are those of a straight rope without air, bodies and friction between its wires; others are built where they
-    are needed.
-    """
+def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Kinds]]) -> list[Path]:
+    """Write the portable kernels ``needed`` and, with a compiler, those for this platform into ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
     written, compiler = [], find_compiler()
     if compiler is None:
@@ -118,12 +114,12 @@ def write_bundle(elements: int, folder: Path) -> list[Path]:
             "long; install a compiler, or pip install 'balance-rope[compiler]'",
             folder.name,
         )
-    for fidelity in ELEMENT_DOF:
-        library, portable = _bundle_files(folder, elements, fidelity, ())
-        save_portable(rope_functions(elements, fidelity).all(), portable)
+    for fidelity, bodies in needed:
+        library, portable = _bundle_files(folder, elements, fidelity, bodies)
+        save_portable(rope_functions(elements, fidelity, bodies).all(), portable)
         written.append(portable)
         if compiler is not None:
-            shutil.copyfile(_build(elements, fidelity, (), compiler), library)
+            shutil.copyfile(_build(elements, fidelity, bodies, compiler), library)
             written.append(library)
     return written
 

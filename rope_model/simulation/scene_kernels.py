@@ -1,0 +1,36 @@
+"""Which kernels the rope of a scene needs: by what acts on it, and by the fidelity that its ends ask for."""
+
+from __future__ import annotations
+
+from ..parameters import Scene
+from ..physics.element import ELEMENT_DOF, ElementFidelity
+from ..physics.wire_friction import wire_stiffness
+from .curvature import is_curved
+from .fidelity import FIDELITIES, Ends, choose_fidelity, flexible
+from .rope_kernels import AIR, CURVED, WIRES, Kinds
+from .rope_system import air_parameters
+from .surroundings import surroundings
+
+
+def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Kinds:
+    """What acts all along the rope, its wires rubbing or not yet."""
+    present = {CURVED: is_curved(scene.rope, fidelity), WIRES: rubs, AIR: air_parameters(scene).size > 0}
+    return tuple(kind for kind, there in present.items() if there)
+
+
+def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Kinds], ...]:
+    """Which kernels a rope of ``scene`` may need that hangs between these ``ends``.
+
+    Those of a rope on which nothing acts, on every fidelity, are among them: whoever imports it may set other data.
+    """
+    chosen = choose_fidelity(scene, ends).fidelity
+    higher = FIDELITIES[FIDELITIES.index(chosen) :] if scene.model.fidelity == "auto" else [chosen]
+    around = surroundings(scene)
+    needed: list[tuple[ElementFidelity, Kinds]] = [(fidelity, ()) for fidelity in ELEMENT_DOF]
+    needed += [
+        (fidelity, (*acting_along(scene, fidelity, rubs), *near))
+        for fidelity in map(flexible, higher)
+        for rubs in (False, wire_stiffness(scene.rope) > 0)
+        for near in ((), around.kinds if around else ())
+    ]
+    return tuple(dict.fromkeys(needed))
