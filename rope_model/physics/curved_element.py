@@ -34,7 +34,7 @@ from .element import (
 )
 from .elementary import dot, sqrt
 from .frame import carried, small_turn, smallest_rotation_rate, turned
-from .initial_curvature import TO_POINTS
+from .initial_curvature import TO_POINTS, directors
 
 _BENDING = BALANCE.index("bending")
 #: numbers of an element: directors, angles, k0 and EI
@@ -93,6 +93,18 @@ def curved_functions() -> CurvedFunctions:
         ca.Function("curved_tangent", [*inputs, cq], [ca.cse(J)]),
         ca.Function("curved_energy", inputs, [ca.cse(U)]),
     )
+
+
+@cache
+def directors_along(elements: int) -> ca.Function:
+    """(e1 at the left end, its angle to d, lengths, nodes (14,)) -> e1 at the right nodes, d at the points (9,).
+
+    Columns belong to elements; the angle is the same in each of them.
+    """
+    start, angle, l, nodes = ca.SX.sym("start", 3), ca.SX.sym("angle"), ca.SX.sym("l"), ca.SX.sym("nodes", 2 * NODE_DOF)
+    *found, x, y, z = directors(angle, l, nodes, start)
+    of_element = ca.Function("directors", [start, angle, l, nodes], [ca.vertcat(x, y, z), ca.vertcat(*found)])
+    return of_element.mapaccum(elements)
 
 
 def _turn_function() -> ca.Function:

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..parameters import Rope
+from ..physics.curved_element import directors_along
 from ..physics.element import ElementFidelity
-from ..physics.initial_curvature import START, directors
+from ..physics.initial_curvature import START
 
 Array = NDArray[np.float64]
 
@@ -19,11 +20,8 @@ def is_curved(rope: Rope, fidelity: ElementFidelity) -> bool:
 
 def curved(rope: Rope, q: Array, lengths: Array) -> Array:
     """(elements, physics.curved_element.CURVED): what the rope ``q`` has in the reference."""
-    numbers, e1 = np.zeros((lengths.size, 13)), START
-    numbers[:, 9], numbers[:, 10] = q[:-1, 6], q[1:, 6]
-    numbers[:, 11:] = rope.initial_curvature, rope.EI
-    nodes = np.concatenate((q[:-1], q[1:]), axis=1).tolist()
-    for row, of_nodes, l in zip(numbers, nodes, lengths.tolist(), strict=True):
-        *row[:9], x, y, z = directors(rope.initial_curvature_angle, l, of_nodes, e1)
-        e1 = x, y, z
-    return numbers
+    nodes, one = np.concatenate((q[:-1], q[1:]), axis=1), np.ones(lengths.size)
+    along = directors_along(lengths.size)
+    _, d = along(START, rope.initial_curvature_angle * one[None], lengths[None], nodes.T)
+    numbers = q[:-1, 6], q[1:, 6], rope.initial_curvature * one, rope.EI * one
+    return np.column_stack((np.array(d).T, *numbers))
