@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from numpy.typing import NDArray
 
 from balance_rope import _with_rope, main
 from hoist_demo.calibration.definition import FOLLOWING, read_known, read_measured
-from hoist_demo.calibration.fit import CONFIDENCE, RANGE_VARIANCE, fit, with_measurement
-from hoist_demo.calibration.identify import identify, stacked
+from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals, with_measurement
+from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import Bench, Measurement, Trial
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.settings import rope_statuses, rope_values
@@ -40,15 +41,44 @@ def test_a_linear_rope_is_within_its_interval_in_nine_cases_of_ten() -> None:
     hits = np.zeros(3)
     for _ in range(sets):
         truth = 0.2 + 0.6 * rng.random(3)
-        found = fit(lambda u: matrix @ u, matrix @ truth + rng.standard_normal(8), np.ones(8), 3)
+        values = matrix @ truth + rng.standard_normal(8)
+        found = fit(lambda u, values=values: matrix @ u - values, 3)
         hits += np.abs(found.shares - truth) <= found.reaches
     # three standard errors of a share of 0.9 in so many sets
     assert_allclose(hits / sets, CONFIDENCE, atol=3 * np.sqrt(CONFIDENCE * (1 - CONFIDENCE) / sets))
 
 
+def test_the_interval_of_a_linear_rope_is_that_of_its_covariance() -> None:
+    rng = np.random.default_rng(8)
+    matrix, values = rng.standard_normal((7, 3)) * [30.0, 60.0, 15.0], rng.standard_normal(7)
+
+    def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(matrix @ (u - 0.5) - values)
+
+    found = fit(residuals, 3)
+    expected = found.shares + found.reaches * [[-1.0], [1.0]]
+    assert_allclose(intervals(residuals, found), np.clip(expected, 0.0, 1.0).T, rtol=1e-9)
+
+
+def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
+    # the first is measured by a cube of itself and, worse, by its sum with the second: seen along the first alone,
+    # the squares that the second cannot lower are those of the cube
+    found = fit(residuals := lambda u: np.array([8.0 * (u[0] ** 3 - 0.3), 5.0 * (u[0] + u[1] - 1.1)]), 2)
+    low, high = intervals(residuals, found)[0]
+    exact = np.cbrt(0.3 + REACH / 8.0 * np.array([-1.0, 1.0]))
+    assert_allclose([low, high], exact, rtol=FOUND)
+    assert found.shares[0] - low > 1.2 * (high - found.shares[0])
+
+
+def test_an_interval_ends_with_its_range() -> None:
+    found = fit(residuals := lambda u: 4.0 * (u - 0.8), 1)
+    # the pull to the middle, 0.1^2 against the information of 4^2, moves it by 2e-4
+    assert_allclose(intervals(residuals, found), [[0.8 - REACH / 4.0, 1.0]], atol=3e-4)
+
+
 def test_a_direction_without_data_keeps_its_range_and_its_middle() -> None:
     # of u and v only the sum is measured
-    found = fit(lambda u: 50.0 * u[:1] + 50.0 * u[1:], np.array([60.0]), np.array([1.0]), 2)
+    found = fit(lambda u: 50.0 * u[:1] + 50.0 * u[1:] - 60.0, 2)
     assert_allclose(np.abs(found.untold()), [[np.sqrt(0.5), np.sqrt(0.5)]])
     assert_allclose(found.shares, [0.6, 0.6], atol=1e-4)
     assert_allclose(np.diag(found.covariance), 0.5 * (RANGE_VARIANCE + 1 / (2 * 50.0**2)))
@@ -74,7 +104,7 @@ def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
     ]
     truth = np.array([0.3, 0.6, 0.7, 0.55, 0.4])
     _, sigmas = stacked(plan)
-    found = fit(lambda u: bench.predict(u, plan), bench.predict(truth, plan), sigmas, truth.size)
+    found = fit(residuals_of(bench, plan, bench.predict(truth, plan), sigmas), truth.size)
     # what Newton's method leaves of the yaw, 1e-5 rad, is 1e-3 of its sigma
     assert_allclose(found.shares, truth, atol=1e-3)
 

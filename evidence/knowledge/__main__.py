@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from evidence.knowledge.coverage import COUNTED, MORE_SETS, cover, example, inside, of_samples, plan
+from evidence.knowledge.coverage import COUNTED, MORE_SETS, SETS, UNSEEN, cover, example, inside, of_samples, plan
 from evidence.knowledge.worked import measure
 from evidence.pages import PAGES, publish
 from evidence.rendering import DOCS
@@ -26,6 +26,7 @@ def _identify() -> Tables:
     measured = plan()
     return {
         "coverage": cover(measured),
+        "unseen": cover(measured, SETS, UNSEEN),
         "samples": table(COUNTED, inside(cover(of_samples(measured), MORE_SETS))),
         **example(measured),
     }

@@ -17,16 +17,25 @@ def page(tables: Tables) -> str:
     ]
     candidates = tables["candidates"]
     left = [(str(c), f"{1e3 * e:.3g} mm") for c, e in zip(candidates["measurement"], candidates["error"], strict=True)]
-    found, more = inside(tables["coverage"]), tables["samples"]
+    seen, unseen, more = inside(tables["coverage"]), inside(tables["unseen"]), tables["samples"]
     covered = [
         (
             name.replace("_", " "),
             f"{hits} of {told}",
+            lucky,
+            f"{hits_unseen} of {told_unseen}",
+            lucky_unseen,
             number(reach),
             f"{more['inside'][k]:.0f} of {more['told'][k]:.0f}",
         )
-        for k, (name, told, hits, reach) in enumerate(found)
+        for k, ((name, told, hits, lucky, reach), (_, told_unseen, hits_unseen, lucky_unseen, _)) in enumerate(
+            zip(seen, unseen, strict=True)
+        )
     ]
+    together = {
+        name: tuple(sum(int(row[column]) for row in rows) for column in (2, 1, 3))
+        for name, rows in (("seen", seen), ("unseen", unseen))
+    }
     return render(
         "knowledge/identify.md.j2",
         {
@@ -35,8 +44,7 @@ def page(tables: Tables) -> str:
             "covered": covered,
             "sets": int(max(tables["coverage"]["set"])),
             "more": int(max(more["told"])),
-            "all_told": sum(told for _, told, _, _ in found),
-            "all_hits": sum(hits for _, _, hits, _ in found),
+            "together": together,
             **{str(name): float(value) for name, value in zip(facts["fact"], facts["value"], strict=True)},
         },
     )

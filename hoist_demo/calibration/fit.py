@@ -4,14 +4,22 @@ With the residuals r = (model - measured) / sigma and J = dr/du in the shares u 
 data is J^T J = V diag(s^2) V^T.  Along V_k the data give the standard error 1 / s_k; where that is more than a range
 has by itself, 1 / sqrt(12), the data do not tell, and the range stands:
 
-    covariance = V diag(min(1 / s_k^2, 1/12)) V^T          interval of 90 %: u +- 1.645 sqrt(covariance_ii)
+    covariance = V diag(min(1 / s_k^2, 1/12)) V^T
+
+The interval of a share ends where the least sum of squares that the other shares can reach, with this one held, has
+grown by 1.645^2 (profile likelihood; D. J. Venzon and S. H. Moolgavkar, Applied Statistics 37, 1988, 87-94), or at the
+end of the range: for a linear model u +- 1.645 sqrt(covariance_ii).  sigma is stated and not estimated, so that the
+quantile is the normal one.
 
 A further measurement with the sensitivity j (in its standard errors) leaves (covariance^-1 + j j^T)^-1.
 """
 
 from __future__ import annotations
 
+import math
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +28,11 @@ from scipy.optimize import least_squares
 from scipy.stats import chi2, norm
 
 Array = NDArray[np.float64]
+#: of shares (n,): prediction less measurement in standard errors (m,)
+Residuals = Callable[[Array], Array]
 
+#: of all shares before anything is measured
+MIDDLE = 0.5
 #: of a number of which only the range is known, in shares of it
 RANGE_VARIANCE = 1 / 12
 #: of the intervals that are stated
@@ -29,6 +41,10 @@ CONFIDENCE = 0.9
 REACH = float(norm.ppf(0.5 + 0.5 * CONFIDENCE))
 #: shares by which the sensitivities are taken
 DIFFERENCE = 5e-3
+#: part of an interval's half width to which its ends are found, and the most trials for each
+FOUND, TRIALS = 0.02, 6
+#: corrections of the other shares in each trial
+CORRECTIONS = 2
 #: standard errors per share by which the first fit holds all shares at the middle of their ranges
 PULL = 0.1
 #: probability below which the model is said to miss the measurements
@@ -37,11 +53,15 @@ UNLIKELY = 0.01
 
 @dataclass(frozen=True)
 class Fit:
-    """The shares found (n,), residuals (m,) in standard errors, and their sensitivities (m, n)."""
+    """The shares found (n,), residuals (m,) in standard errors, and their sensitivities (m, n).
+
+    ``held``: rows (k, n) that hold the shares at the middle of their ranges in directions that the data do not tell.
+    """
 
     shares: Array
     residuals: Array
     sensitivities: Array
+    held: Array
 
     @property
     def covariance(self) -> Array:
@@ -65,7 +85,7 @@ class Fit:
 
     @property
     def reaches(self) -> Array:
-        """Half widths of the intervals, in shares."""
+        """Half widths of the intervals, in shares, if the model were linear."""
         return np.asarray(REACH * np.sqrt(np.diag(self.covariance)))
 
     @property
@@ -81,36 +101,77 @@ class Fit:
         return float(chi2.sf(self.residuals @ self.residuals, spare)) if spare > 0 else 1.0
 
 
-def fit(predict: Callable[[Array], Array], values: Array, sigmas: Array, count: int) -> Fit:
-    """The ``count`` shares that predict the values best; what is not told stays at the middle of its range."""
-    middle = np.full(count, 0.5)
-
-    def solve(start: Array, held: Array) -> Fit:
-        """From ``start``, with the shares held at the middle as far as the rows of ``held`` say."""
-
-        def residuals(u: Array) -> Array:
-            return np.concatenate(((predict(u) - values) / sigmas, held @ (u - middle)))
-
-        def slopes(u: Array) -> Array:
-            return np.vstack((sensitivities(predict, u) / sigmas[:, None], held))
-
-        found = least_squares(residuals, start, slopes, (0.0, 1.0), xtol=1e-6, ftol=1e-8)
-        return Fit(found.x, found.fun[: values.size], found.jac[: values.size])
-
-    first = solve(middle, PULL * np.eye(count))
+def fit(residuals: Residuals, count: int) -> Fit:
+    """The ``count`` shares with the least squares; what is not told stays at the middle of its range."""
+    first = _solve(residuals, np.full(count, MIDDLE), PULL * np.eye(count))
     if not (untold := first.untold()):
         return first
-    return solve(np.clip(first.shares, 1e-3, 1 - 1e-3), np.array(untold) / np.sqrt(RANGE_VARIANCE))
+    return _solve(residuals, np.clip(first.shares, 1e-3, 1 - 1e-3), np.array(untold) / np.sqrt(RANGE_VARIANCE))
+
+
+def _solve(residuals: Residuals, start: Array, held: Array) -> Fit:
+    """From ``start``, with the shares held at the middle as far as the rows of ``held`` say."""
+
+    def slopes(u: Array) -> Array:
+        return np.vstack((sensitivities(residuals, u), held))
+
+    found = least_squares(lambda u: _all(residuals, held, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=1e-8)
+    values = found.fun.size - len(held)
+    return Fit(found.x, found.fun[:values], found.jac[:values], held)
+
+
+def _all(residuals: Residuals, held: Array, shares: Array) -> Array:
+    """The residuals, and what holds the shares."""
+    return np.concatenate((residuals(shares), held @ (shares - MIDDLE)))
+
+
+def intervals(residuals: Residuals, found: Fit) -> Array:
+    """Lower and upper end of each share's interval, (n, 2)."""
+    return np.array([[_end(residuals, found, k, side) for side in (-1.0, 1.0)] for k in range(found.shares.size)])
+
+
+def _end(residuals: Residuals, found: Fit, k: int, side: float) -> float:
+    """Where the least squares with share ``k`` held have grown by REACH^2; at most the end of the range."""
+    column = found.covariance[:, k]
+    along = side * column / np.sqrt(column[k])  # a standard error of share k, and how the others follow
+    limit = float(0.5 * (1 + side) - found.shares[k]) / along[k]  # standard errors to the end of the range
+    reach = REACH
+    for _ in range(TRIALS):
+        reach = min(reach, limit)
+        growth = _growth(residuals, found, k, reach * along)
+        if reach == limit and growth <= REACH:
+            return 0.5 * (1 + side)
+        if abs(growth - REACH) < FOUND * REACH:
+            break
+        # the root of the growth is close to linear; a fit that creeps on has none
+        reach *= float(np.clip(REACH / max(growth, 1e-9), 0.5, 2.0))
+    return float(found.shares[k] + reach * along[k])
+
+
+def _growth(residuals: Residuals, found: Fit, k: int, step: Array) -> float:
+    """Root of the growth of the squares ``step`` away from the fit, after the other shares have been corrected."""
+    jacobian = np.vstack((found.sensitivities, found.held))
+    others = np.arange(found.shares.size) != k
+    held = found.held @ (found.shares - MIDDLE)
+    least = float(found.residuals @ found.residuals + held @ held)
+    shares, squares = np.clip(found.shares + step, 0.0, 1.0), list[float]()
+    for _ in range(CORRECTIONS + 1):
+        r = _all(residuals, found.held, shares)
+        squares.append(float(r @ r))
+        correction = np.linalg.lstsq(jacobian[:, others], r, rcond=None)[0]
+        shares = shares.copy()
+        shares[others] = np.clip(shares[others] - correction, 0.0, 1.0)
+    return math.sqrt(max(min(squares) - least, 0.0))
 
 
 def sensitivities(predict: Callable[[Array], Array], shares: Array) -> Array:
     """d(prediction)/d(share) by central differences within the ranges, (m, n)."""
-    columns = []
-    for k in range(shares.size):
-        below, above = shares.copy(), shares.copy()
-        below[k], above[k] = max(shares[k] - DIFFERENCE, 0.0), min(shares[k] + DIFFERENCE, 1.0)
-        columns.append((predict(above) - predict(below)) / (above[k] - below[k]))
-    return np.array(columns).T
+    steps = DIFFERENCE * np.eye(shares.size)
+    above, below = np.clip(shares + steps, 0.0, 1.0), np.clip(shares - steps, 0.0, 1.0)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # the native rope computes outside of Python's lock
+        values = list(pool.map(predict, [*above, *below]))
+    differences = np.array(values[: shares.size]) - np.array(values[shares.size :])
+    return np.asarray((differences / np.diag(above - below)[:, None]).T)
 
 
 def error_of(covariance: Array, gradient: Array) -> float:

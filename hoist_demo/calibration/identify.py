@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hoist_demo.calibration.definition import Measured
-from hoist_demo.calibration.fit import Array, Fit, error_of, fit, sensitivities, with_measurement
+from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
 from hoist_demo.calibration.measurements import Bench, Measurement
 from rope_model import Datum, KnownRope
 
@@ -34,6 +34,7 @@ class Identified:
 
     measured: Measured
     fit: Fit
+    intervals: Array  # of the shares, (n, 2)
     known: KnownRope
     predicted: Array
     wanted: float
@@ -71,8 +72,9 @@ class Identified:
 def identify(measured: Measured) -> Identified:
     """Fit, intervals, and candidates for the next measurement."""
     bench = measured.bench
-    values, sigmas = stacked(measured.measurements)
-    found = fit(lambda u: bench.predict(u, measured.measurements), values, sigmas, len(bench.names))
+    residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
+    found = fit(residuals, len(bench.names))
+    ends = intervals(residuals, found)
     wanted = Measurement(
         "wanted",
         "at rest",
@@ -92,7 +94,8 @@ def identify(measured: Measured) -> Identified:
     return Identified(
         measured,
         found,
-        calibrated(measured, found),
+        ends,
+        calibrated(measured, found, ends),
         bench.predict(found.shares, measured.measurements),
         float(bench.predict(found.shares, [wanted])[0]),
         error_of(covariance, gradient),
@@ -106,13 +109,18 @@ def stacked(measurements: Sequence[Measurement]) -> tuple[Array, Array]:
     return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
 
 
-def calibrated(measured: Measured, found: Fit) -> KnownRope:
+def residuals_of(bench: Bench, measurements: Sequence[Measurement], values: Array, sigmas: Array) -> Residuals:
+    """Predictions of the measurements less these values, in standard errors."""
+    return lambda shares: np.asarray((bench.predict(shares, measurements) - values) / sigmas)
+
+
+def calibrated(measured: Measured, found: Fit, ends: Array) -> KnownRope:
     """The rope with the intervals found for ranges, where they are narrower than what was known."""
     bench = measured.bench
     data = dict(bench.known.data)
-    for name, share, reach in zip(bench.names, found.shares, found.reaches, strict=True):
+    for name, reach, interval in zip(bench.names, found.reaches, ends, strict=True):
         if reach < OPEN:
-            low, high = (data[name].at(float(np.clip(share + sign * reach, 0.0, 1.0))) for sign in (-1, 1))
+            low, high = (data[name].at(float(share)) for share in interval)
             data[name] = Datum(low, high, data[name].unit, "calibrated", measured.path.name)
     return replace(bench.known, data=data)
 

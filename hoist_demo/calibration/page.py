@@ -45,12 +45,12 @@ def write_page(found: Identified, path: Path) -> Path:
     ranges = [
         Bar(
             f"{name.replace('_', ' ')}",
-            float(share - reach),
-            float(share + reach),
+            float(low),
+            float(high),
             float(share),
             found.told(name),
         )
-        for name, share, reach in zip(found.names, found.fit.shares, found.fit.reaches, strict=True)
+        for name, share, (low, high) in zip(found.names, found.fit.shares, found.intervals, strict=True)
     ]
     residuals = [Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(found)]
     steps = [(0.5 + x / (2 * SIDE), f"{x:+.0f}" if x else "0") for x in (-4, -3, -2, -1, 0, 1, 2, 3, 4)]
