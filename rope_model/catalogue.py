@@ -27,7 +27,7 @@ from typing import Literal, get_args
 from .parameter_table import require
 from .parameters import Rope
 
-Status = Literal["measured", "published", "derived", "calibrated", "assumed"]
+DatumStatus = Literal["measured", "published", "derived", "calibrated", "contradicted", "assumed"]
 Lay = Literal["right-hand", "left-hand"]
 
 #: N/m^2, of drawn steel wire, and its Poisson ratio
@@ -43,7 +43,7 @@ class Datum:
     low: float
     high: float
     unit: str
-    status: Status
+    status: DatumStatus
     source: str
 
     @property

@@ -21,7 +21,7 @@ import logging
 import subprocess
 from typing import Literal
 
-from .catalogue import BEARINGS, CONSTRUCTIONS, Datum, KnownRope, rope
+from .catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
 from .native.engine import NativeRope
 from .numerics.kernels import last_words
 from .parameters import (
@@ -68,6 +68,7 @@ __all__ = [
     "Contact",
     "Conveyance",
     "Datum",
+    "DatumStatus",
     "Divider",
     "Effect",
     "EndMotion",

@@ -18,7 +18,7 @@ from hoist_demo.duty.table import COLUMNS, READ, STEADY, UNITS, place_at_rest, r
 from hoist_demo.duty.wind import Trip, wind
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.recording.time_series import Recording, read_csv
-from hoist_demo.study.definition import StudyError
+from hoist_demo.study.reading import StudyError
 
 DUTY = """
 [duty]

@@ -105,7 +105,7 @@ def test_a_run_in_the_plane_reports_no_yaw_torque_or_torsional_stress(planar: Re
     assert "fidelity of the model that ran" in text
     assert "the rope ran as its planar model" in text
     assert not any(word in row.quantity for row in rows for word in ("yaw", "torque at", "torsional", "slipped"))
-    page = run_report(planar, Hoist(), SHORT, Coupling(), rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
+    page = run_report(planar, Hoist(), SHORT, rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
     assert "the rope ran as its planar model" in page
     assert '"loop.yaw":{' not in page
     assert '"loop.y":{' in page
@@ -189,7 +189,10 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
 
 def test_codes_are_shown_with_their_words() -> None:
     data = replace(rope_in_process("rope-120").data(), parameters={"left.swivel.mode": 2, "mesh.elements": 2})
-    assert rope_tables(data, "", [])[1][1] == [("left.swivel.mode", "2 (coulomb)", ""), ("mesh.elements", "2", "")]
+    assert rope_tables(data, "", [], {"mesh.elements": "given"})[1][1] == [
+        ("left.swivel.mode", "2 (coulomb)", "", ""),
+        ("mesh.elements", "2", "", "given"),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -205,7 +208,7 @@ def test_numbers_of_a_hoist_have_no_exponent(value: float, text: str) -> None:
 def test_the_coupling_s_warning_is_in_summary_markdown_and_page(planar: Result, tmp_path: Path) -> None:
     result = replace(planar, warning="the run will be unstable")
     rows = summarize(result, Hoist(), SHORT, Coupling())
-    page = run_report(result, Hoist(), SHORT, Coupling(), rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
+    page = run_report(result, Hoist(), SHORT, rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
     assert page.count("the run will be unstable") == 2  # above everything, and under Outcome
     assert "the run will be unstable" in render(rows)
     top = render_markdown("x", rows, []).partition("##")[0]
@@ -224,7 +227,7 @@ def test_head_ropes_that_would_slip_are_told_before_everything_else(planar: Resu
     assert slip_warning(result.recording, Hoist(friction_coefficient=0.75)) == ""  # exp(0.75 pi) = 10.6
     rows = summarize(result, Hoist(), SHORT, Coupling())
     assert said in render_markdown("x", rows, []).partition("##")[0]
-    page = run_report(result, Hoist(), SHORT, Coupling(), rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
+    page = run_report(result, Hoist(), SHORT, rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
     assert said in page.partition("</header>")[0]
 
 

@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.along import ROPE_ROWS
 from hoist_demo.report.html.run import run_report
@@ -206,7 +206,7 @@ def run(tmp_path: Path, known: bool = True, **more: np.ndarray) -> Path:
     )
     winding = Winding(emergency_at=5.0)
     path = tmp_path / "run.html"
-    return run_report(result, Hoist(), winding, Coupling(), [], "A <trip> & its rope", path, locked=("right",))
+    return run_report(result, Hoist(), winding, [], "A <trip> & its rope", path, locked=("right",))
 
 
 @pytest.fixture(scope="module", params=[1280, 390])
@@ -367,7 +367,7 @@ def test_a_run_that_stopped_after_one_row_is_shown(tmp_path: Path) -> None:
     result = SimpleNamespace(
         recording=Recording(only, {}), completed=False, cause="overwind", trajectory=SimpleNamespace(duration=9.0)
     )
-    page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html")
+    page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / "run.html")
     seen = look(page, 'seen.bottom = document.getElementById("loop").dataset.bottom;', 800)
     assert seen.console == []
     assert seen.said["bottom"] == "0.0000 -15.0000 0.0000"
@@ -375,7 +375,7 @@ def test_a_run_that_stopped_after_one_row_is_shown(tmp_path: Path) -> None:
 
 def test_a_run_that_never_began_says_why(tmp_path: Path) -> None:
     result = SimpleNamespace(recording=Recording({}, {}), completed=False, cause="no <shape>", trajectory=None)
-    page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html")
+    page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / "run.html")
     seen = look(page, 'seen.note = document.querySelector(".stopped").textContent;', 800)
     assert seen.console == []
     assert "no <shape>" in seen.said["note"]
@@ -410,7 +410,7 @@ def test_the_shaft_is_drawn_with_its_contacts_and_the_guard_that_tripped(tmp_pat
     result = SimpleNamespace(
         recording=Recording(signals, {}), completed=True, cause="", trajectory=SimpleNamespace(duration=9.0)
     )
-    page = run_report(result, Hoist(), Winding(), Coupling(), [], "T", tmp_path / "run.html", parameters=parameters)
+    page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / "run.html", parameters=parameters)
     seen = look(page, _SHAFT, 1000)
     assert seen.console == []
     assert seen.said["free"] == {"contacts": "", "tripped": "", "label": "", "apart": None}

@@ -157,7 +157,7 @@ def test_panels_hold_recorded_signals_only() -> None:
 
 
 def test_parameters_show_the_unit_that_stands_behind_them() -> None:
-    rows = {name.split(",")[0]: (value, unit) for name, value, unit in parameter_tables.rows(Hoist(), "hoist.")}
+    rows = {name.split(",")[0]: (value, unit) for name, value, unit, _ in parameter_tables.rows(Hoist(), "hoist.", {})}
     assert rows["hoist.conveyance_mass"] == ("10000", "kg")
     assert rows["hoist.loss_viscous"] == ("200", "N s/m")
     assert rows["hoist.friction_coefficient"] == ("0.25", "")
@@ -166,7 +166,7 @@ def test_parameters_show_the_unit_that_stands_behind_them() -> None:
 
 def test_every_parameter_has_a_unit_or_is_a_pure_number() -> None:
     for data in (Hoist(), Winding(), Coupling()):
-        rows = {name.split(",")[0]: unit for name, _, unit in parameter_tables.rows(data, "")}
+        rows = {name.split(",")[0]: unit for name, _, unit, _ in parameter_tables.rows(data, "", {})}
         assert set(rows) == {field.name for field in fields(data)}
         numbers = {name for name, unit in rows.items() if not unit and isinstance(getattr(data, name), (int, float))}
         assert numbers <= {
@@ -187,18 +187,22 @@ class Inner:
 @dataclass(frozen=True)
 class Outer:
     guide: Inner = Inner()
-    on: bool = quantity(True, "-", "whether it brakes")
+    on: bool = quantity(True, "-", "it brakes")
 
 
 def test_parameters_of_parameters_are_shown_too() -> None:
-    assert parameter_tables.tables({"Car": Outer()}) == [
-        ("Car", [("car.guide.gap, play of a guide", "2", "mm"), ("car.on, whether it brakes", "yes", "")])
+    assert parameter_tables.tables({"Car": Outer()}, {"car.guide.gap": "assumed"}) == [
+        (
+            "Car",
+            [("car.guide.gap, play of a guide", "2", "mm", "assumed"), ("car.on, it brakes", "yes", "", "")],
+        )
     ]
 
 
 def test_parameters_are_shown_by_the_names_that_set_them() -> None:
-    shown = parameter_tables.tables({"Hoist": Hoist(), "Winding": Winding(), "Coupling": Coupling(), "Gains": Gains()})
-    names = {name.split(",")[0] for _, rows in shown for name, value, _ in rows if value != "none"}
+    data = {"Hoist": Hoist(), "Winding": Winding(), "Coupling": Coupling(), "Gains": Gains()}
+    shown = parameter_tables.tables(data, {})
+    names = {name.split(",")[0] for _, rows in shown for name, value, _, _ in rows if value != "none"}
     assert "hoist.payload_left" in names
     assert [name for name in names if name not in Catalogue({})] == []
 

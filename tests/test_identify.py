@@ -16,11 +16,10 @@ from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH,
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import Bench, Measurement, Trial
 from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.settings import rope_statuses, rope_values
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
+from hoist_demo.command_line.settings import rope_values
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
 from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.definition import StudyError
-from hoist_demo.study.reading import read_values
+from hoist_demo.study.reading import StudyError, file_statuses, read_values
 from rope_model import KnownRope, Rope, Scene, rope
 
 ROPE = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 120.0\n'
@@ -152,9 +151,10 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
         **values,
         "rope.EI": 99.0,
     }
-    data = InProcessRope(rope_data(values)).data().with_statuses({"rope.Qd"}, rope_statuses(made), {})
-    wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.Qa": "assumed", "rope.Qd": "given"}
-    assert wanted.items() <= data.statuses.items()
+    statuses = file_statuses(made)
+    wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.Qa": "assumed"}
+    assert wanted.items() <= statuses.items()
+    assert [statuses[name] for name in ("hoist.tail_rope_mass", "rope.length")] == ["published", "given"]
     exported = _with_rope(CASES["rope-120"], made)
     assert values.items() <= exported.rope.items()
     assert exported.hoist.tail_rope_mass == values["rope.mass_per_length"]
@@ -166,18 +166,22 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     assert isinstance(rope_data(values).rope, Rope)
 
 
-def test_what_nobody_gave_is_assumed_or_of_the_published_pair() -> None:
-    data = InProcessRope(Scene()).data()
-    assert data.with_statuses((), {}, {}).statuses["rope.Qb"] == "published"
-    assert data.with_statuses((), {}, {"rope.Qb": 2.336e5}).statuses["rope.Qb"] == "assumed"
-    assert data.with_statuses((), {}, {}).statuses["rope.EI"] == "assumed"
-    assert "rope.length" not in data.with_statuses((), {}, {}).statuses
-
-
 def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source = written(tmp_path, ROPE + WIDTH + WIDTH.replace("3.05", "3.8"))
     assert main(["identify", str(source), "--out", str(tmp_path)]) == 1
-    assert "the model misses the measurements" in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert "the measurements contradict the model or one another" in told.err
+    assert "contradicted: " in told.out
+    made = tmp_path / "rope.toml"
+    assert "# the measurements contradict the model" in made.read_text(encoding="utf-8")
+    problems: list[str] = []
+    again = read_known(made, tomllib.loads(made.read_text(encoding="utf-8")), problems)
+    assert isinstance(again, KnownRope)
+    bending = again.data["bending_stiffness"]
+    assert bending.status == "contradicted"
+    # no interval follows from them: the range of before stands
+    before = rope("34x7", diameter=0.046).data["bending_stiffness"]
+    assert_allclose([bending.low, bending.high], [before.low, before.high], rtol=1e-5)
 
 
 @pytest.mark.parametrize(

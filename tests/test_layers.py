@@ -122,6 +122,7 @@ MAY_IMPORT = {
         "rope_model",
     },
     "hoist_demo.ropes": {
+        "hoist_demo.cases",
         "hoist_demo.parameters",
         "hoist_demo.recording",
         "hoist_demo.cosimulation.participants",
@@ -129,6 +130,7 @@ MAY_IMPORT = {
         "rope_model",
     },
     "hoist_demo.calibration": {
+        "hoist_demo.cases",
         "hoist_demo.cosimulation.participants",
         "hoist_demo.report",
         "hoist_demo.study",

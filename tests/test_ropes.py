@@ -25,7 +25,7 @@ from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.recording.neighbours import polygon_distance
 from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.ropes.table import READ
-from hoist_demo.study.definition import StudyError
+from hoist_demo.study.reading import StudyError
 
 CASE = CASES["rope-120"]
 KNOWN = 2.336e5

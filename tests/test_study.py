@@ -17,10 +17,10 @@ from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
 from hoist_demo.parameters.units import fmi_unit
-from hoist_demo.study.definition import StudyError
 from hoist_demo.study.metrics import Arrival
 from hoist_demo.study.nested import Leaf, leaves, with_values
 from hoist_demo.study.probe import Probe
+from hoist_demo.study.reading import StudyError
 from hoist_demo.study.run import build
 from hoist_demo.study.sampling import Range, latin_hypercube
 

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from balance_rope import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
 from hoist_demo.recording.time_series import read_csv
-from hoist_demo.study.definition import StudyError
+from hoist_demo.study.reading import StudyError
 from hoist_demo.uncertainty.definition import read_uncertain
 from hoist_demo.uncertainty.page import too_few
 from hoist_demo.uncertainty.spread import Spread, draw
@@ -81,6 +81,19 @@ def test_shares_that_a_small_sample_spoils_are_told(tmp_path: Path) -> None:
     # against each other but for one pair, so that their sum is what little differs
     columns = dict(zip(asked.data, (u, v), strict=True)) | {"left_swivel_torque": u + v, "rope_force_ripple": u}
     assert re.search(r"\(left_swivel_torque \d+ %\): 8 windings are too few", too_few(Spread(asked, columns)))
+
+
+def test_windings_too_few_for_any_cause_are_told_with_how_many_are_needed(tmp_path: Path) -> None:
+    asked = read_uncertain(written(tmp_path, SCENE), PARAMETERS)
+    u, v = np.arange(8.0), np.array([6.0, 7.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0])
+    stopped = np.where(u < 3, u, np.nan)
+    columns = dict(zip(asked.data, (u, v), strict=True)) | {"left_swivel_torque": stopped, "rope_force_ripple": u}
+    found = Spread(asked, columns)
+    assert found.causes("left_swivel_torque") == {}
+    text = "no causes are told of left_swivel_torque 3: 2 data that vary need 4 windings that end and 64 for a first look"
+    assert text in too_few(found)
+    columns["left_swivel_torque"] = np.where(u < 4, u, np.nan)
+    assert too_few(Spread(asked, columns)) == ""
 
 
 def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

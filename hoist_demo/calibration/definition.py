@@ -22,8 +22,7 @@ from hoist_demo.calibration.measurements import DEFAULTS, KINDS, PLANES, Bench, 
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.definition import StudyError
-from hoist_demo.study.reading import read_tables, read_values
+from hoist_demo.study.reading import StudyError, read_statuses, read_tables, read_values
 from rope_model import SIGNALS, Datum, KnownRope, rope
 
 _TABLES = {"rope": dict, "known": dict, "fixed": dict, "measured": list, "wanted": dict}
@@ -51,6 +50,7 @@ class Measured:
     bench: Bench
     measurements: tuple[Measurement, ...]
     wanted: Wanted
+    given: Mapping[str, str]  # where each value of [fixed] comes from
 
 
 def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measured:
@@ -72,7 +72,8 @@ def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measure
         bench = Bench(known, rope_data(fixed))
     except ValueError as error:
         raise StudyError(path, [str(error)]) from error
-    return Measured(path, bench, tuple(m for m in found if m is not None), wanted)
+    given = read_statuses(raw.get("fixed", {}))
+    return Measured(path, bench, tuple(m for m in found if m is not None), wanted, given)
 
 
 def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> KnownRope | None:

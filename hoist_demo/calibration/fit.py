@@ -47,7 +47,7 @@ FOUND, TRIALS = 0.02, 6
 CORRECTIONS = 2
 #: standard errors per share by which the first fit holds all shares at the middle of their ranges
 PULL = 0.1
-#: probability below which the model is said to miss the measurements
+#: probability below which the measurements are said to contradict the model
 UNLIKELY = 0.01
 
 
@@ -99,6 +99,11 @@ class Fit:
         """Probability of residuals at least this large by chance; 1 without more values than what was found."""
         spare = self.residuals.size - (self.shares.size - len(self.untold()))
         return float(chi2.sf(self.residuals @ self.residuals, spare)) if spare > 0 else 1.0
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether the measurements contradict the model, or one another, beyond chance."""
+        return self.likelihood < UNLIKELY
 
 
 def fit(residuals: Residuals, count: int) -> Fit:

@@ -10,6 +10,10 @@ import numpy as np
 from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
 from hoist_demo.calibration.measurements import Bench, Measurement
+from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.inprocess_rope import described
+from hoist_demo.study.provenance import Known, of_rope
+from hoist_demo.study.reading import GIVEN, following_statuses
 from rope_model import Datum, KnownRope
 
 #: half width of an interval, in shares, from which on the data are said not to tell: half that of a range
@@ -40,6 +44,7 @@ class Identified:
     wanted: float
     wanted_error: float
     candidates: tuple[Candidate, ...]  # best first
+    warnings: tuple[str, ...]  # of the rope at rest, as it was found
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -61,6 +66,14 @@ class Identified:
             " and ".join(name for name, part in zip(self.names, direction, strict=True) if abs(part) > NAMED)
             for direction in self.fit.untold()
         ]
+
+    def provenance(self) -> list[Known]:
+        """Where the numbers of the rope and its shaft come from."""
+        bench = self.measured.bench
+        scene = bench.scene.with_(rope=bench.rope(self.fit.shares))
+        given = dict.fromkeys(("rope.length", "rope.diameter"), GIVEN) | dict(self.measured.given)
+        given |= following_statuses({name: datum.status for name, datum in self.known.data.items()})
+        return of_rope(find_case("rope-120"), described(scene), given)  # the case of the defaults
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:
         """Pairs of properties that the data tell together rather than apart."""
@@ -91,15 +104,18 @@ def identify(measured: Measured) -> Identified:
         Candidate(m, error_of(with_measurement(covariance, row / m.sigma), gradient))
         for m, row in zip(possible, rows[1:], strict=True)
     ]
+    trial = bench.trial(found.shares)
+    predicted = [float(value) for m in (*measured.measurements, wanted) for value in m.predict(trial)]
     return Identified(
         measured,
         found,
         ends,
         calibrated(measured, found, ends),
-        bench.predict(found.shares, measured.measurements),
-        float(bench.predict(found.shares, [wanted])[0]),
+        np.array(predicted[:-1]),
+        predicted[-1],
         error_of(covariance, gradient),
         tuple(sorted(left, key=lambda c: c.error)),
+        trial.warnings,
     )
 
 
@@ -115,13 +131,18 @@ def residuals_of(bench: Bench, measurements: Sequence[Measurement], values: Arra
 
 
 def calibrated(measured: Measured, found: Fit, ends: Array) -> KnownRope:
-    """The rope with the intervals found for ranges, where they are narrower than what was known."""
+    """The rope with the intervals found for ranges, where they are narrower than what was known.
+
+    Of measurements that contradict the model no interval is known: the ranges stand, and the status says so.
+    """
     bench = measured.bench
-    data = dict(bench.known.data)
+    data, source = dict(bench.known.data), measured.path.name
     for name, reach, interval in zip(bench.names, found.reaches, ends, strict=True):
-        if reach < OPEN:
+        if reach < OPEN and found.contradicted:
+            data[name] = replace(data[name], status="contradicted", source=source)
+        elif reach < OPEN:
             low, high = (data[name].at(float(share)) for share in interval)
-            data[name] = Datum(low, high, data[name].unit, "calibrated", measured.path.name)
+            data[name] = Datum(low, high, data[name].unit, "calibrated", source)
     return replace(bench.known, data=data)
 
 

@@ -51,6 +51,11 @@ class Trial:
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the ropes at rest warn of."""
+        return tuple(dict.fromkeys(text for rope in self._at_rest.values() for text in rope.warnings().values()))
+
     def frequencies(self, plane: str, left: float, right: float) -> Array:
         """Of the lowest modes in or out of plane, Hz."""
         # the mesh differs from rope to rope, and to compile for each takes longer than to interpret

@@ -9,6 +9,8 @@ from hoist_demo.calibration.identify import Identified
 from hoist_demo.report.html.page import engineering, number, unit_text
 from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
 from hoist_demo.report.summary import SummaryRow
+from hoist_demo.study.provenance import table as data_table
+from hoist_demo.study.provenance import told
 from rope_model import SIGNALS
 
 #: standard errors to either side that the picture of the residuals shows
@@ -25,17 +27,20 @@ def summary(found: Identified) -> list[SummaryRow]:
     unit = _wanted_unit(found)
     rows.append(SummaryRow(group, f"now: {found.measured.wanted.signal}, {number(found.wanted)} {unit}", _error(found)))
     rows += [SummaryRow(group, c.measurement.name, c.error, unit) for c in found.candidates[:3]]
-    return rows
+    rows += [SummaryRow("As found, the rope says", "warning", text) for text in found.warnings]
+    return [*rows, *told(found.provenance())]
 
 
 def misfit(found: Identified) -> str:
-    """A warning where the model misses the measurements; '' where it does not."""
-    if found.fit.likelihood >= UNLIKELY:
+    """A warning where the measurements contradict the model; '' where they do not."""
+    if not found.fit.contradicted:
         return ""
     worst, value = max(_residuals(found), key=lambda row: abs(row[1]))
     return (
-        f"the model misses the measurements by more than sigma allows (probability {found.fit.likelihood:.1g}, usual "
-        f"is {UNLIKELY:g} or more); worst is {worst}, by {value:.3g} sigma: look at it, at its sigma and at the ranges"
+        f"the measurements contradict the model or one another: it misses them by more than sigma allows (probability "
+        f"{found.fit.likelihood:.1g}, usual is {UNLIKELY:g} or more). Worst is {worst}, by {value:.3g} sigma: look at "
+        "it, at its sigma and at the ranges. What was found is a compromise: no interval is stated, the ranges stand, "
+        "and its status is contradicted"
     )
 
 
@@ -76,7 +81,8 @@ def write_page(found: Identified, path: Path) -> Path:
         for name, value, predicted, sigma, unit in _values(found)
     ]
     left = [(c.measurement.name, f"{number(c.error)} {_wanted_unit(found)}") for c in found.candidates]
-    notes = [text for text in (misfit(found),) if text]
+    title, data = data_table(found.provenance())
+    notes = [text for text in (misfit(found), *found.warnings) if text]
     parts = [
         ("", paragraphs(notes) + grid(head, known)),
         (
@@ -96,6 +102,7 @@ def write_page(found: Identified, path: Path) -> Path:
             paragraphs([f"It is {number(found.wanted)} {_wanted_unit(found)}, its standard error {_error(found)}."])
             + grid(("measurement", "standard error that it leaves"), left),
         ),
+        (title, grid(("datum", "value", "unit", "status"), data)),
     ]  # fmt: skip
     return write_sheet(path, f"A rope from measurements: {found.measured.path.name}", parts)
 
@@ -107,7 +114,12 @@ def _properties(found: Identified) -> list[tuple[str, str, str]]:
         datum = found.known.data[name]
         factor, unit = _unit(found, name)
         value, low, high = (number(factor * x) for x in (found.value(name), datum.low, datum.high))
-        text = f"{value} ({low} to {high})" if found.told(name) else f"not told: {low} to {high} as before"
+        if not found.told(name):
+            text = f"not told: {low} to {high} as before"
+        elif found.fit.contradicted:
+            text = f"{value} as a compromise, contradicted: {low} to {high} as before"
+        else:
+            text = f"{value} ({low} to {high})"
         rows.append((name, text, unit_text(unit)))
     return rows
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from pathlib import Path
 
 from hoist_demo.calibration.definition import FOLLOWING
 from hoist_demo.calibration.identify import Identified
+from hoist_demo.calibration.page import misfit
 
 
 def write_rope_file(found: Identified, path: Path) -> Path:
@@ -16,6 +18,7 @@ def write_rope_file(found: Identified, path: Path) -> Path:
     lines = [
         f"# Found by balance-rope identify from {found.measured.path.name}. demo and export take it as --rope FILE,",
         '# studies, duties and ropes as [fixed] from = "FILE".',
+        *_warning(found),
         "[rope]",
         f"construction = {json.dumps(known.construction)}",
         f"diameter = {known.diameter!r}",
@@ -30,3 +33,8 @@ def write_rope_file(found: Identified, path: Path) -> Path:
     lines += ["", "[fixed]", *(f"rope.{name} = {getattr(rope, name):.8g}" for name in FOLLOWING)]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
     return path
+
+
+def _warning(found: Identified) -> list[str]:
+    """What a reader of the file must know, as comments."""
+    return [f"# {line}" for line in textwrap.wrap(misfit(found), 110)]

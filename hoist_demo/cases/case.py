@@ -11,6 +11,9 @@ from hoist_demo.parameters import Hoist, Winding
 LOCKED, COULOMB = 0, 2
 """Codes of swivel.mode, docs/interface.md."""
 
+PUBLISHED_ROPE = ("rope.length", "rope.Qb", "rope.Qc", "hoist.tail_rope_length")
+"""What the source of the published rope states of it."""
+
 
 def swivels(mode: int, **data: float) -> dict[str, float]:
     """Parameters by FMI name of two equal swivels."""
@@ -27,4 +30,5 @@ class Case:
     gains: Gains = field(default_factory=Gains)
     rope: Mapping[str, float] = field(default_factory=dict)  # parameters by FMI name; the rest is the rope's own
     published: str = ""  # what the source of an installed hoist states
+    stated: tuple[str, ...] = ()  # the parameters that its source states, by the names of a study
     source: str = ""  # "" for a case of ours

@@ -37,6 +37,8 @@ _ROBERT = (
 TAIL_SPARE = 40.0
 """Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing."""
 
+_OF_MACHINE = ("winding.speed", "hoist.sheave_radius", "hoist.head_rope_number", "hoist.payload_left")
+
 COUPLING = 0.1
 """Qb and Qc of an installed size's balance rope over those of a rope similar to the known one [-, assumed].
 
@@ -79,6 +81,7 @@ def _installed_case(
     sheave_mass: float,
     acceleration: float,
     published: str,
+    stated: tuple[str, ...],
     source: str,
     length_up: float = 40.0,
     spacing: float = 2.4,
@@ -124,6 +127,7 @@ def _installed_case(
         gains=Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5),
         rope=round_rope(travel + TAIL_SPARE, tail_mass, spacing, COUPLING) | swivels(LOCKED),
         published=published,
+        stated=stated,
         source=source,
     )
 
@@ -142,6 +146,7 @@ INSTALLED = {
         acceleration=0.9,
         published="hoisting distance 355 m, 11 m/s, pulley 3.25 m, 6 head ropes, two skips, payload 30 t, skip with "
         "rope attachment 36.5 t, motor 5600 kW at 64.7 rpm",
+        stated=(*_OF_MACHINE, "hoist.shaft_travel", "winding.travel", "hoist.conveyance_mass"),
         source=_KIRUNA,
     ),
     "kiruna-710": _installed_case(
@@ -157,6 +162,7 @@ INSTALLED = {
         acceleration=0.9,
         published="hoisting distance 710 m, 17 m/s, pulley 3.25 m, 6 head ropes, two skips, payload 34 t, skip with "
         "rope attachment 40 t, motor 5600 kW at 100 rpm",
+        stated=(*_OF_MACHINE, "hoist.shaft_travel", "winding.travel", "hoist.conveyance_mass"),
         source=_KIRUNA,
     ),
     "monopol-1000": _installed_case(
@@ -172,6 +178,7 @@ INSTALLED = {
         acceleration=0.8,
         published="16 m/s, driving wheel 6.5 m, 3 head ropes, payload of the skips up to 20 t (of the machine 27 t); "
         "no depth: 1000 m is ours",
+        stated=_OF_MACHINE,
         source=_MONOPOL,
         length_up=70.0,
     ),
@@ -188,6 +195,7 @@ INSTALLED = {
         acceleration=0.8,
         published="driving wheel 7 m, head rope 19.5 kg/m over 1096 m, payload 18 t, 17 m/s; that the 1096 m are the "
         "travel and that there is one rope is our reading",
+        stated=("winding.speed", "hoist.sheave_radius", "hoist.payload_left", "hoist.head_rope_mass"),
         source=_ROBERT,
         length_up=70.0,
     ),
@@ -203,6 +211,7 @@ INSTALLED = {
         sheave_mass=45.0e3,
         acceleration=0.8,
         published="total length of wind 1282 m, 18 m/s, payload 32 t, motor 6000 kW, a cycle of 118 s, tower 106 m",
+        stated=("winding.speed", "hoist.payload_left", "hoist.shaft_travel", "winding.travel"),
         source=_PALABORA,
         length_up=60.0,
     ),

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from hoist_demo.cases.case import COULOMB, LOCKED, Case, swivels
+from hoist_demo.cases.case import COULOMB, LOCKED, PUBLISHED_ROPE, Case, swivels
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.components import Brake, Jam
 
@@ -29,21 +29,27 @@ SCENARIOS = {
         replace(_HOIST, shaft_travel=_OVERWIND),
         replace(_WINDING, travel=_OVERWIND),
         rope=_ROPE,
+        stated=PUBLISHED_ROPE,
     ),
     "slack-rope": Case(
         replace(_HOIST, brake=Brake(torque=8e5)),
         replace(_WINDING, emergency_at=8.0, emergency_law="torque"),
         rope=_ROPE,
+        stated=PUBLISHED_ROPE,
     ),
     "seized-swivel": Case(
         _DEEP,
         Winding(travel=200.0, speed=10.0),
         rope={"rope.length": _DEEP.tail_rope_length, **swivels(COULOMB, release_time=0.0), "left.swivel.mode": LOCKED},
+        stated=PUBLISHED_ROPE,
     ),
     "jammed-conveyance": Case(
         replace(_HOIST, brake=Brake(), jam_right=Jam(), slack_tension=2e4),
         replace(_WINDING, emergency_law="deceleration", settle=20.0),
         rope=_ROPE,
+        stated=PUBLISHED_ROPE,
     ),
-    "caught-rope": Case(_HOIST, _STOPPED, rope=_ROPE | {"divider_1.size": 0.2, "divider_1.y": -12.5}),
+    "caught-rope": Case(
+        _HOIST, _STOPPED, rope=_ROPE | {"divider_1.size": 0.2, "divider_1.y": -12.5}, stated=PUBLISHED_ROPE
+    ),
 }

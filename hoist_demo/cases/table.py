@@ -6,7 +6,7 @@ rope is given by its FMI parameters, so that one FMU, or the rope in process, se
 
 from __future__ import annotations
 
-from hoist_demo.cases.case import COULOMB, LOCKED, Case, swivels
+from hoist_demo.cases.case import COULOMB, LOCKED, PUBLISHED_ROPE, Case, swivels
 from hoist_demo.cases.installed import INSTALLED
 from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.parameters import Hoist, Winding
@@ -14,7 +14,7 @@ from hoist_demo.parameters import Hoist, Winding
 
 def _published_case(hoist: Hoist, winding: Winding, ends: dict[str, float]) -> Case:
     """The published rope, which has the FMU's own data but for its length and its swivels."""
-    return Case(hoist, winding, rope={"rope.length": hoist.tail_rope_length, **ends})
+    return Case(hoist, winding, rope={"rope.length": hoist.tail_rope_length, **ends}, stated=PUBLISHED_ROPE)
 
 
 CASES = {

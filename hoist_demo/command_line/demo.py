@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip
-from hoist_demo.command_line.settings import rope_statuses, rope_values, settings
+from hoist_demo.command_line.settings import rope_values, settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter, read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import NOT_READ, FmuRope
 from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
-from hoist_demo.cosimulation.progress import progress_bar
+from hoist_demo.cosimulation.progress import overheard, progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
@@ -43,6 +43,8 @@ from hoist_demo.report.summary import (
 from hoist_demo.study.catalogue import Catalogue, Value
 from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe
+from hoist_demo.study.provenance import Known, of_host, of_rope, statuses, told, write_data
+from hoist_demo.study.reading import GIVEN, file_statuses
 from hoist_demo.study.run import RunData, build, fmu_part
 
 if TYPE_CHECKING:
@@ -70,8 +72,8 @@ _QUICK = {"travel": 10.0, "settle": 2.0}
 
 _DEMO_DESCRIPTION = """\
 Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
-exposure.csv (what each place in the rope went through), PNG figures, report.md, and report.html: the rope in motion
-and linked plots in one file for any browser, offline.
+exposure.csv (what each place in the rope went through), data.csv (where each number comes from), PNG figures,
+report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
 The summary table is printed at the end."""
 
 _DEMO_EPILOG = """\
@@ -151,8 +153,9 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     missing = _missing_outputs(rope.units())
     _tell(missing)
     try:
-        result = _run(Host(rope, hoist, winding, coupling, run.gains), options.out / LAST_GOOD, resume)
-        data = rope.data().with_statuses(own, rope_statuses(options.rope), find_case(options.case).rope)
+        with overheard("hoist_demo") as said:
+            result = _run(Host(rope, hoist, winding, coupling, run.gains), options.out / LAST_GOOD, resume)
+        data = rope.data()
     finally:
         rope.close()
     result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
@@ -160,13 +163,16 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     contradiction = contradictions(hoist, data.parameters)
     for text in (contradiction, slip_warning(result.recording, hoist)):
         _tell(text)
+    given = (file_statuses(options.rope) if options.rope else {}) | dict.fromkeys(own, GIVEN)
+    known = [*of_host(run, given), *of_rope(find_case(options.case), data, given)]
     exposed = exposure(result.recording, data.parameters)
     rows = summarize(result, hoist, winding, coupling) + (() if exposed is None else exposure_rows(exposed))
-    rows += tuple(SummaryRow(OUTCOME, WARNING, text) for text in (missing, contradiction) if text)
+    rows += tuple(SummaryRow(OUTCOME, WARNING, text) for text in (missing, contradiction, *said) if text)
+    rows += tuple(told(known))
     before = set(options.out.iterdir())
     with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
         title = _title(options, run, data)
-        written = _write(options, title, result, rows, run, (data, data.level(levels())), exposed, signals)
+        written = _write(options, title, result, rows, run, (data, data.level(levels())), known, exposed, signals)
     print(f"{title}\n")
     # warnings have been told when they arose, and the cause is told last
     print(render([row for row in rows if row.quantity not in (WARNING, CAUSE)]))
@@ -338,6 +344,7 @@ def _write(
     rows: Sequence[SummaryRow],
     run: RunData,
     rope: tuple[RopeData, str],
+    known: Sequence[Known],
     exposed: Recording | None,
     signals: Sequence[str],
 ) -> list[Path]:
@@ -349,10 +356,12 @@ def _write(
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import write_report
 
-    hoist, winding, coupling = run.hoist, run.winding, run.coupling
-    more = [*tables({"Gains": run.gains}), *rope_tables(*rope, fidelities_of(result.recording))]
+    hoist, winding, status = run.hoist, run.winding, statuses(known)
+    host = {"Hoist": hoist, "Winding": winding, "Coupling": run.coupling, "Gains": run.gains}
+    given = [*tables(host, status), *rope_tables(*rope, fidelities_of(result.recording), status)]
     directory: Path = options.out
     directory.mkdir(parents=True, exist_ok=True)
+    data = write_data(known, directory / "data.csv")
     written: list[Path] = []
     pictures: list[Path] = []
     exposures: dict[str, Path] = {}
@@ -369,25 +378,18 @@ def _write(
         exposures = {"What each place in the rope went through": directory / "exposure.png"}
         pictures += [write_exposure_figure(exposed, path) for path in exposures.values()]
     reports = [
-        write_report(
-            directory / "report.md",
-            title,
-            rows,
-            pictures,
-            [*tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more],
-        ),
+        write_report(directory / "report.md", title, rows, pictures, given),
         run_report(
             result,
             hoist,
             winding,
-            coupling,
             rows,
             title,
             directory / "report.html",
-            more,
+            given,
             rope[0].locked,
             rope[0].parameters,
             exposures,
         ),
     ]
-    return written + pictures + reports
+    return [*written, data, *pictures, *reports]

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
@@ -35,8 +36,8 @@ examples:
   balance-rope duty SCHEDULE.toml --check       read and check the file, wind nothing
   balance-rope duty SCHEDULE.toml --repeat 3    wind the trips of the file three times
 
-Results in --out: trips.csv, one row per trip, and duty.png; with --exposure exposure.csv
-and exposure.png. The file is explained in docs/duty.md.
+Results in --out: trips.csv, one row per trip, data.csv, where each number comes from, and duty.png; with --exposure
+exposure.csv and exposure.png. The file is explained in docs/duty.md.
 exit code: 0 all trips wound to the end, 1 rope, drive or a guard stopped one, 2 wrong schedule or arguments, 130
 interrupted.
 """
@@ -66,6 +67,7 @@ def _duty(options: argparse.Namespace) -> int:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
+    from hoist_demo.study.provenance import of_host, of_rope, told, write_data
 
     schedule = read_schedule(options.schedule, rope_parameters(), options.repeat)
     if options.check:
@@ -81,9 +83,15 @@ def _duty(options: argparse.Namespace) -> int:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
     exposed = _exposure(trips)
-    written = _write(trips, exposed, out)
+    run = schedule.pattern[0]
+    known = [
+        *of_host(run, schedule.given),
+        *of_rope(find_case(run.case), rope.data(), schedule.given),
+    ]
+    written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
     print(f"{schedule.title}: case {schedule.case}, level {schedule.level}, {trips['trip'].size} trips\n")
-    print(render([*_summary(trips, last, len(schedule.pattern)), *(exposure_rows(exposed) if exposed else ())]))
+    exposures = exposure_rows(exposed) if exposed else ()
+    print(render([*_summary(trips, last, len(schedule.pattern)), *exposures, *told(known)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if interrupted():

@@ -29,9 +29,10 @@ a file of measurements:
   value = 2.9                 # SI units
   sigma = 0.05                # its standard error
 
-Results in --out: rope.toml, the parameters for other commands, and report.html. The file is explained in
-docs/identify.md.
-exit code: 0 found, 1 found but the model misses the measurements, 2 wrong file or arguments, 130 interrupted.
+Results in --out: rope.toml, the parameters for other commands, data.csv, where each number comes from, and report.html.
+The file is explained in docs/identify.md.
+exit code: 0 found, 1 a compromise between measurements that contradict the model, 2 wrong file or arguments, 130
+interrupted.
 """
 
 
@@ -59,6 +60,7 @@ def _identify(options: argparse.Namespace) -> int:
     from hoist_demo.calibration.page import misfit, summary, write_page
     from hoist_demo.calibration.rope_file import write_rope_file
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+    from hoist_demo.study.provenance import write_data
 
     measured = read_measured(options.measured, rope_parameters())
     if options.check:
@@ -68,7 +70,12 @@ def _identify(options: argparse.Namespace) -> int:
     out: Path = options.out or Path("out") / "identify" / options.measured.stem
     out.mkdir(parents=True, exist_ok=True)
     print(render(summary(found)))
-    print(f"\nwritten: {write_rope_file(found, out / 'rope.toml')}, {write_page(found, out / 'report.html')}")
+    written = (
+        write_rope_file(found, out / "rope.toml"),
+        write_data(found.provenance(), out / "data.csv"),
+        write_page(found, out / "report.html"),
+    )
+    print("\nwritten: " + ", ".join(map(str, written)))
     if warning := misfit(found):
         print(f"balance-rope: warning: {warning}", file=sys.stderr)
         return 1

@@ -29,8 +29,8 @@ examples:
   balance-rope ropes docs/duties/four_ropes.toml
   balance-rope ropes ROPES.toml --check      read and check the file, wind nothing
 
-Results in --out: ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv and ropes.png. The file is
-explained in docs/ropes.md.
+Results in --out: ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv, data.csv, where each
+number comes from, and ropes.png. The file is explained in docs/ropes.md.
 exit code: 0 wound to the end, 1 a rope or the drive stopped the run, 2 wrong file or arguments, 130 interrupted.
 """
 
@@ -63,6 +63,7 @@ def _ropes(options: argparse.Namespace) -> int:
     from hoist_demo.report.figures import write_ropes_figure
     from hoist_demo.ropes.definition import read_ropes
     from hoist_demo.ropes.table import COLUMNS, neighbours, row
+    from hoist_demo.study.provenance import told, write_data
     from hoist_demo.study.run import wind
 
     ropes = read_ropes(options.ropes, rope_parameters())
@@ -89,8 +90,10 @@ def _ropes(options: argparse.Namespace) -> int:
     )
     write_ropes_figure(recording, names, out / "ropes.png")
     print(f"{ropes.title}: case {ropes.case}, level {ropes.level}, {len(names)} ropes")
-    print(render(_summary(ropes, recording, rows, pairs)))
-    print(f"\n{ASSUMED_DATA}\n\nwritten: {out}/ropes.csv, neighbours.csv, signals.csv, ropes.png")
+    known = ropes.provenance()
+    write_data(known, out / "data.csv")
+    print(render([*_summary(ropes, recording, rows, pairs), *told(known)]))
+    print(f"\n{ASSUMED_DATA}\n\nwritten: {out}/ropes.csv, neighbours.csv, signals.csv, data.csv, ropes.png")
     if not result.completed:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
     return 0 if result.completed else 1

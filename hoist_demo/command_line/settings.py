@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from hoist_demo.study.catalogue import Catalogue, Parameter, Value
-from hoist_demo.study.definition import flat, read_toml, strip_unit, with_file
+from hoist_demo.study.reading import flat, strip_unit, with_file
 
 STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")
 """First parts of the names that only a study takes."""
@@ -43,27 +43,6 @@ def rope_values(path: Path | None, catalogue: Catalogue) -> dict[str, Value]:
 
 
 _ROPE_FILE = "give a file that balance-rope identify has written"
-
-
-def rope_statuses(path: Path | None) -> dict[str, str]:
-    """What the [known] of a parameter file says of each parameter: measured, published, calibrated, ..."""
-    known = {} if path is None else read_toml(path).get("known", {})
-    return {
-        name: known[key].get("status", "measured") if isinstance(known[key], dict) else "measured"
-        for key, names in _FOLLOWING.items()
-        if key in known
-        for name in names
-    }
-
-
-_FOLLOWING = {
-    "mass_per_length": ("rope.mass_per_length", "rope.rhoJ"),
-    "axial_stiffness": ("rope.Qa",),
-    "torque_factor": ("rope.Qb", "rope.Qc"),
-    "torsional_stiffness": ("rope.Qd",),
-    "bending_stiffness": ("rope.EI",),
-}
-"""Parameters by the property that decides them."""
 
 
 def _value(parameter: Parameter, text: str) -> Value:

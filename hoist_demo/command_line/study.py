@@ -21,7 +21,8 @@ examples:
   balance-rope study STUDY.toml --check                        read and check the file and every start, run nothing
   balance-rope study STUDY.toml --scheduler tcp://host:8786    on the workers of a dask scheduler
 
-Results in --out: results.parquet (pandas.read_parquet opens it) and results.csv, one row per run, and report.html.
+Results in --out: results.parquet (pandas.read_parquet opens it) and results.csv, one row per run, data.csv, where each
+number comes from, and report.html.
 exit code: 0 all runs wound to the end, 1 some did not (their causes are printed and in the table), 2 wrong study
 file or arguments, 130 interrupted.
 """
@@ -56,7 +57,10 @@ def _study(options: argparse.Namespace) -> int:
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
     from hoist_demo.cosimulation.participants.fmu_parameters import fmi_version
+    from hoist_demo.report.summary import render
     from hoist_demo.study.definition import read_study
+    from hoist_demo.study.provenance import of_study, told, write_data
+    from hoist_demo.study.provenance import table as data_table
 
     if options.workers is not None and options.workers < 1:
         raise ValueError(f"--workers {options.workers} must be at least 1: leave it out for one per core")
@@ -108,5 +112,9 @@ def _study(options: argparse.Namespace) -> int:
     meta: dict[str, Any] = {"title": study.title, "parameters": parameters, "best": performed.judged}
     meta |= {"study file": options.study.name, "case": study.case, "FMU": study.fmu.name, "SHA-256": study.fmu_hash}
     meta |= {"FMI version": fmi_version(study.fmu), "version": version("balance-rope")}
-    print(f"open in a browser: {study_report(results.table, results.units, meta, store.directory / 'report.html')}")
+    known = of_study(study)
+    write_data(known, store.directory / "data.csv")
+    print("\n" + render(told(known)) + "\n")
+    report = study_report(results.table, results.units, meta, store.directory / "report.html", [data_table(known)])
+    print(f"open in a browser: {report}")
     return 1 if performed.causes else 0

@@ -32,7 +32,8 @@ a file:
   [known]
   mass_per_length = 7.7        # what is known better: a number, or { low, high }
 
-Results in --out: windings.csv, a row per winding, and report.html. The file is explained in docs/uncertain.md.
+Results in --out: windings.csv, a row per winding, data.csv, where each number comes from, and report.html.
+The file is explained in docs/uncertain.md.
 exit code: 0 all windings wound to the end, 1 some did not, 2 wrong file or arguments, 130 interrupted.
 """
 
@@ -56,8 +57,9 @@ def add_uncertain(commands: argparse._SubParsersAction[argparse.ArgumentParser])
 def _uncertain(options: argparse.Namespace) -> int:
     # the rope loads slowly and is needed here only
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+    from hoist_demo.study.provenance import write_data
     from hoist_demo.uncertainty.definition import read_uncertain
-    from hoist_demo.uncertainty.page import summary, too_few, write_page, write_table
+    from hoist_demo.uncertainty.page import summary, too_few, warnings, write_page, write_table
     from hoist_demo.uncertainty.spread import spread
 
     workers = os.cpu_count() or 1 if options.workers is None else options.workers
@@ -72,9 +74,14 @@ def _uncertain(options: argparse.Namespace) -> int:
     out: Path = options.out or Path("out") / "uncertain" / options.scene.stem
     out.mkdir(parents=True, exist_ok=True)
     print(render(summary(found)))
-    print(f"\nwritten: {write_table(found, out / 'windings.csv')}, {write_page(found, out / 'report.html')}")
-    for text, count in found.warnings.items():
-        print(f"balance-rope: in {count} of {asked.samples} windings: warning: {text}", file=sys.stderr)
+    written = (
+        write_table(found, out / "windings.csv"),
+        write_data(asked.provenance(), out / "data.csv"),
+        write_page(found, out / "report.html"),
+    )
+    print("\nwritten: " + ", ".join(map(str, written)))
+    for text in warnings(found):
+        print(f"balance-rope: {text}", file=sys.stderr)
     if text := too_few(found):
         print(f"balance-rope: warning: {text}", file=sys.stderr)
     return 0 if all(found.wound(name).all() for name in asked.measures) else 1

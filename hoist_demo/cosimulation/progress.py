@@ -42,6 +42,18 @@ def warnings_of(logger: str) -> Iterator[list[str]]:
         log.handlers, log.propagate = handlers, propagates
 
 
+@contextmanager
+def overheard(logger: str) -> Iterator[list[str]]:
+    """The warnings that a logger and those below it get meanwhile; they go where they went before, too."""
+    heard: list[str] = []
+    log, ear = logging.getLogger(logger), _Ear(heard)
+    log.addHandler(ear)
+    try:
+        yield heard
+    finally:
+        log.removeHandler(ear)
+
+
 class _Ear(logging.Handler):
     """Keeps each text once."""
 

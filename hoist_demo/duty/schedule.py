@@ -18,8 +18,7 @@ from typing import Any
 
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.definition import StudyError
-from hoist_demo.study.reading import read_head, read_tables, read_values
+from hoist_demo.study.reading import StudyError, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level
 
@@ -38,6 +37,7 @@ class Schedule:
     level: Level
     pattern: tuple[RunData, ...]
     repeat: int
+    given: Mapping[str, str]  # where each value that is set comes from, by name
 
     @property
     def count(self) -> int:
@@ -96,7 +96,10 @@ class _Reader:
             except ValueError as error:
                 self._problems.append(f"trip {k}: {error}")
         self._stop_where_wrong()
-        schedule = Schedule(pattern=tuple(pattern), **head)
+        given = read_statuses(self._raw.get("fixed", {}))
+        for trip in trips:
+            given |= read_statuses(trip)
+        schedule = Schedule(pattern=tuple(pattern), given=given, **head)
         if problem := _impossible(schedule):
             raise StudyError(self._path, [problem])
         return schedule

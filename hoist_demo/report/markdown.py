@@ -45,8 +45,8 @@ def render_markdown(
     parts.append("## Figures")
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
     for name, lines in tables:
-        table = [f"## Data: {name}", "", "| parameter | value | unit |", "|---|---:|---|"]
-        table += [f"| {_cell(what)} | {_cell(value)} | {unit} |" for what, value, unit in lines]
+        table = [f"## Data: {name}", "", "| parameter | value | unit | status |", "|---|---:|---|---|"]
+        table += [f"| {' | '.join(map(_cell, (*line, '')[:4]))} |" for line in lines]
         parts.append("\n".join(table))
     return "\n\n".join(parts) + "\n"
 

@@ -14,16 +14,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, described, rope_data
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.rope_plant import RopePlant
 from hoist_demo.parameters import Hoist
 from hoist_demo.ropes.table import READ
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Value
-from hoist_demo.study.definition import StudyError, flat
-from hoist_demo.study.reading import read_head, read_tables, read_values
+from hoist_demo.study.provenance import Known, of_host, of_rope
+from hoist_demo.study.reading import StudyError, flat, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level, Scene
 
@@ -41,6 +42,7 @@ class OneRope:
     scene: Scene
     place: Place
     breaks: Break | None
+    given: Mapping[str, str]  # where each value that is set comes from, by name
 
     def plant(self) -> RopePlant:
         """The rope to be wound."""
@@ -60,6 +62,7 @@ class Ropes:
     level: Level
     run: RunData
     ropes: tuple[OneRope, ...]
+    given: Mapping[str, str]  # where each value that is set for all comes from, by name
 
     def group(self) -> RopeGroup:
         """All ropes as one."""
@@ -70,6 +73,16 @@ class Ropes:
         """The case's, with these ropes."""
         data = [rope.scene.rope for rope in self.ropes]
         return hoist_with(self.run.hoist, [(rope.mass_per_length, rope.length) for rope in data])
+
+    def provenance(self) -> list[Known]:
+        """Where the numbers come from: those of the hoist, and those of each rope under its name."""
+        ropes = [
+            one._replace(name=f"{rope.name}.{one.name}")
+            for rope in self.ropes
+            for one in of_rope(find_case(self.case), described(rope.scene), rope.given)
+        ]
+        shared = dict.fromkeys(("hoist.tail_rope_mass", "hoist.tail_rope_length", "hoist.tail_rope_number"), "derived")
+        return [*of_host(replace(self.run, hoist=self.hoist), {**self.given, **shared}), *ropes]
 
 
 def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
@@ -93,17 +106,24 @@ def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
         run = build(head["case"], fixed)
     except ValueError as error:
         raise StudyError(path, [str(error)]) from error
-    ropes = [_read_rope(k, table, catalogue, run, head["level"], problems) for k, table in enumerate(tables, 1)]
+    given = read_statuses(raw.get("fixed", {}))
+    ropes = [_read_rope(k, table, catalogue, run, head["level"], given, problems) for k, table in enumerate(tables, 1)]
     found = tuple(rope for rope in ropes if rope is not None)
     names = [rope.name for rope in found]
     problems += [f"name = {name!r} must be given once: name each rope" for name in {*names} if names.count(name) > 1]
     if problems:
         raise StudyError(path, problems)
-    return Ropes(run=run, ropes=found, **head)
+    return Ropes(run=run, ropes=found, given=given, **head)
 
 
 def _read_rope(
-    number: int, table: Mapping[str, Any], catalogue: Catalogue, run: RunData, level: Level, problems: list[str]
+    number: int,
+    table: Mapping[str, Any],
+    catalogue: Catalogue,
+    run: RunData,
+    level: Level,
+    given: Mapping[str, str],
+    problems: list[str],
 ) -> OneRope | None:
     """A rope; None where something is wrong with it, which is added to the problems."""
     name = str(table.get("name", f"rope{number}"))
@@ -124,16 +144,22 @@ def _read_rope(
     if len(problems) > before:
         return None
     try:
-        return _rope(name, numbers, {**run.fmu, **values}, level)
+        return _rope(name, numbers, {**run.fmu, **values}, level, {**given, **read_statuses(own)})
     except ValueError as error:
         problems.append(f"{name}: {error}")
         return None
 
 
-def _rope(name: str, numbers: Mapping[str, float], parameters: Mapping[str, Value], level: Level) -> OneRope:
+def _rope(
+    name: str,
+    numbers: Mapping[str, float],
+    parameters: Mapping[str, Value],
+    level: Level,
+    given: Mapping[str, str],
+) -> OneRope:
     """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
     place = Place(**{key: float(numbers.get(key, 0.0)) for key in _PLACE})
     spacing = rope_data(parameters, level).layout.spacing + place.x_right - place.x_left
     own = {**parameters, "layout.spacing": spacing}
     breaks = Break(float(numbers["breaks_at"]), float(numbers["breaks_s"])) if "breaks_at" in numbers else None
-    return OneRope(name, own, rope_data(own, level), place, breaks)
+    return OneRope(name, own, rope_data(own, level), place, breaks, {"layout.spacing": "derived"} | dict(given))

@@ -8,16 +8,15 @@
     [tune]     instead of [sample]: minimise = { metric = weight }, subject_to = { metric = { below, above } },
                sample, searches, steps, seed
 
-A value is a plain one in SI units, or { value, unit }; a list is [...] or { values, unit }; a range may have
-scale = "log". Later ones count: fixed, then variant, then vary; in fixed and variant from = "FILE" takes the values of
-that file's [fixed] before all. All errors of a file are told at once.
+A value is a plain one in SI units, or { value, unit, status }, whose status tells where it comes from; a list is [...]
+or { values, unit }; a range may have scale = "log". Later ones count: fixed, then variant, then vary; in fixed and
+variant from = "FILE" takes the values of that file's [fixed] before all. All errors of a file are told at once.
 """
 
 from __future__ import annotations
 
 import hashlib
-import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,26 +25,24 @@ from typing import Any
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
-from hoist_demo.parameters.units import fmi_unit
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
+from hoist_demo.study.reading import VARIED, StudyError, flat, read_statuses, read_tables, strip_unit, with_file
 from hoist_demo.study.run import RunData, build
 from hoist_demo.study.sampling import Range, grid, latin_hypercube
 from hoist_demo.study.tuning import Tuning, read_tuning, seed_of, whole_number
 
 METHODS = ("grid", "latin-hypercube")
 
-_TABLES = {
+_TABLES = {"study": dict, "fixed": dict, "variant": list, "sample": dict, "vary": dict, "tune": dict}
+_KEYS = {
     "study": {"title", "fmu", "case", "signals", "minimise", "maximise"},
-    "fixed": None,
     "variant": {"name", "values"},
     "sample": {"method", "runs", "seed"},
-    "vary": None,
     "tune": {"minimise", "subject_to", "sample", "searches", "steps", "seed"},
 }
-_SPECIFICATION = {"value", "values", "low", "high", "unit", "scale"}
 
 
 @dataclass(frozen=True)
@@ -67,6 +64,7 @@ class Study:
     case: str
     signals: tuple[str, ...]
     units: Mapping[str, str]  # of every key that is set
+    given: Mapping[str, str]  # where each of them comes from; varied where it differs between runs
     samples: tuple[Sample, ...]  # all runs; for a search the corners of its ranges
     variants: Mapping[str, Mapping[str, Value]]  # fixed values of each variant
     ranges: Mapping[str, Range]
@@ -79,39 +77,22 @@ class Study:
         return Sample(variant, everything, build(self.case, everything, self.signals))
 
 
-class StudyError(ValueError):
-    """All that is wrong with a study file, one line each."""
-
-    def __init__(self, path: Path, problems: list[str]) -> None:
-        self.problems = tuple(problems)
-        super().__init__("\n".join(f"{path}: {problem}" for problem in problems))
-
-
 Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 """Passes the drawn values on one by one while they are checked, which takes a while."""
 
 
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
     """The study of a file; `fmu` replaces the file's. Raises StudyError with all problems."""
-    return _Reader(path, read_toml(path), fmu).study(progress)
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """What a TOML file holds; StudyError where it holds nothing that can be read."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise StudyError(path, [f"cannot be read ({error.strerror}): give an existing file"]) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise StudyError(path, [f"is not TOML: {error}: correct it there"]) from error
+    return _Reader(path, fmu).study(progress)
 
 
 class _Reader:
     """Collects the problems while it reads."""
 
-    def __init__(self, path: Path, raw: dict[str, Any], fmu: Path | None) -> None:
-        self.path, self.raw, self.fmu = path, raw, fmu
-        self.problems: list[str] = []
+    def __init__(self, path: Path, fmu: Path | None) -> None:
+        self.path, self.fmu = path, fmu
+        self.problems = list[str]()
+        self.raw = read_tables(path, "a study", _TABLES, self.problems)
         self.catalogue, self.fmu_is_there = Catalogue({}), False
 
     @contextmanager
@@ -124,8 +105,8 @@ class _Reader:
                 self.problems.append(problem)
 
     def study(self, progress: Progress) -> Study:
-        self._unknown_tables()
-        head = self._table("study")
+        self._unknown_keys()
+        head = self.raw.get("study", {})
         title = head.get("title", self.path.stem)
         fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
         with self._collect("[study] fmu" if self.fmu is None else "--fmu"):
@@ -138,12 +119,12 @@ class _Reader:
         best: dict[str, str] | None = None
         with self._collect("[study]"):
             best = self._best(head)
-        variants = self._variants(self._values("fixed", self._table("fixed")))
+        variants = self._variants(self._values("fixed", self.raw.get("fixed", {})))
         vary = self._vary()
         tuning: Tuning | None = None
         if "tune" in self.raw:
             with self._collect("[tune]"):
-                tuning = read_tuning(self._table("tune"), len(vary))
+                tuning = read_tuning(self.raw.get("tune", {}), len(vary))
         drawn = self._draw(vary, tuning)
         if case not in NAMED:
             raise StudyError(self.path, self.problems)
@@ -160,12 +141,21 @@ class _Reader:
             case=case,
             signals=signals,
             units=self.catalogue.units(keys),
+            given=self._given(vary, samples),
             samples=tuple(samples),
             variants=variants,
             ranges={key: r for key, r in vary.items() if isinstance(r, Range)},
             tuning=tuning,
             best=best,
         )
+
+    def _given(self, vary: Iterable[str], samples: Sequence[Sample]) -> dict[str, str]:
+        """Where what is set comes from."""
+        given = read_statuses(self.raw.get("fixed", {}))
+        for table in self.raw.get("variant", []):
+            given |= read_statuses(table.get("values", {}))
+        differing = {key for key in given for sample in samples if sample.values.get(key) != samples[0].values.get(key)}
+        return given | dict.fromkeys({*vary, *differing}, VARIED)
 
     def _accepted_samples(
         self,
@@ -226,26 +216,16 @@ class _Reader:
             raise ValueError(f"{name} = {metric!r} is not a metric: choose of {', '.join(UNITS)}")
         return {"metric": metric, "sense": senses[name]}
 
-    def _unknown_tables(self) -> None:
-        for name, content in self.raw.items():
-            if name not in _TABLES:
-                self.problems.append(f"[{name}] is not a table of a study: the tables are {', '.join(_TABLES)}")
-                continue
-            allowed = _TABLES[name]
+    def _unknown_keys(self) -> None:
+        for name, allowed in _KEYS.items():
+            content = self.raw.get(name, {})
             for table in content if isinstance(content, list) else [content]:
-                if not isinstance(table, dict):
-                    self.problems.append(f"{name} = {content!r} must be a table: write [{name}]")
-                elif allowed is not None:
-                    for key in table.keys() - allowed:
-                        self.problems.append(
-                            f"[{name}] {key} = {table[key]!r} is not a key: the keys are {', '.join(sorted(allowed))}"
-                        )
+                for key in table.keys() - allowed:
+                    self.problems.append(
+                        f"[{name}] {key} = {table[key]!r} is not a key: the keys are {', '.join(sorted(allowed))}"
+                    )
         if "tune" in self.raw and "sample" in self.raw:
             self.problems.append("[tune] must not stand beside [sample]: keep one of them")
-
-    def _table(self, name: str) -> dict[str, Any]:
-        table = self.raw.get(name, {})
-        return table if isinstance(table, dict) else {}
 
     def _variants(self, fixed: dict[str, Value]) -> dict[str, dict[str, Value]]:
         """Values of each variant, fixed ones included; one variant without a name when there are none."""
@@ -253,12 +233,11 @@ class _Reader:
         if not tables:
             return {"": fixed}
         variants: dict[str, dict[str, Value]] = {}
-        for number, table in enumerate(tables if isinstance(tables, list) else [tables], 1):
-            name = str(table.get("name", number)) if isinstance(table, dict) else str(number)
+        for number, table in enumerate(tables, 1):
+            name = str(table.get("name", number))
             if name in variants:
                 self.problems.append(f"[[variant]] name = {name!r} must be given once: choose another name")
-            content = table.get("values", {}) if isinstance(table, dict) else {}
-            variants[name] = fixed | self._values(f"variant {name}", content)
+            variants[name] = fixed | self._values(f"variant {name}", table.get("values", {}))
         return variants
 
     def _values(self, where: str, table: Mapping[str, Any]) -> dict[str, Value]:
@@ -280,7 +259,7 @@ class _Reader:
 
     def _vary(self) -> dict[str, tuple[Value, ...] | Range]:
         found: dict[str, tuple[Value, ...] | Range] = {}
-        for key, content in flat(self._table("vary")):
+        for key, content in flat(self.raw.get("vary", {})):
             with self._collect("[vary]"):
                 if not self._is_checkable(key):
                     continue
@@ -312,7 +291,7 @@ class _Reader:
 
     def _draw(self, vary: Mapping[str, tuple[Value, ...] | Range], tuning: Tuning | None) -> list[dict[str, Value]]:
         """The samples of [vary]; for a search the corners of its ranges, to be checked."""
-        sample = self._table("sample")
+        sample = self.raw.get("sample", {})
         method = "tune" if tuning or "tune" in self.raw else sample.get("method", "grid")
         lists = {key: v for key, v in vary.items() if isinstance(v, tuple)}
         ranges = {key: v for key, v in vary.items() if isinstance(v, Range)}
@@ -351,41 +330,3 @@ def _possible_values(case: str, values: Mapping[str, Value]) -> tuple[dict[str, 
         if len(possible) == before:
             break
     return possible, list(problems.values())
-
-
-def with_file(table: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The values of the file that the key ``from`` names, and before them the table's own."""
-    if "from" not in table:
-        return table
-    rest = {key: content for key, content in table.items() if key != "from"}
-    fixed = read_toml(Path(str(table["from"]))).get("fixed", {})
-    if not isinstance(fixed, dict):
-        raise ValueError(f"{table['from']}: fixed = {fixed!r} must be one table: write [fixed] above it")
-    return dict(flat(fixed)) | dict(flat(rest))
-
-
-def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Keys with dots, whether the file quotes them or not; a value's own table is left whole."""
-    for name, content in table.items():
-        key = f"{prefix}{name}"
-        if isinstance(content, dict) and not content.keys() & _SPECIFICATION:
-            yield from flat(content, f"{key}.")
-        else:
-            yield key, content
-
-
-def strip_unit(parameter: Parameter, content: Any) -> Any:
-    """The content without its unit, which is checked: a value, a list, or a range's table."""
-    if not isinstance(content, dict):
-        return content
-    for name in content.keys() - _SPECIFICATION:
-        raise ValueError(f"{parameter.key}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}")
-    unit = content.get("unit")
-    if unit is not None and fmi_unit(str(unit)) != parameter.unit:
-        raise ValueError(
-            f"{parameter.key} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
-        )
-    rest = {name: value for name, value in content.items() if name != "unit"}
-    if len(rest) == 1 and next(iter(rest)) in ("value", "values"):
-        return next(iter(rest.values()))
-    return rest

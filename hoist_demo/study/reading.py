@@ -1,15 +1,36 @@
-"""Parts of files like a study's, about ropes in this process: their tables, their head, and single values."""
+"""Files like a study's (TOML): their tables, their head, and single values with unit and status."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, get_args
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.definition import flat, read_toml, strip_unit, with_file
-from rope_model import Level
+from hoist_demo.parameters.units import fmi_unit
+from hoist_demo.study.catalogue import Catalogue, Parameter, Value
+from rope_model import DatumStatus, Level
+
+_SPECIFICATION = {"value", "values", "low", "high", "unit", "scale", "status"}
+
+
+class StudyError(ValueError):
+    """All that is wrong with a study file, one line each."""
+
+    def __init__(self, path: Path, problems: list[str]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(f"{path}: {problem}" for problem in problems))
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """What a TOML file holds; StudyError where it holds nothing that can be read."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StudyError(path, [f"cannot be read ({error.strerror}): give an existing file"]) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise StudyError(path, [f"is not TOML: {error}: correct it there"]) from error
 
 
 def read_tables(path: Path, of: str, kinds: Mapping[str, type], problems: list[str]) -> dict[str, Any]:
@@ -50,6 +71,42 @@ def read_values(catalogue: Catalogue, where: str, table: Mapping[str, Any], prob
     return found
 
 
+def read_statuses(table: Mapping[str, Any]) -> dict[str, str]:
+    """Where the values of a table come from: what they say themselves, or the file that `from` names; else given."""
+    found = file_statuses(Path(str(table["from"]))) if "from" in table else {}
+    for key, content in flat({key: content for key, content in table.items() if key != "from"}):
+        found[key] = content.get("status", GIVEN) if isinstance(content, dict) else GIVEN
+    return found
+
+
+def file_statuses(path: Path) -> dict[str, str]:
+    """What a parameter file says of the values in its [fixed]: calibrated, measured, ..., else given."""
+    raw = read_toml(path)
+    return dict.fromkeys((key for key, _ in flat(raw.get("fixed", {}))), GIVEN) | following_statuses(
+        {
+            key: content.get("status", "measured") if isinstance(content, dict) else "measured"
+            for key, content in raw.get("known", {}).items()
+        }
+    )
+
+
+def following_statuses(known: Mapping[str, str]) -> dict[str, str]:
+    """The statuses of the parameters that follow from properties of a rope with these statuses."""
+    return {name: status for key, status in known.items() for name in _FOLLOWING.get(key, ())}
+
+
+#: statuses of what is set without one, and of what differs between runs
+GIVEN, VARIED = "given", "varied"
+_FOLLOWING = {
+    "mass_per_length": ("rope.mass_per_length", "rope.rhoJ", "hoist.tail_rope_mass"),
+    "axial_stiffness": ("rope.Qa",),
+    "torque_factor": ("rope.Qb", "rope.Qc"),
+    "torsional_stiffness": ("rope.Qd",),
+    "bending_stiffness": ("rope.EI",),
+}
+"""Parameters by the property that decides them."""
+
+
 def read_head(
     path: Path, name: str, table: Mapping[str, Any], own: Mapping[str, Any], problems: list[str]
 ) -> dict[str, Any]:
@@ -65,3 +122,44 @@ def read_head(
     except ValueError as error:
         problems.append(f"[{name}] {error}")
     return head
+
+
+def with_file(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The values of the file that the key ``from`` names, and before them the table's own."""
+    if "from" not in table:
+        return table
+    rest = {key: content for key, content in table.items() if key != "from"}
+    fixed = read_toml(Path(str(table["from"]))).get("fixed", {})
+    if not isinstance(fixed, dict):
+        raise ValueError(f"{table['from']}: fixed = {fixed!r} must be one table: write [fixed] above it")
+    return dict(flat(fixed)) | dict(flat(rest))
+
+
+def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Keys with dots, whether the file quotes them or not; a value's own table is left whole."""
+    for name, content in table.items():
+        key = f"{prefix}{name}"
+        if isinstance(content, dict) and not content.keys() & _SPECIFICATION:
+            yield from flat(content, f"{key}.")
+        else:
+            yield key, content
+
+
+def strip_unit(parameter: Parameter, content: Any) -> Any:
+    """The content without its unit, which is checked: a value, a list, or a range's table."""
+    if not isinstance(content, dict):
+        return content
+    for name in content.keys() - _SPECIFICATION:
+        raise ValueError(f"{parameter.key}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}")
+    unit = content.get("unit")
+    if unit is not None and fmi_unit(str(unit)) != parameter.unit:
+        raise ValueError(
+            f"{parameter.key} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
+        )
+    if (status := content.get("status")) is not None and status not in get_args(DatumStatus):
+        known = ", ".join(get_args(DatumStatus))
+        raise ValueError(f"{parameter.key} has status = {status!r}, which must be one of {known}: choose one")
+    rest = {name: value for name, value in content.items() if name not in ("unit", "status")}
+    if len(rest) == 1 and next(iter(rest)) in ("value", "values"):
+        return next(iter(rest.values()))
+    return rest

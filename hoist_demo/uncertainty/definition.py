@@ -19,10 +19,21 @@ from typing import Any
 from hoist_demo.calibration.definition import FOLLOWING, read_known
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
+from hoist_demo.cosimulation.participants.inprocess_rope import described, rope_data
 from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.definition import StudyError, read_toml
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.reading import read_head, read_tables, read_values
+from hoist_demo.study.provenance import Known, of_host, of_rope
+from hoist_demo.study.reading import (
+    GIVEN,
+    VARIED,
+    StudyError,
+    following_statuses,
+    read_head,
+    read_statuses,
+    read_tables,
+    read_toml,
+    read_values,
+)
 from hoist_demo.study.run import RunData, build
 from rope_model import BEARINGS, Datum, KnownRope, Level
 
@@ -45,12 +56,24 @@ class Uncertain:
     bearing: str  # "" where friction does not vary
     known: KnownRope
     fixed: Mapping[str, Value]
+    given: Mapping[str, str]  # where each value of `fixed` comes from
 
     @property
     def data(self) -> dict[str, Datum]:
         """What varies, by name."""
         found = {name: datum for name, datum in self.known.data.items() if datum.high > datum.low}
         return found | (BEARINGS[self.bearing] if self.bearing else {})
+
+    def provenance(self) -> list[Known]:
+        """Where the numbers come from; of a property that varies its range has the status."""
+        run = self.run({name: datum.middle for name, datum in self.data.items()})
+        known = {name: VARIED if name in self.data else datum.status for name, datum in self.known.data.items()}
+        given = dict.fromkeys(("rope.length", "rope.diameter", "hoist.tail_rope_length"), GIVEN) | dict(self.given)
+        given |= following_statuses(known)
+        if self.bearing:
+            given |= {f"{side}.swivel.{name}": VARIED for side in SWIVELS for name in ("mu_kinetic", "mu_static")}
+        rope = described(rope_data(run.fmu, self.level))
+        return [*of_host(run, given), *of_rope(find_case(self.case), rope, given)]
 
     def run(self, values: Mapping[str, float]) -> RunData:
         """The winding with these values of what varies; the drive takes the rope for what it is."""
@@ -85,7 +108,8 @@ def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncert
     if "length" not in raw["rope"]:
         length = find_case(head["case"]).rope["rope.length"]
         known = replace(known, length=float(length))
-    asked = Uncertain(known=known, fixed=fixed, **{**head, "measures": tuple(head["measures"])})
+    given = read_statuses(raw.get("fixed", {}))
+    asked = Uncertain(known=known, fixed=fixed, given=given, **{**head, "measures": tuple(head["measures"])})
     if not asked.data:
         raise StudyError(path, ["nothing varies: give a property of [known] a range, { low, high }"])
     try:

@@ -9,6 +9,8 @@ from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
 from hoist_demo.report.summary import SummaryRow
 from hoist_demo.study.metrics import METRICS, UNITS
+from hoist_demo.study.provenance import table as data_table
+from hoist_demo.study.provenance import told
 from hoist_demo.uncertainty.spread import QUANTILES, Spread
 
 #: share of a spread from which on a datum is named in the terminal
@@ -31,11 +33,28 @@ def summary(found: Spread) -> list[SummaryRow]:
             for key, x in _sorted(found, name)
             if x > NAMED
         ]
-    return rows
+    return [*rows, *told(found.asked.provenance())]
 
 
 def too_few(found: Spread) -> str:
     """A warning where the windings are too few to tell causes apart; '' where they are not."""
+    return "; ".join(filter(None, (_untold(found), _spoiled(found))))
+
+
+def _untold(found: Spread) -> str:
+    """Of which results the windings that have them are fewer than a regression needs."""
+    need = found.needed
+    few = [f"{name} {found.wound(name).sum()}" for name in found.asked.measures if found.wound(name).sum() < need]
+    return (
+        f"no causes are told of {', '.join(few)}: {len(found.asked.data)} data that vary need {need} windings that end "
+        f"and 64 for a first look; raise samples = {found.asked.samples}"
+        if few
+        else ""
+    )
+
+
+def _spoiled(found: Spread) -> str:
+    """Of which results the shares contradict one another."""
     sums = {name: sum(found.causes(name).values()) for name in found.asked.measures}
     spoiled = [f"{name} {100 * x:.0f} %" for name, x in sums.items() if x > SPOILED]
     return (
@@ -44,6 +63,11 @@ def too_few(found: Spread) -> str:
         if spoiled
         else ""
     )
+
+
+def warnings(found: Spread) -> list[str]:
+    """What the rope has warned of, and in how many windings."""
+    return [f"in {count} of {found.asked.samples} windings: warning: {text}" for text, count in found.warnings.items()]
 
 
 def write_table(found: Spread, path: Path) -> Path:
@@ -73,14 +97,16 @@ def write_page(found: Spread, path: Path) -> Path:
     ]
     wound = f"{_completed(found)} of {asked.samples} windings wound to the end: case {asked.case}, level {asked.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
+    title, rows = data_table(asked.provenance())
     parts = [
-        ("", paragraphs([wound])),
+        ("", paragraphs([wound, *warnings(found)])),
         ("What the results may be", grid(head, results)),
         ("Which datum causes it", paragraphs([hint, *filter(None, [too_few(found)])]) + causes),
         (
             "What varies, evenly over its range, in logarithms where it does not begin at 0",
             grid(("datum", "range", "unit", "status", "source"), data),
         ),
+        (title, grid(("datum", "value", "unit", "status"), rows)),
     ]
     return write_sheet(path, asked.title, parts)
 

@@ -53,11 +53,19 @@ class Spread:
         values = self.columns[name][self.wound(name)]
         return tuple(float(x) for x in np.quantile(values, QUANTILES)) if values.size else (math.nan,) * len(QUANTILES)
 
+    @property
+    def needed(self) -> int:
+        """Windings from which on a regression leaves a rest by which to judge it."""
+        return len(self.asked.data) + 2
+
     def causes(self, name: str) -> dict[str, float]:
-        """The share of each datum in the spread of a measure, and of what ranks do not explain; {} without spread."""
+        """The share of each datum in the spread of a measure, and of what ranks do not explain.
+
+        {} without spread, or with fewer windings than are needed.
+        """
         kept = self.wound(name)
         y = self.columns[name][kept]
-        if y.size <= len(self.asked.data) + 1 or np.ptp(y) == 0.0:
+        if y.size < self.needed or np.ptp(y) == 0.0:
             return {}
         x = np.array([_standard(self.columns[key][kept]) for key in self.asked.data])
         y = _standard(y)

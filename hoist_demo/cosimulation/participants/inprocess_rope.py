@@ -70,17 +70,10 @@ class InProcessRope:
     def data(self) -> RopeData:
         """What this rope is: its engine, and all parameters by FMI name."""
         model = {"rope": f"in process, {type(self._rope).__name__}", "version": version("balance-rope")}
-        values, units = dict[str, Value](), dict[str, str]()
-        for group, part in _PARTS.items():
-            data = attrgetter(part)(self._rope.scene)
-            for item, unit in _units(data).items():
-                value = getattr(data, item)
-                values[f"{group}.{item}"] = str(value) if isinstance(value, tuple) else value
-                units[f"{group}.{item}"] = unit
         reason = ""
         with suppress(RuntimeError):  # a rope that could not be initialised has no state
             reason = self._rope.fidelity_reason
-        return RopeData(model, values, units, reason)
+        return replace(described(self._rope.scene), model=model, fidelity_reason=reason)
 
     def reader(self, names: Sequence[str]) -> Reader:
         """A function that reads some outputs."""
@@ -135,6 +128,28 @@ def rope_in_process(
     """The rope of a named case at a level of accuracy, with other parameters by FMI name."""
     data = rope_data({**find_case(case).rope, **(parameters or {})}, level)
     return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
+
+
+def described(scene: Scene) -> RopeData:
+    """All parameters of a scene by FMI name."""
+    values, units = dict[str, Value](), dict[str, str]()
+    for group, part in _PARTS.items():
+        data = attrgetter(part)(scene)
+        for item, unit in _units(data).items():
+            value = getattr(data, item)
+            values[f"{group}.{item}"] = str(value) if isinstance(value, tuple) else value
+            units[f"{group}.{item}"] = unit
+    return RopeData({}, values, units)
+
+
+def assumed_parameters() -> frozenset[str]:
+    """FMI names of those parameters of which the default is ours, as their fields say."""
+    return frozenset(
+        f"{group}.{item.name}"
+        for group, part in _PARTS.items()
+        for item in fields(attrgetter(part)(Scene()))
+        if "[assumed]" in item.metadata.get("description", "")
+    )
 
 
 def rope_parameters() -> dict[str, FmuParameter]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 
-from rope_model import CHOICES, Layout, Rope, Swivel
+from rope_model import CHOICES
 
 Value = float | int | bool | str
 
@@ -61,21 +61,6 @@ class RopeData:
     parameters: Mapping[str, Value]
     units: Mapping[str, str]  # as FMI spells them, "1" for a pure number
     fidelity_reason: str = ""  # why the fidelity runs that runs
-    statuses: Mapping[str, str] = field(default_factory=dict)  # by name: measured, calibrated, assumed, given, ...
-
-    def with_statuses(self, given: Collection[str], known: Mapping[str, str], case: Mapping[str, float]) -> RopeData:
-        """The same with the status of each value: given, as ``known`` says, or that of the default or of the case."""
-        found = dict[str, str]()
-        for name, (default, status) in _MARKED.items():
-            if name in given:
-                found[name] = "given"
-            elif name in known:
-                found[name] = known[name]
-            elif name in case and self.parameters.get(name) == case[name]:
-                found[name] = "assumed"
-            elif self.parameters.get(name) == default:
-                found[name] = status
-        return replace(self, statuses=found)
 
     @property
     def torque_free(self) -> bool:
@@ -104,23 +89,3 @@ class RopeData:
         """A parameter's value, a word as its code: a rope in process has words where an FMU has codes."""
         value = self.parameters.get(name)
         return value if not isinstance(value, str) or (number := code(name, value)) is None else number
-
-
-def _marked() -> dict[str, tuple[float, str]]:
-    """Default and status of each parameter whose source matters: those marked [assumed], and the published pair."""
-    groups: dict[str, Rope | Layout | Swivel] = {
-        "rope": Rope(),
-        "layout": Layout(),
-        "left.swivel": Swivel(),
-        "right.swivel": Swivel(),
-    }
-    return {
-        f"{group}.{item.name}": (getattr(data, item.name), "published" if item.name in _PAIR else "assumed")
-        for group, data in groups.items()
-        for item in fields(data)
-        if "[assumed]" in item.metadata.get("description", "") or item.name in _PAIR
-    }
-
-
-_PAIR = ("Qb", "Qc")
-_MARKED = _marked()

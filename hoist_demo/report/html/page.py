@@ -19,8 +19,8 @@ from pathlib import Path
 LONG = 24
 """Characters from which a value may break anywhere, such as a hash."""
 
-Row = tuple[str, str, str]
-"""Quantity, value and unit as texts."""
+Row = tuple[str, ...]
+"""Quantity, value and unit as texts, and perhaps what more is known of it."""
 
 
 def asset(name: str) -> str:
@@ -57,11 +57,12 @@ def picture(title: str, png: Path) -> str:
 
 
 def table(title: str, rows: Sequence[Row]) -> str:
-    """A titled table of quantity, value and unit; nothing without rows."""
+    """A titled table of quantity, value, unit and what more is known; nothing without rows."""
     lines = [
         f'<tr><td>{escape(quantity)}</td><td class="{_value(value)}">{escape(value)}</td>'
-        f'<td class="unit">{escape(unit)}</td></tr>'
-        for quantity, value, unit in rows
+        + "".join(f'<td class="unit">{escape(text)}</td>' for text in more)
+        + "</tr>"
+        for quantity, value, *more in rows
     ]
     return f"<section><h3>{escape(title)}</h3><table>{''.join(lines)}</table></section>" if lines else ""
 

@@ -1,4 +1,4 @@
-"""The data a run was given, as table rows: each parameter by the name that sets it, with its unit and its meaning."""
+"""The data a run was given, as table rows: each parameter by the name that sets it, with unit, meaning and status."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ Table = tuple[str, list[Row]]
 """Title and rows."""
 
 
-def tables(data: Mapping[str, object]) -> list[Table]:
+def tables(data: Mapping[str, object], statuses: Mapping[str, str]) -> list[Table]:
     """A table for each dataclass; its title is that of the section to which its parameters belong."""
-    return [(title, rows(part, f"{title.lower()}.")) for title, part in data.items()]
+    return [(title, rows(part, f"{title.lower()}.", statuses)) for title, part in data.items()]
 
 
-def rope_tables(rope: RopeData, level: str, fidelities: Sequence[str]) -> list[Table]:
+def rope_tables(rope: RopeData, level: str, fidelities: Sequence[str], statuses: Mapping[str, str]) -> list[Table]:
     """Where the balance rope comes from, how much of it was computed, and all its parameters."""
     ran = ", then ".join(fidelities) or "not known"
     head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
@@ -30,8 +30,8 @@ def rope_tables(rope: RopeData, level: str, fidelities: Sequence[str]) -> list[T
     ]
     if rope.fidelity_reason:
         head.append(("because", rope.fidelity_reason, ""))
-    parameters = [
-        (", ".join(filter(None, (name, rope.statuses.get(name)))), _word(rope.display(name)), unit_text(unit))
+    parameters: list[Row] = [
+        (name, _word(rope.display(name)), unit_text(unit), statuses.get(name, ""))
         for name in rope.parameters
         for unit in (rope.units.get(name, ""),)
     ]
@@ -44,7 +44,7 @@ def _word(value: object) -> str:
     return number(value) if isinstance(value, int | float) else str(value)
 
 
-def rows(data: object, section: str) -> list[Row]:
+def rows(data: object, section: str, statuses: Mapping[str, str]) -> list[Row]:
     """One row per number, flag or word of a dataclass, those of dataclasses within it included."""
     if not is_dataclass(data) or isinstance(data, type):
         raise TypeError(f"data = {data!r} must be a dataclass instance: give the parameters themselves")
@@ -52,13 +52,14 @@ def rows(data: object, section: str) -> list[Row]:
     for field in fields(data):
         value = getattr(data, field.name)
         unit, meaning = unit_of(field), meaning_of(field)
-        name = f"{section}{field.name}" + (f", {meaning}" if meaning else "")
+        key = f"{section}{field.name}"
+        name, status = key + (f", {meaning}" if meaning else ""), statuses.get(key, "")
         if is_dataclass(value):
-            found += rows(value, f"{section}{field.name}.")
+            found += rows(value, f"{key}.", statuses)
         elif isinstance(value, bool):
-            found.append((name, "yes" if value else "no", ""))
+            found.append((name, "yes" if value else "no", "", status))
         elif isinstance(value, str) or value is None:
-            found.append((name, value or "none", ""))
+            found.append((name, value or "none", "", status))
         elif isinstance(value, int | float):
-            found.append((name, number(value), "" if unit == _NO_UNIT else unit_text(unit)))
+            found.append((name, number(value), "" if unit == _NO_UNIT else unit_text(unit), status))
     return found

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, Winding
+from hoist_demo.parameters import ASSUMED_DATA, Hoist, Winding
 from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.jams import told_of_jams
 from hoist_demo.recording.passages import passages
@@ -38,18 +38,18 @@ def run_report(
     result: Result,
     hoist: Hoist,
     winding: Winding,
-    coupling: Coupling,
     rows: Sequence[SummaryRow],
     title: str,
     path: Path,
-    more: Sequence[parameter_tables.Table] = (),
+    given: Sequence[parameter_tables.Table] = (),
     locked: Collection[str] = (),
     parameters: Mapping[str, object] = NONE_KNOWN,
     pictures: Mapping[str, Path] = NO_PICTURES,
 ) -> Path:
-    """Write the report of a run to `path`; `rows` are its summary, `more` further tables, `locked` ends cannot turn.
+    """Write the report of a run to `path`; `rows` are its summary, `given` are tables of its data.
 
-    `parameters` of the rope by FMI name have the shaft that is drawn; `pictures` are PNG files by what they show.
+    `locked` ends cannot turn; `parameters` of the rope by FMI name have the shaft that is drawn; `pictures` are PNG
+    files by what they show.
     Same run, same bytes but the clock's.
     """
     said = [] if result.completed else [("Stopped.", result.cause)]
@@ -67,7 +67,6 @@ def run_report(
         page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows if row.group == group])
         for group in dict.fromkeys(row.group for row in rows)
     )
-    tables = [*parameter_tables.tables({"Hoist": hoist, "Winding": winding, "Coupling": coupling}), *more]
     text = page.render(
         "run.html",
         ("player.js", "plots.js", "rope.js", "shaft.js", "run.js"),
@@ -77,7 +76,7 @@ def run_report(
         note=note,
         numbers=numbers,
         pictures="".join(page.picture(*item) for item in pictures.items()),
-        given="".join(page.table(name, rows) for name, rows in tables),
+        given="".join(page.table(name, rows) for name, rows in given),
     )
     return page.write(path, text)
 

@@ -17,6 +17,7 @@ import pandas as pd
 
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.report.html import page
+from hoist_demo.report.html.parameter_tables import Table
 
 STATUS, CAUSE = "status", "cause"
 WARNINGS = "warnings"  # texts, of no axis
@@ -25,8 +26,17 @@ ROUNDING = 1e-9  # values that differ by less are one
 _OWN = ("title", "parameters", "best")
 
 
-def study_report(table: pd.DataFrame, stated: Mapping[str, str], meta: Mapping[str, Any], path: str | Path) -> Path:
-    """Write the report to `path`: one row of `table` per run, units `stated` by column name ("" or "1" for none)."""
+def study_report(
+    table: pd.DataFrame,
+    stated: Mapping[str, str],
+    meta: Mapping[str, Any],
+    path: str | Path,
+    more: Sequence[Table] = (),
+) -> Path:
+    """Write the report to `path`: one row of `table` per run, units `stated` by column name ("" or "1" for none).
+
+    `more` are tables of the data.
+    """
     path = Path(path)
     parameters, best = _check_columns(table, meta)
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
@@ -74,7 +84,8 @@ def study_report(table: pd.DataFrame, stated: Mapping[str, str], meta: Mapping[s
         + page.table(
             "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
         )
-        + page.table("Not shown by any run", [(name, "", "") for name in nowhere]),
+        + page.table("Not shown by any run", [(name, "", "") for name in nowhere])
+        + "".join(page.table(title, rows) for title, rows in more),
     )
     return page.write(path, text)
 

@@ -1,0 +1,164 @@
+"""Where the numbers that a run rests on come from: each with its status.
+
+What was set has the status that its file states, else ``given``: whoever set it knows its source.  What was not is of
+the case: ``published`` where the case's source states it, else ``assumed``, which is ours.  A rope's parameter that is
+neither is the FMU's, ``exported`` with it.  A ``setting`` is no datum: it says what is computed and how.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from operator import attrgetter
+from pathlib import Path
+from typing import NamedTuple
+
+from hoist_demo.cases.case import Case
+from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import assumed_parameters, rope_parameters
+from hoist_demo.cosimulation.participants.rope_data import RopeData, Value
+from hoist_demo.report.html.page import Row, number, unit_text
+from hoist_demo.report.html.parameter_tables import Table
+from hoist_demo.report.summary import SummaryRow
+from hoist_demo.study.catalogue import SECTIONS
+from hoist_demo.study.definition import Study
+from hoist_demo.study.nested import leaves
+from hoist_demo.study.reading import GIVEN, VARIED
+from hoist_demo.study.run import RunData, build
+
+SETTING = "setting"
+#: in the order in which they are told
+STATUSES = (
+    "contradicted",
+    VARIED,
+    GIVEN,
+    "measured",
+    "calibrated",
+    "derived",
+    "published",
+    "exported",
+    "assumed",
+    SETTING,
+)
+#: of the host and of the rope, whose values are no data
+_SETTINGS = ("coupling", "arrival", "mesh", "accuracy", "solver", "model", "station")
+#: data that only one controller uses
+_OF_CONTROLLER = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
+#: most names that are told one by one
+NAMED = 8
+
+
+class Known(NamedTuple):
+    """A number of a run, and where it comes from."""
+
+    name: str
+    value: Value
+    unit: str
+    status: str
+
+
+def of_host(run: RunData, given: Mapping[str, str]) -> list[Known]:
+    """What the host computes with; ``given`` are the statuses of what was set."""
+    case, own = find_case(run.case), build(run.case, {})
+    of_case = {name: value for name, value, _ in _leaves(own)}
+    found = []
+    for name, value, unit in _leaves(run):
+        if name in given:
+            status = given[name]
+        elif name.partition(".")[0] in _SETTINGS or not _is_number(value):
+            status = SETTING
+        elif value != of_case.get(name, value):
+            status = GIVEN
+        else:
+            status = "published" if name in case.stated else "assumed"
+        found.append(Known(name, value, unit, status))
+    return found
+
+
+def of_rope(case: Case, rope: RopeData, given: Mapping[str, str]) -> list[Known]:
+    """What one balance rope of the case is; ``given`` are the statuses of what was set."""
+    return [
+        Known(name, rope.display(name), rope.units.get(name, ""), _of_rope(name, value, case, given))
+        for name, value in rope.parameters.items()
+    ]
+
+
+def of_study(study: Study) -> list[Known]:
+    """All that the runs of a study rest on; what differs between them has no value."""
+    run, parameters = study.samples[0].data, read_parameters(study.fmu)
+    values = {**{name: p.start for name, p in parameters.items()}, **run.fmu}
+    rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
+    known = [*of_host(run, study.given), *of_rope(find_case(study.case), rope, study.given)]
+    return [one._replace(value=VARIED) if one.status == VARIED else one for one in known]
+
+
+def _of_rope(name: str, value: Value, case: Case, given: Mapping[str, str]) -> str:
+    if name in given:
+        return given[name]
+    own = case.rope.get(name, _DEFAULTS.get(name))
+    is_datum = name in _ASSUMED or name in case.stated or (name in case.rope and name.startswith("rope."))
+    if name.partition(".")[0] in _SETTINGS or not _is_number(value) or not (is_datum or value != own):
+        return SETTING
+    if value != own:
+        return "exported"
+    return "published" if name in case.stated else "assumed"
+
+
+def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
+    """Name, value and unit of each single value of the host's data that the run uses; parts that are None have none."""
+    for section, kind in SECTIONS.items():
+        if _OF_CONTROLLER.get(section, run.controller) != run.controller:
+            continue
+        for leaf in leaves(kind):
+            *parts, last = leaf.name.split(".")
+            data = getattr(run, section)
+            for part in parts:
+                data = getattr(data, part, None)
+            if data is not None and (value := attrgetter(last)(data)) is not None:
+                yield f"{section}.{leaf.name}", value, leaf.unit
+
+
+def _is_number(value: Value) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+_DEFAULTS = {name: parameter.start for name, parameter in rope_parameters().items()}
+_ASSUMED = assumed_parameters()
+
+
+def statuses(data: Iterable[Known]) -> dict[str, str]:
+    """By name."""
+    return {one.name: one.status for one in data}
+
+
+def told(data: Sequence[Known]) -> list[SummaryRow]:
+    """What is told of the data wherever results are: names of few, of many how many there are of each kind."""
+    rows = []
+    for status in STATUSES:
+        names = [one.name for one in data if one.status == status]
+        if names and status != SETTING:
+            kinds = Counter(name.rpartition(".")[0] for name in names)
+            text = ", ".join(names if len(names) <= NAMED else (f"{count} of {kind}" for kind, count in kinds.items()))
+            rows.append(SummaryRow("Data that this rests on, by status", status, text))
+    return rows
+
+
+def table(data: Sequence[Known]) -> Table:
+    """All of the data but settings, the least certain status first in the order of STATUSES."""
+    rows: list[Row] = [
+        (one.name, one.value if isinstance(one.value, str) else number(one.value), unit_text(one.unit), one.status)
+        for one in sorted(data, key=lambda one: STATUSES.index(one.status))
+        if one.status != SETTING
+    ]
+    return "Data that this rests on, by status", rows
+
+
+def write_data(data: Sequence[Known], path: Path) -> Path:
+    """The table as CSV, settings included."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(Known._fields)
+        writer.writerows(data)
+    return path
