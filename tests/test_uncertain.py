@@ -90,7 +90,9 @@ def test_windings_too_few_for_any_cause_are_told_with_how_many_are_needed(tmp_pa
     columns = dict(zip(asked.data, (u, v), strict=True)) | {"left_swivel_torque": stopped, "rope_force_ripple": u}
     found = Spread(asked, columns)
     assert found.causes("left_swivel_torque") == {}
-    text = "no causes are told of left_swivel_torque 3: 2 data that vary need 4 windings that end and 64 for a first look"
+    text = (
+        "no causes are told of left_swivel_torque 3: 2 data that vary need 4 windings that end and 64 for a first look"
+    )
     assert text in too_few(found)
     columns["left_swivel_torque"] = np.where(u < 4, u, np.nan)
     assert too_few(Spread(asked, columns)) == ""
