@@ -10,7 +10,17 @@ from numpy.testing import assert_allclose
 
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
-from hoist_demo.recording.exposure import QUANTITIES, STATION_SIGNALS, UNITS, exposure, gather, spread, together
+from hoist_demo.recording.exposure import (
+    QUANTITIES,
+    STATION_SIGNALS,
+    UNITS,
+    bin_columns,
+    exposure,
+    gather,
+    spread,
+    together,
+)
+from hoist_demo.recording.spectra import spectra, strongest
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.study.run import build
 
@@ -44,6 +54,10 @@ def test_cycles_are_those_of_the_example_of_astm_e1049() -> None:
     assert_allclose(found["tension.range"], [9.0, 0.0])
     assert_allclose(found["tension.cycles"], [4.0, 0.0])
     assert_allclose([found["tension.least"][0], found["tension.largest"][0]], [-4.0, 5.0])
+    assert_allclose([found["tension.least_at"][0], found["tension.largest_at"][0]], [6.0, 3.0])
+    # by bins of their range: 3 and 4 from 2 on; 6, 8 and 9 from 5 on
+    binned = {name: found[name][0] for name in bin_columns("torque") if found[name][0]}
+    assert binned == {"torque.from_2": 2.0, "torque.from_5": 2.0}
 
 
 def test_ripple_is_no_cycle() -> None:
@@ -68,13 +82,41 @@ def test_trips_to_and_fro_add_up_to_whole_cycles() -> None:
     assert_allclose(both["torque.cycles"], [2.0, 0.0])
     assert_allclose(both["torque.range"], [4.0, 0.0])
     assert_allclose(both["s"], [0.0, 120.0])
+    assert_allclose(both["torque.from_2"], [2.0, 0.0])
+
+
+def test_extremes_of_several_records_keep_their_time() -> None:
+    one, other = (exposure(record(values, [0, 0, 0]), WHERE) for values in ([0, 2, -1], [-3, 1, 0]))
+    assert one is not None
+    assert other is not None
+    both = together([one, other])
+    assert [both[f"tension.{key}"][0] for key in ("largest", "largest_at", "least", "least_at")] == [
+        2.0,
+        1.0,
+        -3.0,
+        0.0,
+    ]
+
+
+def test_a_vibration_in_a_trip_has_its_frequency_and_amplitude() -> None:
+    t = np.arange(0.0, 40.0, 0.01)
+    trip = 5000.0 * np.sin(np.pi * t / 40.0) ** 2
+    found = strongest(spectra(t, np.column_stack((trip + 7.0 * np.sin(2 * np.pi * 1.85 * t), trip, 0.0 * t))))
+    assert_allclose(found.frequency, [1.85, np.nan, np.nan])  # the line lies on one of the spectrum
+    assert_allclose(found.amplitude, [7.0, 0.0, 0.0], rtol=1e-3)
+
+
+def test_a_record_too_short_for_a_spectrum_has_none() -> None:
+    found = exposure(record([0, 1, 0], [1, 0, 1]), WHERE)
+    assert found is not None
+    assert np.isnan(found["torque.frequency"]).all()
 
 
 def test_a_table_survives_as_one_row() -> None:
     _, found = winding()
     again = gather({"loop_yaw": 1.0} | spread(found))
     assert again.units == found.units == UNITS
-    assert all(np.array_equal(again[name], found[name]) for name in UNITS)
+    assert all(np.array_equal(again[name], found[name], equal_nan=True) for name in UNITS)
 
 
 def test_a_record_without_stations_has_no_table() -> None:

@@ -189,13 +189,14 @@ HOMES = {
         "hoist_demo.study.sampling",
         "hoist_demo.calibration.fit",
         "hoist_demo.uncertainty.spread",
+        "hoist_demo.recording.spectra",
     },
     "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
     "fmpy": {
         "hoist_demo.cosimulation.participants.fmi_versions",
         "hoist_demo.cosimulation.participants.fmu_parameters",
     },
-    "matplotlib": {"hoist_demo.report.figures"},
+    "matplotlib": {"hoist_demo.report.figures", "hoist_demo.report.exposure_figures"},
     "rainflow": {"hoist_demo.recording.exposure"},
     "tqdm": {
         "hoist_demo.cosimulation.progress",

@@ -26,7 +26,7 @@ from hoist_demo.cosimulation.progress import overheard, progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
-from hoist_demo.recording.exposure import exposure
+from hoist_demo.recording.exposure import exposure, spectra_table
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import Recording, match_signals, shape_rows, write_csv, write_shapes
@@ -72,8 +72,8 @@ _QUICK = {"travel": 10.0, "settle": 2.0}
 
 _DEMO_DESCRIPTION = """\
 Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
-exposure.csv (what each place in the rope went through), data.csv (where each number comes from), PNG figures,
-report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
+exposure.csv and spectra.csv (what each place in the rope went through), data.csv (where each number comes from), PNG
+figures, report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
 The summary table is printed at the end."""
 
 _DEMO_EPILOG = """\
@@ -351,7 +351,8 @@ def _write(
     """All files of a run, report.html last; a run that stopped before its first row leaves the reports only."""
     # matplotlib loads slowly and is needed here only
     from hoist_demo.report.events import marks
-    from hoist_demo.report.figures import write_exposure_figure, write_figures
+    from hoist_demo.report.exposure_figures import write_exposure_figure, write_spectra_figure
+    from hoist_demo.report.figures import write_figures
     from hoist_demo.report.html.parameter_tables import rope_tables, tables
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import write_report
@@ -373,10 +374,15 @@ def _write(
             write_shapes(result.recording, shape_rows(result.recording), written[1])
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding), rope[0].locked)
     if exposed is not None:
-        written.append(directory / "exposure.csv")
-        write_csv(exposed, written[-1])
-        exposures = {"What each place in the rope went through": directory / "exposure.png"}
-        pictures += [write_exposure_figure(exposed, path) for path in exposures.values()]
+        written += [directory / "exposure.csv", directory / "spectra.csv"]
+        spectra = spectra_table(result.recording)
+        write_csv(exposed, written[-2])
+        write_csv(spectra, written[-1])
+        exposures = {
+            "What each place in the rope went through": write_exposure_figure(exposed, directory / "exposure.png"),
+            "How it vibrates there": write_spectra_figure(spectra, exposed["s"], directory / "spectra.png"),
+        }
+        pictures += exposures.values()
     reports = [
         write_report(directory / "report.md", title, rows, pictures, given),
         run_report(

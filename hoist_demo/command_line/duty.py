@@ -169,7 +169,8 @@ def _exposure(trips: Recording) -> Recording | None:
 
 def _write(trips: Recording, exposed: Recording | None, out: Path) -> list[Path]:
     # matplotlib loads slowly and is needed here only
-    from hoist_demo.report.figures import write_duty_figure, write_exposure_figure
+    from hoist_demo.report.exposure_figures import write_exposure_figure
+    from hoist_demo.report.figures import write_duty_figure
 
     write_csv(trips, out / "trips.csv")
     written = [out / "trips.csv", write_duty_figure(trips, out / "duty.png")]

@@ -1,4 +1,4 @@
-"""What each place in the rope went through: ranges and cycles of tension, curvature and torque, and the time in a bend.
+"""What each place in the rope went through: extremes, cycles and vibrations of its loads, and the time in a bend.
 
 The places are the rope's stations, which stay in it while it flows through the loop. Cycles are counted by the rainflow
 method (ASTM E1049); what a record leaves open counts one half, so that trips to and fro add up to whole cycles. Counted
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import rainflow
 
+from hoist_demo.recording.spectra import spectra, strongest
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS
 
@@ -28,14 +29,48 @@ COUNTED = 0.25
 BENT = 0.5
 """Part of the sharpest curvature from which on a place is in a bend [assumed]."""
 
-_COLUMNS = {"least": np.minimum, "largest": np.maximum, "range": np.maximum, "cycles": np.add}
-"""What is known of each quantity, and how that of several records comes together."""
+VIBRATING = ("tension", "torque")
+"""Quantities with spectra: what bends as it passes the loop does so once."""
 
-UNITS = {"station": "1", "s": "m", "bent": "s"} | {
-    f"{name}.{key}": "1" if key == "cycles" else SIGNALS[f"station.{name}[1]"].unit
-    for name in QUANTITIES
-    for key in _COLUMNS
+_DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
+"""First and last power of ten at which bins of ranges begin, in N, 1/m and N m."""
+
+BINS = {
+    name: tuple(float(f"{digit}e{power}") for power in range(first, last + 1) for digit in (1, 2, 5))
+    for name, (first, last) in _DECADES.items()
 }
+"""Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no end. The same for all
+ropes, so that what several records have adds up."""
+
+_JOINED = {"least": np.minimum} | dict.fromkeys(("largest", "range", "amplitude"), np.maximum)
+"""How columns of several records come together that do not add up."""
+
+_GOES_WITH = {
+    "least_at": ("least", np.argmin),
+    "largest_at": ("largest", np.argmax),
+    "frequency": ("amplitude", np.argmax),
+}
+"""Columns that are those of the record in which another one is least or largest."""
+
+
+def bin_columns(name: str) -> list[str]:
+    """Columns with the number of cycles in each bin of ranges."""
+    return [f"{name}.from_{edge:g}" for edge in BINS[name]]
+
+
+def _units() -> dict[str, str]:
+    units = {"station": "1", "s": "m", "bent": "s"}
+    for name in QUANTITIES:
+        unit = SIGNALS[f"station.{name}[1]"].unit
+        units |= dict.fromkeys((f"{name}.{key}" for key in ("least", "largest", "range")), unit)
+        units |= {f"{name}.least_at": "s", f"{name}.largest_at": "s", f"{name}.cycles": "1"}
+        units |= dict.fromkeys(bin_columns(name), "1")
+        if name in VIBRATING:
+            units |= {f"{name}.frequency": "Hz", f"{name}.amplitude": unit}
+    return units
+
+
+UNITS = _units()
 """Unit of each column of the table."""
 
 _PLACES = ("station", "s")
@@ -46,27 +81,48 @@ def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording |
 
     `parameters` of the rope by FMI name tell where the stations are. What the fidelity leaves out is NaN.
     """
-    rows = {name: _at_stations(recording, name) for name in QUANTITIES}
+    rows = {name: at_stations(recording, name) for name in QUANTITIES}
     if any(values.size == 0 for values in rows.values()):
         return None
     count = rows["tension"].shape[1]
     first, last, length = (float(parameters[name]) for name in ("station.first", "station.last", "rope.length"))
     columns = {"station": np.arange(1.0, count + 1.0), "s": length * np.linspace(first, last, count)}
     for name, values in rows.items():
-        found = dict(zip(("range", "cycles"), _counted(values), strict=True))
-        columns |= {f"{name}.least": values.min(axis=0), f"{name}.largest": values.max(axis=0)}
-        columns |= {f"{name}.{key}": column for key, column in found.items()}
+        columns |= _extremes(name, recording.time, values) | _counted(name, values)
+        if name in VIBRATING:
+            most = strongest(spectra(recording.time, values))
+            columns |= {f"{name}.frequency": most.frequency, f"{name}.amplitude": most.amplitude}
     bent = rows["curvature"][:-1] > BENT * np.max(rows["curvature"])
     columns["bent"] = np.sum(bent * np.diff(recording.time)[:, None], axis=0)
     return Recording(columns, UNITS)
 
 
+def spectra_table(recording: Recording) -> Recording:
+    """Amplitudes over frequency at each station, `tension[1]` and so on, of a record that has stations."""
+    columns, units = dict[str, Array](), {"frequency": "Hz"}
+    for name in VIBRATING:
+        found = spectra(recording.time, at_stations(recording, name))
+        amplitudes = {f"{name}[{k + 1}]": column for k, column in enumerate(found.amplitude.T)}
+        columns |= {"frequency": found.frequency} | amplitudes
+        units |= dict.fromkeys(amplitudes, UNITS[f"{name}.amplitude"])
+    return Recording(columns, units)
+
+
 def together(parts: Sequence[Recording]) -> Recording:
     """What several records one after the other did to the same stations: cycles and times add up."""
-    names = [name for name in parts[0].signals if name not in _PLACES]
-    joint = {name: _COLUMNS.get(name.rpartition(".")[2], np.add) for name in names}
-    columns = {name: join.reduce([part[name] for part in parts]) for name, join in joint.items()}
+    columns = {name: _joint(parts, name) for name in parts[0].signals if name not in _PLACES}
     return Recording({name: parts[0][name] for name in _PLACES} | columns, parts[0].units)
+
+
+def _joint(parts: Sequence[Recording], name: str) -> Array:
+    quantity, _, key = name.rpartition(".")
+    rows = np.array([part[name] for part in parts])
+    if key not in _GOES_WITH:
+        return np.asarray(_JOINED.get(key, np.add).reduce(rows))
+    leading, choose = _GOES_WITH[key]
+    chosen = choose([part[f"{quantity}.{leading}"] for part in parts], axis=0)
+    column: Array = np.take_along_axis(rows, chosen[None], axis=0)[0]
+    return column
 
 
 def spread(exposed: Recording) -> dict[str, float]:
@@ -87,17 +143,30 @@ def gather(row: Mapping[str, float]) -> Recording:
     return Recording({name: np.array(column) for name, column in columns.items()}, UNITS)
 
 
-def _at_stations(recording: Recording, name: str) -> Array:
+def at_stations(recording: Recording, name: str) -> Array:
+    """One of QUANTITIES, shape (rows, stations); no numbers where it was not recorded."""
     columns = [values for key, values in recording.signals.items() if key.startswith(f"station.{name}[")]
     return np.array(columns, dtype=np.float64).T
 
 
-def _counted(values: Array) -> tuple[Array, Array]:
-    """Largest range and number of counted cycles at each station, of a record (rows, stations)."""
+def _extremes(name: str, time: Array, values: Array) -> dict[str, Array]:
+    least, largest = values.argmin(axis=0), values.argmax(axis=0)
+    return {
+        f"{name}.least": values.min(axis=0),
+        f"{name}.least_at": time[least],
+        f"{name}.largest": values.max(axis=0),
+        f"{name}.largest_at": time[largest],
+    }
+
+
+def _counted(name: str, values: Array) -> dict[str, Array]:
+    """Largest range, number of counted cycles, and cycles by range at each station, of a record (rows, stations)."""
+    keys = [f"{name}.range", f"{name}.cycles", *bin_columns(name)]
     if not np.isfinite(values).all():
-        nothing = np.full(values.shape[1], np.nan)
-        return nothing, nothing
+        return dict.fromkeys(keys, np.full(values.shape[1], np.nan))
     cycles = [[(size, count) for size, _, count, _, _ in rainflow.extract_cycles(column)] for column in values.T]
     ranges = np.array([max((size for size, _ in found), default=0.0) for found in cycles])
-    least = COUNTED * float(np.max(ranges))
-    return ranges, np.array([sum(count for size, count in found if size >= least > 0.0) for found in cycles])
+    least, edges = COUNTED * float(np.max(ranges)), (*BINS[name], np.inf)
+    counted = np.array([sum(count for size, count in found if size >= least > 0.0) for found in cycles])
+    binned = [np.histogram([x for x, _ in found], edges, weights=[n for _, n in found])[0] for found in cycles]
+    return dict(zip(keys, (ranges, counted, *np.transpose(binned)), strict=True))

@@ -1,6 +1,7 @@
 """Figures of a run, as PNG files whose bytes depend on the data alone.
 
-The only module that knows matplotlib. Blue is always the left end, orange the right one, grey the reference or limit.
+Only exposure_figures knows matplotlib, too. Blue is always the left end, orange the right one, grey the reference or
+limit.
 A figure whose signals were not recorded is left out.
 """
 
@@ -28,7 +29,7 @@ DASHES: dict[str, Any] = {"left": "-", "right": (0, (4, 2.5))}
 REFERENCE = "#8a8a8a"
 ACCENTS = ("#2f8f5b", "#8e44ad", "#b03a2e", "#5d6d7e")
 
-_STYLE: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 9.5,
     "axes.titlelocation": "left",
@@ -81,13 +82,13 @@ def write_figures(
         ("energies", energies),
     )
     paths: list[Path] = []
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(STYLE):
         for name, draw in figures:
             figure = draw(recording, hoist)
             if figure is not None:
                 if name != "shapes":
                     _mark(figure, marks)
-                paths.append(_save(figure, directory / f"{name}.png"))
+                paths.append(save_figure(figure, directory / f"{name}.png"))
     return paths
 
 
@@ -101,42 +102,22 @@ def write_duty_figure(trips: Recording, path: Path) -> Path:
         ("Smallest clearance between the legs", "[m]", 1.0, {"clearance": ""}),
         ("Change against the trip a cycle before", "[%]", 100.0, {"difference": ""}),
     )
-    with matplotlib.rc_context(_STYLE):
-        figure, axes = _panels([title for title, *_ in panels])
+    with matplotlib.rc_context(STYLE):
+        figure, axes = stacked_panels([title for title, *_ in panels])
         for ax, (_, label, factor, curves) in zip(axes, panels, strict=True):
             for (name, words), colour in zip(curves.items(), ACCENTS, strict=False):
                 ax.plot(trips["trip"], factor * trips[name], ".-", ms=3.0, color=colour, label=words)
             ax.set_ylabel(label)
             if len(curves) > 1:
-                _legend(ax)
+                legend(ax)
         axes[-1].set_yscale("log")
         axes[-1].set_xlabel("trip")
-        return _save(figure, path)
-
-
-def write_exposure_figure(exposure: Recording, path: Path) -> Path:
-    """What each place in the rope went through, of the table of `hoist_demo.recording.exposure`."""
-    shown = {
-        "curvature.range": ("Largest range of curvature in a cycle", "[1/m]", 1.0),
-        "curvature.cycles": ("Bending cycles", "number", 1.0),
-        "bent": ("Time in the bend", "[s]", 1.0),
-        "torque.range": ("Largest range of torque in a cycle", "[N m]", 1.0),
-        "tension.range": ("Largest range of tension in a cycle", "[kN]", 1e-3),
-    }
-    with matplotlib.rc_context(_STYLE):
-        figure, axes = _panels([title for title, *_ in shown.values()])
-        for ax, (name, (_, label, factor)) in zip(axes, shown.items(), strict=True):
-            ax.fill_between(exposure["s"], factor * exposure[name], color=ACCENTS[0], alpha=0.3, lw=0.0)
-            ax.plot(exposure["s"], factor * exposure[name], color=ACCENTS[0])
-            ax.set_ylabel(label)
-            ax.set_ylim(bottom=0.0)
-        axes[-1].set_xlabel("place in the rope, from its left end [m]")
-        return _save(figure, path)
+        return save_figure(figure, path)
 
 
 def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -> Path:
     """Pulls and yaw of several ropes, by the names under which a group of ropes records them."""
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(STYLE):
         figure, axes = _stack(recording, ("Pull on the left conveyance", "Pull on the right one", "Yaw of the loop"))
         for name in names:
             for ax, end in zip(axes, ("left", "right"), strict=False):
@@ -144,8 +125,8 @@ def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -
             axes[2].plot(recording.time, 180.0 / math.pi * recording[f"{name}.loop.yaw"], label=name)
         for ax, label in zip(axes, ("$-f_y$ [kN]", "$-f_y$ [kN]", "yaw [deg]"), strict=True):
             ax.set_ylabel(label)
-        _legend(axes[0])
-        return _save(figure, path)
+        legend(axes[0])
+        return save_figure(figure, path)
 
 
 def tracking(recording: Recording, hoist: Hoist) -> Figure | None:
@@ -162,7 +143,7 @@ def tracking(recording: Recording, hoist: Hoist) -> Figure | None:
     axes[3].plot(recording.time, 1e3 * error, color=COLOURS["left"])
     for ax, label in zip(axes, ("y [m]", "v [m/s]", "a [m/s²]", "reference - y [mm]"), strict=True):
         ax.set_ylabel(label)
-    _legend(axes[0])
+    legend(axes[0])
     return figure
 
 
@@ -186,7 +167,7 @@ def forces(recording: Recording, hoist: Hoist) -> Figure | None:
     axes[3].axhline(limit, color=ACCENTS[2], lw=1.0, ls="--", label=f"slip at exp(µα) = {limit:.2f}")
     for ax, label in zip(axes, ("$-f_y$ [kN]", "T [kN]", "M [kN m]", "$T_1/T_2$ [-]"), strict=True):
         ax.set_ylabel(label)
-        _legend(ax)
+        legend(ax)
     return figure
 
 
@@ -213,7 +194,7 @@ def loop(recording: Recording, hoist: Hoist) -> Figure | None:
                 ax.plot(recording.time, factor * recording[name], color=colour, label=text)
         ax.set_ylabel(label)
         _widen(ax, 0.01)
-    _legend(axes[1])
+    legend(axes[1])
     return figure
 
 
@@ -277,7 +258,7 @@ def swivels(recording: Recording, hoist: Hoist, locked: Collection[str] = ()) ->
         _widen(ax, 0.01)
     for ax in axes[:2] if len(locked) == 2 else ():
         ax.text(0.5, 0.6, "locked", transform=ax.transAxes, ha="center")
-    _legend(axes[0])
+    legend(axes[0])
     return figure
 
 
@@ -297,11 +278,11 @@ def energies(recording: Recording, hoist: Hoist) -> Figure | None:
             values = factor * (recording[name] - recording[name][0])
             ax.plot(recording.time, values, color=colour, ls="--" if colour == "black" else "-", label=text)
         ax.set_ylabel(label)
-        _legend(ax)
+        legend(ax)
     return figure
 
 
-def _save(figure: Figure, path: Path) -> Path:
+def save_figure(figure: Figure, path: Path) -> Path:
     """Write the figure; savefig would draw it twice, the first time for the layout alone."""
     figure.set_dpi(150)
     FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})  # type: ignore[no-untyped-call]
@@ -315,13 +296,13 @@ def _shows(recording: Recording, *names: str) -> bool:
 
 def _stack(recording: Recording, titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
     """Panels above one another over a common time axis."""
-    figure, axes = _panels(titles)
+    figure, axes = stacked_panels(titles)
     axes[-1].set_xlabel("time [s]")
     axes[-1].set_xlim(float(recording.time[0]), max(float(recording.time[-1]), float(recording.time[0]) + 1e-9))
     return figure, axes
 
 
-def _panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
+def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
     """Panels above one another over a common axis."""
     figure = Figure(figsize=(8.0, 1.75 * len(titles) + 0.5))
     grid = figure.subplots(len(titles), 1, sharex=True, squeeze=False)
@@ -366,7 +347,7 @@ def _line(end: str) -> dict[str, Any]:
     return {"color": COLOURS[end], "ls": DASHES[end], "label": end}
 
 
-def _legend(ax: Axes) -> None:
+def legend(ax: Axes) -> None:
     """Legend beside the panel, where it hides nothing."""
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
 

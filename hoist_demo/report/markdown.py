@@ -20,6 +20,7 @@ CAPTIONS = {
     "swivels": "Swivels at both ends; tinted where they slip, above for the left one, below for the right one.",
     "energies": "Energies, work and losses, and what each balance leaves over.",
     "exposure": "What each place in the rope went through; cycles are counted by the rainflow method.",
+    "spectra": "Amplitudes of tension and torque at each place in the rope, over frequency.",
 }
 
 

@@ -74,14 +74,26 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
     return tuple(rows + _clock(result, coupling))
 
 
+_MOST = {
+    "curvature.range": ("largest range of curvature in a cycle", ""),
+    "torque.range": ("largest range of torque in a cycle", ""),
+    "tension.range": ("largest range of tension in a cycle", ""),
+    "tension.largest": ("largest tension", "largest_at"),
+    "torque.amplitude": ("strongest vibration of torque", "frequency"),
+    "tension.amplitude": ("strongest vibration of tension", "frequency"),
+    "bent": ("longest time in the bend", ""),
+}
+"""Columns of the table of exposure, what their largest value is called, and the column that tells when or how fast."""
+
+
 def exposure_rows(exposed: Recording) -> tuple[SummaryRow, ...]:
     """Which places of the rope went through most; `exposed` is a table of `hoist_demo.recording.exposure`."""
     rows: list[SummaryRow] = []
-    most = {f"{name}.range": f"largest range of {name} in a cycle" for name in ("curvature", "torque", "tension")}
-    for name, words in (most | {"bent": "longest time in the bend"}).items():
-        if bool(np.isfinite(exposed[name]).all()):
+    for name, (words, beside) in _MOST.items():
+        if bool(np.isfinite(exposed[name]).all()) and bool(np.any(exposed[name])):
             k = int(np.argmax(exposed[name]))
-            text = f"{number(float(exposed[name][k]))} {exposed.units[name]} at {number(float(exposed['s'][k]))} m"
+            parts = [(name, ""), ("s", " at "), *([(f"{name.partition('.')[0]}.{beside}", ", ")] if beside else [])]
+            text = "".join(f"{join}{number(float(exposed[key][k]))} {exposed.units[key]}" for key, join in parts)
             rows.append(SummaryRow("Places in the rope, from its left end", words, text))
     return tuple(rows)
 
