@@ -15,6 +15,7 @@ from hoist_demo.calibration.definition import FOLLOWING, read_known, read_measur
 from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals, with_measurement
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import Bench, Measurement, Trial
+from hoist_demo.calibration.rope_file import write_rope_file
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.settings import rope_values
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
@@ -122,6 +123,47 @@ def test_the_swing_is_that_of_the_reference() -> None:
     assert_allclose(trial.frequencies("in plane", 0.0, 0.0)[:2], [0.07759, 0.11735], rtol=5e-3)
 
 
+SWINGING = """[rope]
+construction = "34x7"
+diameter = 0.046
+length = 60.0
+[known]
+mass_per_length = 8.3
+axial_stiffness = 9e7
+torque_factor = 0.0
+torsional_stiffness = 900.0
+[sought]
+air.drag = { low = 0.3, high = 3.0 }
+[fixed]
+air.density = 1.25
+[[measured]]
+what = "track"
+name = "camera"
+signal = "loop.x"
+left_y = 0.0
+right_y = 20.0
+travel = 20.0
+speed = 4.0
+"""
+
+
+@pytest.mark.slow
+def test_a_track_of_the_swinging_loop_tells_bending_and_the_drag_of_the_air(tmp_path: Path) -> None:
+    times = [9.0 + 0.75 * k for k in range(20)]
+    text = SWINGING + f"t = {times}\nsigma = 0.001\n"
+    plan = read_measured(written(tmp_path, f"{text}value = {[0.0] * len(times)}\n"), PARAMETERS_KNOWN)
+    truth = np.array([0.4, 0.6])
+    values = plan.bench.predict(truth, plan.measurements) + 0.001 * np.random.default_rng(3).standard_normal(len(times))
+    found = identify(read_measured(written(tmp_path, f"{text}value = {values.tolist()}\n"), PARAMETERS_KNOWN))
+    assert found.names == ("bending_stiffness", "air.drag")
+    assert all(found.told(name) for name in found.names)
+    # the true values lie within the intervals, three standard errors either way at most
+    assert (np.abs(found.fit.shares - truth) <= 3.0 / REACH * 0.5 * np.ptp(found.intervals, axis=1)).all()
+    made = write_rope_file(found, tmp_path / "rope.toml")
+    assert file_statuses(made)["air.drag"] == "calibrated"
+    assert_allclose(rope_values(made, Catalogue(PARAMETERS_KNOWN))["air.drag"], found.value("air.drag"), rtol=1e-5)
+
+
 def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path) -> None:
     found = identify(read_measured(written(tmp_path, ROPE + WIDTH), PARAMETERS_KNOWN))
     assert [name for name in found.names if found.told(name)] == ["bending_stiffness"]
@@ -211,6 +253,16 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
             ROPE + '[[measured]]\nwhat = "sample torque"\nload = [1.0, 2.0]\nvalue = [1, 2, 3]\nsigma = 1\n',
             "load has 2 numbers, value 3",
         ),
+        (
+            ROPE + WIDTH + "[sought]\nhoist.payload_left = { low = 1, high = 2 }\n",
+            "must be a parameter of rope. or air.",
+        ),
+        (ROPE + WIDTH + "[sought]\nrope.EI = { low = 1, high = 2 }\n", "and none of a property's"),
+        (ROPE + WIDTH + "[sought]\nair.drag = 1.0\n", "air.drag = 1.0 must be { low, high }"),
+        (ROPE + WIDTH + "[sought]\nair.drag = { low = 2, high = 1 }\n", "in order, from 0 on"),
+        (ROPE + '[[measured]]\nwhat = "track"\nt = -1.0\n', "t = -1 must be at least 0"),
+        (ROPE + '[[measured]]\nwhat = "track"\ntravel = 0.0\n', "travel = 0 must not be 0"),
+        (ROPE + '[[measured]]\nwhat = "track"\nspeed = 0.0\n', "speed = 0 must be above 0"),
         (ROPE + WIDTH + "[want]\n", r"\[want\] is not a table of measurements"),
     ],
 )
@@ -225,7 +277,7 @@ def test_a_rope_file_without_values_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_file_of_other_values_is_no_rope_file(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"layout.spacing is none of rope.*: give a file that balance-rope identify"):
+    with pytest.raises(ValueError, match=r"layout.spacing is none of rope.* and air.*: give a file that"):
         rope_values(written(tmp_path, "[fixed]\nlayout.spacing = 2.2\n"), Catalogue(PARAMETERS_KNOWN))
 
 

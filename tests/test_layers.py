@@ -130,6 +130,8 @@ MAY_IMPORT = {
         "rope_model",
     },
     "hoist_demo.calibration": {
+        "hoist_demo.parameters",
+        "hoist_demo.control",
         "hoist_demo.cases",
         "hoist_demo.cosimulation.participants",
         "hoist_demo.report",

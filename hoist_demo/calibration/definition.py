@@ -2,6 +2,7 @@
 
     [rope]        construction, diameter, length, lay: what the catalogue is asked for
     [known]       properties that are known better than the catalogue does: a number, or { low, high }
+    [sought]      parameters of rope and air that are looked for beside the properties: { low, high }
     [fixed]       values of rope and shaft, as in a study
     [[measured]]  what, value, sigma (its standard error), and the numbers of its kind; a list of values is a series
     [wanted]      signal, left_y, right_y: the output at rest that is to be known better
@@ -22,11 +23,13 @@ from hoist_demo.calibration.measurements import DEFAULTS, KINDS, PLANES, Bench, 
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.reading import StudyError, read_statuses, read_tables, read_values
+from hoist_demo.study.reading import StudyError, flat, read_statuses, read_tables, read_values
 from rope_model import SIGNALS, Datum, KnownRope, rope
 
-_TABLES = {"rope": dict, "known": dict, "fixed": dict, "measured": list, "wanted": dict}
+_TABLES = {"rope": dict, "known": dict, "sought": dict, "fixed": dict, "measured": list, "wanted": dict}
 _ROPE = {"construction": "word", "diameter": "number", "length": "number", "lay": "word"}
+#: groups of parameters that may be looked for beside the properties
+SOUGHT = ("rope.", "air.")
 #: parameters that follow from the properties
 FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
 #: kept in the file, for commands that need no fit
@@ -61,6 +64,7 @@ def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measure
     fixed = read_values(Catalogue(parameters), "[fixed]", raw.get("fixed", {}), problems)
     for key in fixed.keys() & {f"rope.{name}" for name in FOLLOWING}:
         problems.append(f"[fixed] {key} follows from the properties: give [known] or [rope] instead")
+    sought = _sought(path, Catalogue(parameters), raw.get("sought", {}), problems)
     tables = raw.get("measured", [])
     if not tables:
         problems.append("nothing is measured: give at least one [[measured]]")
@@ -69,11 +73,31 @@ def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measure
     if problems or known is None or wanted is None:
         raise StudyError(path, problems)
     try:
-        bench = Bench(known, rope_data(fixed))
+        bench = Bench(known, rope_data(fixed), sought)
     except ValueError as error:
         raise StudyError(path, [str(error)]) from error
     given = read_statuses(raw.get("fixed", {}))
     return Measured(path, bench, tuple(m for m in found if m is not None), wanted, given)
+
+
+def _sought(path: Path, catalogue: Catalogue, table: Mapping[str, Any], problems: list[str]) -> dict[str, Datum]:
+    """The ranges of what is looked for beside the properties; what is wrong is added to the problems."""
+    found = {}
+    for name, content in flat(table):
+        if not name.startswith(SOUGHT) or name in {f"rope.{one}" for one in FOLLOWING}:
+            problems.append(f"[sought] {name} must be a parameter of {' or '.join(SOUGHT)}, and none of a property's")
+            continue
+        try:
+            ends = [catalogue[name].read(content[end]) for end in ("low", "high")]
+        except (ValueError, TypeError, KeyError) as error:
+            problems.append(f"[sought] {name} = {content!r} must be {{ low, high }}: {error}")
+            continue
+        low, high = (float(end) for end in ends)
+        if not 0.0 <= low < high:
+            problems.append(f"[sought] {name} = {content!r} must be {{ low, high }} in order, from 0 on: exchange them")
+            continue
+        found[name] = Datum(low, high, catalogue[name].unit, "assumed", f"range of [sought], {path.name}")
+    return found
 
 
 def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> KnownRope | None:
@@ -167,6 +191,12 @@ def _out_of_range(name: str, numbers: tuple[float, ...]) -> str:
     for x in numbers:
         if name in ("load", "length") and x <= 0.0:
             return f"{name} = {x:g} must be above 0: give it in {'N' if name == 'load' else 'm'}"
+        if name == "t" and x < 0.0:
+            return f"t = {x:g} must be at least 0: count it in s from the start of the trip"
+        if name == "travel" and x == 0.0:
+            return f"travel = {x:g} must not be 0: give the way of the left end in m"
+        if name in ("speed", "acceleration", "jerk") and x <= 0.0:
+            return f"{name} = {x:g} must be above 0: give the limit's magnitude"
         if name == "number" and (x < 1.0 or x % 1.0):
             return f"number = {x:g} must be a whole number from 1 on: count the modes of the plane"
     return ""

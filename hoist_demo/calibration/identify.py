@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,12 +34,12 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Identified:
-    """What was found: ``known`` has the calibrated ranges."""
+    """What was found: ``data`` are the calibrated ranges."""
 
     measured: Measured
     fit: Fit
     intervals: Array  # of the shares, (n, 2)
-    known: KnownRope
+    data: Mapping[str, Datum]
     predicted: Array
     wanted: float
     wanted_error: float
@@ -57,8 +57,13 @@ class Identified:
 
     def value(self, name: str) -> float:
         """The property found."""
-        share = float(self.fit.shares[self.names.index(name)])
-        return self.measured.bench.known.data[name].at(share)
+        return self.measured.bench.value(name, self.fit.shares)
+
+    @property
+    def known(self) -> KnownRope:
+        """The rope with the calibrated ranges."""
+        before = self.measured.bench.known
+        return replace(before, data={name: self.data[name] for name in before.data})
 
     def open_directions(self) -> list[str]:
         """Of each direction that the data do not tell, its properties."""
@@ -70,10 +75,12 @@ class Identified:
     def provenance(self) -> list[Known]:
         """Where the numbers of the rope and its shaft come from."""
         bench = self.measured.bench
-        scene = bench.scene.with_(rope=bench.rope(self.fit.shares))
         given = dict.fromkeys(("rope.length", "rope.diameter"), GIVEN) | dict(self.measured.given)
-        given |= following_statuses({name: datum.status for name, datum in self.known.data.items()})
-        return of_rope(find_case("rope-120"), described(scene), given)  # the case of the defaults
+        found = {name: datum.status for name, datum in self.data.items()}
+        given |= {name: found[name] for name in bench.sought} | following_statuses(found)
+        return of_rope(
+            find_case("rope-120"), described(bench.scene_at(self.fit.shares)), given
+        )  # the case of the defaults
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:
         """Pairs of properties that the data tell together rather than apart."""
@@ -130,20 +137,19 @@ def residuals_of(bench: Bench, measurements: Sequence[Measurement], values: Arra
     return lambda shares: np.asarray((bench.predict(shares, measurements) - values) / sigmas)
 
 
-def calibrated(measured: Measured, found: Fit, ends: Array) -> KnownRope:
-    """The rope with the intervals found for ranges, where they are narrower than what was known.
+def calibrated(measured: Measured, found: Fit, ends: Array) -> dict[str, Datum]:
+    """The intervals found for ranges, where they are narrower than what was known.
 
     Of measurements that contradict the model no interval is known: the ranges stand, and the status says so.
     """
-    bench = measured.bench
-    data, source = dict(bench.known.data), measured.path.name
-    for name, reach, interval in zip(bench.names, found.reaches, ends, strict=True):
+    data, source = measured.bench.data, measured.path.name
+    for name, reach, interval in zip(measured.bench.names, found.reaches, ends, strict=True):
         if reach < OPEN and found.contradicted:
             data[name] = replace(data[name], status="contradicted", source=source)
         elif reach < OPEN:
             low, high = (data[name].at(float(share)) for share in interval)
             data[name] = Datum(low, high, data[name].unit, "calibrated", source)
-    return replace(bench.known, data=data)
+    return data
 
 
 def candidates(bench: Bench, shares: Array) -> list[Measurement]:

@@ -3,21 +3,26 @@
 On a free loop     width between the legs of a rope that hangs from wherever they like: 2.54307 (EI / rho g)^(1/3)
 On a sample        under the load T, the ends held, turned into the lay by w per length (D = Qd - Qb Qc / Qa):
                    torque c1 d T + (D + c2 d^2 T) w; one end free: it unlays by c1 d T l / (D + c2 d^2 T)
-In the shaft       any output of the rope at rest, at given heights of its ends; frequencies of its swing
+In the shaft       any output of the rope at rest, at given heights of its ends; frequencies of its swing; any output
+                   over a trip and after it, when the loop swings: by a native run
 
 Torque and rotation of a sample are positive in the sense of the lay, whichever hand it has.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model import BalanceRope, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, Status, balance_rope
+from hoist_demo.control.trajectory import s_curve
+from hoist_demo.cosimulation.participants.inprocess_rope import with_parameters
+from hoist_demo.parameters import Winding
+from rope_model import BalanceRope, Datum, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, Status, balance_rope
 from rope_model.catalogue import properties_of
 from rope_model.physics.estimates import natural_width
 from rope_model.simulation.modal import natural_modes
@@ -26,6 +31,8 @@ Array = NDArray[np.float64]
 Numbers = Mapping[str, tuple[float, ...]]
 
 PLANES = ("in plane", "out of plane")
+#: s: communication step of a track
+COMMUNICATION = 0.02
 #: modes among which those of one plane are looked for
 MODES = 14
 
@@ -50,6 +57,35 @@ class Trial:
             _require_rest(status, left, right)
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
+
+    def track(
+        self, name: str, times: Sequence[float], left: float, right: float, trip: Sequence[float]
+    ) -> dict[float, float]:
+        """An output by the time (s) after the left end has begun to rise from these heights (m) at rest.
+
+        ``trip``: its travel, and limits of speed, acceleration and jerk.
+        """
+        travel, speed, acceleration, jerk = trip
+        winding = Winding(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
+        motion, rope = s_curve(winding), balance_rope(self.scene)
+
+        def ends(t: float) -> tuple[EndMotion, EndMotion]:
+            p = motion.at(t)
+            rising = EndMotion(y=left + p.position, vy=p.speed, ay=p.acceleration)
+            return rising, EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
+
+        _require_rest(rope.initialize(0.0, *ends(0.0)), left, right)
+        read, found = rope.reader((name,)), {0.0: rope.signals([name])[name]}
+        now = 0.0
+        for target in sorted({*times} - {now}):
+            # even steps, for one that is next to nothing has no speed to speak of
+            for t in np.linspace(now, target, math.ceil((target - now) / COMMUNICATION) + 1)[1:].tolist():
+                status = rope.advance_to(t, *ends(t))
+                if not status.valid:
+                    raise RuntimeError(f"track of {name} at t = {t:g} s: {status.message}")
+            now = target
+            found[now] = float(read()[0])
+        return found
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -150,6 +186,16 @@ def _swing(trial: Trial, m: Measurement) -> list[float]:
     return found
 
 
+def _track(trial: Trial, m: Measurement) -> list[float]:
+    rows = m.each("t", *_HEIGHTS, *_TRIP)
+    runs = {
+        trip: trial.track(m.texts["signal"], [row[0] for row in rows if row[1:] == trip], trip[0], trip[1], trip[2:])
+        for trip in dict.fromkeys(row[1:] for row in rows)
+    }
+    return [runs[row[1:]][row[0]] for row in rows]
+
+
+_TRIP = {"travel": "m", "speed": "m/s", "acceleration": "m/s2", "jerk": "m/s3"}
 _HEIGHTS = {"left_y": "m", "right_y": "m"}
 KINDS = {
     "loop width": Kind("m", {}, _loop_width),
@@ -158,10 +204,11 @@ KINDS = {
     "sample rotation": Kind("rad", {"load": "N", "length": "m"}, _sample_rotation),
     "sample extension": Kind("m", {"load": "N", "length": "m"}, _sample_extension),
     "at rest": Kind("", _HEIGHTS, _at_rest, ("signal",)),
+    "track": Kind("", {"t": "s", **_HEIGHTS, **_TRIP}, _track, ("signal",)),
     "swing": Kind("Hz", {"number": "1", **_HEIGHTS}, _swing, ("plane",)),
 }
 #: what a number is where it is not given
-DEFAULTS = {"twist": 0.0, "number": 1.0}
+DEFAULTS = {"twist": 0.0, "number": 1.0, "acceleration": Winding.acceleration, "jerk": Winding.jerk}
 
 
 @dataclass(frozen=True)
@@ -170,18 +217,27 @@ class Bench:
 
     known: KnownRope
     scene: Scene
+    sought: Mapping[str, Datum] = field(default_factory=dict)  # ranges of parameters beside the properties
+
+    @property
+    def data(self) -> dict[str, Datum]:
+        """Of properties and of the parameters beside them."""
+        return {**self.known.data, **self.sought}
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Properties that are to be found: those with a range."""
-        return tuple(name for name, datum in self.known.data.items() if datum.high > datum.low)
+        """What is to be found: all that has a range."""
+        return tuple(name for name, datum in self.data.items() if datum.high > datum.low)
+
+    def value(self, name: str, shares: Array) -> float:
+        """What is found at its share of its range."""
+        return self.data[name].at(float(shares[self.names.index(name)]))
 
     def rope(self, shares: Array) -> Rope:
         """The rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
         data = self.known.data
-        held = {name: datum.low for name, datum in data.items() if name not in self.names}
-        found = {name: data[name].at(float(u)) for name, u in zip(self.names, shares, strict=True)}
-        made, own = self.known.rope(**held, **found), self.scene.rope
+        values = {name: self.value(name, shares) if name in self.names else data[name].low for name in data}
+        made, own = self.known.rope(**values), self.scene.rope
         return replace(
             made,
             c2=own.c2,
@@ -191,9 +247,14 @@ class Bench:
             installed_twist=own.installed_twist,
         )
 
+    def scene_at(self, shares: Array) -> Scene:
+        """The rope in its shaft at these shares."""
+        found = {name: self.value(name, shares) for name in self.sought}
+        return with_parameters(self.scene.with_(rope=self.rope(shares)), found)
+
     def trial(self, shares: Array) -> Trial:
         """What can be measured of this rope."""
-        return Trial(self.scene.with_(rope=self.rope(shares)))
+        return Trial(self.scene_at(shares))
 
     def predict(self, shares: Array, measurements: Sequence[Measurement]) -> Array:
         """All values of the measurements, one after the other."""

@@ -73,7 +73,7 @@ def write_page(found: Identified, path: Path) -> Path:
             f"{datum.status}: {datum.source}",
         )
         for row, name in zip(_properties(found), found.names, strict=True)
-        for datum in (bench.known.data[name],)
+        for datum in (bench.data[name],)
         for factor in (_unit(found, name)[0],)
     ]
     fitted = [
@@ -111,7 +111,7 @@ def _properties(found: Identified) -> list[tuple[str, str, str]]:
     """Name, value with interval, and unit."""
     rows = []
     for name in found.names:
-        datum = found.known.data[name]
+        datum = found.data[name]
         factor, unit = _unit(found, name)
         value, low, high = (number(factor * x) for x in (found.value(name), datum.low, datum.high))
         if not found.told(name):
@@ -126,7 +126,7 @@ def _properties(found: Identified) -> list[tuple[str, str, str]]:
 
 def _unit(found: Identified, name: str) -> tuple[float, str]:
     """Factor and unit in which a property is written."""
-    datum = found.known.data[name]
+    datum = found.data[name]
     return engineering(datum.high, datum.unit)
 
 

@@ -31,6 +31,9 @@ def write_rope_file(found: Identified, path: Path) -> Path:
         facts = f"status = {json.dumps(datum.status)}, source = {json.dumps(datum.source)}"
         lines.append(f"{name} = {{ low = {datum.low:.6g}, high = {datum.high:.6g}, {facts} }}")
     lines += ["", "[fixed]", *(f"rope.{name} = {getattr(rope, name):.8g}" for name in FOLLOWING)]
+    for name in found.measured.bench.sought:
+        status = json.dumps(found.data[name].status)
+        lines.append(f"{name} = {{ value = {found.value(name):.6g}, status = {status} }}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
     return path
 

@@ -35,8 +35,8 @@ def rope_values(path: Path | None, catalogue: Catalogue) -> dict[str, Value]:
         raise ValueError(f"--rope {path} has no [fixed]: {_ROPE_FILE}")
     found: dict[str, Value] = {}
     for name, content in flat(table):
-        if not name.startswith("rope."):
-            raise ValueError(f"--rope {path}: {name} is none of rope.*: {_ROPE_FILE}, or set it by --set")
+        if not name.startswith(("rope.", "air.")):
+            raise ValueError(f"--rope {path}: {name} is none of rope.* and air.*: {_ROPE_FILE}, or set it by --set")
         parameter = catalogue[name]
         found[name] = parameter.read(strip_unit(parameter, content))
     return found

@@ -82,7 +82,7 @@ def read_statuses(table: Mapping[str, Any]) -> dict[str, str]:
 def file_statuses(path: Path) -> dict[str, str]:
     """What a parameter file says of the values in its [fixed]: calibrated, measured, ..., else given."""
     raw = read_toml(path)
-    return dict.fromkeys((key for key, _ in flat(raw.get("fixed", {}))), GIVEN) | following_statuses(
+    return read_statuses(raw.get("fixed", {})) | following_statuses(
         {
             key: content.get("status", "measured") if isinstance(content, dict) else "measured"
             for key, content in raw.get("known", {}).items()

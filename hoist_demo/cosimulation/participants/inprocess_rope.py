@@ -177,7 +177,11 @@ def _units(data: Any) -> dict[str, str]:
 
 def rope_data(parameters: Mapping[str, Value], level: Level = "standard") -> Scene:
     """The rope's data at a level, with parameters by FMI name as an FMU takes them: choices by their code."""
-    data = at_level(Scene(), level)
+    return with_parameters(at_level(Scene(), level), parameters)
+
+
+def with_parameters(data: Scene, parameters: Mapping[str, Value]) -> Scene:
+    """``data`` with other parameters by FMI name."""
     chosen: dict[str, dict[str, Any]] = {}
     for name, value in parameters.items():
         group, _, item = name.rpartition(".")
