@@ -22,9 +22,9 @@ def page(tables: Tables) -> str:
         (
             name.replace("_", " "),
             f"{hits} of {told}",
-            lucky,
+            str(lucky),
             f"{hits_unseen} of {told_unseen}",
-            lucky_unseen,
+            str(lucky_unseen),
             number(reach),
             f"{more['inside'][k]:.0f} of {more['told'][k]:.0f}",
         )
