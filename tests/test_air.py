@@ -89,9 +89,14 @@ def test_a_conveyance_blows_on_the_other_leg_away_from_itself() -> None:
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
 def test_the_tangent_is_the_derivative_to_the_speed(fidelity: ElementFidelity) -> None:
     air, (q, v) = air_functions(fidelity), moved(fidelity, 1)
-    J = np.array(air.tangent(q, v, 2.0, A, 1.0))
+    passing = [*A[:4], 0.8, 3.0, 2.0, *(-1.0, -2.0, 0.5, 4.0), *(1.5, 0.5, -0.2, -5.0)]
+    J = np.array(air.tangent(q, v, 2.0, passing, 1.0))
+    assert np.abs(J - np.array(air.tangent(q, v, 2.0, A, 1.0))).max() > 0.01
     steps = 1e-6 * np.eye(v.size)
-    found = [np.array(air.residual(q, v + e, 2.0, A) - air.residual(q, v - e, 2.0, A)).ravel() / 2e-6 for e in steps]
+    found = [
+        np.array(air.residual(q, v + e, 2.0, passing) - air.residual(q, v - e, 2.0, passing)).ravel() / 2e-6
+        for e in steps
+    ]
     assert_allclose(J, np.array(found).T, atol=1e-8)
     assert_allclose(J, J.T, atol=1e-15)
     assert np.abs(J).max() > 0.01
