@@ -177,12 +177,14 @@ class HoistPlant:
         """State h [s] later under the input, held or along its path; a failure is a status."""
         return self.advance(state, h, *_pack_path(u))
 
-    def advance(self, state: PlantState, h: float, path: Vector, added_mass: Vector) -> PlantStep:
-        """The same with the path's three inputs, of INPUT_NAMES each, in one vector."""
+    def advance(
+        self, state: PlantState, h: float, path: Vector, added_mass: Vector, begin: float = 0.0, end: float = 1.0
+    ) -> PlantStep:
+        """The same with the path's three inputs, of INPUT_NAMES each, in one vector; from s = begin to end of it."""
         self._give(state, h, path, added_mass)
         if not math.isfinite(self._held.dot(self._held)):
             return PlantStep(False, f"drive: input is not finite: {_not_finite(path)}", state)
-        found = self._integrate(h, (state.step_next or h) / h)
+        found = self._integrate(h, (state.step_next or h) / h, begin, end)
         if found is None:
             return PlantStep(False, "drive: state is not finite: check rope forces and torque command", state)
         y, work, size = found
@@ -192,13 +194,13 @@ class HoistPlant:
             return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", state)
         return PlantStep(True, "", new, y[result["acting"]], y[result["shown"]])
 
-    def _integrate(self, h: float, size: float) -> tuple[Vector, Vector, float] | None:
-        """What `advance` shows at s = 1, all work, next step in s; it begins with steps of this size. None: no way."""
+    def _integrate(self, h: float, size: float, s: float, end: float) -> tuple[Vector, Vector, float] | None:
+        """What `advance` shows at the end, all work, next step in s; begins with steps of this size. None: no way."""
         z, result, error_at = self._z, self._result, self._result["error"].start
-        s, work, growth = 0.0, _NO_WORK, GROWS
+        work, growth = _NO_WORK, GROWS
         while size * h > SHORTEST:
-            calls = max(1, math.ceil((1.0 - s) / (CHUNK * size) - 1e-9))
-            used = (1.0 - s) / (CHUNK * calls)
+            calls = max(1, math.ceil((end - s) / (CHUNK * size) - 1e-9))
+            used = (end - s) / (CHUNK * calls)
             z[self._s], z[self._h] = s, used
             self._advance.evaluate()
             self.evaluations += 1

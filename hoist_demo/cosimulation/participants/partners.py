@@ -105,14 +105,14 @@ class HoistParticipant:
 
     def _sampled(self, t: float, h: float, load: Load, next_command: NextCommand) -> PlantStep:
         """The step under several commands, the first again where it is repeated."""
-        part, number = h / self.per_step, self.per_step
-        self._path[_TORQUE], self._path[_BRAKE] = self._first
-        moved = self.plant.advance(self.state, part, self._under(load.part(0, number)), load.added_mass)
+        number, path, added = self.per_step, self._under(load), load.added_mass
+        path[_TORQUE], path[_BRAKE] = self._first
+        moved = self.plant.advance(self.state, h, path, added, 0.0, 1.0 / number)
         for k in range(1, number):
             if not moved.valid:
                 break
-            self._path[_TORQUE], self._path[_BRAKE] = next_command(k, t + k * part, moved.shown)
-            moved = self.plant.advance(moved.state, part, self._under(load.part(k, number)), load.added_mass)
+            path[_TORQUE], path[_BRAKE] = next_command(k, t + k * h / number, moved.shown)
+            moved = self.plant.advance(moved.state, h, path, added, k / number, (k + 1) / number)
         return moved
 
     @property

@@ -45,12 +45,6 @@ class Load(NamedTuple):
         bend = 3.0 * (start + end) - 6.0 * mean
         return Load(start, end - start - bend, bend, np.zeros(start.shape))
 
-    def part(self, k: int, number: int) -> Load:
-        """Over the k-th of as many equal parts of the step, from 0."""
-        s = k / number
-        rise = (self.rise + 2.0 * s * self.bend) / number
-        return Load(self.at(s), rise, self.bend / number**2, self.added_mass)
-
     def at(self, s: float) -> Vector:
         """The part that does not depend on the acceleration."""
         force: Vector = self.start + s * (self.rise + s * self.bend)
