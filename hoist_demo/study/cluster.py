@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+import dask
 from dask.distributed import Client, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
 
 from hoist_demo.study.definition import Sample, Study
@@ -25,9 +26,14 @@ _log = logging.getLogger(__name__)
 Finished = Callable[[str, Outcome], None]
 """Called with the key and the outcome of every run as it is recorded."""
 
+_UNWATCHED = {"distributed.worker.profile.enabled": False, "distributed.admin.system-monitor.interval": "10s"}
+"""Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load."""
+
 
 class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
     """Writes the FMU into the folder of every worker."""
+
+    idempotent = True  # a search hands it over before each of its rounds
 
     def __init__(self, fmu_hash: str, content: bytes) -> None:
         self.name = f"fmu-{fmu_hash}"
@@ -58,7 +64,7 @@ def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     count = os.cpu_count() if workers is None else workers
     options = {"threads_per_worker": 1, "processes": True, "dashboard_address": ":0", "silence_logs": logging.CRITICAL}
-    with LocalCluster(n_workers=count, **options) as local, Client(local) as client:
+    with dask.config.set(_UNWATCHED), LocalCluster(n_workers=count, **options) as local, Client(local) as client:
         yield client
 
 
