@@ -23,8 +23,8 @@ def place(bottom: Any, reach: Any, part: Any, loop: Any) -> Any:
     Around the bottom the samples stand as densely as if they had the width of the ``loop`` (m) twice to share, however
     deep the legs hang; from there their distance grows.
     """
-    even = smaller(2.0 * loop / larger(abs(reach), loop), 1.0)
-    return bottom + reach * (even * part + (1.0 - even) * part**4)
+    even, square = smaller(2.0 * loop / larger(abs(reach), loop), 1.0), part * part
+    return bottom + reach * (even * part + (1.0 - even) * (square * square))
 
 
 def squared_distance(point: Any, start: Any, along: Any) -> Any:
