@@ -44,7 +44,7 @@ static int look(const System *s, const double *q, double margin, unsigned keep) 
         around->near[e] = before;
         for (int k = 0; k < around->bodies; k++) {
             const double distance = least_distance(s, k, middle, half, own);
-            around->free = fmin(around->free, distance);
+            around->free = smaller(around->free, distance);
             if (distance < margin) around->near[e] |= 1u << k;
         }
         more |= around->near[e] != before;

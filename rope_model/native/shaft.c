@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* elements that are looked at together first */
+enum { GROUP = 8 };
+
 static int add(Placed *bodies, int number, int kind, int moves_with, Body body) {
     bodies[number] = (Placed){kind, moves_with, body};
     return number + 1;
@@ -84,19 +87,31 @@ static void take_nearest(int number, const Search *searches, Nearest nearest[KIN
     }
 }
 
+/* of the elements from first to last, with boxes around each */
+static void look_along(Search *search, const Arrays *m, int first, int last, double (*boxes)[6]) {
+    for (int k = first; k < last; k++) {
+        const double *a = m->q + (size_t)k * DOF, *b = a + DOF;
+        if (k < search->first || k >= search->last || !beats(search, boxes[k - first])) continue;
+        look(search, m->s[k], a);
+        look(search, m->s[k + 1], b);
+        refine(search, m->s[k], m->lengths[k], a, b);
+    }
+}
+
 int shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
     Search searches[MOST_BODIES];
     const int number = searches_of(scene, m, t, nearest, searches);
-    for (int k = 0; number > 0 && k < m->elements; k++) {
-        const double *a = m->q + (size_t)k * DOF, *b = a + DOF;
-        double box[6];
-        enclosing_box(m->lengths[k], a, b, box);
-        for (Search *search = searches; search < searches + number; search++) {
-            if (k < search->first || k >= search->last || !beats(search, box)) continue;
-            look(search, m->s[k], a);
-            look(search, m->s[k + 1], b);
-            refine(search, m->s[k], m->lengths[k], a, b);
+    for (int first = 0; number > 0 && first < m->elements; first += GROUP) {
+        const int last = first + GROUP < m->elements ? first + GROUP : m->elements;
+        double boxes[GROUP][6], common[GROUP][6]; /* of each, and of all up to it */
+        for (int k = first; k < last; k++) {
+            const double *a = m->q + (size_t)k * DOF;
+            const int n = k - first;
+            enclosing_box(m->lengths[k], a, a + DOF, boxes[n]);
+            common_box(boxes[n], n > 0 ? common[n - 1] : boxes[n], common[n]);
         }
+        for (int n = 0; n < number; n++)
+            if (beats(&searches[n], common[last - first - 1])) look_along(&searches[n], m, first, last, boxes);
     }
     take_nearest(number, searches, nearest);
     return number;

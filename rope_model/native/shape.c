@@ -195,6 +195,18 @@ static double climb_at(const Climb *leg, double height, int axis) {
     return leg->low[axis] + part * (leg->high[axis] - leg->low[axis]);
 }
 
+int shape_legs_apart(int nodes, const double *q, const double *s, const LoopBottom *bottom, const double across[2]) {
+    double left = -HUGE_VAL, right = HUGE_VAL;
+    for (int k = 0; k < nodes; k++, q += DOF) {
+        const double place = reach_along(q, bottom->position, across);
+        if (s[k] < bottom->s)
+            left = larger(left, place);
+        else
+            right = smaller(right, place);
+    }
+    return left < 0 && 0 < right;
+}
+
 LoopTurns shape_loop_turns(int nodes, const double *q, const double *s, const LoopBottom *bottom) {
     int next = 1;
     while (next < nodes - 1 && s[next] < bottom->s) next++;

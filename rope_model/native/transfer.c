@@ -27,7 +27,7 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int place
         if (fabs((nearer_left ? left_s : right_s) - at[k]) <= tolerance)
             memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
         else
-            node_values(fmin(fmax((at[k] - left_s) / l, 0.0), 1.0), l, left, y);
+            node_values(smaller(larger((at[k] - left_s) / l, 0.0), 1.0), l, left, y);
     }
 }
 

@@ -58,9 +58,22 @@ def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     return (*centre, *extent)
 
 
+def common_box(a: Any, b: Any) -> tuple[Any, ...]:
+    """Centre and half widths (6,) of the upright box around two such boxes."""
+    low = [smaller(a[k] - a[3 + k], b[k] - b[3 + k]) for k in range(3)]
+    high = [larger(a[k] + a[3 + k], b[k] + b[3 + k]) for k in range(3)]
+    pairs = list(zip(low, high, strict=True))
+    return (*(0.5 * (x + y) for x, y in pairs), *(0.5 * (y - x) for x, y in pairs))
+
+
 def heading(yaw: Any) -> tuple[Any, Any]:
     """The horizontal unit vector (X, Z) of a yaw (rad) about Y."""
     return cos(yaw), -sin(yaw)
+
+
+def reach(point: Any, start: Any, direction: Any) -> Any:
+    """How far (m) ``point`` lies from ``start`` in a horizontal ``direction`` (X, Z)."""
+    return direction[0] * (point[0] - start[0]) + direction[1] * (point[2] - start[2])
 
 
 def turn(before: Any, after: Any) -> Any:
