@@ -28,7 +28,9 @@ class Case:
     hoist: Hoist
     winding: Winding
     gains: Gains = field(default_factory=Gains)
-    rope: Mapping[str, float | int | str] = field(default_factory=dict)  # parameters by FMI name; the rest is the rope's own
+    rope: Mapping[str, float | int | str] = field(
+        default_factory=dict
+    )  # parameters by FMI name; the rest is the rope's own
     published: str = ""  # what the source of an installed hoist states
     stated: tuple[str, ...] = ()  # the parameters that its source states, by the names of a study
     source: str = ""  # "" for a case of ours
