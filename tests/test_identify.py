@@ -11,10 +11,10 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from balance_rope import _with_rope, main
-from hoist_demo.calibration.definition import FOLLOWING, read_known, read_measured
+from hoist_demo.calibration.definition import read_known, read_measured
 from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals, with_measurement
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
-from hoist_demo.calibration.measurements import Bench, Measurement, Trial
+from hoist_demo.calibration.measurements import FOLLOWING, Bench, Measurement, Trial
 from hoist_demo.calibration.rope_file import write_rope_file
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.settings import rope_values
@@ -162,6 +162,14 @@ def test_a_track_of_the_swinging_loop_tells_bending_and_the_drag_of_the_air(tmp_
     made = write_rope_file(found, tmp_path / "rope.toml")
     assert file_statuses(made)["air.drag"] == "calibrated"
     assert_allclose(rope_values(made, Catalogue(PARAMETERS_KNOWN))["air.drag"], found.value("air.drag"), rtol=1e-5)
+
+
+def test_what_the_file_fixes_of_the_rope_stays_while_its_properties_are_looked_for() -> None:
+    scene = Scene(rope=Rope(EI_stick=2e3, c2=0.1))
+    bench = Bench(rope("34x7", diameter=0.046, length=60.0), scene)
+    made = bench.rope(np.full(5, 0.5))
+    assert (made.EI_stick, made.c2, made.length) == (2e3, 0.1, 60.0)
+    assert_allclose(made.EI, bench.known.data["bending_stiffness"].middle)
 
 
 def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeGuard
 
-from hoist_demo.calibration.measurements import DEFAULTS, KINDS, PLANES, Bench, Measurement
+from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, PLANES, Bench, Measurement
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.study.catalogue import Catalogue
@@ -30,8 +30,6 @@ _TABLES = {"rope": dict, "known": dict, "sought": dict, "fixed": dict, "measured
 _ROPE = {"construction": "word", "diameter": "number", "length": "number", "lay": "word"}
 #: groups of parameters that may be looked for beside the properties
 SOUGHT = ("rope.", "air.")
-#: parameters that follow from the properties
-FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
 #: kept in the file, for commands that need no fit
 _FACTS = ("status", "source")
 

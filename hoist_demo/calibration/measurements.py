@@ -30,6 +30,8 @@ from rope_model.simulation.modal import natural_modes
 Array = NDArray[np.float64]
 Numbers = Mapping[str, tuple[float, ...]]
 
+#: parameters that follow from the properties
+FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
 PLANES = ("in plane", "out of plane")
 #: s: communication step of a track
 COMMUNICATION = 0.02
@@ -237,15 +239,8 @@ class Bench:
         """The rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
         data = self.known.data
         values = {name: self.value(name, shares) if name in self.names else data[name].low for name in data}
-        made, own = self.known.rope(**values), self.scene.rope
-        return replace(
-            made,
-            c2=own.c2,
-            beta_K=own.beta_K,
-            torsion_damping=own.torsion_damping,
-            bending_damping=own.bending_damping,
-            installed_twist=own.installed_twist,
-        )
+        made = self.known.rope(**values)
+        return replace(self.scene.rope, **{name: getattr(made, name) for name in FOLLOWING})
 
     def scene_at(self, shares: Array) -> Scene:
         """The rope in its shaft at these shares."""

@@ -6,8 +6,8 @@ import json
 import textwrap
 from pathlib import Path
 
-from hoist_demo.calibration.definition import FOLLOWING
 from hoist_demo.calibration.identify import Identified
+from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.calibration.page import misfit
 
 

@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.calibration.definition import FOLLOWING, read_known
+from hoist_demo.calibration.definition import read_known
+from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import described, rope_data
