@@ -8,7 +8,8 @@ data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; 
             Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump; Contact is how
             they hold it, Air drags on it, Guard what trips when the loop moves too far, for one of GUARD_CAUSES.
             BODIES are their kinds in words, FAR the clearance from what is not there
-catalogue   rope("34x7", diameter=0.046) makes a KnownRope: its middle is a Rope, its data a Datum per property;
+catalogue   rope("34x7", diameter=0.046) makes a KnownRope: its middle is a Rope, its data a Datum per property,
+            the DatumStatus of which says where it is from;
             CONSTRUCTIONS are those that are known, BEARINGS the friction of a swivel
 cases       rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
             at_level puts any scene on one
