@@ -147,6 +147,20 @@ speed = 4.0
 """
 
 
+def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
+    bench = Bench(rope("34x7", diameter=0.046, length=30.0), Scene())
+    trip = {"travel": (4.0,), "speed": (2.0,), "acceleration": (0.75,), "jerk": (0.5,)}
+    where = {"left_y": (0.0,), "right_y": (4.0,), **trip}
+    times = tuple(np.linspace(3.0, 5.0, 21))
+    plan = [
+        Measurement("", "track", "m", (0.0,) * 21, 1.0, {"t": times, **where}, {"signal": "loop.x"}),
+        Measurement("", "swept", "m", (0.0,), 1.0, {"t": (3.0,), "until": (5.0,), **where}, {"signal": "loop.x"}),
+    ]
+    *places, swept = bench.predict(np.full(5, 0.5), plan)
+    assert swept > 0.05
+    assert_allclose(swept, np.ptp(places))
+
+
 @pytest.mark.slow
 def test_a_track_of_the_swinging_loop_tells_bending_and_the_drag_of_the_air(tmp_path: Path) -> None:
     times = [9.0 + 0.75 * k for k in range(20)]
@@ -269,6 +283,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
         (ROPE + WIDTH + "[sought]\nair.drag = 1.0\n", "air.drag = 1.0 must be { low, high }"),
         (ROPE + WIDTH + "[sought]\nair.drag = { low = 2, high = 1 }\n", "in order, from 0 on"),
         (ROPE + '[[measured]]\nwhat = "track"\nt = -1.0\n', "t = -1 must be at least 0"),
+        (ROPE + '[[measured]]\nwhat = "swept"\nt = 9.0\nuntil = 8.0\n', "until = 8 must be above t = 9"),
         (ROPE + '[[measured]]\nwhat = "track"\ntravel = 0.0\n', "travel = 0 must not be 0"),
         (ROPE + '[[measured]]\nwhat = "track"\nspeed = 0.0\n', "speed = 0 must be above 0"),
         (ROPE + WIDTH + "[want]\n", r"\[want\] is not a table of measurements"),

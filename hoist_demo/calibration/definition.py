@@ -14,8 +14,9 @@ the fit writes, too.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -176,6 +177,7 @@ def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> 
         problems.append(f"{where}: sigma is missing: give the standard error of the value")
     elif not _is_number(sigma := table["sigma"]) or sigma <= 0:
         problems.append(f"{where}: sigma = {sigma!r} must be a number above 0: give the standard error of the value")
+    problems += [f"{where}: {problem}" for problem in _empty_windows(numbers.get("t", ()), numbers.get("until", ()))]
     texts = {name: _text(where, name, table.get(name), problems) for name in kind.texts}
     if len(problems) > before:
         return None
@@ -184,13 +186,19 @@ def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> 
     return Measurement(name, what, unit, values, float(table["sigma"]), numbers, texts)
 
 
+def _empty_windows(t: Sequence[float], until: Sequence[float]) -> list[str]:
+    """What is wrong with times between which something is measured."""
+    pairs = zip(t, until, strict=True) if len(t) == len(until) else product(t, until)
+    return [f"until = {end:g} must be above t = {start:g}: give times in s" for start, end in pairs if end <= start]
+
+
 def _out_of_range(name: str, numbers: tuple[float, ...]) -> str:
     """What is wrong with the circumstances of a measurement; "" for nothing."""
     for x in numbers:
         if name in ("load", "length") and x <= 0.0:
             return f"{name} = {x:g} must be above 0: give it in {'N' if name == 'load' else 'm'}"
-        if name == "t" and x < 0.0:
-            return f"t = {x:g} must be at least 0: count it in s from the start of the trip"
+        if name in ("t", "until") and x < 0.0:
+            return f"{name} = {x:g} must be at least 0: count it in s from the start of the trip"
         if name == "travel" and x == 0.0:
             return f"travel = {x:g} must not be 0: give the way of the left end in m"
         if name in ("speed", "acceleration", "jerk") and x <= 0.0:

@@ -33,8 +33,8 @@ Numbers = Mapping[str, tuple[float, ...]]
 #: parameters that follow from the properties
 FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
 PLANES = ("in plane", "out of plane")
-#: s: communication step of a track
-COMMUNICATION = 0.02
+#: s: communication step of a track, and between two values of which a largest and a smallest are taken
+COMMUNICATION, SAMPLE = 0.02, 0.1
 #: modes among which those of one plane are looked for
 MODES = 14
 
@@ -63,7 +63,7 @@ class Trial:
     def track(
         self, name: str, times: Sequence[float], left: float, right: float, trip: Sequence[float]
     ) -> dict[float, float]:
-        """An output by the time (s) after the left end has begun to rise from these heights (m) at rest.
+        """An output by the times (s, in order) after the left end has begun to rise from these heights (m) at rest.
 
         ``trip``: its travel, and limits of speed, acceleration and jerk.
         """
@@ -79,7 +79,7 @@ class Trial:
         _require_rest(rope.initialize(0.0, *ends(0.0)), left, right)
         read, found = rope.reader((name,)), {0.0: rope.signals([name])[name]}
         now = 0.0
-        for target in sorted({*times} - {now}):
+        for target in times if times[0] > now else times[1:]:
             # even steps, for one that is next to nothing has no speed to speak of
             for t in np.linspace(now, target, math.ceil((target - now) / COMMUNICATION) + 1)[1:].tolist():
                 status = rope.advance_to(t, *ends(t))
@@ -189,12 +189,29 @@ def _swing(trial: Trial, m: Measurement) -> list[float]:
 
 
 def _track(trial: Trial, m: Measurement) -> list[float]:
-    rows = m.each("t", *_HEIGHTS, *_TRIP)
+    return [values[0] for values in _over_trips(trial, m, m.each("t"))]
+
+
+def _swept(trial: Trial, m: Measurement) -> list[float]:
+    windows = [np.linspace(t, until, math.ceil((until - t) / SAMPLE) + 1) for t, until in m.each("t", "until")]
+    return [max(values) - min(values) for values in _over_trips(trial, m, [window.tolist() for window in windows])]
+
+
+def _over_trips(trial: Trial, m: Measurement, times: Sequence[Sequence[float]]) -> list[list[float]]:
+    """The signal at the times (s) of each value, to the millisecond; each trip is wound once."""
+    trips = m.each(*_HEIGHTS, *_TRIP)
+    rounded = [[round(t, 3) for t in some] for some in times]
     runs = {
-        trip: trial.track(m.texts["signal"], [row[0] for row in rows if row[1:] == trip], trip[0], trip[1], trip[2:])
-        for trip in dict.fromkeys(row[1:] for row in rows)
+        trip: trial.track(
+            m.texts["signal"],
+            sorted({t for of, some in zip(trips, rounded, strict=True) if of == trip for t in some}),
+            trip[0],
+            trip[1],
+            trip[2:],
+        )
+        for trip in dict.fromkeys(trips)
     }
-    return [runs[row[1:]][row[0]] for row in rows]
+    return [[runs[trip][t] for t in some] for trip, some in zip(trips, rounded, strict=True)]
 
 
 _TRIP = {"travel": "m", "speed": "m/s", "acceleration": "m/s2", "jerk": "m/s3"}
@@ -207,6 +224,7 @@ KINDS = {
     "sample extension": Kind("m", {"load": "N", "length": "m"}, _sample_extension),
     "at rest": Kind("", _HEIGHTS, _at_rest, ("signal",)),
     "track": Kind("", {"t": "s", **_HEIGHTS, **_TRIP}, _track, ("signal",)),
+    "swept": Kind("", {"t": "s", "until": "s", **_HEIGHTS, **_TRIP}, _swept, ("signal",)),
     "swing": Kind("Hz", {"number": "1", **_HEIGHTS}, _swing, ("plane",)),
 }
 #: what a number is where it is not given

@@ -25,7 +25,7 @@ a file of measurements:
   length = 700.0              # m
 
   [[measured]]
-  what = "loop width"         # or mass, sample torque, sample rotation, sample extension, at rest, swing
+  what = "loop width"         # or mass, sample torque, sample rotation, sample extension, at rest, track, swept, swing
   value = 2.9                 # SI units
   sigma = 0.05                # its standard error
 
