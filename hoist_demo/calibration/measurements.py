@@ -80,7 +80,6 @@ class Trial:
         read, found = rope.reader((name,)), {0.0: rope.signals([name])[name]}
         now = 0.0
         for target in times if times[0] > now else times[1:]:
-            # even steps, for one that is next to nothing has no speed to speak of
             for t in np.linspace(now, target, math.ceil((target - now) / COMMUNICATION) + 1)[1:].tolist():
                 status = rope.advance_to(t, *ends(t))
                 if not status.valid:
