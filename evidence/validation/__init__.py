@@ -3,8 +3,10 @@
 row        a line of the page's table: reference, result, acceptance, test
 wires      measured: the twist at which hanging wires throw a loop
 chains     a folded rope that is let go, a rope that hangs by one end
+bending    measured: a cable's stiffness while its parts stick and slip
 onset      theory: the torque at which a clamped rod buckles
-cabledyn   a second code: a twisted U
+buckle     theory: the buckle in which a long rod's slack gathers
+cabledyn   a second code: a twisted U; cabledyn_motion its frequencies and a winding
 measure    all rows, and the tables behind them
 page       what the page validation.md.j2 says
 """

@@ -7,9 +7,13 @@ from typing import Any
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, rows
 
+from .cabledyn_motion import MODES, TIME, WAY
 from .chains import FOLD
 from .row import Row, from_table
 from .wires import GAPS, STEP
+
+#: s, of the winding
+SHOWN = (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0)
 
 
 def page(tables: Tables) -> str:
@@ -23,10 +27,12 @@ def page(tables: Tables) -> str:
         "wires": _wires(tables["wires"]),
         "wire_head": ("wire", "EI, 1e-3 N m²", "GJ, 1e-3 N m²", "measured, deg", *gaps),
         "pulls": [tuple(number(x) for x in cells) for cells in zip(*tables["pulls"].values(), strict=True)],
-        "twisted": [
-            (number(twist), str(code), *(number(x, ".6g") for x in numbers))
-            for twist, code, *numbers in zip(*tables["twisted"].values(), strict=True)
-        ],
+        "twisted": _by_code(tables["twisted"]),
+        "frequencies": _frequencies(tables["frequencies"]),
+        "winding": _by_code(rows(tables["winding"], time=SHOWN)),
+        "mode_head": ("height, m", "code", *(f"{k + 1}" for k in range(MODES))),
+        "way": WAY,
+        "rise": TIME,
         "missed": [row.id for row in found if row.misses],
         "files": sorted(tables),
     }
@@ -39,6 +45,24 @@ def _cells(row: Row) -> tuple[str, ...]:
     verdict = "shown" if row.shown else "misses" if row.misses else "holds"
     test = f"`{row.test}`"
     return row.id, row.kind, row.reference, f"{row.what} {number(row.value)}{unit}", bound, verdict, test
+
+
+def _by_code(t: Table) -> list[tuple[str, ...]]:
+    """What the rows' first six columns say."""
+    return [
+        (number(at), str(code), *(number(x, ".6g") for x in numbers))
+        for at, code, *numbers in zip(*list(t.values())[:7], strict=True)
+    ]
+
+
+def _frequencies(t: Table) -> list[tuple[str, ...]]:
+    """Per height and code: its modes."""
+    found = []
+    for height in dict.fromkeys(t["height"].tolist()):
+        modes = rows(t, height=height)
+        for code, name in (("ours", "ours"), ("cabledyn", "CableDyn")):
+            found.append((number(height), name, *(number(f, ".6g") for f in modes[code])))
+    return found
 
 
 def _wires(t: Table) -> list[tuple[str, ...]]:
