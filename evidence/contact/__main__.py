@@ -1,4 +1,4 @@
-"""Check contact against what is exact and write docs/contact.md; some seconds.  Exits with 1 where a check misses."""
+"""Check contact against what is exact and write docs/contact.md; a minute.  Exits with 1 where a check misses."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from evidence.pages import PAGES, publish
 from evidence.rendering import DOCS
 from evidence.tables import write
 
-from .checks import checks
+from .checks import checks, recorded
 from .page import as_table
+from .slack_rod import slack_table
 
 PAGE = PAGES["contact"]
 
@@ -25,7 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     found = list(checks())
     for case, m in found:
         print(f"{'holds ' if m.holds else 'MISSES'} {case}: {m.what} {m.value:.3g} {m.relation} {m.bound:g}")
-    write({"checks": as_table(found)}, options.out / "data" / PAGE.data)
+    write({"checks": as_table(found), "slack": slack_table(), "elastica": recorded()}, options.out / "data" / PAGE.data)
     for path in publish(PAGE, options.out):
         print(path)
     return int(not all(m.holds for _, m in found))

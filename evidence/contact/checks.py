@@ -8,10 +8,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from evidence.claims import Measurement
+from evidence.rendering import DOCS
+from evidence.tables import Table, read, rows
 
 from .crossed import force_error
 from .rebound import exact_speed, rebound
 from .scenes import fallen, pulled, struck, touch_down
+from .slack_rod import LENGTH, slack_table
 from .turned import struck_legs, turned
 
 #: s, steps of the rebound; and s/m, its damping
@@ -92,6 +95,29 @@ def _struck_legs() -> Iterator[Measurement]:
         yield Measurement(what, abs(struck_legs(stiffness)), "1", "<", 1e-3)
 
 
+def recorded() -> Table:
+    """The slack rod in PyElastica, which evidence.contact.elastica_rod measures."""
+    return read(DOCS / "data" / "contact")["elastica"]
+
+
+def _slack() -> Iterator[Measurement]:
+    theirs, ours = recorded(), slack_table()
+    coarse, fine = (rows(theirs, elements=float(n)) for n in np.unique(theirs["elements"]))
+    buckled, looped = fine["pressed"] < 1.0, fine["pressed"] >= 1.0
+    for name in ("torque", "pull"):
+        off = np.abs(ours[name] - fine[name])[buckled].max() / np.abs(fine[name][buckled]).max()
+        # straight pieces of 0.1 m err by about (l k)^2 / 12, the curvature k being up to 2.5/m
+        yield Measurement(f"{name} before it jumps, off PyElastica's by", float(off), "1", "<", 5e-3)
+    for name, what in (("torque", "torque"), ("pull", "pull"), ("pressed", "force of the legs")):
+        # an error that falls with the square of its elements' length is a third of that
+        change = np.abs(coarse[name] - fine[name])[looped]
+        off = (np.abs(ours[name] - fine[name])[looped] / change).max()
+        said = f"{what} with a loop, off PyElastica's by, of what twice its elements change"
+        yield Measurement(said, float(off), "1", "<", 1.0)
+    places = max(np.abs(ours[name] - fine[name])[looped].max() for name in ("first", "second"))
+    yield Measurement("places where the loop closes, off by", float(places), "m", "<", LENGTH / fine["elements"][0])
+
+
 CASES = {
     "a rope that lies on a floor": _touch_down,
     "a rope that falls on a floor": _fallen,
@@ -101,4 +127,5 @@ CASES = {
     "two strings that cross": _crossed,
     "legs turned slowly about each other": _turned,
     "legs that strike each other": _struck_legs,
+    "a slack rod turned until it lies on itself": _slack,
 }

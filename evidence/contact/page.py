@@ -10,7 +10,18 @@ from rope_model.physics import contact, contact_element, rope_on_rope
 from rope_model.shaft_parameters import Contact
 
 from .scenes import GRAVITY
+from .slack_rod import BEND, DIAMETER, LENGTH, SLACK, TORSION
 
+#: columns of a slack rod, and how they are shown
+_RODS = {
+    "turns": "g",
+    "elements": "g",
+    "torque": ".5g",
+    "pull": ".5g",
+    "pressed": ".0f",
+    "first": ".3g",
+    "second": ".3g",
+}
 _COLUMNS = ("case", "what", "value", "unit", "relation", "bound")
 
 
@@ -29,6 +40,8 @@ def page(tables: Tables) -> str:
     ]
     data = {
         "rows": rows,
+        "slack": sorted([*_rods("PyElastica", tables["elastica"]), *_rods("ours", tables["slack"])], key=_turns),
+        "rod": {"length": LENGTH, "slack": SLACK, "bend": BEND, "torsion": TORSION, "diameter": DIAMETER},
         "law": Contact(),
         "onset": contact.ONSET,
         "own": contact.OWN_LENGTH,
@@ -40,3 +53,13 @@ def page(tables: Tables) -> str:
         "cross_energy": number(1e6 * Rope().diameter ** 3 / 3.0),
     }
     return render("contact/contact.md.j2", data)
+
+
+def _rods(code: str, t: Table) -> list[tuple[str, ...]]:
+    """Turns first, then the code."""
+    columns = [[number(x, form) for x in t[name]] for name, form in _RODS.items()]
+    return [(turns, code, *rest) for turns, *rest in zip(*columns, strict=True)]
+
+
+def _turns(cells: tuple[str, ...]) -> float:
+    return float(cells[0])
