@@ -219,7 +219,7 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.Qa": "assumed"}
     assert wanted.items() <= statuses.items()
     assert [statuses[name] for name in ("hoist.tail_rope_mass", "rope.length")] == ["published", "given"]
-    exported = _with_rope(CASES["rope-120"], made)
+    exported = _with_rope(CASES["rope-120"], made, [])
     assert values.items() <= exported.rope.items()
     assert exported.hoist.tail_rope_mass == values["rope.mass_per_length"]
     again = read_known(made, tomllib.loads(made.read_text(encoding="utf-8")), problems)

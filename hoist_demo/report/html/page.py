@@ -1,4 +1,4 @@
-"""Joins a template of assets/ with text, data, style and scripts into one file without any outside reference.
+"""Joins templates of assets/ with text, data, style and scripts into one file without any outside reference.
 
 Every page forbids its browser the network (Content-Security-Policy), so a stray reference would be an error in the
 console and not a hidden dependence.
@@ -16,6 +16,8 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
+from hoist_demo.parameters import ASSUMED_DATA
+
 LONG = 24
 """Characters from which a value may break anywhere, such as a hash."""
 
@@ -28,11 +30,31 @@ def asset(name: str) -> str:
     return (files("hoist_demo.report.html") / "assets" / name).read_text(encoding="utf-8")
 
 
-def render(template: str, scripts: Sequence[str], data: Mapping[str, object], **texts: str) -> str:
-    """The page: `texts` are HTML for the template's places, `data` is what the scripts read."""
-    code = "\n".join(asset(name) for name in ("common.js", *scripts))
-    return string.Template(asset(template)).substitute(
-        texts, style=asset("report.css"), script=f'"use strict";\n{code}', data=_json(data)
+def fill(template: str, **texts: str) -> str:
+    """A template of assets/ with HTML in its places."""
+    return string.Template(asset(template)).substitute(texts)
+
+
+def render(kind: str, title: str, body: str, note: str = "", scripts: str = "") -> str:
+    """The page with its head; `kind` is the class that the style has rules for, `scripts` what `running` gives."""
+    return fill(
+        "page.html",
+        kind=kind,
+        title=escape(title),
+        note=note,
+        assumed=escape(ASSUMED_DATA),
+        body=body,
+        style=asset("report.css"),
+        policy="; script-src 'unsafe-inline'" if scripts else "",
+        scripts=scripts,
+    )
+
+
+def running(files: Sequence[str], data: Mapping[str, object]) -> str:
+    """The scripts of a page, and what they read."""
+    code = "\n".join(asset(name) for name in ("common.js", *files))
+    return (
+        f'<script type="application/json" id="data">{_json(data)}</script>\n<script>\n"use strict";\n{code}\n</script>'
     )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.parameters import ASSUMED_DATA, Hoist, Winding
+from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.jams import told_of_jams
 from hoist_demo.recording.passages import passages
@@ -67,18 +67,15 @@ def run_report(
         page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows if row.group == group])
         for group in dict.fromkeys(row.group for row in rows)
     )
-    text = page.render(
+    body = page.fill(
         "run.html",
-        ("player.js", "plots.js", "rope.js", "shaft.js", "run.js"),
-        _data(result, hoist, winding, locked) | {"shaft": drawn_shaft(parameters, result.recording)},
-        title=page.escape(title),
-        assumed=page.escape(ASSUMED_DATA),
-        note=note,
         numbers=numbers,
         pictures="".join(page.picture(*item) for item in pictures.items()),
         given="".join(page.table(name, rows) for name, rows in given),
     )
-    return page.write(path, text)
+    data = _data(result, hoist, winding, locked) | {"shaft": drawn_shaft(parameters, result.recording)}
+    scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
+    return page.write(path, page.render("run", title, body, note, scripts))
 
 
 def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str]) -> dict[str, object]:

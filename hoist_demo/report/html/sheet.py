@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.report.html import page
 
 WIDTH, ROW, LABEL, AXIS = 760, 26, 290, 440
@@ -61,8 +60,7 @@ def paragraphs(texts: Sequence[str]) -> str:
 def write_sheet(path: Path, title: str, parts: Sequence[tuple[str, str]]) -> Path:
     """The page of headings and what stands under them, as HTML; one without a heading stands first."""
     body = "\n".join((f"<h2>{page.escape(heading)}</h2>\n" if heading else "") + part for heading, part in parts)
-    text = page.render("sheet.html", (), {}, title=page.escape(title), assumed=page.escape(ASSUMED_DATA), body=body)
-    return page.write(path, text)
+    return page.write(path, page.render("study", title, f'<main class="sheet">\n{body}\n</main>'))
 
 
 def _x(place: float) -> float:

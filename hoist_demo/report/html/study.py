@@ -15,7 +15,6 @@ from typing import Any
 
 import pandas as pd
 
-from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import Table
 
@@ -71,12 +70,8 @@ def study_report(
     }
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
-    text = page.render(
+    body = page.fill(
         "study.html",
-        ("study.js",),
-        data,
-        title=page.escape(title),
-        assumed=page.escape(ASSUMED_DATA),
         outcome=page.escape(
             _passed(table) + _outcome(causes, chosen, best, table, stated) + _warned(table) + _early(table)
         ),
@@ -87,7 +82,7 @@ def study_report(
         + page.table("Not shown by any run", [(name, "", "") for name in nowhere])
         + "".join(page.table(title, rows) for title, rows in more),
     )
-    return page.write(path, text)
+    return page.write(path, page.render("study", title, body, scripts=page.running(("study.js",), data)))
 
 
 def _in_engineering_units(
