@@ -166,6 +166,8 @@ def simulate(elements: int) -> list[tuple[Held, float]]:
     simulator.collect_diagnostics(rod).using(_Record, every=round(0.1 / h), rows=rows, shapes=shapes)
     simulator.finalize()
     ea.integrate(ea.PositionVerlet(), simulator, DURATION, round(DURATION / h), progress_bar=False)
+    if not np.isfinite(rod.position_collection).all():
+        raise RuntimeError(f"{elements} elements are unstable with STEP = {STEP:g} s; make it shorter")
     return [_station(np.array([row for row in rows if row[0] == turns]), shapes[turns]) for turns in STATIONS]
 
 

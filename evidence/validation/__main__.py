@@ -1,6 +1,6 @@
 """Hold the model against measurement, theory and CableDyn, write docs/validation.md.  Exits with 1 where one misses.
 
-A minute or two; needs ``pip install balance-rope[validation]``.
+Some three minutes; needs ``pip install balance-rope[validation]``.
 """
 
 from __future__ import annotations
