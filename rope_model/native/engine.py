@@ -117,10 +117,10 @@ class NativeRope(BalanceRope):
     def __init__(self, scene: Scene) -> None:
         self._lib = self._library()
         memory = _memory()
-        message = ctypes.create_string_buffer(MESSAGE)
-        self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), message)
+        self._text = ctypes.create_string_buffer(MESSAGE)  # what the library says
+        self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), self._text)
         if not self._rope:
-            raise ValueError(message.value.decode())
+            raise ValueError(self._text.value.decode())
         self._scene = scene
         self._state: RopeState | None = None  # the present one, when it was asked for
         self._forces: tuple[Structure, Any] | None = None  # kept for the library, which does not copy them
@@ -216,11 +216,11 @@ class NativeRope(BalanceRope):
 
     def warnings(self) -> dict[str, str]:
         self._require_state()
-        told, text = {}, ctypes.create_string_buffer(MESSAGE)
+        told, text, warn = {}, self._text, self._lib.rope_warning
         for number, subject in enumerate(WARNINGS):
-            self._lib.rope_warning(self._rope, number, text)
-            if text.value:
-                told[subject] = text.value.decode()
+            warn(self._rope, number, text)
+            if said := text.value:
+                told[subject] = said.decode()
         return told
 
     def snapshot(self) -> Snapshot:
