@@ -2,6 +2,8 @@
 
 rope        balance_rope makes a BalanceRope in a Form: auto, native or python; EndMotion goes in, Status and the
             values of SIGNALS come out, each a Signal with unit and description
+            PointForces are what a host may put on it besides; Neighbours lets several ropes press each other, Contacts
+            is its state, with an Account of each two
             FIDELITIES has the fidelities of the model; neglected_effects the Effects that one of them neglects: outputs
             that are then 0 and no results
 data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
@@ -47,7 +49,9 @@ from .simulation.balance_rope import BalanceRope, Snapshot, Status
 from .simulation.fidelity import FIDELITIES
 from .simulation.guards import CAUSES as GUARD_CAUSES
 from .simulation.neglected_effects import Effect, neglected_effects
+from .simulation.neighbours import Account, Contacts, Neighbours
 from .simulation.paths import EndMotion
+from .simulation.point_forces import PointForces
 from .simulation.shaft import BODIES
 from .simulation.signal_table import SIGNALS, Signal
 from .simulation.simulator import RopeSimulator
@@ -63,10 +67,12 @@ __all__ = [
     "GUARD_CAUSES",
     "ROPE_CASES",
     "SIGNALS",
+    "Account",
     "Accuracy",
     "Air",
     "BalanceRope",
     "Contact",
+    "Contacts",
     "Conveyance",
     "Datum",
     "DatumStatus",
@@ -82,6 +88,8 @@ __all__ = [
     "Lining",
     "Mesh",
     "Model",
+    "Neighbours",
+    "PointForces",
     "Rope",
     "RopeCase",
     "RopeSimulator",

@@ -42,7 +42,7 @@ def force_error(degrees: float) -> float:
     """By how much the force is off at most, of the exact one, as the strings move along each other."""
     scene = Scene(shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS)))
     angle, gap = math.radians(degrees), GAP * DIAMETER
-    exact, worst = _exact_force(gap, math.sin(angle)), 0.0
+    exact, worst = exact_force(gap, math.sin(angle)), 0.0
     for along in PLACES:
         q, lengths = crossing(gap, angle, along)
         R = np.zeros_like(q)
@@ -51,7 +51,8 @@ def force_error(degrees: float) -> float:
     return worst
 
 
-def _exact_force(gap: float, sine: float) -> float:
+def exact_force(gap: float, sine: float) -> float:
+    """The integral above, of strings whose angle has this sine."""
     number, reach = 200000, math.sqrt(DIAMETER**2 - gap**2) / sine
     distance = np.hypot(gap, (np.arange(number) + 0.5) / number * reach * sine)
     pressed, onset = DIAMETER - distance, ONSET * DIAMETER

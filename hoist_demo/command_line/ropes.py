@@ -72,14 +72,16 @@ def _ropes(options: argparse.Namespace) -> int:
         return 0
     out: Path = options.out or Path("out") / "ropes" / options.ropes.stem
     out.mkdir(parents=True, exist_ok=True)
-    result, _ = wind(replace(ropes.run, hoist=ropes.hoist), ropes.group())
+    group = ropes.group()
+    result, _ = wind(replace(ropes.run, hoist=ropes.hoist), group)
     recording = result.recording
     if not recording.signals:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
         return 1
     names = [rope.name for rope in ropes.ropes]
     rows = {name: row(recording, name) for name in names}
-    pairs = neighbours(recording, [(rope.name, rope.place, rope.scene.rope.diameter) for rope in ropes.ropes])
+    placed = [(rope.name, rope.place, rope.scene.rope.diameter) for rope in ropes.ropes]
+    pairs = neighbours(recording, placed, group.accounts())
     header = ["rope", *(f"{name} [{unit}]" for name, (unit, _) in COLUMNS.items())]
     _write(out / "ropes.csv", header, ([name, *values.values()] for name, values in rows.items()))
     _write(out / "neighbours.csv", _NEIGHBOURS, (_pair(pair) for pair in pairs))
@@ -99,11 +101,17 @@ def _ropes(options: argparse.Namespace) -> int:
     return 0 if result.completed else 1
 
 
-_NEIGHBOURS = ["one", "other", "clearance [m]", "time [s]", "x [m]", "y [m]", "z [m]"]
+_NEIGHBOURS = [
+    *("one", "other", "clearance [m]", "time [s]", "x [m]", "y [m]", "z [m]"),
+    *("largest force [N]", "force time [s]", "force x [m]", "force y [m]", "force z [m]"),
+    *("dissipated [J]", "made by the steps [J]"),
+]
 
 
 def _pair(pair: Neighbours) -> list[object]:
-    return [pair.one, pair.other, pair.nearest.clearance, pair.nearest.t, *pair.nearest.place]
+    a = pair.account
+    force = [] if a is None else [a.peak, a.peak_t, *a.peak_place, a.dissipated, a.made]
+    return [pair.one, pair.other, pair.nearest.clearance, pair.nearest.t, *pair.nearest.place, *force]
 
 
 def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
@@ -132,6 +140,21 @@ def _summary(
     for pair in pairs:
         near, (x, y, z) = pair.nearest, pair.nearest.place
         text = f"{near.clearance:.4g} m at t = {near.t:.4g} s, x = {x:.3g} m, y = {y:.4g} m, z = {z:.3g} m"
-        text += "" if near.clearance > 0.0 else ": they touch, and each went on as if alone"
+        text += ": they touch, and each went on as if alone" if near.clearance <= 0.0 and pair.account is None else ""
         told.append(SummaryRow("Smallest clearances between ropes", f"{pair.one}, {pair.other}", text))
-    return told
+    return told + [row for pair in pairs for row in _pressed(pair)]
+
+
+def _pressed(pair: Neighbours) -> list[SummaryRow]:
+    """What two ropes did to each other."""
+    account = pair.account
+    if account is None or account.peak == 0.0:
+        return []
+    subject, (x, y, z) = f"{pair.one} on {pair.other}", account.peak_place
+    place = f"{account.peak:.4g} N at t = {account.peak_t:.4g} s, x = {x:.3g} m, y = {y:.4g} m, z = {z:.3g} m"
+    return [
+        SummaryRow(subject, "largest force", place),
+        SummaryRow(subject, "dissipated", account.dissipated, "J"),
+        SummaryRow(subject, "made by the steps, no physics", account.made, "J"),
+        SummaryRow(subject, "law of contact missed by, of the force", account.missed, "1"),
+    ]

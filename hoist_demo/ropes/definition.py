@@ -19,14 +19,14 @@ from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRo
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, described, rope_data
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
-from hoist_demo.cosimulation.participants.rope_plant import RopePlant
+from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.parameters import Hoist
 from hoist_demo.ropes.table import READ
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Value
 from hoist_demo.study.provenance import Known, of_host, of_rope
 from hoist_demo.study.reading import StudyError, flat, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build
-from rope_model import Level, Scene
+from rope_model import Level, Neighbours, Scene
 
 _TABLES = {"ropes": dict, "fixed": dict, "rope": list}
 _PLACE = ("x_left", "x_right", "z")
@@ -44,7 +44,7 @@ class OneRope:
     breaks: Break | None
     given: Mapping[str, str]  # where each value that is set comes from, by name
 
-    def plant(self) -> RopePlant:
+    def plant(self) -> WholeRope:
         """The rope to be wound."""
         rope, data = InProcessRope(self.scene, READ), self.scene.rope
         if self.breaks is None:
@@ -66,7 +66,17 @@ class Ropes:
 
     def group(self) -> RopeGroup:
         """All ropes as one."""
-        return RopeGroup([Member(rope.name, rope.plant(), rope.place) for rope in self.ropes])
+        members = [(rope, rope.plant()) for rope in self.ropes]
+        group = [Member(rope.name, plant, rope.place) for rope, plant in members]
+        if not self.touching:
+            return RopeGroup(group)
+        neighbours = Neighbours([rope.scene for rope in self.ropes], [rope.place.origin for rope in self.ropes])
+        return RopeGroup(group, TouchingRopes([plant for _, plant in members], neighbours))
+
+    @property
+    def touching(self) -> bool:
+        """Whether the ropes press each other."""
+        return self.ropes[0].scene.shaft.contact.rope_stiffness > 0.0
 
     @property
     def hoist(self) -> Hoist:
@@ -111,6 +121,13 @@ def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
     found = tuple(rope for rope in ropes if rope is not None)
     names = [rope.name for rope in found]
     problems += [f"name = {name!r} must be given once: name each rope" for name in {*names} if names.count(name) > 1]
+    if found and found[0].scene.shaft.contact.rope_stiffness > 0.0:
+        problems += [
+            f"{rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with "
+            f"contact.rope_stiffness > 0: choose one, ropes press each other out of plane"
+            for rope in found
+            if rope.scene.model.fidelity not in ("torsional", "spatial")
+        ]
     if problems:
         raise StudyError(path, problems)
     return Ropes(run=run, ropes=found, given=given, **head)
@@ -137,7 +154,7 @@ def _read_rope(
                 f"{name}: {key} = {value!r} must be a number: give it in {'s' if key == 'breaks_at' else 'm'}"
             )
     for key in values:
-        if key.partition(".")[0] in (*SECTIONS, "controller"):
+        if key.partition(".")[0] in (*SECTIONS, "controller", "contact"):
             problems.append(f"{name}: {key} must be the same for all ropes: set it in [fixed]")
     if len(numbers.keys() & set(_BREAK)) == 1:
         problems.append(f"{name}: breaks_at and breaks_s must stand together: give both or none")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -11,7 +11,7 @@ import numpy as np
 from hoist_demo.cosimulation.participants.rope_group import SUMS, Place
 from hoist_demo.recording.neighbours import Nearest, nearest
 from hoist_demo.recording.time_series import Array, Recording
-from rope_model import SIGNALS
+from rope_model import SIGNALS, Account
 
 READ = frozenset(
     name
@@ -38,11 +38,12 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Two ropes, and where they came nearest to each other."""
+    """Two ropes, where they came nearest to each other, and what they did to each other if they may."""
 
     one: str
     other: str
     nearest: Nearest
+    account: Account | None
 
 
 def row(recording: Recording, name: str) -> dict[str, float]:
@@ -61,7 +62,9 @@ def row(recording: Recording, name: str) -> dict[str, float]:
     }
 
 
-def neighbours(recording: Recording, ropes: Sequence[tuple[str, Place, float]]) -> list[Neighbours]:
+def neighbours(
+    recording: Recording, ropes: Sequence[tuple[str, Place, float]], accounts: Mapping[tuple[str, str], Account]
+) -> list[Neighbours]:
     """All pairs of ropes with name, place and diameter [m]; a broken rope has no shape any more."""
     every = max(1, round(LOOKED_AT / (recording.time[1] - recording.time[0]))) if recording.time.size > 1 else 1
     times = recording.time[::every]
@@ -70,11 +73,11 @@ def neighbours(recording: Recording, ropes: Sequence[tuple[str, Place, float]]) 
     for (one, _, thick), (other, _, thin) in combinations(ropes, 2):
         whole = np.isfinite(shapes[one]).all(axis=(1, 2)) & np.isfinite(shapes[other]).all(axis=(1, 2))
         near = nearest(times[whole], shapes[one][whole], shapes[other][whole], 0.5 * (thick + thin))
-        found.append(Neighbours(one, other, near))
+        found.append(Neighbours(one, other, near, accounts.get((one, other))))
     return found
 
 
 def _shape(recording: Recording, name: str, place: Place) -> Array:
     """Points of a rope in the shaft, (rows, points, 3) [m]; x from half-way between the conveyances' centres."""
     axes = [np.array([recording[f"{name}.shape.{axis}[{i + 1}]"] for i in range(POINTS)]).T for axis in "xyz"]
-    return np.stack([axes[0] + 0.5 * (place.x_left + place.x_right), axes[1], axes[2] + place.z], axis=-1)
+    return np.stack(axes, axis=-1) + place.origin

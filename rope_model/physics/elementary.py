@@ -88,7 +88,9 @@ def less(x: Any, y: Any) -> Any:
 
 def sign(x: Any) -> Any:
     """1 with the sign of ``x``."""
-    return math.copysign(1.0, x) if isinstance(x, float) else ca.copysign(1.0, x)
+    if isinstance(x, float):
+        return math.copysign(1.0, x)
+    return np.copysign(1.0, x) if isinstance(x, np.ndarray) else ca.copysign(1.0, x)
 
 
 def dot(a: Any, b: Any) -> Any:

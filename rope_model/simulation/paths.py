@@ -68,6 +68,17 @@ class EndMotion:
         z, vz = quintic.extrapolate(self.z, self.vz, self.az, h)
         return EndMotion(x, y, z, vx, vy, vz, *self.acceleration, self.yaw + self.yaw_rate * h, self.yaw_rate)
 
+    def on_the_way(self, to: EndMotion, h: float, after: float) -> EndMotion:
+        """The motion ``after`` so many seconds, on quintics to a motion ``h`` seconds later."""
+        starts = *zip(self.position, self.velocity, self.acceleration, strict=True), (self.yaw, self.yaw_rate, 0.0)
+        stops = *zip(to.position, to.velocity, to.acceleration, strict=True), (to.yaw, to.yaw_rate, 0.0)
+        motions = [
+            quintic.rates(quintic.coefficients(h, *start, *stop), after)
+            for start, stop in zip(starts, stops, strict=True)
+        ]
+        (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_rate, _) = motions
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
+
     @property
     def position(self) -> tuple[float, float, float]:
         """x, y, z, m."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..physics import hermite
 from ..physics.point_forces import part_of_time
-from .rope_system import POSITION, SLOPE, Array
+from .rope_system import ANGLE, POSITION, SLOPE, Array
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,8 @@ def elements_at(s: Array, lengths: Array) -> tuple[Array, Array]:
 
 def at_places(x: Array, elements: Array, shares: Array) -> Array:
     """(n, 3): what rows (nodes, 6 or more) of r, r' have there."""
-    a, b = x[elements], x[elements + 1]
-    parts = (a[:, POSITION], a[:, SLOPE], b[:, POSITION], b[:, SLOPE])
-    found: Array = sum(share[:, None] * part for share, part in zip(shares, parts, strict=True))
+    ends = np.concatenate((x[elements, :ANGLE], x[elements + 1, :ANGLE]), axis=1).reshape(-1, 4, 3)
+    found: Array = np.einsum("kn,nki->ni", shares, ends)
     return found
 
 

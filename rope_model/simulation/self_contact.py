@@ -7,7 +7,7 @@ is then a few looks.  Nothing is remembered: the state has no part in it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from .rope_kernels import RopeKernels
 from .rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
-_UPPER = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
+TANGENT_ENTRIES = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 #: from the number of an element to those of its nodes, of two elements
 _ENDS = np.array([0, 1, 0, 1])
 
@@ -46,7 +46,7 @@ class RopeTouches:
         self._shares = np.array([x.shares for x in found]).reshape(-1, 4, 2)
         self._weights = np.array([x.weight for x in found])
         self._forces = np.array([x.touch.force for x in found]).reshape(-1, 3)
-        self._tangents = np.array([x.touch.tangent for x in found]).reshape(-1, 6)[:, _UPPER]
+        self._tangents = np.array([x.touch.tangent for x in found]).reshape(-1, 6)[:, TANGENT_ENTRIES]
         self._sums = np.array([x.touch.sums for x in found]).reshape(-1, len(SUMS))
 
     def sums(self) -> dict[str, float]:
@@ -86,7 +86,9 @@ def touches_of(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: 
             shares = hermite.shares((k + 0.5) / number, l[e])
             point = _at(rows, e, shares, 0)
             near = sorted(_nearest(rows, l[o], o, point) for o in others)
-            for other, xi in _strands((x for x in near if x[0] < diameter), start, l, APART * diameter):
+            touching = [(o, xi) for distance, o, xi in near if distance < diameter]
+            for n in strands([start[o] + xi * l[o] for o, xi in touching], APART * diameter):
+                other, xi = touching[n]
                 partner = hermite.shares(xi, l[other])
                 apart = _difference(point, _at(rows, other, partner, 0))
                 speed = _difference(_at(rows, e, shares, 6), _at(rows, other, partner, 6))
@@ -182,16 +184,13 @@ def _near(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int
     return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
 
 
-def _strands(
-    near: Iterable[tuple[float, int, float]], start: list[float], l: list[float], reach: float
-) -> Iterator[tuple[int, float]]:
-    """Elements and where in them of ``near``, nearest first: each ``reach`` or more along the rope from the others."""
-    taken: list[float] = []
-    for _, other, xi in near:
-        s = start[other] + xi * l[other]
-        if len(taken) < MOST_STRANDS and all(abs(s - before) >= reach for before in taken):
-            taken.append(s)
-            yield other, xi
+def strands(s: list[float], reach: float) -> list[int]:
+    """Which of the places ``s``, nearest first, are of strands of their own: ``reach`` or more from those before."""
+    taken: list[int] = []
+    for n, place in enumerate(s):
+        if len(taken) < MOST_STRANDS and all(abs(place - s[before]) >= reach for before in taken):
+            taken.append(n)
+    return taken
 
 
 def _at(rows: list[list[float]], element: int, shares: tuple[float, ...], first: int) -> tuple[float, float, float]:

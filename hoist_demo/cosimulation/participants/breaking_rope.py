@@ -21,8 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.partners import ENDS
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
+from hoist_demo.cosimulation.participants.touching_ropes import WholeRope
 from hoist_demo.parameters import GRAVITY
+from rope_model import BalanceRope
 
 _NOTHING = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fz", "mx", "my", "mz"))
 
@@ -69,13 +71,18 @@ class Piece:
 class BreakingRope:
     """A RopePlant that breaks; `mass` per length [kg/m] and `length` [m] are the rope's."""
 
-    def __init__(self, rope: RopePlant, mass: float, length: float, at: Break) -> None:
+    def __init__(self, rope: WholeRope, mass: float, length: float, at: Break) -> None:
         if not 0.0 <= at.s <= length:
             raise ValueError(f"breaks_s = {at.s:g} m must be within 0 and rope.length = {length:g} m: move it there")
         self._rope, self._mass, self._length, self._at = rope, mass, length, at
         self._ends: tuple[EndMotion, EndMotion] = (EndMotion(), EndMotion())
         self._pieces: tuple[Piece, Piece] | None = None
         self._shown: dict[str, float] = {}
+
+    @property
+    def whole(self) -> BalanceRope | None:
+        """The rope until it breaks."""
+        return self._rope.whole if self._pieces is None else None
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Hang the whole rope."""

@@ -22,7 +22,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stam
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
 from hoist_demo.parameters.quantity import units_of
 from hoist_demo.recording.fidelity import FIDELITY, code_of
-from rope_model import SIGNALS, Level, RopeState, Scene, Shaft, Snapshot, Status, at_level, balance_rope
+from rope_model import SIGNALS, BalanceRope, Level, RopeState, Scene, Shaft, Snapshot, Status, at_level, balance_rope
 from rope_model import EndMotion as RopeEndMotion
 
 _log = logging.getLogger(__name__)
@@ -45,6 +45,11 @@ class InProcessRope:
         self._rope = balance_rope(scene)
         self._told = None if read is None else tuple(name for name in SIGNALS if name in read)
         self._warned: set[str] = set()  # subjects of what was logged
+
+    @property
+    def whole(self) -> BalanceRope:
+        """The rope itself."""
+        return self._rope
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Find the hanging shape at t0 [s]."""

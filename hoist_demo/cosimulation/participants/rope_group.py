@@ -7,6 +7,8 @@ yaw psi, moves the rope's end by its own motion and by
 
 and the rope's force f and moment m act on it, about its centre, as f and m + p' x f. Of both all ropes' are added up.
 psi'' is the change of psi' over the step.
+
+Ropes that may press each other step together (touching_ropes).
 """
 
 from __future__ import annotations
@@ -21,13 +23,17 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.partners import ENDS
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
+from hoist_demo.cosimulation.participants.touching_ropes import MEANS, TouchingRopes
 from hoist_demo.parameters import Hoist
+from rope_model import Account
 
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
 _PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))
 """What is added up as it is."""
 SUMS = (*_ACTIONS, *_PLAIN)
 """Signals of the group: those of all its ropes together, moments about the conveyances' centres."""
+CONTACT_ENERGIES = tuple(f"neighbours.{name}" for name in ("energy", "work", "dissipated", "made"))
+"""Of ropes that press each other: stored, done on them, dissipated, and made by the steps [J]."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +43,11 @@ class Place:
     x_left: float = 0.0  # m, in the plane of the loops, from the left conveyance's centre
     x_right: float = 0.0  # m, from the right one's
     z: float = 0.0  # m, out of plane, of both
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """What the rope counts its places from, x from half-way between the conveyances' centres [m]."""
+        return 0.5 * (self.x_left + self.x_right), 0.0, self.z
 
     def at(self, end: str) -> tuple[float, float]:
         """x and z of an end [m]."""
@@ -53,30 +64,38 @@ class Member:
 
 
 class RopeGroup:
-    """A RopePlant of several; signals of a member begin with its name."""
+    """A RopePlant of several; signals of a member begin with its name. With `touching` they press each other."""
 
-    def __init__(self, members: Sequence[Member]) -> None:
+    def __init__(self, members: Sequence[Member], touching: TouchingRopes | None = None) -> None:
         names = [member.name for member in members]
         if not names or len({*names}) < len(names):
             raise ValueError(f"the ropes' names {', '.join(names)} must be different: name each rope")
         self.members = tuple(members)
         self._rates = (0.0, 0.0)  # of the conveyances' yaw, at the last instant
         self._yaws = (0.0, 0.0)
+        self.touching, self._placed = touching, list[tuple[EndMotion, EndMotion]]()  # where the ropes' ends are
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """All ropes hang at t0 [s]."""
         self._keep(left, right)
-        return self._all([m.rope.initialize(t0, *self._ends(m.place, 0.0, left, right)) for m in self.members])
+        self._placed = [self._ends(m.place, 0.0, left, right) for m in self.members]
+        if self.touching is not None:
+            return self._all(self.touching.initialize(t0, self._placed))
+        return self._all([m.rope.initialize(t0, *ends) for m, ends in zip(self.members, self._placed, strict=True)])
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
         """Advance all to t + h [s]."""
         ends = [self._ends(m.place, h, left, right) for m in self.members]
         self._keep(left, right)
+        before, self._placed = self._placed, ends
+        if self.touching is not None:
+            return self._all(self.touching.step(t, h, before, ends))
         return self._all([m.rope.step(t, h, *pair) for m, pair in zip(self.members, ends, strict=True)])
 
     def signals(self) -> dict[str, float]:
         """SUMS, and each member's signals under its name; the added masses are dear, and read on demand."""
         names = [name for name in SUMS if not name.endswith("added_mass")]
+        names += [*self._contact()]
         names += [f"{m.name}.{name}" for m in self.members for name in m.rope.signals()]
         return dict(zip(names, self.reader(names)().tolist(), strict=True))
 
@@ -87,19 +106,20 @@ class RopeGroup:
         summed = [*_ACTIONS, *plain] if asked.intersection(SUMS) else []
         own = [[n.removeprefix(f"{m.name}.") for n in names if n.startswith(f"{m.name}.")] for m in self.members]
         readers = [m.rope.reader([*summed, *part]) for m, part in zip(self.members, own, strict=True)]
-        shown = [*summed, *(f"{m.name}.{n}" for m, part in zip(self.members, own, strict=True) for n in part)]
+        contact = [*self._contact()]
+        shown = [*contact, *summed, *(f"{m.name}.{n}" for m, part in zip(self.members, own, strict=True) for n in part)]
         places = {name: k for k, name in enumerate(shown)}
         order = [places.get(name, len(shown)) for name in names]
 
         def read() -> NDArray[np.float64]:
-            values = [r() for r in readers]
+            values = [self._over_parts(k, summed, r()) for k, r in enumerate(readers)]
             total = np.zeros(len(summed))
             for member, one in zip(self.members, values, strict=True):
                 if summed:
                     total += one[: len(summed)]
                     total[: len(_ACTIONS)] += _moments(one, member.place, self._yaws)
             parts = [one[len(summed) :] for one in values]
-            return np.concatenate([total, *parts, [math.nan]])[order]
+            return np.concatenate([[*self._contact().values()], total, *parts, [math.nan]])[order]
 
         return read
 
@@ -107,16 +127,21 @@ class RopeGroup:
         """Unit of each signal."""
         first = self.members[0].rope.units()
         units = {name: first.get(name, "") for name in SUMS}
+        units |= {name: "N" if name.endswith(".force") else "J" for name in self._contact()}
         return units | {f"{m.name}.{name}": unit for m in self.members for name, unit in m.rope.units().items()}
 
     def save(self) -> Any:
         """All ropes' snapshots; None where one of them cannot."""
         kept = [m.rope.save() for m in self.members]
-        return None if any(one is None for one in kept) else (kept, self._rates, self._yaws)
+        contact = None if self.touching is None else self.touching.save()
+        own = self._rates, self._yaws, self._placed, contact
+        return None if any(one is None for one in kept) else (kept, own)
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a snapshot."""
-        kept, self._rates, self._yaws = snapshot
+        kept, (self._rates, self._yaws, self._placed, contact) = snapshot
+        if self.touching is not None:
+            self.touching.restore(contact)
         for member, one in zip(self.members, kept, strict=True):
             member.rope.restore(one)
 
@@ -137,6 +162,31 @@ class RopeGroup:
         """Free all ropes."""
         for member in self.members:
             member.rope.close()
+
+    def accounts(self) -> dict[tuple[str, str], Account]:
+        """What happened between each two ropes that may press each other."""
+        found = {} if self.touching is None else self.touching.neighbours.contacts.accounts
+        return {(self.members[i].name, self.members[j].name): account for (i, j), account in found.items()}
+
+    def _contact(self) -> dict[str, float]:
+        """Signals of all that press each other."""
+        if self.touching is None:
+            return {}
+        accounts = self.accounts()
+        forces = {f"neighbours.{one}.{other}.force": account.pressure for (one, other), account in accounts.items()}
+        sums = (
+            np.array([(x.energy, x.work, x.dissipated, x.made) for x in accounts.values()]).reshape(-1, 4).sum(axis=0)
+        )
+        return forces | dict(zip(CONTACT_ENERGIES, sums.tolist(), strict=True))
+
+    def _over_parts(self, k: int, summed: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What was read of a rope, its mean forces those of the whole step where it was halved."""
+        means = self.touching.means[k] if self.touching is not None and self.touching.means else None
+        if means is not None:
+            for name, mean in zip(MEANS, means, strict=True):
+                if name in summed:
+                    values[summed.index(name)] = mean
+        return values
 
     def _keep(self, left: EndMotion, right: EndMotion) -> None:
         self._yaws, self._rates = (left.yaw, right.yaw), (left.yaw_rate, right.yaw_rate)

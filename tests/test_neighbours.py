@@ -1,0 +1,262 @@
+"""Ropes side by side that press each other: the law, action and reaction, balances, a wall midway, groups."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from numpy.typing import NDArray
+
+from evidence.contact.crossed import exact_force
+from rope_model import BalanceRope, EndMotion, Neighbours, balance_rope
+from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
+from rope_model.physics.contact import ONSET
+from rope_model.physics.outline import enclosing_box
+from rope_model.shaft_parameters import Air, Contact, Lining, Shaft
+from rope_model.simulation.pair_contact import Pair, Rows, rows_of
+
+Array = NDArray[np.float64]
+D, K, GAP = Rope().diameter, 1e6, 0.3
+SCENE = Scene(
+    rope=Rope(length=6.0, EI=100.0),
+    layout=Layout(0.6),
+    mesh=Mesh("eem", elements=16),
+    solver=Solver(step_max=0.01, tolerance=1e5),
+    shaft=Shaft(contact=Contact(rope_stiffness=K)),
+)
+
+
+class Alone:
+    """A rope whose ends rest, as a partner."""
+
+    def __init__(self, rope: BalanceRope) -> None:
+        self.rope: BalanceRope | None = rope
+        self.steps = 0
+        self._kept = rope.snapshot()
+        self._until = 0.0
+
+    def begin(self, t: float, h: float) -> None:
+        assert self.rope is not None
+        self._kept, self._until = self.rope.snapshot(), t + h
+
+    def go(self) -> bool:
+        assert self.rope is not None
+        return self.rope.advance_to(self._until, EndMotion(), EndMotion()).valid
+
+    def back(self) -> None:
+        assert self.rope is not None
+        self.rope.restore(self._kept)
+
+    def accept(self) -> None:
+        self.steps += 1
+
+
+def swinging(scene: Scene, speed: float) -> BalanceRope:
+    """A rope at rest, the middle of which moves out of plane."""
+    rope = balance_rope(scene, "native")
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    state = rope.state
+    v, x = state.motion.v.copy(), math.pi * state.partition.nodes_s / scene.rope.length
+    v[:, 2], v[:, 5] = speed * np.sin(x) ** 2, speed * np.sin(2.0 * x) * math.pi / scene.rope.length
+    v[-1] = 0.0
+    rope.restore(state._replace(motion=replace(state.motion, v=v)))
+    return rope
+
+
+def striking(h: float, **law: float) -> tuple[Neighbours, list[BalanceRope]]:
+    """Two equal ropes that have swung against each other for 0.3 s."""
+    scene = SCENE.with_(shaft=Shaft(contact=Contact(rope_stiffness=K, **law)))
+    ropes = [swinging(scene, speed) for speed in (1.0, -1.0)]
+    neighbours = Neighbours([scene, scene], [(0.0, 0.0, -0.5 * GAP), (0.0, 0.0, 0.5 * GAP)])
+    neighbours.begin(0.0, ropes)
+    partners = [Alone(rope) for rope in ropes]
+    for k in range(round(0.3 / h)):
+        assert neighbours.step(k * h, h, partners)
+    return neighbours, ropes
+
+
+# the law between two
+
+
+def straight(points: Array, tangents: Array, s: Array) -> Rows:
+    q = np.hstack((points, tangents))
+    lengths = np.diff(s)
+    return Rows(s, q, 0.0 * q, lengths, np.array(enclosing_box(lengths, q[:-1].T, q[1:].T)))
+
+
+def strand(angle: float, y: float, z: float) -> tuple[Array, Array]:
+    """Nodes of a string of 2 m in the plane of ``z``."""
+    tangent = np.array([math.cos(angle), math.sin(angle), 0.0])
+    return np.outer((-1.0, 0.0, 1.0), tangent) + np.array([0.0, y, z]), np.tile(tangent, (3, 1))
+
+
+S = np.array([0.0, 1.0, 2.0])
+STRINGS = SCENE.with_(rope=Rope(length=2.0))
+
+
+@pytest.mark.parametrize(("degrees", "off"), [(90, 0.03), (30, 2e-3), (5, 1e-4)])
+def test_the_force_of_crossing_strings_is_the_integral_of_the_law(degrees: float, off: float) -> None:
+    """``off`` is by how much the spacing of the places shows, as it does in a rope's contact with itself."""
+    angle, gap = math.radians(degrees), 0.85 * D
+    one, other = straight(*strand(0.0, 0.0, 0.0), S), straight(*strand(angle, 0.003, gap), S)
+    found = Pair(STRINGS, STRINGS).pressing(one, other, np.array([1.0, 0.0]))
+    assert found.force.sum(axis=0)[2] == pytest.approx(-exact_force(gap, math.sin(angle)), rel=off)
+
+
+def test_a_rope_feels_both_strands_of_the_other() -> None:
+    one = straight(*strand(0.0, 0.0, 0.0), S)
+    upper, lower = strand(0.0, 0.0, 0.8 * D), strand(math.pi, 0.8 * D, 0.0)
+    other = straight(*(np.concatenate(x) for x in zip(upper, lower, strict=True)), np.array([0, 1, 2, 9, 10, 11.0]))
+    force = Pair(STRINGS, STRINGS).pressing(one, other, np.array([1.0, 0.0])).force.sum(axis=0)
+    pressed, onset = 0.2 * D, ONSET * D
+    each = 2.0 * K * (pressed - 0.5 * onset)
+    # what joins the strands goes on along them, and presses within a diameter of their ends
+    assert_allclose(force, [0.0, -each, -each], atol=D * each)
+
+
+# two that strike
+
+
+@pytest.mark.parametrize("h", [0.01, 0.002])
+def test_what_ropes_that_strike_lose_is_what_their_contact_books(h: float) -> None:
+    neighbours, ropes = striking(h)
+    account = neighbours.contacts.accounts[0, 1]
+    work = sum(rope.state.energy_balance.work_ends for rope in ropes)  # their ends rest
+    assert account.work < -2.0
+    # the ropes book by their own steps, which they may halve
+    assert work == pytest.approx(account.work, rel=0.03 if h > 0.005 else 1e-4)
+    assert account.missed < 2e-4
+    balance = account.work + account.energy + account.dissipated - account.made
+    assert balance == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_the_steps_make_falls_with_them() -> None:
+    long, short = (abs(striking(h)[0].contacts.accounts[0, 1].made) for h in (0.01, 0.0005))
+    # of 18 J in their swing
+    assert long < 0.04 * 18.0
+    assert short < 0.1 * long
+
+
+def test_two_that_swing_against_each_other_move_as_one_against_a_wall_midway() -> None:
+    """The wall is twice as stiff, for it is pressed half as deep."""
+    h, wide = 0.001, 40.0
+    _, ropes = striking(h, friction=0.0)
+    wall = Lining(width=wide, depth=wide, z=0.5 * GAP - 0.5 * wide)
+    contact = Contact(stiffness=2.0 * K, friction=0.0, damping=2.0 * Contact().damping)
+    alone = swinging(SCENE.with_(shaft=Shaft(contact=contact, lining=wall)), 1.0)
+    for k in range(round(0.3 / h)):
+        assert alone.advance_to((k + 1) * h, EndMotion(), EndMotion()).valid
+    z, rebounded = ropes[0].rows()[:, 3], alone.rows()[:, 3]
+    assert np.abs(z).max() > 0.1
+    # the law begins softly within a part of the diameter, which the wall has twice
+    assert_allclose(z, rebounded, atol=0.02 * np.abs(z).max())
+    free = swinging(SCENE.with_(shaft=Shaft()), 1.0)
+    assert free.advance_to(0.3, EndMotion(), EndMotion()).valid
+    assert np.abs(free.rows()[:, 3] - z).max() > 0.05
+
+
+def test_fast_ropes_do_not_pass_through_each_other() -> None:
+    """In a step of 20 ms they come nearer by two diameters."""
+    scene = SCENE.with_(solver=Solver(step_max=0.02, tolerance=1e5))
+    ropes = [swinging(scene, speed) for speed in (2.2, -2.2)]
+    neighbours = Neighbours([scene, scene], [(0.0, 0.0, -0.5 * GAP), (0.0, 0.0, 0.5 * GAP)])
+    neighbours.begin(0.0, ropes)
+    partners = [Alone(rope) for rope in ropes]
+    for k in range(10):
+        assert neighbours.step(0.02 * k, 0.02, partners)
+    assert neighbours.contacts.accounts[0, 1].peak > 100.0
+    assert ropes[0].rows()[8, 3] - ropes[1].rows()[8, 3] < GAP
+
+
+def test_a_wind_that_presses_one_rope_on_the_other_pulls_at_both() -> None:
+    h, steps, mass = 0.02, 150, Rope().mass_per_length
+    still, blown = (
+        SCENE.with_(shaft=Shaft(contact=Contact(rope_stiffness=K), air=Air(1.2, vz=speed))) for speed in (0.0, 12.0)
+    )
+    ropes, neighbours = crossing([still, still], 1.5 * D)
+    ropes[0].retune(blown)
+    partners, impulse, pull = [Alone(rope) for rope in ropes], 0.0, 0.0
+    for k in range(steps):
+        assert neighbours.step(k * h, h, partners)
+        impulse -= h * neighbours.contacts.forces[0, 1].force.sum(axis=0)[2]
+        pull += h * sum(ropes[1].signals(["left.fz", "right.fz"]).values())
+    rows = ropes[1].rows()
+    momentum = mass * float(np.diff(rows[:, 0]) @ (0.5 * (rows[1:, 9] + rows[:-1, 9])))
+    assert impulse > 5.0
+    # the one in the lee feels hardly more than the contact; the sums are those of the steps' ends
+    assert pull + momentum == pytest.approx(impulse, rel=0.05)
+
+
+def crossing(scenes: list[Scene], apart: float) -> tuple[list[BalanceRope], Neighbours]:
+    """Two ropes at rest whose loops cross, seen from the side."""
+    ropes = [swinging(scene, 0.0) for scene in scenes]
+    neighbours = Neighbours(scenes, [(0.0, 0.0, 0.0), (0.3, 0.0, apart)])
+    neighbours.begin(0.0, ropes)
+    return ropes, neighbours
+
+
+# where they begin, and what is kept
+
+
+def test_ropes_that_hang_into_each_other_are_led_apart_gently() -> None:
+    ropes, neighbours = crossing([SCENE, SCENE], 0.5 * D)
+    partners = [Alone(rope) for rope in ropes]
+    # they hang in parallel planes, yawed a little by their coupling
+    assert neighbours.contacts.insets[0, 1] == pytest.approx(0.5 * D, rel=0.02)
+    for k in range(100):
+        assert neighbours.step(0.01 * k, 0.01, partners)
+    rows = [rows_of(rope, np.array(origin)) for rope, origin in zip(ropes, ((0, 0, 0), (0.3, 0, 0.5 * D)), strict=True)]
+    assert Pair(SCENE, SCENE).inset(*rows) < 0.05 * D
+    assert sum(rope.state.energy_balance.kinetic for rope in ropes) < 0.05
+
+
+def test_a_state_that_is_gone_back_to_leads_on_bit_by_bit() -> None:
+    neighbours, ropes = striking(0.02)
+    saved, contacts = [rope.snapshot() for rope in ropes], neighbours.contacts
+    ends = []
+    for _ in range(2):
+        for rope, kept in zip(ropes, saved, strict=True):
+            rope.restore(kept)
+        neighbours.contacts = contacts
+        partners = [Alone(rope) for rope in ropes]
+        for k in range(5):
+            assert neighbours.step(0.3 + 0.02 * k, 0.02, partners)
+        ends.append((ropes[0].rows(), neighbours.contacts.accounts[0, 1]))
+    assert_array_equal(ends[0][0], ends[1][0])
+    assert ends[0][1] == ends[1][1]
+
+
+def test_a_rope_that_hangs_in_pieces_presses_no_more() -> None:
+    neighbours, ropes = striking(0.01)
+    partners: list[Any] = [Alone(rope) for rope in ropes]
+    at = 0.3
+    while not neighbours.contacts.forces[0, 1].number.size:
+        assert neighbours.step(at, 0.01, partners)
+        at += 0.01
+        assert at < 3.0
+    partners[1] = Gone()
+    for k in range(3):
+        assert neighbours.step(at + 0.01 * k, 0.01, partners)
+    assert neighbours.contacts.forces[0, 1].number.size == 0
+
+
+class Gone:
+    """What is left of a rope."""
+
+    rope = None
+
+    def begin(self, t: float, h: float) -> None:
+        """Nothing."""
+
+    def go(self) -> bool:
+        return True
+
+    def back(self) -> None:
+        """Nothing."""
+
+    def accept(self) -> None:
+        """Nothing."""
