@@ -46,6 +46,8 @@ class Told:
 class Corrected:
     """A system that is solved by Newton's method with a new derivative in every correction."""
 
+    smooth = True
+
     def solve(self: Any, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Told]:
         def corrections() -> Iterator[float]:
             nonlocal q, v, a, reaction

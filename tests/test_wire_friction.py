@@ -14,7 +14,7 @@ from rope_model import EndMotion, balance_rope
 from rope_model.numerics.events import locate
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions
-from rope_model.physics.wire_element import wire_functions
+from rope_model.physics.wire_element import LATEST, wire_functions
 from rope_model.physics.wire_friction import MEMORY, Slid, section_at, slide, slip_curvature, wire_stiffness
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.rope_system import parameter_vector
@@ -168,7 +168,7 @@ def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(fidelity
         z.append(-5.0 * (of_now[3:6] - of_before[3:6]))
         z[-1] -= of_before[:3] * (of_before[:3] @ z[-1])
     H = at_rest(before, np.array(z))
-    H[-3] = 1e3  # 1/m: nothing slides
+    H[-2] = 1e3  # 1/m: nothing slides
 
     def energy(x: Array) -> float:
         q = now.copy()
@@ -186,7 +186,7 @@ def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(fidelity
 def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: ElementFidelity) -> None:
     plain, wires, kept = element_functions(fidelity), wire_functions(fidelity), list(ELEMENT_DOF[fidelity])
     q, still = element_state(fidelity, 3)[:, kept].ravel(), np.zeros(2 * len(kept))
-    stuck = np.array(wires.tangent(q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), 1.0))
+    stuck = np.array(wires.tangent(q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), np.zeros(LATEST), 1.0))
     R, steps = wires.residual, 1e-7 * np.eye(q.size)
     H = at_rest(element_state(fidelity, 3), np.zeros(9))
     slopes = [np.array(R(q + e, 2.0, H) - R(q - e, 2.0, H)).ravel() / 2e-7 for e in steps]
@@ -199,7 +199,7 @@ def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: El
         np.array(plain.tangent(q, still, still, 2.0, F, parameter_vector(replace(ROPE, EI=EI), 9.81), 1.0, 0.0, 0.0)[1])
         for EI in (ROPE.EI_stick, ROPE.EI)
     )
-    added = np.array(wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), 1.0))
+    added = np.array(wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), np.zeros(LATEST), 1.0))
     assert_allclose(added, stiff - soft, atol=1e-9 * np.abs(stiff).max())
 
 
@@ -219,7 +219,7 @@ def test_the_moment_begins_with_all_wires_stuck_and_ends_with_all_of_them_slidin
     for after in k[1:]:
         q = arc(small * after)
         H = now[0].copy()
-        H[-3] *= small
+        H[-2] *= small
         moments.append(float(np.array(wires.residual(q.ravel(), 2.0, H))[NODE_DOF + 4, 0]) / small + ROPE.EI * after)
         z = slip(H[None], q, lengths).z
         now = history(ROPE, q, lengths, z, np.zeros((1, 2)))
@@ -290,6 +290,26 @@ def test_both_forms_agree() -> None:
     assert_allclose(one.hysteresis, other.hysteresis, atol=1e-8 * np.abs(one.hysteresis).max() + 1e-9)
     assert_allclose(one.energy_balance, other.energy_balance, atol=1e-5)
     assert other.energy_balance.dissipated_wires > 0.05
+
+
+def test_both_forms_take_the_same_steps() -> None:
+    """Also where errors halve them."""
+    of, states = scene(), []
+    strict = replace(of, solver=replace(of.solver, tolerance=1.0, newton_tolerance=1e-8))
+    for form in ("python", "native"):
+        states.append(wound(strict, form, 12, 0.02).state)
+    one, other = states
+    assert one.counts == other.counts
+    assert one.counts.steps > 24
+    assert_allclose(one.errors.place, other.errors.place, rtol=1e-6)
+    assert_allclose(one.errors.squares, other.errors.squares, rtol=1e-6)
+
+
+def test_a_step_takes_few_corrections() -> None:
+    """Each with a factorization of its own: two where wires go on as they did, more where some begin to slide."""
+    counts = wound(scene(EI=74.0, EI_stick=2.4e4), "native", 200).state.counts
+    assert counts.rejections == 0
+    assert counts.newton < 4 * counts.steps
 
 
 @pytest.mark.parametrize("form", ["python", "native"])

@@ -29,8 +29,7 @@ FEW = 3
 #: function: products and quotients of real numbers, calls of libm; and what they are
 ARITHMETIC = {
     # places of arrays in memory
-    "with_memory": (13, 0),
-    "solve_rubbing": (4, 0),
+    "with_memory": (11, 0),
     # places and sums along the rope where it touches something
     "interpolate": (4, 0),
     "own_contact_bytes": (5, 0),
@@ -38,7 +37,7 @@ ARITHMETIC = {
     "length_between": (0, 1),
     "add_rope_balance": (4, 0),
     # sums over nodes, and what is held at the ends
-    "trial_step": (16, 0),
+    "trial_step": (14, 0),
     "system_of": (2, 0),
     "restart": (5, 0),
     "commit": (11, 0),
@@ -72,7 +71,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2460, "C": 3153}
+MOST_LINES = {"Python": 2445, "C": 3137}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(

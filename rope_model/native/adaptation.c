@@ -26,7 +26,7 @@ static void record_energy_change(Simulator *rope, State *state) {
    trial; 0 when there is none, and the state is as it was */
 static int solve_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
-    System s = system_of(rope, state);
+    const System s = system_of(rope, state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
     double balance[BALANCE];
@@ -34,7 +34,8 @@ static int solve_equilibrium(Simulator *rope, State *state, double time, double 
     memcpy(now->v, m.v, bytes);
     memcpy(now->a, m.a, bytes);
     memcpy(now->reaction, m.reaction, bytes);
-    const Progress newton = solve_rubbing(rope, chain_of_state(state), &s, c, tolerance, balance);
+    const Progress newton =
+        chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
     if (newton.status != CONVERGED) return 0;
     slip_wires(rope, state, now->q);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, m.v, m.a, m.b);

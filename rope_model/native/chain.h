@@ -17,7 +17,6 @@ enum {
     AIR_LAW = 7,
     AIR = AIR_LAW + 2 * 4,
     AIR_BALANCE = 7,
-    WIRE_HISTORY = 33,
     CURVED = 13
 };
 /* of physics.element.BALANCE */
@@ -71,8 +70,8 @@ enum { OWN_SCRATCH = 4 };
    elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies,
    own: NULL where the rope does not touch itself.  forces, at `time`: NULL where there are none.
    air: the numbers of physics.air.AirLaw, the first 0 where there is none.  wires: physics.wire_element.HISTORY of each
-   element, NULL where no wires rub; secants: their share in the tangent.  curved: physics.curved_element.CURVED numbers
-   of each element, NULL of a rope without permanent curvature. */
+   element, NULL where no wires rub; latest: WIRE_LATEST of each, where their latest tangent was, scratch as frames are.
+   curved: physics.curved_element.CURVED numbers of each element, NULL of a rope without permanent curvature. */
 typedef struct {
     int elements, free[2][DOF];
     const double *lengths;
@@ -81,7 +80,7 @@ typedef struct {
     OwnContact *own;
     const PointForces *forces;
     const double *wires, *curved;
-    double time, secants, P[PARAMETERS], air[AIR_LAW], load[2], friction_load[2], inertia[2], shortest;
+    double time, *latest, P[PARAMETERS], air[AIR_LAW], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
 typedef struct {
@@ -93,6 +92,9 @@ typedef struct {
     /* q, v, a move until R, the last known reactions on input, is zero where free; v and a follow by c[1], c[2] */
     Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
                       double tolerance, double balance[BALANCE]);
+    /* J x = M a with the J that solve was left with, work as it left it */
+    void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
+                    const double *known, double *x);
     /* J x = -R on the free degrees of freedom */
     void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
                         const double *known, const double c[3], double *x, double *R);

@@ -43,7 +43,9 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     wires = wire_functions(fidelity)
     yield f"{fidelity}_wire_residual", wires.residual
     yield f"{fidelity}_wire_energy", wires.energy
-    yield f"{fidelity}_wire_tangent", _upper_half("wire_tangent", wires.tangent)
+    inputs = wires.tangent.sx_in()
+    tangent = ca.vertcat(_upper_half("wire_tangent", wires.tangent)(*inputs), wires.latest(*inputs[:-1]))
+    yield f"{fidelity}_wire_tangent", ca.Function("wire_tangent", inputs, [ca.cse(tangent)])
     if fidelity == "torsional":
         curved = curved_functions()
         yield "torsional_curved_residual", curved.residual

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import casadi as ca
 
-from ..numerics import generalized_alpha
+from ..numerics import coupled_newton, generalized_alpha, newton
 from ..numerics.program import no_simplification
 from ..parameters import Accuracy, Layout, Rope, Scene
 from ..physics import (
@@ -39,6 +39,7 @@ from ..physics import (
     shaft,
     stress,
     swivel,
+    wire_element,
     wire_friction,
 )
 from ..shaft_parameters import FAR, PARTS
@@ -46,7 +47,6 @@ from ..simulation import audit, ends, mesh_fit, statics, warning_cases
 from ..simulation import shaft as shaft_search
 from ..simulation.audit import Audit
 from ..simulation.paths import EndMotion, EndPath
-from ..simulation.rope_system import SHARES
 from ..simulation.state import EnergyBalance
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
@@ -165,7 +165,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double error_constant)": (accuracy.step_limits),
     "ErrorSums add_errors(const Scene *scene, const ErrorSums *sums, double bottom, double apart, double h, "
     "const double strains[2], double place, double force)": accuracy.add_errors,
-    "double place_error(const StepLimits *limits, double h, double place)": accuracy.place_error,
+    "double step_error(const StepLimits *limits, double h, double place, double strain)": accuracy.step_error,
     "double end_force_error(const Rope *rope, const ErrorSums *sums)": accuracy.end_force_error,
     "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length)": (
         accuracy.loop_error
@@ -195,6 +195,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     air.AirLaw,
     contact.Touch,
     wire_friction.Slid,
+    newton.Rules,
 )
 #: what a formula may take or return whole
 STRUCTURES: dict[str, type[Any]] = {
@@ -231,8 +232,13 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "WIRE_PLACES": element.POINTS,
     "WIRE_WEIGHTS": element.WEIGHTS,
     "WIRE_MEMORY": wire_friction.MEMORY,
-    "SEARCHES": len(SHARES),
-    "SECANT_SHARES": SHARES,
+    "WIRE_HISTORY": wire_element.HISTORY,
+    "WIRE_LATEST": wire_element.LATEST,
+    "NEWTON_SMOOTH": tuple(newton.SMOOTH),
+    "NEWTON_KINKED": tuple(newton.KINKED),
+    "NEWTON_HUGE": newton.HUGE,
+    "GRADIENT_STEPS": coupled_newton.STEPS,
+    "GRADIENT_LEFT": coupled_newton.LEFT,
     "CONTACT_POINTS": len(contact_element.POINTS),
     "CONTACT_PLACES": contact_element.POINTS,
     "CONTACT_WEIGHTS": contact_element.WEIGHTS,

@@ -18,8 +18,9 @@ Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, c
     const size_t nodes = (size_t)elements + 1, size = nodes * DOF;
     const size_t wires = rubs ? (size_t)elements : 0;
     const size_t state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes + WIRE_Z * wires);
-    const size_t wire_bytes = rubs ? align(sizeof(double) * (WIRE_HISTORY * wires + 4 * size)) : 0;
     const size_t curved_bytes = scene->rope.initial_curvature > 0 ? align(sizeof(double) * CURVED * (nodes - 1)) : 0;
+    const size_t wire_bytes =
+        rubs ? align(sizeof(double) * WIRE_HISTORY * wires) + align(sizeof(double) * WIRE_LATEST * (wires + 3)) : 0;
     const size_t bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) +
                          align(sizeof(double) * STRAINS * (size_t)elements) + align(chain_frames_bytes(elements)) +
                          align(chain_work_bytes(elements)) + curved_bytes + wire_bytes + align(sizeof(Surroundings)) +
@@ -59,7 +60,7 @@ Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, c
     if (curved_bytes > 0) rope->curved = (double *)(void *)at;
     at += curved_bytes;
     if (rubs) rope->wires = (double *)(void *)at;
-    if (rubs) rope->kept = rope->wires + WIRE_HISTORY * wires;
+    if (rubs) rope->latest = (double *)(void *)(at + align(sizeof(double) * WIRE_HISTORY * wires));
     rope->around = (Surroundings *)(void *)(at += wire_bytes);
     rope->around->seen = (double *)(void *)(at + align(sizeof(Surroundings)));
     rope->around->seen_lengths = rope->around->seen + size;

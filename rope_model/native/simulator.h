@@ -32,7 +32,7 @@ struct Simulator {
     double *frames;             /* counted from the state, but from what is worked on while it is */
     double *wires;              /* physics.wire_element.HISTORY of the elements, counted as the frames are; or NULL */
     double *curved;             /* physics.curved_element.CURVED of the elements, counted alike; or NULL */
-    double *kept;               /* 4 x nodes x DOF of scratch where there are such */
+    double *latest;             /* of the system, where there are such */
     void *work;                 /* of the chain */
     Surroundings *around;
     OwnContact *own; /* NULL where the rope does not touch itself */
@@ -98,9 +98,6 @@ void refer_wires(Simulator *rope, State *state, const double *q);
 double slip_wires(Simulator *rope, State *state, const double *q);
 /* z goes from the mesh with nodes at old_s to the state's */
 void carry_wires(Simulator *rope, State *state, const double *old_s);
-/* q, v, a and reaction of the trial are solved for: RopeSystem.solve */
-Progress solve_rubbing(Simulator *rope, const Chain *chain, System *s, const double c[3], double tolerance,
-                       double balance[BALANCE]);
 
 /* statics.c: q of the state becomes an equilibrium, reaction its residual; v and a are not looked at.
    0 and a message when there is none, or when theta gains more than most_turn (rad) at the right end on the way */

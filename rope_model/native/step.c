@@ -27,6 +27,7 @@ System system_of(const Simulator *rope, State *state) {
                 .time = state->t,
                 .wires = state->rubs ? rope->wires : NULL,
                 .curved = is_curved(rope, state) ? rope->curved : NULL,
+                .latest = rope->latest,
                 .shortest = x.lengths[0]};
     element_parameters(data, rope->scene.layout.gravity, s.P);
     const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter, rope->scene.layout.spacing);
@@ -86,14 +87,26 @@ void prescribe(const Simulator *rope, const State *state, const System *s, doubl
     }
 }
 
+/* by how much the accelerations of the trial differ from those before it: Solution.resolve */
+static const double *resolved_change(Simulator *rope, const Chain *chain, const System *s, double c_a,
+                                     const double *before) {
+    const Arrays *now = &rope->trial;
+    const size_t size = (size_t)now->nodes * DOF;
+    for (size_t i = 0; i < size; i++) rope->x[i] = now->a[i] - before[i];
+    if (s->wires == NULL) return rope->x;
+    chain->resolve(s, rope->work, now->q, now->v, now->a, rope->x, now->reaction, rope->x);
+    for (size_t i = 0; i < size; i++) rope->x[i] *= c_a;
+    return rope->x;
+}
+
 /* the largest change of a free acceleration, m/s^2 */
-static double largest_change(const System *s, const double *before, const double *a) {
+static double largest_change(const System *s, const double *change) {
     double largest = 0;
-    for (int k = 0; k <= s->elements; k++, a += DOF, before += DOF) {
+    for (int k = 0; k <= s->elements; k++, change += DOF) {
         const int *held = k == 0 ? s->free[LEFT] : k == s->elements ? s->free[RIGHT] : NULL;
         for (int dof = 0; dof < DOF; dof++) {
-            const double change = fabs(a[dof] - before[dof]) * (dof >= SLOPE && dof < ANGLE ? s->shortest : 1.);
-            if (change > largest && (held == NULL || held[dof])) largest = change;
+            const double size = fabs(change[dof]) * (dof >= SLOPE && dof < ANGLE ? s->shortest : 1.);
+            if (size > largest && (held == NULL || held[dof])) largest = size;
         }
     }
     return largest;
@@ -115,10 +128,11 @@ static double apart(const Arrays *m) {
 
 Trial trial_step(Simulator *rope, State *state, double h) {
     const Arrays old = state_arrays(state), *now = &rope->trial;
-    System s = system_of(rope, state);
+    const System s = system_of(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
-    const double moved_by = recentring(&method, h, state->h), ahead = rate_known(h, state->h) ? h : 0;
+    const double moved_by = recentring(&method, h, state->h);
+    const double ahead = rate_known(h, state->h) && !state->rubs ? h : 0;
     double c[3], of[6], aux[4], sum = 0;
     Trial trial = {.t = state->t + h, .h = h, .error = INFINITY};
     prediction_weights(&method, h, moved_by, ahead, of);
@@ -132,8 +146,9 @@ Trial trial_step(Simulator *rope, State *state, double h) {
     prescribe(rope, state, &s, trial.t, 3, (double *[]){now->q, now->v, now->a});
     s.time = trial.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
-    trial.newton =
-        solve_rubbing(rope, chain_of_state(state), &s, c, rope->scene.solver.newton_tolerance, trial.balance);
+    const Chain *chain = chain_of_state(state);
+    trial.newton = chain->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c,
+                                rope->scene.solver.newton_tolerance, trial.balance);
     for (size_t i = 0; i < size; i++) sum += fabs(now->reaction[i]);
     if (trial.newton.status == CONVERGED && !isfinite(sum)) trial.newton.status = NOT_FINITE;
     trial.reached = trial.newton.status == CONVERGED;
@@ -142,17 +157,17 @@ Trial trial_step(Simulator *rope, State *state, double h) {
         now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
-    trial.place = local_error(&method, h, largest_change(&s, old.a, now->a));
+    const double *change = resolved_change(rope, chain, &s, c[2], old.a);
+    trial.place = local_error(&method, h, largest_change(&s, change));
     double largest = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const size_t at = (side ? size - DOF : 0) + SLOPE + 1;
-        trial.strains[side] = local_error(&method, h, now->a[at] - old.a[at]);
+        trial.strains[side] = local_error(&method, h, change[at]);
         largest = fmax(largest, fabs(trial.strains[side]));
     }
     const StepLimits limits = step_limits(&rope->scene, &state->errors, bottom_of(rope, state, state->t), apart(&old),
                                           local_error(&method, 1, 1));
-    trial.error = place_error(&limits, h, trial.place);
-    if (h > limits.shortest) trial.error = fmax(trial.error, largest / (h * limits.strain_rate));
+    trial.error = step_error(&limits, h, trial.place, largest);
     return trial;
 }
 

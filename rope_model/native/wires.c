@@ -87,32 +87,3 @@ void carry_wires(Simulator *rope, State *state, const double *old_s) {
             mean_between(before, old_s, m.elements, m.s[e] + m.lengths[e] * cell_begin(k),
                          m.s[e] + m.lengths[e] * cell_begin(k + 1), m.z + (ptrdiff_t)e * WIRE_Z + 3 * k);
 }
-
-Progress solve_rubbing(Simulator *rope, const Chain *chain, System *s, const double c[3], double tolerance,
-                       double balance[BALANCE]) {
-    static const double shares[] = SECANT_SHARES;
-    const Arrays *now = &rope->trial;
-    double *const x[] = {now->q, now->v, now->a, now->reaction}, kept_balance[BALANCE];
-    const size_t size = (size_t)now->nodes * DOF;
-    Progress found = {.status = TOO_MANY};
-    int iterations = 0;
-    if (s->wires == NULL)
-        return chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
-    for (int search = 0; search < SEARCHES; search++) {
-        for (size_t k = 0; k < 4; k++) memcpy(rope->kept + k * size, x[k], sizeof(double) * size);
-        memcpy(kept_balance, balance, sizeof kept_balance);
-        s->secants = shares[search];
-        const Progress newton =
-            chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
-        iterations += newton.iterations;
-        if (newton.status == CONVERGED || found.status != CONVERGED) {
-            found = newton;
-        } else {
-            for (size_t k = 0; k < 4; k++) memcpy(x[k], rope->kept + k * size, sizeof(double) * size);
-            memcpy(balance, kept_balance, sizeof kept_balance);
-        }
-        if (found.status == CONVERGED && shares[search] == 0) break; /* once more would be the same again */
-    }
-    found.iterations = iterations;
-    return found;
-}

@@ -9,14 +9,12 @@ follows p.  Rounds of a factorization and corrections with it are those of numer
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from typing import NamedTuple
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from .newton import PER_ROUND, ROUNDS, SLOW, NewtonReport, initial_progress, judge, report
+from .newton import NewtonReport, Rules, initial_progress, judge, report
 
 Array = NDArray[np.float64]
 
@@ -39,13 +37,13 @@ class Coupled(NamedTuple):
     """What is solved; see ``newton``.
 
     factorized: iterate -> a function that solves J x = -R for x
-    coupling:   iterate -> a function that multiplies with C
+    coupling:   iterate -> a function that multiplies with C, None where C = 0
     residual:   q, v, a, the last R -> R
     norm:       of a correction
     """
 
     factorized: Callable[[Iterate], Callable[[Array], Array]]
-    coupling: Callable[[Iterate], Callable[[Array], Array]]
+    coupling: Callable[[Iterate], Callable[[Array], Array] | None]
     residual: Callable[[Array, Array, Array, Array], Array]
     norm: Callable[[Array], float]
 
@@ -70,24 +68,20 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
     return x
 
 
-def newton(system: Coupled, x: Iterate, c: Array, tolerance: float) -> tuple[Iterate, NewtonReport]:
+def newton(system: Coupled, x: Iterate, c: Array, tolerance: float, rules: Rules) -> tuple[Iterate, NewtonReport]:
     """``x`` moved until its residual is zero where free; v and a follow by c[1] and c[2] times the corrections."""
     progress = initial_progress()
-    for _ in range(ROUNDS):
+    for _ in range(int(rules.rounds)):
         solve = system.factorized(x)
-        for k in range(PER_ROUND):
-            if k > 0 and not (progress[0] == 0 and progress[5] < SLOW):
+        for k in range(int(rules.per_round)):
+            if k > 0 and not (progress[0] == 0 and progress[5] < rules.slow):
                 break
-            dx = conjugate_gradients(solve, system.coupling(x), x.R)
-            progress = _judge()(progress, system.norm(dx), tolerance, k == 0)
+            coupling = system.coupling(x)
+            dx = solve(x.R) if coupling is None else conjugate_gradients(solve, coupling, x.R)
+            progress = judge(rules)(progress, system.norm(dx), tolerance, k == 0)
             if progress[2] != 0:
                 q, v, a = (part + factor * dx for part, factor in zip(x[:3], c.tolist(), strict=True))
                 x = Iterate(q, v, a, system.residual(q, v, a, x.R))
         if progress[0] != 0:
             break
     return x, report(np.array(progress).ravel().tolist())
-
-
-@cache
-def _judge() -> ca.Function:
-    return judge()

@@ -19,6 +19,7 @@ form with auxiliary accelerations; Bruels and Arnold, J. Comput. Nonlinear Dyn. 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic, Protocol, TypeVar
@@ -64,15 +65,23 @@ class Assessed(Protocol):
 B = TypeVar("B", bound=Assessed)
 
 
+def _whole(change: Array) -> Array:
+    return change
+
+
 @dataclass(frozen=True)
 class Solution(Generic[B]):
-    """What Newton's method found: q, v, a, their evaluation, and how it ended."""
+    """What Newton's method found: q, v, a, their evaluation, and how it ended.
+
+    ``resolve``: of a change of the accelerations what the method resolves, J^-1 c[2] M times it; or all of it.
+    """
 
     q: Array
     v: Array
     a: Array
     evaluation: B
     newton: NewtonReport
+    resolve: Callable[[Array], Array] = _whole
 
 
 class System(Protocol[B]):
@@ -81,6 +90,10 @@ class System(Protocol[B]):
     @property
     def free(self) -> NDArray[np.bool_]:
         """True where a degree of freedom is free, False where it is prescribed."""
+
+    @property
+    def smooth(self) -> bool:
+        """Whether accelerations are likely to go on at their rate."""
 
     def prescribed_motion(self, t: float) -> Array:
         """(3, ...): full arrays of q, v and a, of which the prescribed entries count."""
@@ -183,20 +196,21 @@ def local_error(method: Coefficients, h: Any, change: Any) -> Any:
 class StepResult(Generic[B]):
     """A trial step: the motion reached and its evaluation (None when Newton failed), the report, the local error.
 
-    The error is in ``System.norm``.
+    The error is in ``System.norm``.  ``a_rate`` is that of the motion but for what the method does not resolve.
     """
 
     motion: Motion | None
     evaluation: B | None
     newton: NewtonReport
     error: float
+    a_rate: Array | None
 
 
 def step(system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float) -> StepResult[B]:
     """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
     t, free = old.t + h, system.free
     past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
-    moved_by, ahead = recentring(method, h, old.h), h if rate_known(h, old.h) else 0.0
+    moved_by, ahead = recentring(method, h, old.h), h if system.smooth and rate_known(h, old.h) else 0.0
     flat = past.reshape(len(past), -1)
     q, v, a = guess = (method.prediction(h, moved_by, ahead) @ flat).reshape(3, *old.q.shape)
     np.copyto(guess, system.prescribed_motion(t), where=~free)
@@ -206,14 +220,15 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     if newton.converged and not math.isfinite(evaluation.reaction.sum()):
         newton = NewtonReport(NewtonStatus.NOT_FINITE, newton.iterations, np.inf)
     if not newton.converged:
-        return StepResult(None, None, newton, np.inf)
+        return StepResult(None, None, newton, np.inf, None)
     a = solution.a
     *before, now = auxiliary_weights(method, moved_by)
     b = (np.array(before) @ flat[2:]).reshape(a.shape) + now * a
     change = a - old.a
-    error = local_error(method, h, system.norm(free * change))
+    resolved = solution.resolve(change)
+    error = local_error(method, h, system.norm(free * resolved))
     motion = Motion(t, solution.q, solution.v, a, b, change / h, h, evaluation.reaction)
-    return StepResult(motion, evaluation, newton, error)
+    return StepResult(motion, evaluation, newton, error, resolved / h)
 
 
 def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) -> tuple[Motion, B]:

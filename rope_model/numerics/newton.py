@@ -11,19 +11,33 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
+from typing import NamedTuple
 
 import casadi as ca
 
-#: factorizations at most, and corrections with each
-ROUNDS, PER_ROUND = 8, 5
-#: a contraction slower than this calls for a new factorization
-SLOW = 0.1
-#: a contraction slower than this promises nothing
-UNSURE = 0.5
-#: a full correction so many times larger than the one before is divergence; a little growth at the start is not
-GROWING = 8.0
 #: what is larger is not a number of ours
 HUGE = 1e200
+
+
+class Rules(NamedTuple):
+    """How an iteration goes on."""
+
+    #: factorizations at most, and corrections with each
+    rounds: float
+    per_round: float
+    #: a contraction slower than this calls for a new factorization
+    slow: float
+    #: a contraction slower than this promises nothing
+    unsure: float
+    #: a full correction so many times larger than the one before is divergence; a little growth at the start is not
+    growing: float
+    #: the error after the first correction over its size, where nothing else is known of it
+    first: float
+
+
+SMOOTH = Rules(8.0, 5.0, 0.1, 0.5, 8.0, 1.0)
+#: of equations with kinks: a factorization serves the side of the kink where it was made, and so does what it promises
+KINKED = Rules(16.0, 1.0, 0.1, 0.2, HUGE, HUGE)
 
 
 class NewtonStatus(Enum):
@@ -70,7 +84,7 @@ def report(progress: list[float]) -> NewtonReport:
 
 
 @cache
-def judge() -> ca.Function:
+def judge(rules: Rules = SMOOTH) -> ca.Function:
     """(progress, norm of the correction, tolerance, whether its factorization is new) -> progress after it."""
     before, norm, tolerance = ca.SX.sym("progress", len(PROGRESS)), ca.SX.sym("norm"), ca.SX.sym("tolerance")
     fresh = ca.SX.sym("fresh")
@@ -78,11 +92,12 @@ def judge() -> ca.Function:
     contraction = ca.if_else(previous > 0, norm / previous, 0.0)
     # the first correction says nothing of the contraction: trust it only when it is tiny itself
     first = iterations < 1
-    sure = ca.logic_and(ca.logic_not(first), contraction < UNSURE)
-    error = ca.if_else(sure, contraction / (1 - contraction) * norm, norm)
+    sure = ca.logic_and(ca.logic_not(first), contraction < rules.unsure)
+    guess = ca.if_else(first, rules.first * norm, norm)
+    error = ca.if_else(sure, contraction / (1 - contraction) * norm, guess)
     useless, diverged = (
         ca.logic_not(ca.logic_or(sure, fresh)),
-        ca.logic_and(ca.logic_not(first), contraction >= GROWING),
+        ca.logic_and(ca.logic_not(first), contraction >= rules.growing),
     )
     # status, applies, norm, error, contraction
     after = ca.vertcat(NewtonStatus.TOO_MANY.code, 1, norm, error, contraction)
@@ -118,8 +133,8 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
 
     first, again = one_correction("newton_first", True), _where(one_correction("newton_again", False), 2)
     after = first(x, progress, *factors, *fixed, tolerance)
-    for _ in range(PER_ROUND - 1):
-        goes_on = ca.logic_and(after[1][0] == 0, after[1][5] < SLOW)
+    for _ in range(int(SMOOTH.per_round) - 1):
+        goes_on = ca.logic_and(after[1][0] == 0, after[1][5] < SMOOTH.slow)
         after = again(goes_on, *after, *factors, *fixed, tolerance)
     corrections = ca.Function("newton_corrections", [x, progress, *factors, *fixed, tolerance], [*after])
     inputs = [x, progress, *fixed, tolerance]
@@ -127,7 +142,7 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
     one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *made, *fixed, tolerance]))
     another = _where(one_round, 2)
     result = one_round(x, initial_progress(), *fixed, tolerance)
-    for _ in range(ROUNDS - 1):
+    for _ in range(int(SMOOTH.rounds) - 1):
         result = another(result[1][0] == 0, *result, *fixed, tolerance)
     return ca.Function("newton", [x, *fixed, tolerance], list(result))
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .elementary import cos, larger, sin, sqrt
+from .elementary import cos, larger, less, sin, sqrt, where
 from .estimates import axial_frequency, bending_length
 
 #: of what is asked, what a step may leave: `make promise` on the seed that tunes
@@ -33,6 +33,9 @@ LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
 LEGS, STEPS = 4e-7, 12.0
 #: of the loop's place over x^2 v^2 / g, and what a step may take so of what is asked: `make promise`, seed that tunes
 FLOW, FLOW_SHARE = 0.13, 0.6
+#: what begins to slide or to stick changes the acceleration at once, whatever the step: what it leaves of place and
+#: strain, over what it may, goes with h^2 and h
+RUBBED_PLACE, RUBBED_STRAIN = 2.0, 4.0
 TINY = 1e-300
 #: part of the share that is left when all is used up
 LEAST_LEFT = 0.1
@@ -49,6 +52,8 @@ class StepLimits(NamedTuple):
     strain_rate: float  # 1/s, of the strain at an end, over the step
     shortest: float  # s: a shorter step is short enough for the strain
     longest: float  # s, for the flow through the loop
+    place_power: float
+    strain_power: float
 
 
 class ErrorSums(NamedTuple):
@@ -88,7 +93,9 @@ def step_limits(scene: Any, sums: Any, bottom: Any, apart: Any, error_constant: 
     strain = rope.mass_per_length * scene.layout.gravity * leg / rope.Qa
     shortest = sqrt(share / (BRAKED * error_constant * (omega * omega * omega)))
     flows = FLOW_SHARE * accuracy.loop / larger(flow_error(scene, apart, 1.0), TINY)
-    return StepLimits(PLACE_SHARE * accuracy.loop, share * strain, shortest, sqrt(flows))
+    rubs = less(rope.EI, rope.EI_stick)
+    powers = where(rubs, RUBBED_PLACE, 1.0), where(rubs, RUBBED_STRAIN, 1.0)
+    return StepLimits(PLACE_SHARE * accuracy.loop, share * strain, shortest, sqrt(flows), *powers)
 
 
 def add_errors(
@@ -137,13 +144,15 @@ def flow_error(scene: Any, apart: Any, h: Any) -> Any:
     return FLOW * (turned * turned) * (flow * flow) / scene.layout.gravity
 
 
-def place_error(limits: Any, h: Any, place: Any) -> Any:
-    """Of a step ``h`` that left ``place``, over what it may leave there and by the flow.
+def step_error(limits: Any, h: Any, place: Any, strain: Any) -> Any:
+    """Of a step ``h`` that left ``place`` and ``strain``, over what it may leave there and by the flow.
 
-    By the flow to a power for which twice the step is allowed where errors are small.
+    By the flow, and where wires rub, to powers for which twice the step is allowed where errors are small.
     """
     turned = h / limits.longest
-    return larger(place / limits.place, turned * turned * (turned * turned))
+    of_place = larger((place / limits.place) ** limits.place_power, turned * turned * (turned * turned))
+    of_strain = (strain / (h * limits.strain_rate)) ** limits.strain_power
+    return where(less(limits.shortest, h), larger(of_place, of_strain), of_place)
 
 
 def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:

@@ -4,10 +4,15 @@ At each Gauss point C z is added to the moment EI k, work-conjugate to the rate 
 
     R += int B^T C z dx,     J += cq int B^T C dz/dk B dx
 
-F has behind the frame's entries what the rope was at the last accepted instant: at each point section and z (10), then
-k0, C, and a number for Newton's method, (33,).  The tangent is symmetric: it leaves out the skew part of dz/dk, and how
-B changes.  The number is the share that secants have in it: between curvatures at which wires slide to and fro, dz/dk
-goes up and down, and tangents alone lead from one side to the other for ever.
+F has behind the frame's entries what the rope was at the last accepted instant, HISTORY numbers: at each point section
+and z (10), then k0 and C; and LATEST numbers of the latest tangent.  The tangent is symmetric: it leaves out the skew
+part of dz/dk, and how B changes.  Between curvatures at which wires slide to and fro, dz/dk goes up and down, and
+tangents alone lead from one side to the other for ever.  So it is
+
+    p dz/dk + (1 - p) |z| / |z if all wires stuck|,    p = (z promised by the latest tangent) . z / |z|^2 in [0, 1]
+
+which is safe where the latest tangent was far off, as it is where there was none, p = 0: Newton's method for z and k
+alike (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999)).
 """
 
 from __future__ import annotations
@@ -31,21 +36,28 @@ from .element import (
     symmetric,
 )
 from .frame import smallest_rotation_rate
-from .wire_friction import MEMORY, section, slide
+from .wire_friction import MEMORY, NOTHING, section, slide, within
 
 _BENDING = BALANCE.index("bending")
-#: numbers of an element: what its points remember, k0, C and the share of secants
-HISTORY = MEMORY * len(POINTS) + 3
+#: numbers of an element: what its points remember, k0 and C
+HISTORY = MEMORY * len(POINTS) + 2
+#: where the latest tangent was, of a point: k, z and the upper half of what was taken for dz/dk; and of an element
+_OF_POINT = 12
+LATEST = _OF_POINT * len(POINTS)
 
 
 class WireFunctions(NamedTuple):
     """What friction between the wires adds to an element, ``H`` being its HISTORY.
 
-    residual: (q, l, H) -> R (2 m,); tangent: (q, l, H, cq) -> J (2 m, 2 m); energy: (q, l, H) -> J, stored.
+    residual: (q, l, H) -> R (2 m,)
+    tangent:  (q, l, H, latest, cq) -> J (2 m, 2 m)
+    latest:   (q, l, H, latest) -> what is ``latest`` after that tangent (LATEST,)
+    energy:   (q, l, H) -> J, stored
     """
 
     residual: ca.Function
     tangent: ca.Function
+    latest: ca.Function
     energy: ca.Function
 
 
@@ -55,29 +67,32 @@ def wire_functions(fidelity: ElementFidelity) -> WireFunctions:
     kept = [*ELEMENT_DOF[fidelity], *(NODE_DOF + k for k in ELEMENT_DOF[fidelity])]
     symbol, q = ca.SX.sym("q", len(kept)), ca.SX.zeros(2 * NODE_DOF)
     q[kept] = symbol
-    l, H, cq = ca.SX.sym("l"), ca.SX.sym("H", HISTORY), ca.SX.sym("cq")
-    *points, k0, C, share = ca.vertsplit(H, [*range(0, HISTORY - 2, MEMORY), *range(HISTORY - 2, HISTORY + 1)])
+    l, H, latest, cq = ca.SX.sym("l"), ca.SX.sym("H", HISTORY), ca.SX.sym("latest", LATEST), ca.SX.sym("cq")
+    *points, k0, C = ca.vertsplit(H, [*range(0, HISTORY - 1, MEMORY), *range(HISTORY - 1, HISTORY + 1)])
     relative, point = relative_coordinates(), _point_function()
     R, J, energy = ca.SX.zeros(relative.shape[0]), ca.SX.zeros(relative.shape[0], relative.shape[0]), ca.SX(0)
-    for xi, weight, before in zip(POINTS, WEIGHTS, points, strict=True):
+    now = []
+    for xi, weight, before, last in zip(POINTS, WEIGHTS, points, ca.vertsplit(latest, _OF_POINT), strict=True):
         B = interpolation(xi, l)
-        force, stiffness, square = point(B @ relative @ q, before, k0, share)
+        force, stiffness, square, at = point(B @ relative @ q, before, k0, last)
         R += B.T @ (weight * l * C * force)
         J += B.T @ (weight * l * C * stiffness) @ B
         energy += 0.5 * weight * l * C * square
+        now.append(at)
     R, J = (relative.T @ R)[kept], symmetric(cq * (relative.T @ symmetric(J) @ relative))[kept, kept]
     inputs = [symbol, l, H]
     return WireFunctions(
         ca.Function("wire_residual", inputs, [ca.cse(R)]),
-        ca.Function("wire_tangent", [*inputs, cq], [ca.cse(J)]),
+        ca.Function("wire_tangent", [*inputs, latest, cq], [ca.cse(J)]),
+        ca.Function("wire_latest", [*inputs, latest], [ca.cse(ca.vertcat(*now))]),
         ca.Function("wire_energy", inputs, [ca.cse(energy)]),
     )
 
 
 def _point_function() -> ca.Function:
-    """(at, before, k0, share), at = (r', r'', theta), -> B^T z, what Newton takes for its derivative, |z|^2."""
+    """(at, before, k0, latest), at = (r', r'', theta), -> B^T z, B^T (dz/dk) B for Newton's method, |z|^2, latest."""
     at, at_t, before = ca.SX.sym("at", 7), ca.SX.sym("at_t", 7), ca.SX.sym("before", MEMORY)
-    k0, share = ca.SX.sym("k0"), ca.SX.sym("share")
+    k0, latest = ca.SX.sym("k0"), ca.SX.sym("latest", _OF_POINT)
     d, c = at[0:3], at[3:6]
     k = ca.cross(d, c) / ca.dot(d, d)
     tangent: Any = d / ca.norm_2(d)
@@ -89,10 +104,24 @@ def _point_function() -> ca.Function:
     slid = slide(before, [*now[0:3], *ca.vertsplit(bent), now[6]], k0)
     z: Any = ca.vertcat(*slid.z)
     slope = ca.jacobian(z, bent)
-    slope = (1 - share) * 0.5 * (slope + slope.T) + share * slid.secant * ca.SX.eye(3)
-    z, slope = ca.substitute([z, slope], [bent], [k])
-    outputs = B.T @ z, symmetric(B.T @ slope @ B), ca.dot(z, z)
-    return ca.Function("wire_point", [at, before, k0, share], [ca.cse(x) for x in outputs])
+    # what the latest tangent promised
+    bent_then, z_then, upper = ca.vertsplit(latest, [0, 3, 6, _OF_POINT])
+    slope_then = _from_upper_half(upper)
+    promised = z_then + slope_then @ (bent - bent_then)
+    share = within(ca.dot(promised, z) / (ca.dot(z, z) + NOTHING * k0 * k0))
+    slope = share * 0.5 * (slope + slope.T) + (1 - share) * slid.secant * ca.SX.eye(3)
+    latest_now = ca.vertcat(bent, z, _upper_half(slope))
+    z, slope, latest_now = ca.substitute([z, slope, latest_now], [bent], [k])
+    outputs = B.T @ z, symmetric(B.T @ slope @ B), ca.dot(z, z), latest_now
+    return ca.Function("wire_point", [at, before, k0, latest], [ca.cse(x) for x in outputs])
+
+
+def _upper_half(A: ca.SX) -> ca.SX:
+    return ca.vertcat(*(A[i, j] for i in range(3) for j in range(i, 3)))
+
+
+def _from_upper_half(x: ca.SX) -> ca.SX:
+    return ca.vertcat(x[[0, 1, 2]].T, x[[1, 3, 4]].T, x[[2, 4, 5]].T)
 
 
 @cache
@@ -101,9 +130,9 @@ def wire_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementF
     wires, m = wire_functions(fidelity), len(ELEMENT_DOF[fidelity])
     frame = plain.residual.size1_in(4)
     q, v, a = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a"))
-    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", frame + HISTORY), ca.SX.sym("P", plain.residual.size1_in(5))
+    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", frame + HISTORY + LATEST), ca.SX.sym("P", plain.residual.size1_in(5))
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
-    own, H = F[:frame], F[frame:]
+    own, H, latest = ca.vertsplit(F, [0, frame, frame + HISTORY, frame + HISTORY + LATEST])
     R, J = plain.tangent(q, v, a, l, own, P, cq, cv, c_a)
     rubbed = wires.residual(q, l, H)
     balance = plain.balance(q, v, l, own, P)
@@ -112,7 +141,7 @@ def wire_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementF
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         return ca.Function(f"element_{name}", inputs, outputs)
 
-    tangent = [R + rubbed, J + wires.tangent(q, l, H, cq)]
+    tangent = [R + rubbed, J + wires.tangent(q, l, H, latest, cq)]
     return replace(
         plain,
         residual=function("residual", [q, v, a, l, F, P], [plain.residual(q, v, a, l, own, P) + rubbed]),

@@ -36,13 +36,15 @@ from .frame import carried, small_turn, turned
 #: of a section: tangent, curvature vector, angle; and z behind them
 SECTION, MEMORY = 7, 10
 #: squares in units of k0^2 that are not told from 0, so that there is a derivative where nothing moves
-_NOTHING = 1e-26
+NOTHING = 1e-26
+#: those of z that are too small for a quotient
+_SMALL = 1e-12
 
 
 class Slid(NamedTuple):
     """z at the end of a step, what was dissipated per length of the rope and C, and a slope.
 
-    ``secant`` is that of z over the step's curvature, or steeper: nowhere on the way is z steeper still.
+    ``secant`` is |z| over what it would be if all wires stuck.
     """
 
     z: tuple[float, float, float]
@@ -82,11 +84,12 @@ def slide(before: Any, now: Any, k0: Any) -> Slid:
     turned = _carried(before, now, before[3:6])
     z = [x / k0 for x in z]
     step = [(now[3 + i] - turned[i]) / k0 for i in range(3)]
+    stuck = [z[i] + step[i] for i in range(3)]
     # the part of the way over which the wires stick, the moment falling
     square, along = dot(step, step), dot(z, step)
     back = _positive(-along)
     back = back - _positive(back - square)
-    part = back / (square + _NOTHING)
+    part = back / (square + NOTHING)
     z = [z[i] + part * step[i] for i in range(3)]
     step = [(1.0 - part) * x for x in step]
     # the rest, over which they slide
@@ -96,10 +99,11 @@ def slide(before: Any, now: Any, k0: Any) -> Slid:
     growth, gained = cosh + a * h, h + a * h * h / (cosh + 1.0)
     after = [(z[i] + gained * step[i]) / growth for i in range(3)]
     # work along the way, int z . dk, less what is stored
-    s = sqrt(s2 + _NOTHING)
+    s = sqrt(s2 + NOTHING)
     work = s + log(0.5 * (1.0 + exp(-2.0 * s))) + log(growth / cosh)
     dissipated = k0 * k0 * larger(work - 0.5 * (dot(after, after) - dot(z, z)), 0.0)
-    return Slid((k0 * after[0], k0 * after[1], k0 * after[2]), dissipated, (part + (1.0 - part) * gained) / growth)
+    secant = sqrt((dot(after, after) + _SMALL) / (dot(stuck, stuck) + _SMALL))
+    return Slid((k0 * after[0], k0 * after[1], k0 * after[2]), dissipated, secant)
 
 
 def _carried(before: Any, now: Any, x: Any) -> list[Any]:
@@ -108,6 +112,11 @@ def _carried(before: Any, now: Any, x: Any) -> list[Any]:
     return turned(t, carried(p, t, x), *small_turn(now[6] - before[6]))
 
 
+def within(x: Any) -> Any:
+    """``x``, or 0 below and 1 above."""
+    return _positive(x) - _positive(x - 1.0)
+
+
 def _positive(x: Any) -> Any:
     """(x)+, by operations that elements have."""
-    return 0.5 * (x + sqrt(x * x + (1e-3 * _NOTHING) ** 2))
+    return 0.5 * (x + sqrt(x * x + (1e-3 * NOTHING) ** 2))

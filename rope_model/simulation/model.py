@@ -11,7 +11,7 @@ import numpy as np
 
 from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, local_error, recentring, restart, step
 from ..parameters import Scene
-from ..physics.accuracy import add_errors, place_error, step_limits
+from ..physics.accuracy import add_errors, step_error, step_limits
 from ..physics.energy_balance import energies as energies_of
 from ..physics.frame import end_moment
 from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
@@ -91,14 +91,14 @@ class RopeModel:
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
         constant = local_error(self.method, 1.0, 1.0)
         limits = step_limits(self.scene, old.errors, bottom, apart(old.motion), constant)
-        error = float(place_error(limits, h, result.error))
-        strain = max(map(abs, self.strain_errors(result.motion)))
-        return max(error, strain / (h * limits.strain_rate)) if h > limits.shortest else error
+        strain = max(map(abs, self.strain_errors(h, result)))
+        return float(step_error(limits, h, result.error, strain))
 
-    def strain_errors(self, motion: Motion) -> list[float]:
-        """Local errors of the strains at both ends in the step that led to ``motion``."""
-        per_change = local_error(self.method, motion.h, 1.0)
-        return [float(per_change * (motion.h * motion.a_rate[node, SLOPE.start + 1])) for node in (0, -1)]
+    def strain_errors(self, h: float, result: StepResult[Evaluation]) -> list[float]:
+        """Local errors of the strains at both ends in a step ``h``."""
+        assert result.a_rate is not None
+        per_change = local_error(self.method, h, 1.0)
+        return [float(per_change * (h * result.a_rate[node, SLOPE.start + 1])) for node in (0, -1)]
 
     def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
@@ -123,7 +123,7 @@ class RopeModel:
         assert evaluation is not None
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
-        strains = self.strain_errors(motion)
+        strains = self.strain_errors(motion.h, result)
         errors = add_errors(self.scene, old.errors, bottom, apart(old.motion), h, strains, result.error, force)
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out

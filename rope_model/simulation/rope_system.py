@@ -13,8 +13,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.coupled_newton import Coupled, Iterate, newton
 from ..numerics.generalized_alpha import Solution
-from ..numerics.newton import report
+from ..numerics.newton import KINKED, SMOOTH, report
 from ..parameters import Rope, Scene
 from ..physics.air import air_law
 from ..physics.air_element import AIR_BALANCE, AIR_SIZE, LAW_SIZE
@@ -27,10 +28,10 @@ from ..physics.element import (
     parameters,
 )
 from ..physics.point_forces import point_load
-from ..physics.wire_element import HISTORY
+from ..physics.wire_element import HISTORY, LATEST
 from .curvature import curved, is_curved
 from .rope_kernels import RopeKernels
-from .wires import NO_MEMORY, Slip, history, slip
+from .wires import NO_MEMORY, Slip, history, latest_tangent, slip
 
 Array = NDArray[np.float64]
 #: (elements, bodies): which elements may touch which bodies
@@ -40,9 +41,7 @@ Near = NDArray[np.bool_]
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 _NOTHING = np.zeros((1, 1), dtype=bool)
 _NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
-#: where wires rub, Newton's method alone goes to and fro over the curvatures at which they stick: it takes these shares
-#: of secants in its tangent, one after the other
-SHARES = (0.7, 0.3, 0.0, 0.0, 0.0)
+_Solver = Callable[[Array], Array]
 
 
 def parameter_vector(rope: Rope, gravity: float) -> Array:
@@ -146,9 +145,10 @@ class RopeSystem:
         if self._rope is not None and is_curved(self._rope, self.kernels.fidelity):
             self.frames = np.hstack((self.frames, curved(self._rope, self.reference, self.lengths)))
         if self._rope is not None and self.z.size:
-            self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY))))
+            self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY + LATEST))))
             strains = self.strains(self.reference)
-            self.frames[:, -HISTORY:] = history(self._rope, self.reference, self.lengths, self.z, strains)
+            self._history = history(self._rope, self.reference, self.lengths, self.z, strains)
+            self.frames[:, -HISTORY - LATEST : -LATEST] = self._history
         self._constants = self.lengths, self.frames, *self._loads
 
     def with_boundary(self, boundary: Boundary) -> RopeSystem:
@@ -192,7 +192,7 @@ class RopeSystem:
 
     def slip(self, q: Array) -> Slip:
         """What the wires do on the way to ``q``."""
-        return slip(self.frames[:, -HISTORY:], q, self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
+        return slip(self._history, q, self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
 
     def frame_turn(self, q: Array) -> Array:
         """(nodes,): what theta gains when ``q`` becomes the reference, rad."""
@@ -203,30 +203,12 @@ class RopeSystem:
     def prescribed_motion(self, t: float) -> Array:
         return self.boundary.prescribed_motion(t, self.lengths.size + 1)
 
+    @property
+    def smooth(self) -> bool:
+        """Whether accelerations are likely to go on at their rate: not where wires begin to stick and to slide."""
+        return not self.z.size
+
     def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Evaluation]:
-        if not self.z.size:
-            return self._solve(q, v, a, reaction, c, tolerance)
-        found, iterations = None, 0
-        for share in SHARES:
-            now = self._with_secants(share)._solve(q, v, a, reaction, c, tolerance)
-            iterations += now.newton.iterations
-            if found is None or now.newton.converged or not found.newton.converged:
-                found = now
-            if found.newton.converged and share == 0:  # once more would be the same again
-                break
-            q, v, a, reaction = found.q, found.v, found.a, found.evaluation.reaction
-        assert found is not None
-        return replace(found, newton=replace(found.newton, iterations=iterations))
-
-    def _with_secants(self, share: float) -> RopeSystem:
-        """The same system, its tangent that of wires with this ``share`` of their secants."""
-        other = self._alike()
-        other.frames = self.frames.copy()
-        other.frames[:, -1] = share
-        other._constants = self.lengths, other.frames, *self._loads
-        return other
-
-    def _solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Evaluation]:
         near = self._near(q, LOOK_AHEAD)
         while True:
             found = self._newton(near, q, v, a, reaction, c, tolerance)
@@ -239,11 +221,74 @@ class RopeSystem:
         self, near: Near, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float
     ) -> Solution[Evaluation]:
         """``solve``, where no more bodies than those ``near`` are touched."""
+        if self.z.size:
+            return self._iterate(near, q, v, a, reaction, c, tolerance)
         kernels, constants, P = self._with_bodies(near, q, v)
         q, v, a, reaction, sums, progress = kernels.solve(
             q, v, a, reaction, *constants, self._free, P, c, self._scale, tolerance
         )
         return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), report(progress.tolist()))
+
+    def _iterate(
+        self, near: Near, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float
+    ) -> Solution[Evaluation]:
+        """``_newton``, where a tangent follows the one before, or elements far apart are coupled."""
+        kernels, constants, P = self._with_bodies(near, q, v)
+        latest = np.zeros((self.lengths.size, LATEST))
+        solve: _Solver
+
+        def evaluated(q: Array, v: Array, a: Array, known: Array) -> Evaluation:
+            R, sums = kernels.evaluate(q, v, a, known, *constants, P)
+            return self._with_touches(self._evaluation(v, R, kernels.balance, sums), q, v)
+
+        def factorized(at: Iterate) -> _Solver:
+            nonlocal latest, solve
+            solve = self._solver(kernels, self._following(constants, latest), P, at, c)
+            if self.z.size:
+                latest = latest_tangent(self._history, at.q, self.lengths, latest)
+            return solve
+
+        def resolve(change: Array) -> Array:
+            without = evaluated(x.q, x.v, x.a - change, x.R).reaction
+            resolved: Array = c[2] * self._free * solve(without - x.R)
+            return resolved
+
+        x, newton_report = newton(
+            Coupled(factorized, lambda at: self._coupling(at, c), lambda *at: evaluated(*at).reaction, self.norm),
+            Iterate(q, v, a, evaluated(q, v, a, reaction).reaction),
+            c,
+            tolerance,
+            KINKED if self.z.size else SMOOTH,
+        )
+        found = Solution(x.q, x.v, x.a, evaluated(*x), newton_report)
+        return replace(found, resolve=resolve) if self.z.size else found
+
+    def _following(self, constants: tuple[Array, ...], latest: Array) -> tuple[Array, ...]:
+        """``constants`` with what the tangent follows in the frames."""
+        lengths, frames, *loads = constants
+        if self.z.size:
+            frames, own = frames.copy(), self.frames.shape[1]
+            frames[:, own - LATEST : own] = latest
+        return lengths, frames, *loads
+
+    def _solver(self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array) -> _Solver:
+        """Of J x = -R, J that of the chain alone: R is put in as a load."""
+        lengths, frames, load, grip, mass = constants
+        known = kernels.evaluate(*at, *constants, P)[0]
+
+        def solve(R: Array) -> Array:
+            x: Array = kernels.newton_step(*at, lengths, frames, load + known - R, grip, mass, self._free, P, c)[0]
+            return x
+
+        return solve
+
+    def _coupling(self, at: Iterate, c: Array) -> _Solver | None:
+        """Multiplies with the tangent of what couples elements far apart; None where nothing does."""
+        return None
+
+    def _with_touches(self, found: Evaluation, q: Array, v: Array) -> Evaluation:
+        """``found`` with what the rope does to itself."""
+        return found
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)

@@ -12,14 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..numerics.coupled_newton import Coupled, Iterate, conjugate_gradients, newton
+from ..numerics.coupled_newton import Iterate, conjugate_gradients
 from ..numerics.generalized_alpha import Solution
 from ..parameters import Scene
 from ..physics import hermite
 from ..physics.contact import SUMS, Touch
 from ..physics.outline import enclosing_box
 from ..physics.rope_on_rope import APART, CORRECTIONS, MOST_STRANDS, PROBES, STRETCH, nearer_place, places, rope_touch
-from .rope_kernels import RopeKernels
 from .rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
@@ -116,37 +115,10 @@ class SelfTouchingRope(RopeSystem):
             found = super()._newton(near, q, v, a, reaction, c, tolerance)
             if not self.touches(found.q, found.v).any:
                 return found
-        kernels, constants, P = self._with_bodies(near, q, v)
+        return self._iterate(near, q, v, a, reaction, c, tolerance)
 
-        def evaluated(q: Array, v: Array, a: Array, known: Array) -> Evaluation:
-            R, sums = kernels.evaluate(q, v, a, known, *constants, P)
-            return self._with_touches(self._evaluation(v, R, kernels.balance, sums), q, v)
-
-        x, newton_report = newton(
-            Coupled(
-                lambda at: self._solver(kernels, constants, P, at, c),
-                lambda at: self.touches(at.q, at.v, float(c[0]), float(c[1])).times,
-                lambda *at: evaluated(*at).reaction,
-                self.norm,
-            ),
-            Iterate(q, v, a, evaluated(q, v, a, reaction).reaction),
-            c,
-            tolerance,
-        )
-        return Solution(x.q, x.v, x.a, evaluated(*x), newton_report)
-
-    def _solver(
-        self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array
-    ) -> Callable[[Array], Array]:
-        """Of J x = -R, J that of the rope without its contact with itself: R is put in as a load."""
-        lengths, frames, load, grip, mass = constants
-        known = kernels.evaluate(*at, *constants, P)[0]
-
-        def solve(R: Array) -> Array:
-            x: Array = kernels.newton_step(*at, lengths, frames, load + known - R, grip, mass, self._free, P, c)[0]
-            return x
-
-        return solve
+    def _coupling(self, at: Iterate, c: Array) -> Callable[[Array], Array] | None:
+        return self.touches(at.q, at.v, float(c[0]), float(c[1])).times
 
     def _with_touches(self, found: Evaluation, q: Array, v: Array) -> Evaluation:
         touches = self.touches(q, v)

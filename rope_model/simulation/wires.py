@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..parameters import Rope, Scene
 from ..physics.element import POINTS, WEIGHTS
+from ..physics.wire_element import wire_functions
 from ..physics.wire_friction import MEMORY, section_at, slide, slip_curvature, wire_stiffness
 
 Array = NDArray[np.float64]
@@ -42,17 +43,23 @@ def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> A
     ``strains`` (elements, ...) begin with e and tau.
     """
     known = np.concatenate((_sections(q, lengths), z.reshape(lengths.size, len(POINTS), 3)), axis=2)
-    stiffness, none = wire_stiffness(rope), np.zeros(lengths.size)
+    stiffness = wire_stiffness(rope)
     k0 = slip_curvature(rope, stiffness, *strains.T[:2])
-    return np.column_stack((known.reshape(lengths.size, -1), k0, none + stiffness, none))
+    return np.column_stack((known.reshape(lengths.size, -1), k0, np.full(lengths.size, stiffness)))
 
 
 def slip(history: Array, q: Array, lengths: Array) -> Slip:
     """From the ``history`` to the rope ``q``."""
-    before, k0, stiffness = history[:, :-3].reshape(lengths.size, -1, MEMORY), history[:, -3, None], history[:, -2]
+    before, k0, stiffness = history[:, :-2].reshape(lengths.size, -1, MEMORY), history[:, -2, None], history[:, -1]
     slid = slide(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0)
     work = float(stiffness * lengths @ (slid.dissipated @ np.array(WEIGHTS)))
     return Slip(np.stack(slid.z, axis=2).reshape(lengths.size, -1), work)
+
+
+def latest_tangent(history: Array, q: Array, lengths: Array, before: Array) -> Array:
+    """(elements, physics.wire_element.LATEST): where a tangent is at ``q`` that follows one ``before``."""
+    nodes = np.concatenate((q[:-1], q[1:]), axis=1).T
+    return np.array(wire_functions("torsional").latest(nodes, lengths[None], history.T, before.T)).T
 
 
 def carry(z: Array, old_lengths: Array, new_lengths: Array) -> Array:
