@@ -128,7 +128,7 @@ static double apart(const Arrays *m) {
 
 Trial trial_step(Simulator *rope, State *state, double h) {
     const Arrays old = state_arrays(state), *now = &rope->trial;
-    const System s = system_of(rope, state);
+    System s = system_of(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
     const double moved_by = recentring(&method, h, state->h);
