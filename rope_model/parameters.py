@@ -55,8 +55,8 @@ class Rope:
     EI_stick: float = parameter(
         0.0,
         "N.m2",
-        "bending stiffness while no wire slides on another; friction between the wires where it is above EI, which "
-        "then holds for wires that slide; 0: none",
+        "bending stiffness while no wire slides on another, above EI, which then holds for wires that slide; "
+        "0: no friction between the wires",
         lower=0.0,
         cure="use 0 for no friction between the wires",
     )
@@ -155,6 +155,13 @@ class Rope:
             self.Qs,
             f"below sqrt(Qa Qd) = {bound:.4g} N m in size",
             "or the strain energy is not positive: check Qb, Qc, Qa and Qd",
+        )
+        require(
+            self.EI_stick == 0 or self.EI_stick > self.EI,
+            "EI_stick",
+            self.EI_stick,
+            f"0 or above EI = {self.EI!r} N m2",
+            "use 0 for no friction between the wires; EI is that of wires that slide",
         )
 
     @property

@@ -195,7 +195,6 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     air.AirLaw,
     contact.Touch,
     wire_friction.Slid,
-    newton.Rules,
 )
 #: what a formula may take or return whole
 STRUCTURES: dict[str, type[Any]] = {

@@ -52,6 +52,12 @@ static void check_coupling(const Check *check, const Rope *rope) {
                "or the strain energy is not positive: check Qb, Qc, Qa and Qd");
 }
 
+static void check_sticking(const Check *check, const Rope *rope) {
+    if (!(rope->EI_stick == 0 || rope->EI_stick > rope->EI))
+        refuse(check, "EI_stick", EXACT(rope->EI_stick), JOINED("0 or above EI = ", rope->EI, " N m2"),
+               "use 0 for no friction between the wires; EI is that of wires that slide");
+}
+
 static void check_counts(const Check *check, const Mesh *mesh) {
     static const char *const segments[] = {"II", "III", "IV", "V", "VI"};
     const int *n = mesh->counts;

@@ -23,7 +23,7 @@ from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStr
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.native.tables. */\n"
 #: checks of several parameters at once, in parameters.c
-JOINT_CHECKS: dict[type[Any], tuple[str, ...]] = {Rope: ("check_coupling",), Mesh: ("check_counts",)}
+JOINT_CHECKS: dict[type[Any], tuple[str, ...]] = {Rope: ("check_coupling", "check_sticking"), Mesh: ("check_counts",)}
 #: what a code's name has behind the word where that alone would not do
 _SUFFIXES = {"mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
 
