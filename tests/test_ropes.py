@@ -21,7 +21,7 @@ from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRo
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
-from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
+from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope, between
 from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.recording.neighbours import polygon_distance
 from hoist_demo.ropes.definition import read_ropes
@@ -223,6 +223,20 @@ def test_distance_of_random_polygons_is_that_of_their_points_in_the_limit() -> N
         assert gaps.min() <= distance + side
         for p in fine:
             assert np.linalg.norm(p - place, axis=1).min() == pytest.approx(0.5 * distance, abs=side)
+
+
+def test_the_ends_of_a_halved_step_lie_on_a_path_between_its_own() -> None:
+    h, size = 0.02, 1e-5
+    before = EndMotion(x=0.1, y=1.0, z=0.0, vx=0.1, vy=8.0, vz=-0.2, ax=1.0, ay=0.5, az=0.0, yaw=0.1, yaw_rate=0.3)
+    after = EndMotion(
+        x=0.1021, y=1.16, z=-0.004, vx=0.11, vy=8.01, vz=-0.2, ax=0.0, ay=0.6, az=0.1, yaw=0.11, yaw_rate=0.6
+    )
+    assert_allclose(between(before, after, h, 0.0), before, atol=1e-12)
+    assert_allclose(between(before, after, h, h), after, atol=1e-9)
+    near, at, far = (np.array(between(before, after, h, 0.4 * h + k * size)) for k in (-1, 0, 1))
+    rates = (far - near) / (2.0 * size)
+    # rounding over the difference, and its square times a third derivative of some 1e4
+    assert_allclose(rates[[*range(6), 9]], at[[*range(3, 9), 10]], atol=1e-5)
 
 
 def crowded() -> tuple[RopeGroup, Reader, float]:
