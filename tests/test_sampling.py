@@ -14,7 +14,7 @@ from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.cosimulation.schemes.interface import Load, Scheme
+from hoist_demo.cosimulation.schemes.interface import Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Hoist, Winding
 
@@ -88,14 +88,6 @@ def wind(step: float, stiffness: float = 0.0, scheme: Scheme | None = None) -> t
     result = Host(Spring(stiffness), Hoist(), TRIP, coupling, controller=controller, scheme=scheme).run()
     assert result.completed
     return result, made[0]
-
-
-def test_a_part_of_a_step_has_the_load_of_the_whole() -> None:
-    start, rise, bend = np.array([3.0, -2.0]), np.array([1.5, 0.5]), np.array([-4.0, 7.0])
-    whole = Load(start, rise, bend, np.array([10.0, 20.0]))
-    for k in range(4):
-        for s in (0.0, 0.3, 1.0):
-            assert_allclose(whole.part(k, 4).at(s), whole.at((k + s) / 4), rtol=0, atol=1e-14)  # roundings of 10
 
 
 @pytest.mark.parametrize("step", [0.02, 0.04])
