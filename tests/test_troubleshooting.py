@@ -43,7 +43,7 @@ NO_ENTRY = {
     "all five segments, or none": "a bound in 'is out of range'",
     "the pattern is the same": "the end of 'is out of range'",
     "the strain energy is not positive": "the end of 'is out of range'",
-    "use 0 for no friction between the wires; EI": "the same",
+    "use 0 for no friction between the wires; EI": "the end of 'is out of range'",
     "an input's number is 0 to 21": "a programmer's: no host can cause it",
     "drive: … states": "what the log tells of the drive",
     "its local error": "part of 'a step of ... fails too'",

@@ -38,16 +38,19 @@ class Strongest(NamedTuple):
 
 
 def spectra(time: Array, values: Array) -> Spectra:
-    """Of `values` (rows, places) at evenly spaced times [s]; empty for a record that is too short."""
+    """Of `values` (rows, places) at evenly spaced times [s]; empty for too short a record, NaN where values are."""
     rows, places = values.shape
     if rows < SHORTEST:
         return Spectra(np.empty(0), np.empty((0, places)))
     from scipy.signal import welch  # slow to load, and most runs record no stations
 
     step = float(np.median(np.diff(time)))
-    frequency, power = welch(values, 1.0 / step, nperseg=rows // 2, detrend="linear", scaling="spectrum", axis=0)
+    known = np.isfinite(values).all(axis=0)
+    frequency, power = welch(
+        np.where(known, values, 0.0), 1.0 / step, nperseg=rows // 2, detrend="linear", scaling="spectrum", axis=0
+    )
     kept = frequency * step * (rows // 2) >= PERIODS
-    return Spectra(frequency[kept], np.sqrt(2.0 * power[kept]))
+    return Spectra(frequency[kept], np.where(known, np.sqrt(2.0 * power[kept]), np.nan))
 
 
 def strongest(found: Spectra) -> Strongest:

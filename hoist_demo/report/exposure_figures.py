@@ -65,7 +65,8 @@ def write_spectra_figure(spectra: Recording, s: Array, path: Path) -> Path:
 def _draw_ranges(figure: Figure, ax: Axes, exposure: Recording, name: str) -> None:
     label, factor = _UNITS[name]
     edges = factor * np.array([*BINS[name], 2.0 * BINS[name][-1]])
-    counts = np.ma.masked_less_equal([exposure[column] for column in bin_columns(name)], 0.0)
+    # a model without torsion counts no cycles of torque
+    counts = np.ma.masked_less_equal(np.nan_to_num([exposure[column] for column in bin_columns(name)]), 0.0)
     s = exposure["s"]
     sides = np.concatenate(([s[0]], 0.5 * (s[1:] + s[:-1]), [s[-1]]))
     if counts.count():
