@@ -192,14 +192,17 @@ class Guard:
         require_in_bounds(self)
 
 
-def _velocity(axis: str) -> float:
-    text = f"velocity of the shaft's air along {axis}; a host that changes it between steps makes gusts"
+_ACROSS = ", within air.cross_height"
+
+
+def _velocity(axis: str, where: str) -> float:
+    text = f"velocity of the shaft's air along {axis}{where}; a host that changes it between steps makes gusts"
     return parameter(0.0, "m/s", text, lower=-100.0, upper=100.0, cure="give it in m/s", tunable=True)
 
 
 @dataclass(frozen=True)
 class Air:
-    """The air in the shaft, which moves as one, and aside where a conveyance passes: see physics.air."""
+    """The air in the shaft: its flow along and across it, and aside where a conveyance passes: see physics.air."""
 
     density: float = parameter(
         0.0,
@@ -217,9 +220,18 @@ class Air:
         upper=10.0,
         cure="stranded ropes have 1.0 to 1.3",
     )
-    vx: float = _velocity("X")
-    vy: float = _velocity("Y, upwards")
-    vz: float = _velocity("Z")
+    vx: float = _velocity("X", _ACROSS)
+    vy: float = _velocity("Y, upwards", "")
+    vz: float = _velocity("Z", _ACROSS)
+    cross_y: float = _place("height of the middle of where the air blows across, from the origin of left.y and right.y")
+    cross_height: float = parameter(
+        FAR,
+        "m",
+        "height over which the air blows across, from the floor of a gallery to its roof; 1e6: everywhere",
+        lower=0.1,
+        upper=FAR,
+        cure="give the height of the gallery's mouth, or 1e6 for air that moves as one",
+    )
     buffet: float = parameter(
         0.0,
         "1",

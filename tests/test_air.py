@@ -13,10 +13,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rope_model import EndMotion, balance_rope, rope_120
 from rope_model.numerics import kernels
 from rope_model.parameters import Accuracy, Mesh, Rope, Scene, Solver
-from rope_model.physics.air import air_law
+from rope_model.physics.air import AirLaw, air_law, flow
 from rope_model.physics.air_element import AIR_BALANCE, air_element, air_functions
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity, element_functions
-from rope_model.shaft_parameters import Air, Shaft, Sump
+from rope_model.shaft_parameters import REACH, Air, Shaft, Sump
 from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.rope_system import parameter_vector
 from rope_model.simulation.scene_kernels import kernels_needed
@@ -86,10 +86,48 @@ def test_a_conveyance_blows_on_the_other_leg_away_from_itself() -> None:
     assert pulse(0.0, 0.0)["air_fx"] == pulse(0.0, -HEIGHT)["air_fx"] == 0.0
 
 
+@pytest.mark.parametrize("l", [1e-3, 5.0, 1e4])
+@pytest.mark.parametrize("y", [-REACH, 0.0, 0.1, REACH])
+def test_without_a_gallery_the_air_moves_as_one_to_the_bit(y: float, l: float) -> None:
+    assert tuple(flow(LAW, [], (1.0, y, -1.0), l)) == LAW.velocity
+
+
+#: a gallery's flow, and one that has an upper end only
+GALLERY = air_law(Air(density=1.2, vx=3.0, vy=2.0, vz=-4.0, cross_y=-11.0, cross_height=4.3), 0.044, 2.0)
+BELOW = air_law(Air(density=1.2, vx=3.0, cross_y=-1011.0, cross_height=2000.0), 0.044, 2.0)
+
+
+def upright(law: AirLaw, top: float, l: float) -> dict[str, float]:
+    """What 60 m of straight rope below ``top``, of equal elements, get of the air."""
+    q, v = np.zeros((2, NODE_DOF)), np.zeros(2 * NODE_DOF)
+    q[:, 4] = -1.0
+    sums, numbers = np.zeros(len(AIR_BALANCE)), [law.factor, *law.velocity, *law[2:], *8 * [0.0]]
+    for y in top - np.arange(0.0, 60.0, l):
+        q[:, 1] = y, y - l
+        sums += np.array(air_functions("torsional").sums(q.ravel(), v, l, numbers)).ravel()
+    return dict(zip(AIR_BALANCE, sums.tolist(), strict=True))
+
+
+# on long elements four places are looked at over edges of e = l + EDGE: the worst of all places of the leg
+@pytest.mark.parametrize(("l", "missed"), [(1.0, 1e-3), (2.5, 3e-3), (7.5, 0.01), (15.0, 0.03)])
+def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(l: float, missed: float) -> None:
+    sums = [upright(GALLERY, top, l) for top in np.linspace(18.0, 18.0 + l, 10, endpoint=False)]
+    side = 0.5 * 1.2 * 1.2 * 0.044 * 5.0 * 4.3  # per m/s in X and Z, of 5 m/s: rho_a c_d d |u| u h / 2
+    assert_allclose([one["air_fx"] for one in sums], 3.0 * side, rtol=missed)
+    assert_allclose([one["air_fz"] for one in sums], -4.0 * side, rtol=missed)
+    # at the gallery's height on average
+    assert np.mean([one["air_mz"] for one in sums]) == pytest.approx(11.0 * 3.0 * side, rel=missed)
+
+
+def test_a_flow_with_one_end_blows_all_along_below_it() -> None:
+    found = upright(BELOW, 18.0, 1.0)["air_fx"]
+    assert found == pytest.approx(BELOW.factor * 9.0 * (60.0 - 18.0 - 11.0), rel=1e-3)
+
+
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
 def test_the_tangent_is_the_derivative_to_the_speed(fidelity: ElementFidelity) -> None:
     air, (q, v) = air_functions(fidelity), moved(fidelity, 1)
-    passing = [*A[:4], 0.8, 3.0, 2.0, *(-1.0, -2.0, 0.5, 4.0), *(1.5, 0.5, -0.2, -5.0)]
+    passing = [*A[:4], 0.8, 3.0, 2.0, -0.5, 1.5, *(-1.0, -2.0, 0.5, 4.0), *(1.5, 0.5, -0.2, -5.0)]
     J = np.array(air.tangent(q, v, 2.0, passing, 1.0))
     assert np.abs(J - np.array(air.tangent(q, v, 2.0, A, 1.0))).max() > 0.01
     steps = 1e-6 * np.eye(v.size)
@@ -136,7 +174,7 @@ def wound(of: Scene, form: Any, steps: int) -> Any:
 
 
 def test_both_forms_agree_in_the_wind_with_a_floor() -> None:
-    blown = scene(density=1.2, vx=4.0, vy=-3.0, vz=5.0)
+    blown = scene(density=1.2, vx=10.0, vy=-3.0, vz=12.0, cross_y=-2.0, cross_height=2.0)
     python, native = (wound(blown, form, 30) for form in ("python", "native"))
     one, other = python.state, native.state
     assert_allclose(one.motion.q, other.motion.q, atol=1e-9)
@@ -197,10 +235,11 @@ def test_a_host_blows_gusts_between_steps() -> None:
     assert abs(energy.residual) < 0.02 * abs(energy.given_to_air)
 
 
-def test_what_a_rope_loses_to_the_air_is_in_the_energy_balance() -> None:
+@pytest.mark.parametrize("flow_across", [{}, {"vx": -3.0, "vz": 3.0, "cross_y": -2.5, "cross_height": 2.0}])
+def test_what_a_rope_loses_to_the_air_is_in_the_energy_balance(flow_across: dict[str, float]) -> None:
     """Denser than air, so that it counts: the drag takes a good part of the work done."""
-    still = replace(scene(density=50.0), shaft=Shaft(air=Air(density=50.0)))
-    energy = wound(still, "native", 100).state.energy_balance
+    dense = replace(scene(), shaft=Shaft(air=Air(density=50.0, **flow_across)))
+    energy = wound(dense, "native", 100).state.energy_balance
     assert energy.given_to_air > 0.2 * energy.work_ends > 10
     assert abs(energy.residual) < 2e-3 * energy.given_to_air
 
@@ -212,6 +251,24 @@ def test_ends_hold_what_the_wind_pushes() -> None:
     assert rope.initialize(0.0, EndMotion(), EndMotion(y=60.0)).valid
     signals = rope.signals()
     assert signals["left.fz"] + signals["right.fz"] == pytest.approx(law.factor * 9.0 * 120.0, rel=1e-4)
+
+
+def test_a_leg_hangs_aside_below_a_gallery() -> None:
+    """Above it each leg pulls what blew on it, F, with its tension, which is the weight below: rho g y z' = F."""
+    rope, speed, h = Rope(length=60.0), 10.0, 5.0
+    air = Air(density=1.2, drag=1.2, vz=speed, cross_height=h, cross_y=-8.0)
+    of = Scene(rope=rope, mesh=Mesh("eem", elements=120), shaft=Shaft(air=air))
+    hung = balance_rope(of, "native")
+    assert hung.initialize(0.0, EndMotion(), EndMotion()).valid
+    f = 0.5 * 1.2 * 1.2 * rope.diameter * speed**2
+    # heights above those where the legs' tension, the weight of half the rope at its end, would be 0
+    top, roof, floor = 30.0, 30.0 - 5.5, 30.0 - 10.5
+    aside = f * (h * np.log(top / roof) + h - floor * np.log(roof / floor)) / (rope.mass_per_length * 9.81)
+    # the clamped end turns into the slope over sqrt(EI/T)
+    weight = rope.mass_per_length * 9.81 * top
+    aside -= f * h / weight * np.sqrt(rope.EI / weight)
+    assert hung.signals()["loop.z"] == pytest.approx(aside, rel=0.01)
+    assert hung.signals()["left.fz"] + hung.signals()["right.fz"] == pytest.approx(2 * f * h, rel=1e-3)
 
 
 def pushed(t: float) -> tuple[EndMotion, EndMotion]:
@@ -272,3 +329,10 @@ def test_a_winding_hardly_feels_the_pulse() -> None:
     for share, expected in ((0.06, 0.6e-3), (0.3, 6e-3)):
         moved = loop_places(Air(density=1.25, buffet=share, buffet_length=6.0)) - still
         assert np.abs(moved).max() == pytest.approx(expected, rel=0.2)
+
+
+def test_a_leg_that_passes_a_gallery_moves_the_loop() -> None:
+    """As docs/model.md says: 10 m/s over 5 m, at half the depth of the winding."""
+    still, gallery = Air(density=1.2), Air(density=1.2, vx=10.0, cross_y=45.0, cross_height=5.0)
+    at_rest, blown = (loop_places(air) for air in (still, gallery))
+    assert np.abs(blown - at_rest).max() == pytest.approx(0.20, rel=0.05)

@@ -14,7 +14,7 @@ enum {
     FRAME = 21,
     STRAINS = 3,
     MOMENTUM = 9,
-    AIR_LAW = 7,
+    AIR_LAW = 9,
     AIR = AIR_LAW + 2 * 4,
     AIR_BALANCE = 7,
     CURVED = 13

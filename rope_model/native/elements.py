@@ -22,6 +22,7 @@ _UNARY = {
     ca.OP_SQ: "{0} * {0}",
     ca.OP_TWICE: "2. * {}",
     ca.OP_SQRT: "SQRT_V({})",
+    ca.OP_FABS: "ABS_V({})",
     ca.OP_INV: "1. / {}",
 }
 

@@ -7,7 +7,16 @@ With the unit tangent t and the rope's velocity w against the air, whose part ac
 the drag of a cylinder across a flow; the flow along it is left out, as are vortices.  |w_n| is rounded off below
 ROUNDING, where nothing is left of it.
 
-The air moves as one, and aside where a conveyance passes.  In potential flow a slender body that moves at the speed V
+Along the shaft the air moves as one.  Across it, it blows everywhere or where a gallery opens, h high about the height
+y0, at the share c of its speed with
+
+    c^2 = S((y - y0 + h/2)/e) - S((y - y0 - h/2)/e)
+
+where S goes from 0 at -1/2 to 1 at 1/2 as the cubic with level ends, so that int c^2 dy = h whatever the edges' width
+e: a jet that spreads keeps its momentum, and a rope across it its drag.  e is EDGE and the element's length together:
+the element looks at few places, between which a narrow flow would be lost.
+
+A conveyance that passes moves the air aside.  In potential flow a slender body that moves at the speed V
 along its axis has a source at its bow and a sink of the same strength at its tail (Rankine's ovoid).  D away from the
 axis, at the height h above one of them, each moves the air across at
 
@@ -17,7 +26,7 @@ outwards at the bow, inwards at the tail; b is A/(4 pi D^2) for a body of the cr
 walls.  D is the spacing of the suspensions: this is the flow at the leg beside the conveyance, where it hangs at rest.
 It is taken as proportional to the distance from the axis, so that the leg below the conveyance itself feels none.
 
-The tangent -df/dv is symmetric: it leaves out that t turns.
+The tangent -df/dv is symmetric: it leaves out that t turns, and that the flow changes from place to place.
 
 Works on numbers and CasADi expressions; vectors have their components first.
 """
@@ -31,6 +40,8 @@ from .elementary import dot, sqrt
 
 #: m/s
 ROUNDING = 1e-6
+#: m: width of the edge of a flow from a gallery [assumed]
+EDGE = 0.5
 
 
 class AirLaw(NamedTuple):
@@ -41,6 +52,8 @@ class AirLaw(NamedTuple):
     buffet: float
     height: float  # of a conveyance
     spacing: float
+    cross_y: float  # middle and height of what blows across
+    cross_height: float
 
 
 class Passing(NamedTuple):
@@ -53,17 +66,34 @@ class Passing(NamedTuple):
 def air_law(air: Any, diameter: Any, spacing: Any) -> AirLaw:
     """Of a rope of this diameter between suspensions so far apart, m; without air the factor is 0."""
     velocity = air.vx, air.vy, air.vz
-    return AirLaw(0.5 * air.density * air.drag * diameter, velocity, air.buffet, air.buffet_length, spacing)
+    factor, cross = 0.5 * air.density * air.drag * diameter, (air.cross_y, air.cross_height)
+    return AirLaw(factor, velocity, air.buffet, air.buffet_length, spacing, *cross)
 
 
-def flow(law: AirLaw, conveyances: Sequence[Passing], point: Any) -> list[Any]:
-    """Velocity (m/s) of the air at ``point``."""
+def flow(law: AirLaw, conveyances: Sequence[Passing], point: Any, l: Any) -> list[Any]:
+    """Velocity (m/s) of the air at ``point`` of an element of the length l."""
     x, y, z = law.velocity
+    share = _share_across(point[1] - law.cross_y, law.cross_height, EDGE + l)
+    x, z = share * x, share * z
     for underside, speed in conveyances:
         h = point[1] - underside[1]
         aside = law.buffet * speed / law.spacing * (_bell((h - law.height) / law.spacing) - _bell(h / law.spacing))
         x, z = x + aside * (point[0] - underside[0]), z + aside * (point[2] - underside[2])
     return [x, y, z]
+
+
+def _share_across(y: Any, height: Any, edge: Any) -> Any:
+    below, above = (_smooth_step((y + side * height) / edge) for side in (0.5, -0.5))
+    return sqrt(abs(below - above))  # where both are nearly 1, rounding may leave less than 0
+
+
+def _smooth_step(x: Any) -> Any:
+    within = 1.0 - _ramp(1.0 - _ramp(x + 0.5))
+    return within * within * (3.0 - 2.0 * within)
+
+
+def _ramp(x: Any) -> Any:
+    return 0.5 * (x + abs(x))
 
 
 def _bell(h: Any) -> Any:

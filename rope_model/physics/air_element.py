@@ -22,7 +22,7 @@ from .element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, Element
 from .elementary import cross, dot
 
 #: numbers of an AirLaw, and of it with both conveyances
-LAW_SIZE = 7
+LAW_SIZE = 9
 AIR_SIZE = LAW_SIZE + 2 * 4
 #: what the balance of the element has beyond element.BALANCE
 AIR_BALANCE = (
@@ -58,7 +58,7 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
     for xi, weight in hermite.GAUSS:
         nodes = dict(_nodes(hermite.shares(xi, l)))
         (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
-        velocity = flow(law, conveyances, point)
+        velocity = flow(law, conveyances, point, l)
         if 2 not in kept:  # what blows across the plane does not act in a model of the plane
             velocity[2] = 0
         force, tangent = drag(law, velocity, slope, speed)
