@@ -293,7 +293,9 @@ def test_bodies_that_do_not_hold_the_rope_are_passed() -> None:
 @pytest.mark.parametrize(
     "case",
     [
-        pytest.param(c, marks=[pytest.mark.slow] if "divider" in c or "every kind" in c or "legs" in c else [])
+        pytest.param(
+            c, marks=[pytest.mark.slow] if "divider" in c or "every kind" in c or "legs" in c or "rod" in c else []
+        )
         for c in CASES
     ],
 )

@@ -115,7 +115,16 @@ def test_every_command_says_where_its_numbers_come_from(
 
 
 def test_a_report_says_which_datum_yaws_a_rope_at_rest(tmp_path: Path) -> None:
-    turned = ["--set", "rope.installed_twist=3", "--set", "model.fidelity=1", "--set", "winding.settle=0.1"]
+    turned = [
+        "--set",
+        "rope.installed_twist=3",
+        "--set",
+        "model.fidelity=1",
+        "--set",
+        "winding.settle=0.1",
+        "--level",
+        "draft",
+    ]
     assert main(["demo", "--in-process", "--quick", "--travel", "0.5", "--out", str(tmp_path), *turned]) == 0
     report = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert "turned mostly by installed_twist = 3 rad" in report

@@ -106,7 +106,7 @@ class Weight:
 # sums
 
 
-@pytest.mark.parametrize("contact", [0.0, 1e6])
+@pytest.mark.parametrize("contact", [0.0, pytest.param(1e6, marks=pytest.mark.slow)])
 def test_unequal_ropes_pull_with_their_weight_and_with_their_mass_times_the_acceleration(contact: float) -> None:
     given = {"contact_rope_stiffness": contact}
     unequal = rope(**given), rope(-KNOWN, rope_length=118.8, **given), rope(2.0 * KNOWN, **given), rope(-KNOWN, **given)
@@ -269,6 +269,7 @@ def test_ropes_that_touch_go_back_to_a_snapshot_bit_by_bit() -> None:
     assert_array_equal(read(), after)
 
 
+@pytest.mark.slow
 def test_a_rope_that_breaks_leaves_its_neighbour_alone() -> None:
     ropes, read, t = crowded()
     while t < 0.85:
