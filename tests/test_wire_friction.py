@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import EndMotion, balance_rope
 from rope_model.numerics.events import locate
-from rope_model.parameters import Mesh, Rope, Scene, Solver
+from rope_model.parameters import Mesh, Model, Rope, Scene, Solver
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions
 from rope_model.physics.wire_element import LATEST, wire_functions
 from rope_model.physics.wire_friction import MEMORY, Slid, section_at, slide, slip_curvature, wire_stiffness
@@ -310,6 +310,15 @@ def test_a_step_takes_few_corrections() -> None:
     counts = wound(scene(EI=74.0, EI_stick=2.4e4), "native", 200).state.counts
     assert counts.rejections == 0
     assert counts.newton < 4 * counts.steps
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_without_torsion_wires_feel_no_turn_of_the_ends(form: Any) -> None:
+    spatial = [scene(installed_twist=twist).with_(model=Model("spatial")) for twist in (0.0, 1.0)]
+    straight, twisted = (wound(of, form, 8).state for of in spatial)
+    # rounding, from the search for rest
+    assert_allclose(twisted.motion.q[:, :6], straight.motion.q[:, :6], rtol=0.0, atol=1e-12)
+    assert_allclose(twisted.hysteresis, straight.hysteresis, rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("form", ["python", "native"])

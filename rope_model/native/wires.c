@@ -17,8 +17,15 @@ static double *memory_of(const Simulator *rope, int element) {
     return rope->wires + (ptrdiff_t)element * WIRE_HISTORY;
 }
 
-void refer_wires(Simulator *rope, State *state, const double *q) {
+/* of an element of q; without torsion no section turns, however the ends hold theta */
+static void look_at_section(const State *state, const Arrays *m, const double *q, int element, int point,
+                            double section[WIRE_MEMORY]) {
     static const double places[] = WIRE_PLACES;
+    section_at(places[point], m->lengths[element], q + (ptrdiff_t)element * DOF, section);
+    if (state->fidelity != TORSIONAL) section[ANGLE] = 0;
+}
+
+void refer_wires(Simulator *rope, State *state, const double *q) {
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
     const double stiffness = wire_stiffness(&rope->scene.rope);
@@ -27,7 +34,7 @@ void refer_wires(Simulator *rope, State *state, const double *q) {
     for (int e = 0; e < m.elements; e++) {
         double *to = memory_of(rope, e), *at = to;
         for (int k = 0; k < WIRE_POINTS; k++, at += WIRE_MEMORY) {
-            section_at(places[k], m.lengths[e], q + (ptrdiff_t)e * DOF, at);
+            look_at_section(state, &m, q, e, k, at);
             memcpy(at + WIRE_MEMORY - 3, m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *at);
         }
         at[0] = slip_curvature(&rope->scene.rope, stiffness, rope->strains[e][0], rope->strains[e][1]);
@@ -36,14 +43,14 @@ void refer_wires(Simulator *rope, State *state, const double *q) {
 }
 
 double slip_wires(Simulator *rope, State *state, const double *q) {
-    static const double places[] = WIRE_PLACES, weights[] = WIRE_WEIGHTS;
+    static const double weights[] = WIRE_WEIGHTS;
     const Arrays m = state_arrays(state);
     double dissipated = 0;
     for (int e = 0; state->rubs && e < m.elements; e++) {
         const double *before = memory_of(rope, e), *law = before + WIRE_POINTS * WIRE_MEMORY;
         double now[WIRE_MEMORY];
         for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_MEMORY) {
-            section_at(places[k], m.lengths[e], q + (ptrdiff_t)e * DOF, now);
+            look_at_section(state, &m, q, e, k, now);
             const Slid slid = wire_slide(before, now, law[0]);
             memcpy(m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, slid.z, sizeof slid.z);
             dissipated += law[1] * m.lengths[e] * weights[k] * slid.dissipated;

@@ -147,7 +147,7 @@ class RopeSystem:
         if self._rope is not None and self.z.size:
             self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY + LATEST))))
             strains = self.strains(self.reference)
-            self._history = history(self._rope, self.reference, self.lengths, self.z, strains)
+            self._history = history(self._rope, self._sections_of(self.reference), self.lengths, self.z, strains)
             self.frames[:, -HISTORY - LATEST : -LATEST] = self._history
         self._constants = self.lengths, self.frames, *self._loads
 
@@ -192,7 +192,11 @@ class RopeSystem:
 
     def slip(self, q: Array) -> Slip:
         """What the wires do on the way to ``q``."""
-        return slip(self._history, q, self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
+        return slip(self._history, self._sections_of(q), self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
+
+    def _sections_of(self, q: Array) -> Array:
+        """``q`` as its wires feel it: without torsion no section turns, however the ends hold theta."""
+        return q if self.kernels.fidelity == "torsional" else np.where(np.arange(NODE_DOF) == ANGLE, 0.0, q)
 
     def frame_turn(self, q: Array) -> Array:
         """(nodes,): what theta gains when ``q`` becomes the reference, rad."""
@@ -245,7 +249,7 @@ class RopeSystem:
             nonlocal latest, solve
             solve = self._solver(kernels, self._following(constants, latest), P, at, c)
             if self.z.size:
-                latest = latest_tangent(self._history, at.q, self.lengths, latest)
+                latest = latest_tangent(self._history, self._sections_of(at.q), self.lengths, latest)
             return solve
 
         def resolve(change: Array) -> Array:
