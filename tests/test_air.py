@@ -186,11 +186,13 @@ def test_both_forms_agree_in_the_wind_with_a_floor() -> None:
 
 
 @pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to bring along")
+@pytest.mark.parametrize("curvature", [0.0, 0.05])
 def test_a_bundle_has_all_that_its_scene_needs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    curvature: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     """In air and on a floor without a compiler; what it was not made for is interpreted, and says so."""
-    blown = scene(density=1.2, vx=4.0)
+    air = scene(density=1.2, vx=4.0)
+    blown = replace(air, rope=replace(air.rope, initial_curvature=curvature))
     still, start = (EndMotion(), EndMotion()), replace(blown, solver=Solver(kernels="compiled"))
     needed = kernels_needed(blown, still)
     assert {fidelity for fidelity, kinds in needed if not kinds} == set(ELEMENT_DOF)

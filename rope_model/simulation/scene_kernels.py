@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..parameters import Scene
 from ..physics.element import ELEMENT_DOF, ElementFidelity
 from ..physics.wire_friction import wire_stiffness
@@ -27,10 +29,11 @@ def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Kin
     higher = FIDELITIES[FIDELITIES.index(chosen) :] if scene.model.fidelity == "auto" else [chosen]
     around = surroundings(scene)
     needed: list[tuple[ElementFidelity, Kinds]] = [(fidelity, ()) for fidelity in ELEMENT_DOF]
+    straight = scene.with_(rope=replace(scene.rope, initial_curvature=0.0))  # as every rope is first hung up
     needed += [
-        (fidelity, (*acting_along(scene, fidelity, rubs), *near))
+        (fidelity, (*acting_along(hung, fidelity, rubs), *near))
         for fidelity in map(flexible, higher)
-        for rubs in (False, wire_stiffness(scene.rope) > 0)
+        for hung, rubs in ((straight, False), (scene, False), (scene, wire_stiffness(scene.rope) > 0))
         for near in ((), around.kinds if around else ())
     ]
     return tuple(dict.fromkeys(needed))
