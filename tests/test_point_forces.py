@@ -125,3 +125,25 @@ def test_forces_that_cannot_be_are_refused(changed: dict[str, Any], told: str) -
     given = {"s": np.array([1.0, 2.0]), "at_start": np.zeros((2, 3)), "at_stop": np.zeros((2, 3))}
     with pytest.raises(ValueError, match=told):
         PointForces(**({**given, "start": 0.0, "stop": 0.1} | changed))
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("place", [-0.5, LENGTH + 0.5])
+def test_places_off_the_rope_are_refused(form: Any, place: float) -> None:
+    rope, force = hung(form), np.ones((1, 3))
+    forces = PointForces(np.array([place]), force, force, 0.0, STEP)
+    for take in (rope.apply, rope.displacement):
+        with pytest.raises(ValueError, match="between 0 and the rope's length = 6 m"):
+            take(forces)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_whole_numbers_are_numbers(form: Any) -> None:
+    moved = []
+    for kind in (int, float):
+        rope, force = hung(form), np.array([[0, 0, 50]], dtype=kind)
+        forces = PointForces(np.array([3], dtype=kind), force, force, 0.0, STEP)
+        rope.apply(forces)
+        assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid
+        moved.append((*rope.rows()[5], *rope.displacement(forces)[0]))
+    assert moved[0] == moved[1]

@@ -195,6 +195,7 @@ class NativeRope(BalanceRope):
         return read_now
 
     def apply(self, forces: PointForces) -> None:
+        forces.require_on(self._scene.rope.length)
         self._forces = _forces(forces)
         self._lib.rope_apply(self._rope, byref(self._forces[0]))
 
@@ -206,6 +207,7 @@ class NativeRope(BalanceRope):
 
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
         self._require_state()
+        forces.require_on(self._scene.rope.length)
         given, found = _forces(forces), np.empty((forces.s.size, 3))
         self._lib.rope_displacement(self._rope, byref(given[0]), found.ctypes.data)
         return found
@@ -273,7 +275,7 @@ class NativeRope(BalanceRope):
 
 def _forces(forces: PointForces) -> tuple[Structure, Any]:
     """As rope.h has them, and the places, which stay where they are as long as they are kept."""
-    places = np.column_stack((forces.s, forces.at_start, forces.at_stop))
+    places = np.column_stack((forces.s, forces.at_start, forces.at_stop)).astype(float, copy=False)
     return _PointForces(forces.s.size, forces.start, forces.stop, places.ctypes.data), places
 
 

@@ -15,6 +15,9 @@ from ..physics import hermite
 from ..physics.point_forces import part_of_time
 from .rope_system import ANGLE, POSITION, SLOPE, Array
 
+#: of the rope's length, by which places may be off its ends
+ROUNDING = 1e-9
+
 
 @dataclass(frozen=True)
 class PointForces:
@@ -35,6 +38,12 @@ class PointForces:
             raise ValueError(f"start = {self.start:g} s must be before stop = {self.stop:g} s: give the step's ends")
         if not (np.diff(self.s) >= 0.0).all():
             raise ValueError("s goes back along the rope and must ascend: sort the places")
+
+    def require_on(self, length: float) -> None:
+        """Raise ValueError unless all places are on a rope of this ``length`` (m), but for rounding."""
+        if self.s.size and not (-ROUNDING * length <= self.s[0] and self.s[-1] <= (1.0 + ROUNDING) * length):
+            reach = f"from {self.s[0]:g} m to {self.s[-1]:g} m"
+            raise ValueError(f"s goes {reach} and must be between 0 and the rope's length = {length:g} m: mend the places")
 
     def at(self, t: float) -> Array:
         """(n, 3): at ``t``, N."""

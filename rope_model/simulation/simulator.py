@@ -259,6 +259,7 @@ class RopeSimulator(BalanceRope):
         return Status(True)
 
     def apply(self, forces: PointForces) -> None:
+        forces.require_on(self.scene.rope.length)
         self.model, self._system, self._signals = replace(self.model, forces=forces), None, {}
 
     def rows(self) -> Array:
@@ -266,6 +267,7 @@ class RopeSimulator(BalanceRope):
         return np.hstack((self.state.partition.nodes_s[:, None], m.q[:, :ANGLE], m.v[:, :ANGLE]))
 
     def displacement(self, forces: PointForces) -> Array:
+        forces.require_on(self.scene.rope.length)
         m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
         nodal = nodal_forces(forces, system.lengths, forces.start)
         alone, moved = (
