@@ -111,7 +111,10 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def apply(self, forces: PointForces) -> None:
-        """From now on these forces act on the rope, and no others of the kind; they are no part of its state."""
+        """From now on these forces act on the rope, and no others of the kind; they are no part of its state.
+
+        A planar rope feels what is in its plane, a rigid one nothing: set ``model.fidelity`` to torsional.
+        """
 
     @abstractmethod
     def rows(self) -> NDArray[np.float64]:

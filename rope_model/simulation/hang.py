@@ -39,7 +39,7 @@ def _curved(model: RopeModel, state: RopeState) -> RopeState:
     parts = CURVATURE_STEPS if is_curved(rope, flexible(state.fidelity)) else 0
     for k in range(parts):
         less = replace(rope, initial_curvature=rope.initial_curvature * k / parts)
-        state = _equilibrium_in_frame(RopeModel(model.scene.with_(rope=less), model.kernels), state)
+        state = _equilibrium_in_frame(replace(model, scene=model.scene.with_(rope=less)), state)
     return _equilibrium_in_frame(model, state)
 
 
