@@ -50,6 +50,7 @@ NO_ENTRY = {
     "use mesh.fit_mesh": "a programmer's: no host can cause it",
     "give three components per place": "a programmer's, who puts forces on the rope",
     "sort the places": "a programmer's, who puts forces on the rope",
+    "mend the places": "a programmer's, who puts forces on the rope",
     "give the step's ends": "a programmer's, who puts forces on the rope",
     "holds kernels of another mesh size": "part of 'does not load here'",
     "has no attribute": "a programmer's: Python's own words for a misspelt name",

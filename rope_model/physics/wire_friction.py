@@ -53,7 +53,7 @@ class Slid(NamedTuple):
 
 
 def wire_stiffness(rope: Any) -> Any:
-    """C (N m^2); a stiffness with wires that stick below EI says that there is no friction, 0."""
+    """C (N m^2); 0 where there is no friction, EI_stick = 0."""
     return larger(rope.EI_stick - rope.EI, 0.0)
 
 

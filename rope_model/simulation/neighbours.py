@@ -30,6 +30,7 @@ import numpy as np
 
 from ..numerics.coupled_newton import conjugate_gradients
 from ..numerics.generalized_alpha import Coefficients
+from ..parameter_table import require
 from ..parameters import Scene
 from .balance_rope import BalanceRope
 from .pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
@@ -102,9 +103,21 @@ class Contacts:
 
 
 class Neighbours:
-    """Ropes of these scenes, which count their places from these origins (m) in the shaft."""
+    """Ropes of these scenes, which count their places from these origins (m) in the shaft.
+
+    Raises ValueError where their contact differs or is off, or a model leaves it out.
+    """
 
     def __init__(self, scenes: Sequence[Scene], origins: Sequence[tuple[float, float, float]]) -> None:
+        law = scenes[0].shaft.contact
+        require(law.rope_stiffness > 0, "contact.rope_stiffness", law.rope_stiffness, "above 0", "use 1e6 N/m2")
+        for scene in scenes:
+            told = "that of the first rope", "give all ropes the same contact"
+            require(scene.shaft.contact == law, "contact", scene.shaft.contact, *told)
+            model = scene.model.fidelity
+            require(
+                model not in ("planar", "rigid"), "model.fidelity", model, "auto, torsional or spatial", "set it so"
+            )
         self._origins = [np.array(origin) for origin in origins]
         self._method = Coefficients(scenes[0].solver.rho_inf)
         self._least = 0.5 * scenes[0].rope.mass_per_length * SLOW**2

@@ -43,7 +43,9 @@ class PointForces:
         """Raise ValueError unless all places are on a rope of this ``length`` (m), but for rounding."""
         if self.s.size and not (-ROUNDING * length <= self.s[0] and self.s[-1] <= (1.0 + ROUNDING) * length):
             reach = f"from {self.s[0]:g} m to {self.s[-1]:g} m"
-            raise ValueError(f"s goes {reach} and must be between 0 and the rope's length = {length:g} m: mend the places")
+            raise ValueError(
+                f"s goes {reach} and must be between 0 and the rope's length = {length:g} m: mend the places"
+            )
 
     def at(self, t: float) -> Array:
         """(n, 3): at ``t``, N."""
