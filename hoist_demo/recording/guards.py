@@ -55,7 +55,7 @@ def after(t: float, recording: Recording) -> list[tuple[str, float, str]]:
         return float(np.max(np.abs(values)))
 
     asked = (
-        (("loop.rise",), "largest rise of the loop, either way", "m", largest),
+        (("loop.rise",), "largest distance of the loop from its quasi-static height", "m", largest),
         (("loop.sideways",), "largest distance of the loop from midway between the ends", "m", largest),
         (("loop.turns",), "largest turns of the legs about each other", "", largest),
         (tuple(f"clearance.{kind}" for kind in BODIES), "smallest clearance from a body", "m", np.min),

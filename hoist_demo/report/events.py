@@ -22,20 +22,21 @@ class Mark:
 
 
 def marks(result: Result, winding: Winding) -> list[Mark]:
-    """What went wrong, creep, arrival of the reference, and where a run was stopped; inside the record only."""
+    """What went wrong, creep, arrival of the reference, and where a run was stopped, in order of time."""
     times = result.recording.time
     # Host's reference counts from the start of the record
     start = float(times[0])
-    found = [Mark(start + result.trajectory.duration, "reference at rest")]
-    if winding.emergency_at is not None:
-        found.insert(0, Mark(start + winding.emergency_at, "emergency stop"))
-    if (trip := guard_trip(result.recording)) is not None:
-        found.insert(0, Mark(trip.t, f"guard: {trip.cause}"))
-    found[:0] = [Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)]
-    found[:0] = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]
+    found = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]
+    found += [Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)]
     if winding.creeps:
-        found[:0] = [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
-    found = [mark for mark in found if start <= mark.t <= float(times[-1])]
+        found += [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
+    if (trip := guard_trip(result.recording)) is not None:
+        found.append(Mark(trip.t, f"guard: {trip.cause}"))
+    if winding.emergency_at is not None:
+        found.append(Mark(start + winding.emergency_at, "emergency stop"))
+    found.append(Mark(start + result.trajectory.duration, "reference at rest"))
+    # inside the record only
+    found = sorted((mark for mark in found if start <= mark.t <= float(times[-1])), key=lambda mark: mark.t)
     return found if result.completed else [*found, Mark(float(times[-1]), "run stopped")]
 
 

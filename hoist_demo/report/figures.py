@@ -314,32 +314,34 @@ def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
 
 
 def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
-    """Named instants in all panels, their names over the first one, whose title makes room."""
-    if marks:
-        figure.axes[0].set_title(figure.axes[0].get_title(loc="left"), pad=15.0)
+    """Instants in order of time in all panels, their names over the first one, whose title makes room."""
+    top = figure.axes[0]
+    first, last = top.get_xlim()
+    lines: list[float] = []  # of names: where each is free from on, as a share of the panel's width
     for mark in marks:
         for ax in figure.axes:
             ax.axvline(mark.t, color="black", lw=0.8, ls=(0, (4, 3)))
-    # names that would touch one another share a line
-    first, last = figure.axes[0].get_xlim()
-    named: list[tuple[float, str]] = []
-    for mark in marks:
-        if named and mark.t - named[-1][0] < 0.2 * (last - first):
-            named[-1] = named[-1][0], f"{named[-1][1]}, {mark.label}"
-        else:
-            named.append((mark.t, mark.label))
-    for t, label in named:
-        right = t > first + 0.6 * (last - first)
-        figure.axes[0].annotate(
-            label,
-            (t, 1.0),
-            xycoords=figure.axes[0].get_xaxis_transform(),
-            xytext=(-2 if right else 2, 1),
+        begin, width = (mark.t - first) / (last - first), _LETTER * len(mark.label)
+        if right := begin > 0.6:
+            begin -= width
+        line = next((k for k, free in enumerate(lines) if free <= begin), len(lines))
+        lines[line : line + 1] = [begin + width]
+        top.annotate(
+            mark.label,
+            (mark.t, 1.0),
+            xycoords=top.get_xaxis_transform(),
+            xytext=(-2 if right else 2, 1 + _LINE * line),
             textcoords="offset points",
             ha="right" if right else "left",
             va="bottom",
             fontsize=7.0,
         )
+    if lines:
+        top.set_title(top.get_title(loc="left"), pad=6.0 + _LINE * len(lines))
+
+
+_LETTER, _LINE = 0.009, 9.0
+"""Width of a letter of a mark's name, as a share of the panel's, and height of a line of names in points."""
 
 
 def _line(end: str) -> dict[str, Any]:

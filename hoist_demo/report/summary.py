@@ -322,7 +322,8 @@ def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
         ("energy.dissipated_material", "dissipated in the balance rope"),
         ("energy.dissipated_swivel", "dissipated in the swivels"),
     ):
-        if name in recording:
+        # what the fidelity leaves out is NaN throughout
+        if name in recording and math.isfinite(recording[name][-1]):
             rows.append(SummaryRow(group, f"{quantity}{of_one}", 1e-3 * float(recording[name][-1]), "kJ"))
     if recording.has("energy.residual", "energy.kinetic"):
         residual, kinetic = _furthest(recording["energy.residual"]), float(np.max(recording["energy.kinetic"]))

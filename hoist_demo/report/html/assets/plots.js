@@ -130,7 +130,7 @@ class TimePlot {
   drawNames(group) {
     if (!(this.panel.named ?? true)) return;
     const groups = [];
-    for (const mark of [...DATA.marks].sort((one, other) => one.t - other.t)) {
+    for (const mark of DATA.marks) {
       const x = this.x(mark.t), group = groups.at(-1);
       // lines that lie on one another share a name; the text above the plots has them all
       if (group && x - group.x < 8) group.more += 1;
