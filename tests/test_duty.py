@@ -199,7 +199,11 @@ def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.C
     arguments = ["duty", str(tmp_path / "duty.toml"), "--out", str(tmp_path / "out")]
     assert balance_rope.main(arguments) == 0
     assert balance_rope.main([*arguments, "--repeat", "2"]) == 0
-    assert "2 of 4 trips are there already" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "2 of 4 trips are there already" in told
+    units = {line.split()[0]: line.split()[2] for line in told.splitlines() if " in trip " in line}
+    # angles in degrees, and no unit of pure numbers: "in trip" follows
+    assert (units["loop_yaw"], units["turns"], units["sway"]) == ("deg", "in", "m")
     trips = read_csv(tmp_path / "out" / "trips.csv")
     assert_array_equal(trips["trip"], [1.0, 2.0, 3.0, 4.0])
     assert trips.units["loop_yaw"] == "rad"

@@ -16,11 +16,13 @@ from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
 from hoist_demo.recording.time_series import Recording, write_csv
+from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.summary import SummaryRow, exposure_rows, incidents, render, status
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
     from hoist_demo.duty.schedule import Schedule
+    from hoist_demo.duty.table import Worst
     from hoist_demo.duty.wind import Trip
 
 STATE = "last_trip.npz"
@@ -154,9 +156,15 @@ def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow
         rows.append(SummaryRow(group, "last trip's change", 100.0 * change, "%"))
     for one in worst(trips, cycle):
         group = "Worst trip (in the first cycle, from rest)"
-        text = f"{one.value:.6g} {UNITS[one.name]} in trip {one.trip} ({one.first_cycle:.6g})"
-        rows.append(SummaryRow(group, one.name, text))
+        rows.append(SummaryRow(group, one.name, _told_worst(one, UNITS[one.name])))
     return rows
+
+
+def _told_worst(one: Worst, unit: str) -> str:
+    """The worst trip in a unit for people; angles in degrees, as in the picture."""
+    factor, shown = (180.0 / math.pi, "deg") if unit == "rad" else (1.0, unit_text(unit))
+    value = f"{number(factor * one.value)} {shown}".rstrip()
+    return f"{value} in trip {one.trip} ({number(factor * one.first_cycle)})"
 
 
 def _exposure(trips: Recording) -> Recording | None:
