@@ -83,13 +83,19 @@ def _sought(path: Path, catalogue: Catalogue, table: Mapping[str, Any], problems
     """The ranges of what is looked for beside the properties; what is wrong is added to the problems."""
     found = {}
     for name, content in flat(table):
-        if not name.startswith(SOUGHT) or name in {f"rope.{one}" for one in FOLLOWING}:
-            problems.append(f"[sought] {name} must be a parameter of {' or '.join(SOUGHT)}, and none of a property's")
+        if not name.startswith(SOUGHT):
+            problems.append(f"[sought] {name} must be a parameter of {' or '.join(SOUGHT)}: give it in [fixed]")
+            continue
+        if name in {f"rope.{one}" for one in FOLLOWING}:
+            problems.append(f"[sought] {name} follows from the properties, which are all sought: give [known] instead")
+            continue
+        if not isinstance(content, dict) or content.keys() != {"low", "high"}:
+            problems.append(f"[sought] {name} = {content!r} must be {{ low, high }}: give both")
             continue
         try:
             ends = [catalogue[name].read(content[end]) for end in ("low", "high")]
-        except (ValueError, TypeError, KeyError) as error:
-            problems.append(f"[sought] {name} = {content!r} must be {{ low, high }}: {error}")
+        except ValueError as error:
+            problems.append(f"[sought] {error}")
             continue
         low, high = (float(end) for end in ends)
         if not 0.0 <= low < high:
@@ -211,6 +217,9 @@ def _out_of_range(name: str, numbers: tuple[float, ...]) -> str:
 def _numbers(where: str, name: str, content: Any, unit: str, problems: list[str]) -> tuple[float, ...]:
     """A number, or a list of them."""
     found = content if isinstance(content, list) else [content]
+    if content is None:
+        problems.append(f"{where}: {name} is missing: give it in {unit or 'SI'}")
+        return ()
     if not found or not all(map(_is_number, found)):
         problems.append(
             f"{where}: {name} = {content!r} must be a number or a list of numbers: give it in {unit or 'SI'}"
