@@ -14,6 +14,7 @@ from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.provenance import STATUSES, Known, of_host, of_rope, statuses, told
 from hoist_demo.study.reading import read_statuses, read_values
 from hoist_demo.study.run import build
+from hoist_demo.uncertainty.definition import read_uncertain
 
 SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2\n"
 
@@ -112,6 +113,14 @@ def test_every_command_says_where_its_numbers_come_from(
     assert set(rows.values()) <= {*STATUSES}
     if command in ("uncertain", "identify"):
         assert "Data that this rests on, by status" in (out / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("own", "status"), [("", "published"), ("length = 120.5\n", "given")])
+def test_a_length_that_is_the_case_s_is_not_said_to_be_given(tmp_path: Path, own: str, status: str) -> None:
+    file = tmp_path / "uncertain.toml"
+    file.write_text(_FILES["uncertain"].replace("[known]", f"{own}[known]"))
+    found = statuses(read_uncertain(file, rope_parameters()).provenance())
+    assert (found["rope.length"], found["hoist.tail_rope_length"]) == (status, status)
 
 
 def test_a_report_says_which_datum_yaws_a_rope_at_rest(tmp_path: Path) -> None:

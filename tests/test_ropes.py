@@ -357,10 +357,17 @@ rope.length = 118.8
 """
 
 
-def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path) -> None:
+def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "ropes.toml"
     path.write_text(ROPES, encoding="utf-8")
     assert balance_rope.main(["ropes", str(path), "--out", str(tmp_path)]) == 0
+    told = [line.split() for line in capsys.readouterr().out.splitlines()]
+    # a share has no unit
+    assert {line[0]: line[2:] for line in told if line and line[0] in ("share_most", "yaw_peak", "torque_peak")} == {
+        "share_most": [],
+        "yaw_peak": ["deg"],
+        "torque_peak": ["N", "m"],
+    }
     with (tmp_path / "ropes.csv").open(encoding="utf-8") as file:
         rows = {row["rope"]: row for row in csv.DictReader(file)}
     # by weight, at rest
@@ -369,6 +376,17 @@ def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path) -> None:
         (pair,) = csv.DictReader(file)
     assert 0.0 < float(pair["clearance [m]"]) < 0.4 - 0.044 + 1e-9
     assert (tmp_path / "signals.csv").is_file()
+
+
+def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path: Path) -> None:
+    path, near = tmp_path / "ropes.toml", ROPES.replace("z = 0.2", "z = -0.16")
+    path.write_text(near, encoding="utf-8")
+    assert not read_ropes(path, rope_parameters()).touching
+    path.write_text(near.replace("[fixed]", "[fixed]\ncontact.rope_stiffness = 1e6"), encoding="utf-8")
+    with pytest.raises(
+        StudyError, match=r"two: an end that is 0\.04 m from that of one must be at least 0\.044 m away"
+    ):
+        read_ropes(path, rope_parameters())
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.html.page import number, unit_text
-from hoist_demo.report.summary import SummaryRow, exposure_rows, incidents, render, status
+from hoist_demo.report.html.page import number
+from hoist_demo.report.summary import SummaryRow, exposure_rows, for_people, incidents, render, status
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
@@ -156,15 +156,14 @@ def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow
         rows.append(SummaryRow(group, "last trip's change", 100.0 * change, "%"))
     for one in worst(trips, cycle):
         group = "Worst trip (in the first cycle, from rest)"
-        rows.append(SummaryRow(group, one.name, _told_worst(one, UNITS[one.name])))
+        rows.append(SummaryRow(group, one.name, _worst_text(one, UNITS[one.name])))
     return rows
 
 
-def _told_worst(one: Worst, unit: str) -> str:
-    """The worst trip in a unit for people; angles in degrees, as in the picture."""
-    factor, shown = (180.0 / math.pi, "deg") if unit == "rad" else (1.0, unit_text(unit))
-    value = f"{number(factor * one.value)} {shown}".rstrip()
-    return f"{value} in trip {one.trip} ({number(factor * one.first_cycle)})"
+def _worst_text(one: Worst, unit: str) -> str:
+    value, shown = for_people(one.value, unit)
+    first, _ = for_people(one.first_cycle, unit)
+    return f"{number(value)} {shown}".rstrip() + f" in trip {one.trip} ({number(first)})"
 
 
 def _exposure(trips: Recording) -> Recording | None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.summary import SummaryRow, render
+from hoist_demo.report.summary import SummaryRow, for_people, render
 
 if TYPE_CHECKING:
     from hoist_demo.ropes.definition import Ropes
@@ -128,7 +128,7 @@ def _summary(
     from hoist_demo.ropes.table import COLUMNS
 
     told = [
-        SummaryRow(f"{name}, z = {rope.place.z:g} m", column, rows[name][column], unit)
+        SummaryRow(f"{name}, z = {rope.place.z:g} m", column, *for_people(rows[name][column], unit))
         for rope in ropes.ropes
         for name in [rope.name]
         for column, (unit, _) in COLUMNS.items()

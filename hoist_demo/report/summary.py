@@ -20,7 +20,7 @@ from hoist_demo.recording.guards import AFTER, after, guard_trip, told
 from hoist_demo.recording.jams import jams, slack_ropes, told_of_jams
 from hoist_demo.recording.passages import BODIES, outcome_of, passages
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.html.page import number
+from hoist_demo.report.html.page import number, unit_text
 
 SWING_WINDOW = 5.0
 """Length of the record's tail over which the residual swing is judged [s]."""
@@ -98,6 +98,11 @@ def exposure_rows(exposed: Recording) -> tuple[SummaryRow, ...]:
     return tuple(rows)
 
 
+def for_people(value: float, unit: str) -> tuple[float, str]:
+    """The same in a unit for people: angles in degrees, pure numbers without one."""
+    return (math.degrees(value), "deg") if unit == "rad" else (value, unit_text(unit))
+
+
 def render(rows: Sequence[SummaryRow]) -> str:
     """The table as plain text."""
     width = max((len(row.quantity) for row in rows), default=0)
@@ -108,7 +113,7 @@ def render(rows: Sequence[SummaryRow]) -> str:
         if len(row.text) > LONG:
             lines += textwrap.wrap(f"{row.quantity}: {row.text}", 110, initial_indent="  ", subsequent_indent="    ")
         else:
-            lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {row.unit}".rstrip())
+            lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {unit_text(row.unit)}".rstrip())
     return "\n".join(lines[1:])
 
 

@@ -9,8 +9,10 @@ Keys and values are those of a study's [fixed]. All errors of a file are told at
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, described, rope_data
+from hoist_demo.cosimulation.participants.partners import ENDS
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.parameters import Hoist
@@ -122,15 +125,28 @@ def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
     names = [rope.name for rope in found]
     problems += [f"name = {name!r} must be given once: name each rope" for name in {*names} if names.count(name) > 1]
     if found and found[0].scene.shaft.contact.rope_stiffness > 0.0:
-        problems += [
-            f"{rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with "
-            f"contact.rope_stiffness > 0: choose one, ropes press each other out of plane"
-            for rope in found
-            if rope.scene.model.fidelity not in ("torsional", "spatial")
-        ]
+        problems += _obstacles_to_contact(found)
     if problems:
         raise StudyError(path, problems)
     return Ropes(run=run, ropes=found, given=given, **head)
+
+
+def _obstacles_to_contact(ropes: Sequence[OneRope]) -> list[str]:
+    """Why ropes cannot press each other."""
+    found = [
+        f"{rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with "
+        f"contact.rope_stiffness > 0: choose one, ropes press each other out of plane"
+        for rope in ropes
+        if rope.scene.model.fidelity not in ("torsional", "spatial")
+    ]
+    for one, other in combinations(ropes, 2):
+        apart = min(math.dist(one.place.at(end), other.place.at(end)) for end in ENDS)
+        if apart < (least := 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)):
+            found.append(
+                f"{other.name}: an end that is {apart:g} m from that of {one.name} must be at least {least:g} m away "
+                "with contact.rope_stiffness > 0, or they touch where they hang: move it by z or x_left and x_right"
+            )
+    return found
 
 
 def _read_rope(

@@ -69,8 +69,7 @@ class Uncertain:
         """Where the numbers come from; of a property that varies its range has the status."""
         run = self.run({name: datum.middle for name, datum in self.data.items()})
         known = {name: VARIED if name in self.data else datum.status for name, datum in self.known.data.items()}
-        given = dict.fromkeys(("rope.length", "rope.diameter", "hoist.tail_rope_length"), GIVEN) | dict(self.given)
-        given |= following_statuses(known)
+        given = {"rope.diameter": GIVEN, **self.given, **following_statuses(known)}
         if self.bearing:
             given |= {f"{side}.swivel.{name}": VARIED for side in SWIVELS for name in ("mu_kinetic", "mu_static")}
         rope = described(rope_data(run.fmu, self.level))
@@ -106,10 +105,12 @@ def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncert
     known = _known(path, raw, problems)
     if problems or known is None:
         raise StudyError(path, problems)
-    if "length" not in raw["rope"]:
+    given = read_statuses(raw.get("fixed", {}))
+    if "length" in raw["rope"]:
+        given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
+    else:
         length = find_case(head["case"]).rope["rope.length"]
         known = replace(known, length=float(length))
-    given = read_statuses(raw.get("fixed", {}))
     asked = Uncertain(known=known, fixed=fixed, given=given, **{**head, "measures": tuple(head["measures"])})
     if not asked.data:
         raise StudyError(path, ["nothing varies: give a property of [known] a range, { low, high }"])
