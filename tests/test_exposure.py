@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from balance_rope import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.recording.exposure import (
@@ -110,6 +112,15 @@ def test_a_record_too_short_for_a_spectrum_has_none() -> None:
     found = exposure(record([0, 1, 0], [1, 0, 1]), WHERE)
     assert found is not None
     assert np.isnan(found["torque.frequency"]).all()
+
+
+def test_a_run_too_short_for_a_spectrum_leaves_the_other_results(tmp_path: Path) -> None:
+    still = ("winding.settle=0", "winding.start_delay=0", "model.fidelity=planar")
+    arguments = ["demo", "--in-process", "--travel", "0.001", "--step", "0.05", "--out", str(tmp_path)]
+    assert main([*arguments, *(word for value in still for word in ("--set", value))]) == 0
+    found = {path.name for path in tmp_path.iterdir()}
+    assert {"exposure.csv", "exposure.png", "report.html"} <= found
+    assert not {"spectra.csv", "spectra.png"} & found
 
 
 def test_a_table_survives_as_one_row() -> None:

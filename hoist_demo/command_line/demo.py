@@ -22,7 +22,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter, read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import NOT_READ, FmuRope
 from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
-from hoist_demo.cosimulation.progress import overheard, progress_bar
+from hoist_demo.cosimulation.progress import listen, progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
@@ -153,7 +153,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     missing = _missing_outputs(rope.units())
     _tell(missing)
     try:
-        with overheard("hoist_demo") as said:
+        with listen("hoist_demo") as said:
             result = _run(Host(rope, hoist, winding, coupling, run.gains), options.out / LAST_GOOD, resume)
         data = rope.data()
     finally:
@@ -374,14 +374,15 @@ def _write(
             write_shapes(result.recording, shape_rows(result.recording), written[1])
         pictures = write_figures(result.recording, hoist, directory, marks(result, winding), rope[0].locked)
     if exposed is not None:
-        written += [directory / "exposure.csv", directory / "spectra.csv"]
+        written.append(directory / "exposure.csv")
+        write_csv(exposed, written[-1])
+        picture = write_exposure_figure(exposed, directory / "exposure.png")
+        exposures = {"What each place in the rope went through": picture}
         spectra = spectra_table(result.recording)
-        write_csv(exposed, written[-2])
-        write_csv(spectra, written[-1])
-        exposures = {
-            "What each place in the rope went through": write_exposure_figure(exposed, directory / "exposure.png"),
-            "How it vibrates there": write_spectra_figure(spectra, exposed["s"], directory / "spectra.png"),
-        }
+        if (vibrations := write_spectra_figure(spectra, exposed["s"], directory / "spectra.png")) is not None:
+            exposures["How it vibrates there"] = vibrations
+            written.append(directory / "spectra.csv")
+            write_csv(spectra, written[-1])
         pictures += exposures.values()
     reports = [
         write_report(directory / "report.md", title, rows, pictures, given),

@@ -43,7 +43,7 @@ def warnings_of(logger: str) -> Iterator[list[str]]:
 
 
 @contextmanager
-def overheard(logger: str) -> Iterator[list[str]]:
+def listen(logger: str) -> Iterator[list[str]]:
     """The warnings that a logger and those below it get meanwhile; they go where they went before, too."""
     heard: list[str] = []
     log, ear = logging.getLogger(logger), _Ear(heard)

@@ -22,31 +22,35 @@ _PLACE = "place in the rope, from its left end [m]"
 
 
 def write_exposure_figure(exposure: Recording, path: Path) -> Path:
-    """Of the table of `hoist_demo.recording.exposure`."""
+    """Of the table of `hoist_demo.recording.exposure`; what the rope's fidelity leaves out has no panel."""
+    shown = [name for name in _UNITS if np.isfinite(exposure[f"{name}.range"]).any()]
     curves = {"curvature.cycles": ("Bending cycles", "number"), "bent": ("Time in the bend", "[s]")}
-    titles = [f"Cycles of {name} by their range; the line is the largest" for name in _UNITS]
+    titles = [f"Cycles of {name} by their range; the line is the largest" for name in shown]
     with matplotlib.rc_context(STYLE):
         figure, axes = stacked_panels([*titles, *(title for title, _ in curves.values()), "Strongest vibration"])
-        for ax, name in zip(axes, _UNITS, strict=False):
+        for ax, name in zip(axes, shown, strict=False):
             _draw_ranges(figure, ax, exposure, name)
-        for ax, (name, (_, label)) in zip(axes[3:], curves.items(), strict=False):
+        for ax, (name, (_, label)) in zip(axes[len(shown) :], curves.items(), strict=False):
             ax.fill_between(exposure["s"], exposure[name], color=ACCENTS[0], alpha=0.3, lw=0.0)
             ax.plot(exposure["s"], exposure[name], color=ACCENTS[0])
             ax.set_ylabel(label)
             ax.set_ylim(bottom=0.0)
         for name, colour in zip(VIBRATING, ACCENTS, strict=False):
-            axes[5].plot(exposure["s"], exposure[f"{name}.frequency"], ".", ms=4.0, color=colour, label=name)
-        axes[5].set_ylabel("[Hz]")
-        axes[5].set_ylim(bottom=0.0)
-        axes[5].legend()
+            if name in shown:
+                axes[-1].plot(exposure["s"], exposure[f"{name}.frequency"], ".", ms=4.0, color=colour, label=name)
+        axes[-1].set_ylabel("[Hz]")
+        axes[-1].set_ylim(bottom=0.0)
+        axes[-1].legend()
         axes[-1].set_xlabel(_PLACE)
         return save_figure(figure, path)
 
 
-def write_spectra_figure(spectra: Recording, s: Array, path: Path) -> Path:
-    """Of the table of `hoist_demo.recording.exposure.spectra_table`, for stations at `s` [m]."""
+def write_spectra_figure(spectra: Recording, s: Array, path: Path) -> Path | None:
+    """Of the table of `hoist_demo.recording.exposure.spectra_table`, for stations at `s` [m]; None if empty."""
     shown = {name: np.array([spectra[f"{name}[{k + 1}]"] for k in range(s.size)]).T for name in VIBRATING}
     shown = {name: amplitude for name, amplitude in shown.items() if np.nanmax(amplitude, initial=0.0) > 0.0}
+    if not shown:
+        return None
     with matplotlib.rc_context(STYLE):
         figure, axes = stacked_panels([f"Amplitude of {name} over frequency" for name in shown])
         for ax, (name, amplitude) in zip(axes, shown.items(), strict=True):
@@ -65,8 +69,7 @@ def write_spectra_figure(spectra: Recording, s: Array, path: Path) -> Path:
 def _draw_ranges(figure: Figure, ax: Axes, exposure: Recording, name: str) -> None:
     label, factor = _UNITS[name]
     edges = factor * np.array([*BINS[name], 2.0 * BINS[name][-1]])
-    # a model without torsion counts no cycles of torque
-    counts = np.ma.masked_less_equal(np.nan_to_num([exposure[column] for column in bin_columns(name)]), 0.0)
+    counts = np.ma.masked_less_equal([exposure[column] for column in bin_columns(name)], 0.0)
     s = exposure["s"]
     sides = np.concatenate(([s[0]], 0.5 * (s[1:] + s[:-1]), [s[-1]]))
     if counts.count():
