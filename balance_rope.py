@@ -233,8 +233,11 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
         return case
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 
-    catalogue = Catalogue(rope_parameters())
+    parameters = rope_parameters()
+    catalogue = Catalogue(parameters)
     own = {**rope_values(path, catalogue), **settings(texts, catalogue)}
+    if others := sorted(own.keys() - parameters.keys()):
+        raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to demo, or to a study or a duty")
     shared: dict[str, Any] = tail_rope(own)
     return replace(case, rope={**case.rope, **own}, hoist=replace(case.hoist, **shared))
 

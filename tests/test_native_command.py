@@ -51,7 +51,7 @@ def test_start_values_are_set_on_the_command_line(
     assert [float(starts[name]) for name in ("air.density", "model.fidelity", "rope.length")] == [1.2, 1.0, 120.0]
     for wrong, told in (
         ("air.density=-1", "density = -1.0 is out of range"),
-        ("hoist.payload_left=1", "parameters of the rope"),
+        ("hoist.payload_left=1", "--set hoist.payload_left: the FMU has the rope alone: give it to demo"),
     ):
         assert main([*options, "--set", wrong]) == 2
         assert told in capsys.readouterr().err

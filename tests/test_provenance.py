@@ -9,7 +9,7 @@ import pytest
 
 from balance_rope import main
 from hoist_demo.cases.table import NAMED, find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import described, rope_data, rope_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters, scene_parameters
 from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.provenance import STATUSES, Known, of_host, of_rope, statuses, told
 from hoist_demo.study.reading import read_statuses, read_values
@@ -21,7 +21,7 @@ SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2
 
 def known(name: str, given: dict[str, str]) -> list[Known]:
     """What a run of the case rests on."""
-    rope = described(rope_data(find_case(name).rope))
+    rope = scene_parameters(rope_data(find_case(name).rope))
     return [*of_host(build(name, {}), given), *of_rope(find_case(name), rope, given)]
 
 
@@ -47,7 +47,7 @@ def test_the_published_pair_is_published_and_what_is_ours_is_assumed() -> None:
 
 
 def test_a_value_of_the_fmu_that_is_not_the_case_s_is_exported_with_it() -> None:
-    rope = described(rope_data({"rope.EI": 123.0}))
+    rope = scene_parameters(rope_data({"rope.EI": 123.0}))
     assert statuses(of_rope(find_case("rope-120"), rope, {}))["rope.EI"] == "exported"
 
 

@@ -11,7 +11,7 @@ from evidence.pages import PAGES, publish
 from evidence.rendering import DOCS
 from evidence.tables import write
 
-from .checks import checks, recorded
+from .checks import checks, elastica_table
 from .page import as_table
 from .slack_rod import slack_table
 
@@ -26,7 +26,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     found = list(checks())
     for case, m in found:
         print(f"{'holds ' if m.holds else 'MISSES'} {case}: {m.what} {m.value:.3g} {m.relation} {m.bound:g}")
-    write({"checks": as_table(found), "slack": slack_table(), "elastica": recorded()}, options.out / "data" / PAGE.data)
+    write(
+        {"checks": as_table(found), "slack": slack_table(), "elastica": elastica_table()},
+        options.out / "data" / PAGE.data,
+    )
     for path in publish(PAGE, options.out):
         print(path)
     return int(not all(m.holds for _, m in found))

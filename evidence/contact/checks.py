@@ -95,13 +95,13 @@ def _struck_legs() -> Iterator[Measurement]:
         yield Measurement(what, abs(struck_legs(stiffness)), "1", "<", 1e-3)
 
 
-def recorded() -> Table:
+def elastica_table() -> Table:
     """The slack rod in PyElastica, which evidence.contact.elastica_rod measures."""
     return read(DOCS / "data" / "contact")["elastica"]
 
 
 def _slack() -> Iterator[Measurement]:
-    theirs, ours = recorded(), slack_table()
+    theirs, ours = elastica_table(), slack_table()
     coarse, fine = (rows(theirs, elements=float(n)) for n in np.unique(theirs["elements"]))
     buckled, looped = fine["pressed"] < 1.0, fine["pressed"] >= 1.0
     for name in ("torque", "pull"):

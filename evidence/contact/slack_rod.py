@@ -93,19 +93,19 @@ def slack_table() -> Table:
 
 
 def _at_stations(elements: int) -> Iterator[Held]:
-    system, q = _buckled(elements)
+    system, q = _buckle(elements)
     turns, motion = 0.0, None
     for station in STATIONS:
         while turns < min(station, MOVING) - 1e-9:
             part = min(1.0 / 12.0, station - turns)
             q, turns = turned(system, q, 2.0 * math.pi * part).q, turns + part
         if turns < station - 1e-9:
-            motion = _carried(system, motion or _begun(system, q), 2.0 * math.pi * (station - turns))
+            motion = _turn_in_motion(system, motion or _start(system, q), 2.0 * math.pi * (station - turns))
             q, turns = motion.q, station
-        yield _held(system, q, station)
+        yield _measure(system, q, station)
 
 
-def _buckled(elements: int) -> tuple[SelfTouchingRope, Array]:
+def _buckle(elements: int) -> tuple[SelfTouchingRope, Array]:
     """Untwisted, at rest in its plane."""
     rope = Rope(LENGTH, MASS, AXIAL, 0.0, 0.0, TORSION, EI=BEND, diameter=DIAMETER, beta_K=DAMPING)
     scene = Scene(rope=rope, shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS, friction=0.0)))
@@ -116,12 +116,12 @@ def _buckled(elements: int) -> tuple[SelfTouchingRope, Array]:
     return system, find_equilibrium(system, q).q
 
 
-def _begun(system: RopeSystem, q: Array) -> Motion:
+def _start(system: RopeSystem, q: Array) -> Motion:
     rest = np.zeros_like(q)
     return restart(_turning(system, q, 0.0, 0.0), 0.0, q, rest, rest)[0]
 
 
-def _carried(system: RopeSystem, motion: Motion, angle: float) -> Motion:
+def _turn_in_motion(system: RopeSystem, motion: Motion, angle: float) -> Motion:
     """At rest after the far end has been turned by ``angle`` (rad), in motion: as it jumps, it must meet itself."""
     left, start, method = angle, motion.t, Coefficients(0.6)
     fastest = math.inf
@@ -153,7 +153,7 @@ def _along(system: RopeSystem, m: Motion) -> Motion:
     return Motion(m.t, q, v, a, b, m.a_rate, m.h, m.reaction)
 
 
-def _held(system: SelfTouchingRope, q: Array, turns: float) -> Held:
+def _measure(system: SelfTouchingRope, q: Array, turns: float) -> Held:
     rest = np.zeros_like(q)
     R = system.with_reference(q).evaluate(q, rest, rest, rest).reaction
     on_legs = np.zeros_like(q)

@@ -11,7 +11,7 @@ from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
 from hoist_demo.calibration.measurements import Bench, Measurement
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import described
+from hoist_demo.cosimulation.participants.inprocess_rope import scene_parameters
 from hoist_demo.study.provenance import Known, of_rope
 from hoist_demo.study.reading import GIVEN, following_statuses
 from rope_model import Datum, KnownRope
@@ -79,7 +79,7 @@ class Identified:
         found = {name: datum.status for name, datum in self.data.items()}
         given |= {name: found[name] for name in bench.sought} | following_statuses(found)
         return of_rope(
-            find_case("rope-120"), described(bench.scene_at(self.fit.shares)), given
+            find_case("rope-120"), scene_parameters(bench.scene_at(self.fit.shares)), given
         )  # the case of the defaults
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:

@@ -110,7 +110,7 @@ _NEIGHBOURS = [
 
 def _pair(pair: Neighbours) -> list[object]:
     a = pair.account
-    force = [] if a is None else [a.peak, a.peak_t, *a.peak_place, a.dissipated, a.made]
+    force = [""] * 7 if a is None else [a.peak, a.peak_t, *a.peak_place, a.dissipated, a.made]
     return [pair.one, pair.other, pair.nearest.clearance, pair.nearest.t, *pair.nearest.place, *force]
 
 

@@ -19,7 +19,7 @@ from typing import Any
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, described, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, scene_parameters
 from hoist_demo.cosimulation.participants.partners import ENDS
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
@@ -92,7 +92,7 @@ class Ropes:
         ropes = [
             one._replace(name=f"{rope.name}.{one.name}")
             for rope in self.ropes
-            for one in of_rope(find_case(self.case), described(rope.scene), rope.given)
+            for one in of_rope(find_case(self.case), scene_parameters(rope.scene), rope.given)
         ]
         shared = dict.fromkeys(("hoist.tail_rope_mass", "hoist.tail_rope_length", "hoist.tail_rope_number"), "derived")
         return [*of_host(replace(self.run, hoist=self.hoist), {**self.given, **shared}), *ropes]

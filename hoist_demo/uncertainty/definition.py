@@ -20,7 +20,7 @@ from hoist_demo.calibration.definition import read_known
 from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
-from hoist_demo.cosimulation.participants.inprocess_rope import described, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
 from hoist_demo.study.catalogue import Catalogue, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import Known, of_host, of_rope
@@ -72,7 +72,7 @@ class Uncertain:
         given = {"rope.diameter": GIVEN, **self.given, **following_statuses(known)}
         if self.bearing:
             given |= {f"{side}.swivel.{name}": VARIED for side in SWIVELS for name in ("mu_kinetic", "mu_static")}
-        rope = described(rope_data(run.fmu, self.level))
+        rope = scene_parameters(rope_data(run.fmu, self.level))
         return [*of_host(run, given), *of_rope(find_case(self.case), rope, given)]
 
     def run(self, values: Mapping[str, float]) -> RunData:

@@ -78,7 +78,7 @@ class InProcessRope:
         reason = ""
         with suppress(RuntimeError):  # a rope that could not be initialised has no state
             reason = self._rope.fidelity_reason
-        return replace(described(self._rope.scene), model=model, fidelity_reason=reason)
+        return replace(scene_parameters(self._rope.scene), model=model, fidelity_reason=reason)
 
     def reader(self, names: Sequence[str]) -> Reader:
         """A function that reads some outputs."""
@@ -135,7 +135,7 @@ def rope_in_process(
     return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
 
 
-def described(scene: Scene) -> RopeData:
+def scene_parameters(scene: Scene) -> RopeData:
     """All parameters of a scene by FMI name."""
     values, units = dict[str, Value](), dict[str, str]()
     for group, part in _PARTS.items():
