@@ -13,7 +13,7 @@ import numpy as np
 
 from rope_model.physics import element
 from rope_model.physics.frame import FrameRate, smallest_rotation_rate
-from rope_model.simulation import rope_system
+from rope_model.simulation import rope_kernels
 
 
 @contextmanager
@@ -27,8 +27,8 @@ def modified_element(frame_rate: FrameRate = smallest_rotation_rate, gauss_point
             twin = uncached(fidelity, frame_rate)
         return twin if frame_rate is smallest_rotation_rate else replace(twin, transport=_none(twin.transport))
 
-    made_anew = {name: getattr(rope_system, name).__wrapped__ for name in ("rope_parts", "rope_functions")}
-    with patch.multiple(rope_system, element_functions=functions, **made_anew):
+    made_anew = {name: getattr(rope_kernels, name).__wrapped__ for name in ("rope_parts", "rope_functions")}
+    with patch.multiple(rope_kernels, element_functions=functions, **made_anew):
         yield
 
 
