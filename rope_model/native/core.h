@@ -52,8 +52,9 @@ double shape_leg_clearance(int nodes, const double *q, const double *s, const Lo
 typedef struct {
     double number, sharpest_y;
 } LoopTurns;
-/* whether each leg is on its own side of the bottom, in the direction from left to right */
-int shape_legs_apart(int nodes, const double *q, const double *s, const LoopBottom *bottom, const double across[2]);
+/* whether each leg is on its own side of the lowest node, in the direction from left to right, and the rope leads in it
+   on both sides of that: then neither leg has turned by more than a quarter against it */
+int shape_legs_apart(const Arrays *m, const double across[2]);
 LoopTurns shape_loop_turns(int nodes, const double *q, const double *s, const LoopBottom *bottom);
 /* at (points): arc lengths from end to end, denser around the loop's lowest point; total: length of the rope;
    loop: loop_width() */

@@ -88,6 +88,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void common_box(const double a[6], const double b[6], double box[6])": outline.common_box,
     "void heading(double yaw, double vector[2])": outline.heading,
     "double reach_along(const double point[3], const double start[3], const double direction[2])": outline.reach,
+    "double least_advance(double length, const double a[6], const double b[6], const double direction[2])": (
+        outline.least_advance
+    ),
     "double turn_about_y(const double before[2], const double after[2])": outline.turn,
     "double body_distance(const double point[3], const Body *body)": shaft.distance,
     "double body_least_distance(const double point[3], const double extent[3], const Body *body)": (

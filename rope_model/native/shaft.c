@@ -111,7 +111,8 @@ int shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[
             common_box(boxes[n], n > 0 ? common[n - 1] : boxes[n], common[n]);
         }
         for (int n = 0; n < number; n++)
-            if (beats(&searches[n], common[last - first - 1])) look_along(&searches[n], m, first, last, boxes);
+            if (searches[n].first < last && first < searches[n].last && beats(&searches[n], common[last - first - 1]))
+                look_along(&searches[n], m, first, last, boxes);
     }
     take_nearest(number, searches, nearest);
     return number;

@@ -195,16 +195,15 @@ static double climb_at(const Climb *leg, double height, int axis) {
     return leg->low[axis] + part * (leg->high[axis] - leg->low[axis]);
 }
 
-int shape_legs_apart(int nodes, const double *q, const double *s, const LoopBottom *bottom, const double across[2]) {
+int shape_legs_apart(const Arrays *m, const double across[2]) {
+    const int lowest = shape_lowest_node(m->nodes, m->q);
+    const double *q = m->q, *low = q + (ptrdiff_t)DOF * lowest;
     double left = -HUGE_VAL, right = HUGE_VAL;
-    for (int k = 0; k < nodes; k++, q += DOF) {
-        const double place = reach_along(q, bottom->position, across);
-        if (s[k] < bottom->s)
-            left = larger(left, place);
-        else
-            right = smaller(right, place);
-    }
-    return left < 0 && 0 < right;
+    if (lowest == 0 || lowest == m->elements) return 0;
+    for (int k = 0; k < lowest; k++, q += DOF) left = larger(left, reach_along(q, low, across));
+    for (int k = lowest + 1; k < m->nodes; k++) right = smaller(right, reach_along(q += DOF, low, across));
+    return left < 0 && 0 < right && least_advance(m->lengths[lowest - 1], low - DOF, low, across) > 0 &&
+           least_advance(m->lengths[lowest], low, low + DOF, across) > 0;
 }
 
 LoopTurns shape_loop_turns(int nodes, const double *q, const double *s, const LoopBottom *bottom) {

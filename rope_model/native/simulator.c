@@ -105,13 +105,13 @@ static void see_passages(const Simulator *rope, State *state) {
     state->looked_at = state->t;
     const double line = ends_direction(&m);
     const int bodies = shaft_nearer(&rope->scene, &m, state->t, state->nearest);
-    if (bodies == 0 && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
+    if (crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) {
+        double across[2];
+        heading(line, across);
+        if (bodies == 0 || shape_legs_apart(&m, across)) return;
+    }
     const LoopBottom bottom = shape_loop_bottom(m.nodes, m.q, m.s);
     const double yaw = shape_nearest_turn(bottom.yaw, state->loop_yaw) - line;
-    double across[2];
-    heading(line, across);
-    /* legs on either side of the bottom have not turned by more than a quarter against the line of the ends */
-    if (crossing->net == 0 && fabs(yaw) <= TURNED_FAR && shape_legs_apart(m.nodes, m.q, m.s, &bottom, across)) return;
     const LoopTurns turns = shape_loop_turns(m.nodes, m.q, m.s, &bottom);
     const double net = rint(yaw / (2 * PI) - turns.number);
     if (net == crossing->net) return;

@@ -48,9 +48,9 @@ def middle(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
 
 def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     """Centre and half widths (6,) of an upright box that holds the cubic between them: it holds its control points."""
-    centre, extent = [], []
+    centre, extent, third = [], [], length / 3.0
     for k in range(3):
-        near, far = a[k] + length * a[3 + k] / 3.0, b[k] - length * b[3 + k] / 3.0
+        near, far = a[k] + third * a[3 + k], b[k] - third * b[3 + k]
         low = smaller(smaller(a[k], b[k]), smaller(near, far))
         high = larger(larger(a[k], b[k]), larger(near, far))
         centre.append(0.5 * (low + high))
@@ -74,6 +74,14 @@ def heading(yaw: Any) -> tuple[Any, Any]:
 def reach(point: Any, start: Any, direction: Any) -> Any:
     """How far (m) ``point`` lies from ``start`` in a horizontal ``direction`` (X, Z)."""
     return direction[0] * (point[0] - start[0]) + direction[1] * (point[2] - start[2])
+
+
+def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:
+    """By how much the cubic between two places with their r', ``length`` (m) apart, goes on in a horizontal
+    ``direction`` (X, Z) per length, at least: the least of its slope's control points.
+    """
+    start, stop = (direction[0] * x[3] + direction[1] * x[5] for x in (a, b))
+    return smaller(smaller(start, stop), 3.0 * reach(b, a, direction) / length - start - stop)
 
 
 def turn(before: Any, after: Any) -> Any:
