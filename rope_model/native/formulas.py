@@ -85,7 +85,10 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double height_within(double squared, double x, double z)": outline.height_within,
     "void middle_of(double length, const double a[6], const double b[6], double middle[6])": outline.middle,
     "void enclosing_box(double length, const double a[6], const double b[6], double box[6])": outline.enclosing_box,
-    "void common_box(const double a[6], const double b[6], double box[6])": outline.common_box,
+    "void widened(const double bounds[6], double length, const double a[6], const double b[6], double around[6])": (
+        outline.widened
+    ),
+    "void box_between(const double bounds[6], double box[6])": outline.box_between,
     "void heading(double yaw, double vector[2])": outline.heading,
     "double reach_along(const double point[3], const double start[3], const double direction[2])": outline.reach,
     "double least_advance(double length, const double a[6], const double b[6], const double direction[2])": (

@@ -6,6 +6,14 @@
 /* elements that are looked at together first */
 enum { GROUP = 8 };
 
+static int smaller_of(int a, int b) {
+    return a < b ? a : b;
+}
+
+static int larger_of(int a, int b) {
+    return a > b ? a : b;
+}
+
 static int add(Placed *bodies, int number, int kind, int moves_with, Body body) {
     bodies[number] = (Placed){kind, moves_with, body};
     return number + 1;
@@ -87,32 +95,41 @@ static void take_nearest(int number, const Search *searches, Nearest nearest[KIN
     }
 }
 
-/* of the elements from first to last, with boxes around each */
-static void look_along(Search *search, const Arrays *m, int first, int last, double (*boxes)[6]) {
+/* of the elements from first to last */
+static void look_along(Search *search, const Arrays *m, int first, int last) {
     for (int k = first; k < last; k++) {
         const double *a = m->q + (size_t)k * DOF, *b = a + DOF;
-        if (k < search->first || k >= search->last || !beats(search, boxes[k - first])) continue;
+        double box[6];
+        enclosing_box(m->lengths[k], a, b, box);
+        if (!beats(search, box)) continue;
         look(search, m->s[k], a);
         look(search, m->s[k + 1], b);
         refine(search, m->s[k], m->lengths[k], a, b);
     }
 }
 
+/* the box around the elements from first to last */
+static void box_around(const Arrays *m, int first, int last, double box[6]) {
+    const double *a = m->q + (size_t)first * DOF;
+    double bounds[GROUP + 1][6];
+    for (int i = 0; i < 3; i++) bounds[0][i] = bounds[0][3 + i] = a[i];
+    for (int k = first; k < last; k++, a += DOF)
+        widened(bounds[k - first], m->lengths[k], a, a + DOF, bounds[k - first + 1]);
+    box_between(bounds[last - first], box);
+}
+
 int shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
     Search searches[MOST_BODIES];
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int first = 0; number > 0 && first < m->elements; first += GROUP) {
-        const int last = first + GROUP < m->elements ? first + GROUP : m->elements;
-        double boxes[GROUP][6], common[GROUP][6]; /* of each, and of all up to it */
-        for (int k = first; k < last; k++) {
-            const double *a = m->q + (size_t)k * DOF;
-            const int n = k - first;
-            enclosing_box(m->lengths[k], a, a + DOF, boxes[n]);
-            common_box(boxes[n], n > 0 ? common[n - 1] : boxes[n], common[n]);
+        const int last = smaller_of(first + GROUP, m->elements);
+        double box[6];
+        box_around(m, first, last, box);
+        for (int n = 0; n < number; n++) {
+            Search *search = &searches[n];
+            if (first < search->last && search->first < last && beats(search, box))
+                look_along(search, m, larger_of(first, search->first), smaller_of(last, search->last));
         }
-        for (int n = 0; n < number; n++)
-            if (searches[n].first < last && first < searches[n].last && beats(&searches[n], common[last - first - 1]))
-                look_along(&searches[n], m, first, last, boxes);
     }
     take_nearest(number, searches, nearest);
     return number;

@@ -46,24 +46,28 @@ def middle(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     return (*(r for r, _ in values), *(d for _, d in values))
 
 
-def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
-    """Centre and half widths (6,) of an upright box that holds the cubic between them: it holds its control points."""
-    centre, extent, third = [], [], length / 3.0
+def widened(bounds: Any, length: Any, a: Any, b: Any) -> tuple[Any, ...]:
+    """Lowest and highest coordinates (6,) of what is within ``bounds`` and on the cubic from ``a``, which is, to ``b``.
+
+    The cubic is within its control points.
+    """
+    low, high, third = [], [], length / 3.0
     for k in range(3):
         near, far = a[k] + third * a[3 + k], b[k] - third * b[3 + k]
-        low = smaller(smaller(a[k], b[k]), smaller(near, far))
-        high = larger(larger(a[k], b[k]), larger(near, far))
-        centre.append(0.5 * (low + high))
-        extent.append(0.5 * (high - low))
-    return (*centre, *extent)
+        low.append(smaller(smaller(bounds[k], b[k]), smaller(near, far)))
+        high.append(larger(larger(bounds[3 + k], b[k]), larger(near, far)))
+    return (*low, *high)
 
 
-def common_box(a: Any, b: Any) -> tuple[Any, ...]:
-    """Centre and half widths (6,) of the upright box around two such boxes."""
-    low = [smaller(a[k] - a[3 + k], b[k] - b[3 + k]) for k in range(3)]
-    high = [larger(a[k] + a[3 + k], b[k] + b[3 + k]) for k in range(3)]
-    pairs = list(zip(low, high, strict=True))
+def box_between(bounds: Any) -> tuple[Any, ...]:
+    """Centre and half widths (6,) of the upright box with these lowest and highest coordinates."""
+    pairs = [(bounds[k], bounds[3 + k]) for k in range(3)]
     return (*(0.5 * (x + y) for x, y in pairs), *(0.5 * (y - x) for x, y in pairs))
+
+
+def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
+    """Centre and half widths (6,) of an upright box that holds the cubic between them."""
+    return box_between(widened(2 * [a[0], a[1], a[2]], length, a, b))
 
 
 def heading(yaw: Any) -> tuple[Any, Any]:
