@@ -36,12 +36,13 @@ enum {
 };
 
 /* the bodies around the rope: where they were last looked for, their speeds, and of each element which it may touch, as
-   bits; any: whether there are such.  seen: q and lengths as they were then, free: how far all bodies were, in m */
+   bits; any: whether there are such.  seen: q and lengths as they were then, longest: of these, free: how far all bodies
+   were, margin: how far at least what is not near was from all elements at the latest look, made or spared, in m */
 typedef struct {
     const Scene *scene;
     int bodies, any;
     Placed placed[MOST_BODIES];
-    double speeds[MOST_BODIES][3], free, *seen, *seen_lengths;
+    double speeds[MOST_BODIES][3], free, margin, longest, *seen, *seen_lengths;
     unsigned *near;
 } Surroundings;
 
@@ -85,7 +86,7 @@ typedef struct {
 
 typedef struct {
     int status, iterations, applies; /* applies: whether the latest correction does */
-    double norm, error, contraction;
+    double norm, error, contraction, sum; /* sum: of the norms of all that did */
 } Progress;
 
 typedef struct {
@@ -117,8 +118,8 @@ typedef struct {
 enum { CONTACT_DOF = 12 };
 /* sees which elements may touch a body, or would if they moved by margin (m) */
 void look_for_bodies(const System *s, const double *q, const double *v, double margin);
-/* looks for more than were seen before; whether there are any */
-int see_more_bodies(const System *s, const double *q);
+/* looks for more than were seen before Newton's corrections, the sum of whose norms is given; whether there are any */
+int see_more_bodies(const System *s, const double *q, double corrections);
 void contact_force(const System *s, int element, const double *q, const double *v, double force[CONTACT_DOF]);
 void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
                      double tangent[CONTACT_DOF][CONTACT_DOF]);

@@ -16,12 +16,30 @@ static void place_bodies(const System *s, const double *q, const double *v) {
     }
 }
 
-/* what the distance of an element's surface from body k is at least; own: arc lengths of its middle from both ends */
-static double least_distance(const System *s, int k, const double middle[3], const double half[3],
-                             const double own[2]) {
-    const Placed *at = &s->around->placed[k];
-    if (at->moves_with != FIXED && own[at->moves_with] < OWN_LENGTH) return INFINITY;
-    return body_least_distance(middle, half, &at->body) - 0.5 * s->around->scene->rope.diameter;
+/* what the distance of the surface of what is in a box from body k is at least */
+static double least_distance(const System *s, int k, const double box[6]) {
+    return body_least_distance(box, box + 3, &s->around->placed[k].body) - 0.5 * s->around->scene->rope.diameter;
+}
+
+/* looks for body k among the elements from first, at arc length along, to last; whether more of them are nearer than
+   margin; total: the rope's length */
+static int look_at(const System *s, const double *q, int k, int first, int last, double along, double total,
+                   double margin) {
+    Surroundings *around = s->around;
+    const int with = around->placed[k].moves_with;
+    int more = 0;
+    for (int e = first; e < last; along += s->lengths[e++]) {
+        const double middle = along + 0.5 * s->lengths[e], *x = q + (size_t)e * DOF;
+        double box[6];
+        if (with != FIXED && (with == LEFT ? middle : total - middle) < OWN_LENGTH) continue;
+        enclosing_box(s->lengths[e], x, x + DOF, box);
+        const double distance = least_distance(s, k, box);
+        around->free = smaller(around->free, distance);
+        if (!(distance < margin) || around->near[e] & 1u << k) continue;
+        around->near[e] |= 1u << k;
+        more = around->any = 1;
+    }
+    return more;
 }
 
 /* sees, besides those to keep, which elements are nearer than margin; whether there are any */
@@ -29,26 +47,20 @@ static int look(const System *s, const double *q, double margin, unsigned keep) 
     Surroundings *around = s->around;
     double total = 0, at = 0;
     int more = 0;
-    for (int e = 0; e < s->elements; e++) total += s->lengths[e];
     around->free = INFINITY;
-    around->any = 0;
-    for (int e = 0; e < s->elements; at += s->lengths[e++]) {
-        const double *x = q + (size_t)e * DOF, along = at + 0.5 * s->lengths[e], own[2] = {along, total - along};
-        const unsigned before = around->near[e] & keep;
-        double range[2], middle[3], half[3];
-        for (int i = 0; i < 3; i++) {
-            hermite_extent(s->lengths[e], x[i], x[SLOPE + i], x[DOF + i], x[DOF + SLOPE + i], range);
-            middle[i] = range[0];
-            half[i] = range[1];
-        }
-        around->near[e] = before;
-        for (int k = 0; k < around->bodies; k++) {
-            const double distance = least_distance(s, k, middle, half, own);
-            around->free = smaller(around->free, distance);
-            if (distance < margin) around->near[e] |= 1u << k;
-        }
-        more |= around->near[e] != before;
+    around->longest = around->any = 0;
+    for (int e = 0; e < s->elements; total += s->lengths[e++]) {
+        around->longest = larger(around->longest, s->lengths[e]);
+        around->near[e] &= keep;
         around->any |= around->near[e] != 0;
+    }
+    for (int first = 0, last; first < s->elements; first = last) {
+        double box[6];
+        last = shaft_group(s->elements, s->lengths, q, first, box);
+        for (int k = 0; k < around->bodies; k++)
+            if (!(least_distance(s, k, box) >= larger(margin, around->free)))
+                more |= look_at(s, q, k, first, last, at, total, margin);
+        for (int e = first; e < last; e++) at += s->lengths[e];
     }
     memcpy(around->seen, q, sizeof(double) * DOF * (size_t)(s->elements + 1));
     memcpy(around->seen_lengths, s->lengths, sizeof(double) * (size_t)s->elements);
@@ -58,24 +70,29 @@ static int look(const System *s, const double *q, double margin, unsigned keep) 
 /* whether nothing can be nearer than margin, by how far the rope and its ends have moved since it was last looked at */
 static int surely_far(const System *s, const double *q, double margin) {
     const Surroundings *around = s->around;
-    const double *before = around->seen;
-    double longest = 0, moved = 0;
+    const double *before = around->seen, *l = s->lengths;
     if (!(around->free > margin)) return 0;
-    if (memcmp(around->seen_lengths, s->lengths, sizeof(double) * (size_t)s->elements) != 0) return 0;
-    for (int e = 0; e < s->elements; e++) longest = larger(longest, s->lengths[e]);
-    for (int node = 0; node <= s->elements; node++, q += DOF, before += DOF)
+    if (memcmp(around->seen_lengths, l, sizeof(double) * (size_t)s->elements) != 0) return 0;
+    double moved = 0;
+    for (int node = 0; node <= s->elements; node++, q += DOF, before += DOF) {
+        const double longest = larger(l[node > 0 ? node - 1 : 0], l[node < s->elements ? node : node - 1]);
         moved = larger(moved, largest_motion(longest, q, before));
+    }
     return around->free - moved > margin;
 }
 
 void look_for_bodies(const System *s, const double *q, const double *v, double margin) {
-    if (s->around == NULL || (!s->around->any && surely_far(s, q, margin))) return;
+    if (s->around == NULL) return;
+    s->around->margin = margin;
+    if (!s->around->any && surely_far(s, q, margin)) return;
     place_bodies(s, q, v);
     look(s, q, margin, 0);
 }
 
-int see_more_bodies(const System *s, const double *q) {
-    return s->around != NULL && !surely_far(s, q, 0) && look(s, q, 0, ~0u);
+int see_more_bodies(const System *s, const double *q, double corrections) {
+    if (s->around == NULL || moved_by(corrections, s->around->longest, s->shortest) < s->around->margin) return 0;
+    s->around->margin = 0;
+    return !surely_far(s, q, 0) && look(s, q, 0, ~0u);
 }
 
 /* where a point of the element is, or how fast */

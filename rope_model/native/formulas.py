@@ -73,7 +73,6 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "const double old[14], const double now[14], double load[14])": hermite.missing_load,
     "void hermite_shares(double xi, double l, double shares[4])": hermite.shares,
     "void hermite_products(double l, double products[10])": hermite.share_products,
-    "void hermite_extent(double l, double r1, double s1, double r2, double s2, double range[2])": hermite.extent,
     "double hermite_integral(double l, double r1, double s1, double r2, double s2)": hermite.integral,
     "double hermite_integral_to(double xi, double l, double r1, double s1, double r2, double s2)": (
         hermite.integral_to
@@ -111,6 +110,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double part_of_time(double start, double stop, double t)": point_forces.part_of_time,
     "void point_load(const double place[3], const double force[3], double load[6])": point_forces.point_load,
     "double largest_motion(double longest, const double q[6], const double before[6])": contact.largest_motion,
+    "double moved_by(double corrections, double longest, double shortest)": contact.moved_by,
     "AirLaw air_law(const Air *air, double diameter, double spacing)": air.air_law,
     "double wire_stiffness(const Rope *rope)": wire_friction.wire_stiffness,
     "double slip_curvature(const Rope *rope, double stiffness, double e, double tau)": wire_friction.slip_curvature,

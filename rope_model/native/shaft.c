@@ -6,14 +6,6 @@
 /* elements that are looked at together first */
 enum { GROUP = 8 };
 
-static int smaller_of(int a, int b) {
-    return a < b ? a : b;
-}
-
-static int larger_of(int a, int b) {
-    return a > b ? a : b;
-}
-
 static int add(Placed *bodies, int number, int kind, int moves_with, Body body) {
     bodies[number] = (Placed){kind, moves_with, body};
     return number + 1;
@@ -100,6 +92,7 @@ static void look_along(Search *search, const Arrays *m, int first, int last) {
     for (int k = first; k < last; k++) {
         const double *a = m->q + (size_t)k * DOF, *b = a + DOF;
         double box[6];
+        if (k < search->first || k >= search->last) continue;
         enclosing_box(m->lengths[k], a, b, box);
         if (!beats(search, box)) continue;
         look(search, m->s[k], a);
@@ -108,28 +101,26 @@ static void look_along(Search *search, const Arrays *m, int first, int last) {
     }
 }
 
-/* the box around the elements from first to last */
-static void box_around(const Arrays *m, int first, int last, double box[6]) {
-    const double *a = m->q + (size_t)first * DOF;
+int shaft_group(int elements, const double *lengths, const double *q, int first, double box[6]) {
+    const double *a = q + (size_t)first * DOF;
     double bounds[GROUP + 1][6];
+    int n = 0;
     for (int i = 0; i < 3; i++) bounds[0][i] = bounds[0][3 + i] = a[i];
-    for (int k = first; k < last; k++, a += DOF)
-        widened(bounds[k - first], m->lengths[k], a, a + DOF, bounds[k - first + 1]);
-    box_between(bounds[last - first], box);
+    for (; n < GROUP && first + n < elements; n++, a += DOF)
+        widened(bounds[n], lengths[first + n], a, a + DOF, bounds[n + 1]);
+    box_between(bounds[n], box);
+    return first + n;
 }
 
 int shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
     Search searches[MOST_BODIES];
     const int number = searches_of(scene, m, t, nearest, searches);
-    for (int first = 0; number > 0 && first < m->elements; first += GROUP) {
-        const int last = smaller_of(first + GROUP, m->elements);
+    for (int first = 0, last; number > 0 && first < m->elements; first = last) {
         double box[6];
-        box_around(m, first, last, box);
-        for (int n = 0; n < number; n++) {
-            Search *search = &searches[n];
-            if (first < search->last && search->first < last && beats(search, box))
-                look_along(search, m, larger_of(first, search->first), smaller_of(last, search->last));
-        }
+        last = shaft_group(m->elements, m->lengths, m->q, first, box);
+        for (int n = 0; n < number; n++)
+            if (first < searches[n].last && searches[n].first < last && beats(&searches[n], box))
+                look_along(&searches[n], m, first, last);
     }
     take_nearest(number, searches, nearest);
     return number;

@@ -15,6 +15,8 @@ int shaft_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies
 void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
 /* the same where that is nearer than `nearest` says; the number of bodies */
 int shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+/* the box around some elements from first on, as body_least_distance takes it; the element behind the last of them */
+int shaft_group(int elements, const double *lengths, const double *q, int first, double box[6]);
 /* none is near */
 void shaft_not_near(Nearest nearest[KINDS]);
 

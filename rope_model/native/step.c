@@ -152,6 +152,7 @@ Trial trial_step(Simulator *rope, State *state, double h) {
     for (size_t i = 0; i < size; i++) sum += fabs(now->reaction[i]);
     if (trial.newton.status == CONVERGED && !isfinite(sum)) trial.newton.status = NOT_FINITE;
     trial.reached = trial.newton.status == CONVERGED;
+    trial.near = s.around != NULL && s.around->any;
     if (!trial.reached) return trial;
     for (size_t i = 0; i < size; i++) {
         now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
@@ -277,6 +278,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
     state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, trial->strains, trial->place, force);
     set_powers(rope, state);
+    if (!trial->near) s.around = NULL;
     set_energies(energy, trial->balance, &s, m.q, m.v);
     energy->work_ends += half * (before[0] + state->power_ends) + h * contact[CONTACT_MOVED];
     energy->dissipated_swivel += half * (before[1] + state->power_swivel);

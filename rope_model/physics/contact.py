@@ -37,11 +37,18 @@ SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pr
 def largest_motion(longest: Any, q: Any, before: Any) -> Any:
     """By how much (m) the rope's distance from a body or itself may have changed: the largest of all nodes' counts.
 
-    The node had the row r, r' ``before`` and has ``q``.  No place of an element moves by more than half of it, elements
-    being no longer than ``longest``, and no end with what it holds.
+    The node had the row r, r' ``before`` and has ``q``.  No place of an element moves by more than half of it, the
+    node's elements being no longer than ``longest``, and no end with what it holds.
     """
     x, y, z, a, b, c = (abs(q[k] - before[k]) for k in range(6))
     return 2.0 * (x + y + z) + 0.75 * longest * (a + b + c)
+
+
+def moved_by(corrections: Any, longest: Any, shortest: Any) -> Any:
+    """Of ``largest_motion``, at most, by corrections that sum up to this in Newton's norm (m): there r' counts in units
+    of 1 / ``shortest``.
+    """
+    return 6.0 * corrections + 2.25 * longest / shortest * corrections
 
 
 class Touch(NamedTuple):

@@ -67,12 +67,6 @@ def missing_load(start: Any, stop: Any, s: Any, l: Any, old_s: Any, old_l: Any, 
     return tuple(a + b + c + d for a, b, c, d in zip(*parts, strict=True))
 
 
-def extent(l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[Any, Any]:
-    """Middle and half length of an interval that the value does not leave."""
-    chord = r2 - r1
-    return 0.5 * (r1 + r2), 0.5 * abs(chord) + 4 / 27 * (abs(l * s1 - chord) + abs(l * s2 - chord))
-
-
 def integral(l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> Any:
     """Integral over the element."""
     return l * (0.5 * (r1 + r2) + l * (s1 - s2) / 12)

@@ -127,7 +127,10 @@ class RopeSystem:
         self.around, self._touching = around, touching
         # where the rope was when bodies were last looked for, and how far they were from it, m
         self._seen: list[tuple[Array, float]] = []
-        self._motion = np.array([largest_motion(lengths.max(), row, np.zeros(6)) for row in np.eye(NODE_DOF)])
+        # what a node's coordinates count in largest_motion
+        longest = np.maximum(np.append(lengths, 0.0), np.append(0.0, lengths))
+        units = np.eye(NODE_DOF)[:, :, None].repeat(nodes, axis=2)
+        self._motion = np.array([largest_motion(longest, unit, np.zeros_like(unit)) for unit in units]).T
         self.kernels, self.lengths, self.P, self.boundary = kernels, lengths, P, boundary
         self.reference, self.z, self._rope = reference, z, rope
         self.free = boundary.free(nodes)
@@ -334,7 +337,7 @@ class RopeSystem:
         if self._seen:
             # nothing can have come near that was far and has hardly moved since
             before, free = self._seen[0]
-            if free > margin and free - (np.abs(q - before) @ self._motion).max() > margin:
+            if free > margin and free - (np.abs(q - before) * self._motion).sum(axis=1).max() > margin:
                 return _NOTHING
         found = self.around.distances(q, self.lengths)
         self._seen[:] = [(q, float(found.min()))]

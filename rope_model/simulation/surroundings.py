@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from ..parameters import Scene
-from ..physics import hermite
 from ..physics.contact import OWN_LENGTH
 from ..physics.contact_element import LAW
+from ..physics.outline import enclosing_box
 from ..physics.shaft import Body, least_distance
 from .bodies import FIXED, bodies, may_touch
-from .rope_system import POSITION, SLOPE, Array
+from .rope_system import POSITION, Array
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,9 @@ class Surroundings:
 
     def distances(self, q: Array, lengths: Array) -> Array:
         """(elements, bodies): what the distance of an element's surface from a body (m) is at least."""
-        r, s, l = q[:, POSITION], q[:, SLOPE], lengths[:, None]
-        middle, half = hermite.extent(l, r[:-1], s[:-1], r[1:], s[1:])
-        _, ends, placed = zip(*bodies(self.scene.shaft, r[[0, -1]].tolist()), strict=True)
-        found = least_distance(middle.T[:, :, None], half.T[:, :, None], _together(placed))
+        box = np.array(enclosing_box(lengths, q[:-1].T, q[1:].T))[:, :, None]
+        _, ends, placed = zip(*bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()), strict=True)
+        found = least_distance(box[:3], box[3:], _together(placed))
         along = np.cumsum(lengths) - 0.5 * lengths
         own = np.array([along, along[-1] + 0.5 * lengths[-1] - along]) < OWN_LENGTH
         for k, end in enumerate(ends):
