@@ -27,11 +27,19 @@ from rope_model.numerics.generalized_alpha import Motion
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
 from rope_model.physics.guard import GuardState
+from rope_model.physics.outline import heading
 from rope_model.physics.shaft import KINDS as KINDS_OF_BODIES
 from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.adaptation import nearest_turn
 from rope_model.simulation.audit import Audit
-from rope_model.simulation.diagnostics import LoopBottom, leg_clearance, loop_bottom, shape, shape_places
+from rope_model.simulation.diagnostics import (
+    LoopBottom,
+    leg_clearance,
+    loop_bottom,
+    loop_turns,
+    shape,
+    shape_places,
+)
 from rope_model.simulation.ends import HangingEnds, Phase, SwivelState, nominal_points
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity
 from rope_model.simulation.mesh import (
@@ -44,6 +52,7 @@ from rope_model.simulation.mesh import (
 )
 from rope_model.simulation.paths import EndPath
 from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.shaft import direction
 from rope_model.simulation.signal_table import SIGNALS
 from rope_model.simulation.signals import (
     added_mass_signals,
@@ -192,6 +201,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "shape_nearest_turn": (x, x, x),
         "shape_loop_bottom": (CLoopBottom, n, p, p),
         "shape_leg_clearance": (x, n, p, p, p, x, x, x),
+        "shape_legs_apart": (n, p, p),
         "shape_places": (None, x, x, x, n, p),
         "shape_points": (None, n, p, p, n, p, p),
         "shape_hanging_guess": (None, n, p, p, p, p, p),
@@ -523,6 +533,25 @@ def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: 
     for above in (0.0, 0.3, hanging[0], 1e3):
         ours = parts.shape_leg_clearance(s.size, q, s, same, 4.0, 0.044, above)
         assert_allclose(ours, leg_clearance(q, lengths, expected, 4.0, 0.044, above), atol=ROUNDING * s[-1])
+
+
+@given(hanging=hangings, seed=st.integers(0, 1000), size=st.sampled_from((0.0, 0.3, 1.0)))
+@settings(max_examples=200, deadline=None)
+def test_legs_that_lie_apart_have_not_turned(
+    parts: SimpleNamespace, hanging: tuple[float, ...], seed: int, size: float
+) -> None:
+    assume(hanging[-1] > 15 * hanging[3])
+    still, (q, lengths, s) = hanging_guess(*hang(*hanging)), sway(hanging, seed)
+    q = still + size * (q - still)
+    line, arrays = direction(q), ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
+    parts.arrays_of(q, q, q, q, lengths, s, s.size, arrays)
+    apart = parts.shape_legs_apart(arrays, np.array(heading(line)))
+    assert apart or size > 0.0
+    if apart:
+        bottom = loop_bottom(q, lengths)
+        yaw = nearest_turn(bottom.yaw, line) - line
+        assert abs(yaw) <= 0.5 * math.pi
+        assert round(yaw / (2 * math.pi) - loop_turns(q, lengths, bottom).number) == 0
 
 
 @pytest.mark.parametrize("lowest", [0, 4])

@@ -36,8 +36,9 @@ enum {
 };
 
 /* the bodies around the rope: where they were last looked for, their speeds, and of each element which it may touch, as
-   bits; any: whether there are such.  seen: q and lengths as they were then, longest: of these, free: how far all bodies
-   were, margin: how far at least what is not near was from all elements at the latest look, made or spared, in m */
+   bits; any: whether there are such.  seen: q and lengths as they were then, longest: of these, free: how far all
+   bodies were, margin: how far at least what is not near was from all elements at the latest look, made or spared, in m
+ */
 typedef struct {
     const Scene *scene;
     int bodies, any;
@@ -85,7 +86,7 @@ typedef struct {
 } System;
 
 typedef struct {
-    int status, iterations, applies; /* applies: whether the latest correction does */
+    int status, iterations, applies;      /* applies: whether the latest correction does */
     double norm, error, contraction, sum; /* sum: of the norms of all that did */
 } Progress;
 

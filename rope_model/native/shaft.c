@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* elements that are looked at together first */
-enum { GROUP = 8 };
+enum { GROUP = 12 };
 
 static int add(Placed *bodies, int number, int kind, int moves_with, Body body) {
     bodies[number] = (Placed){kind, moves_with, body};
