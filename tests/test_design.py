@@ -123,6 +123,7 @@ def test_optimised_trip_with_creep_is_refused() -> None:
         optimise(Hoist(), replace(SHORT, creep_distance=3.0), Gains(), TrajectoryOptions())
 
 
+@pytest.mark.slow
 def test_price_of_swing_buys_rest_with_time() -> None:
     cheap = optimise(Hoist(), SHORT, Gains(), TrajectoryOptions(intervals=60, swing_price=1e-6))
     dear = optimise(Hoist(), SHORT, Gains(), TrajectoryOptions(intervals=60, swing_price=10.0))

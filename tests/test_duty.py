@@ -69,6 +69,7 @@ def test_a_trip_begins_with_what_the_one_before_has_left(tmp_path: Path) -> None
     assert abs(after["loop.x"][0] - before["loop.x"][0]) > 0.05
 
 
+@pytest.mark.slow
 def test_trips_between_which_all_has_faded_are_those_from_rest(tmp_path: Path) -> None:
     # a rigid rope has nothing to swing with, and the conveyances' swing fades as exp(-2 pi 0.03 f t) with f above 1 Hz
     schedule = schedule_of(tmp_path, fidelity="rigid", settle=80.0, travel=90.0)
@@ -126,6 +127,7 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
         read_state(path, other, longer)
 
 
+@pytest.mark.slow
 def test_a_guard_that_trips_ends_the_duty_with_its_trip(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     # the torque of the swivels is 4.5 N m at most in the first trip, 5.4 in the second
     path = tmp_path / "duty.toml"

@@ -69,6 +69,7 @@ def test_an_example_that_needs_an_fmu_says_so(name: str, tmp_path: Path) -> None
     assert (done.returncode, done.stderr) == (1, f"usage: python examples/{name}.py FMU\n")
 
 
+@pytest.mark.slow
 def test_deeper_ropes_swing_slower_and_120_m_as_an_independent_rod(tmp_path: Path) -> None:
     told = [float(f) for line in lines_of(EXAMPLES / "frequencies.py", tmp_path) for f in line.split()[-1:]]
     *others, last = told

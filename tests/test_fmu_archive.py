@@ -328,7 +328,7 @@ def test_sources_are_complete(fmu: Archive) -> None:
 
 
 @pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed")
-@pytest.mark.parametrize("platform", ["x86_64-windows", "aarch64-darwin"])
+@pytest.mark.parametrize("platform", ["x86_64-windows", pytest.param("aarch64-darwin", marks=pytest.mark.slow)])
 def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path: Path) -> None:
     """With their headers and types, to no machine code: the slow tests make that for each platform."""
     if fmu.everywhere or fmu.kind not in ("native-3", "drive-2"):

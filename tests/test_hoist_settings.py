@@ -155,6 +155,7 @@ def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -
 # each message once
 
 
+@pytest.mark.slow
 def test_a_demo_says_each_thing_once(tmp_path: Path) -> None:
     options = ["--step", "0.06", "--scheme", "jacobi-2", "--travel", "10"]
     texts = ("the run will be unstable", "do not fit together", "the planar model")

@@ -24,6 +24,7 @@ def rms(x: NDArray[np.float64]) -> float:
 
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
 @pytest.mark.parametrize("travel", [100.0, pytest.param(400.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err(travel: float) -> None:
     scene = scene_of("monopol-1000", "uncoupled")
     asked = 5e-3

@@ -299,6 +299,7 @@ def error(found: np.ndarray, exact: np.ndarray) -> float:
 @pytest.mark.parametrize(
     ("t0", "sequences"), [(8.0, 20), *(pytest.param(0.0, n, marks=pytest.mark.slow) for n in (20, 500))]
 )
+@pytest.mark.slow
 def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(
     host: Host, t0: float, sequences: int, at_end: bool
 ) -> None:

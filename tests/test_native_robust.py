@@ -62,6 +62,7 @@ def live(rope: Instance, steps: int) -> list[tuple[float, ...]]:
 # many of them
 
 
+@pytest.mark.slow
 def test_a_hundred_instances_in_one_process_are_equal(libraries: dict[int, Library]) -> None:
     start = {"right.y": 0.0, "inputs_at_step_end": 1}
     for fmi, number in ((2, 100), (3, 10)):
@@ -157,6 +158,7 @@ def compile_sources(folder: Path, files: dict[str, str], *flags: str) -> None:
     subprocess.run(["cc", "-std=gnu99", "-DHAS_WIDE_FORM=0", *flags, *sources, "-lm"], cwd=folder, check=True)
 
 
+@pytest.mark.slow
 def test_no_source_has_data_that_can_be_written(tmp_path: Path) -> None:
     """Neither global nor static; what the compiler's own start-up code brings is not in the objects."""
     if not LINUX or not all(shutil.which(x) for x in ("cc", "nm")):

@@ -99,6 +99,7 @@ needs_zig = pytest.mark.skipif("aarch64-darwin" not in available_platforms(), re
 
 
 @needs_zig
+@pytest.mark.slow
 def test_the_linkers_own_page_hashes_are_computed_again() -> None:
     made = small(START, "aarch64-darwin")
     _, first, slots, _, _ = signature(made)

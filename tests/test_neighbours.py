@@ -134,6 +134,7 @@ def test_what_ropes_that_strike_lose_is_what_their_contact_books(h: float) -> No
     assert balance == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_what_the_steps_make_falls_with_them() -> None:
     long, short = (abs(striking(h)[0].contacts.accounts[0, 1].made) for h in (0.01, 0.0005))
     # of 18 J in their swing

@@ -123,6 +123,7 @@ def test_a_length_that_is_the_case_s_is_not_said_to_be_given(tmp_path: Path, own
     assert (found["rope.length"], found["hoist.tail_rope_length"]) == (status, status)
 
 
+@pytest.mark.slow
 def test_a_report_says_which_datum_yaws_a_rope_at_rest(tmp_path: Path) -> None:
     turned = [
         "--set",

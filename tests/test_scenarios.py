@@ -71,6 +71,7 @@ def test_a_rope_is_caught_by_a_divider_and_released() -> None:
     assert np.all(run["contact.divider"][-100:] == 0.0)
 
 
+@pytest.mark.slow
 def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() -> None:
     case, run = find_case("jammed-conveyance"), recorded("jammed-conveyance")
     (jam,) = jams(run)

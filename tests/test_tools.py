@@ -96,10 +96,10 @@ def exported(request: Any, fmu_of: Callable[[str], Path]) -> tuple[Flavour, Path
     ("tool", "reading", "steps"),
     [
         ("fmpy", "start", PART),
-        ("libcosim", "start", PART),
+        pytest.param("libcosim", "start", PART, marks=pytest.mark.slow),
         ("libcosim", "end", PART),
         ("ecos", "start", PART),
-        ("ecos", "end", PART),
+        pytest.param("ecos", "end", PART, marks=pytest.mark.slow),
         *(pytest.param(tool, "start", WINDING, marks=pytest.mark.slow) for tool in PACKAGES),
     ],
 )

@@ -298,7 +298,7 @@ def rollback() -> Finding:
 
 ENTRIES = (
     Entry("varying-steps", "Varying steps", varying_steps, slow=True),
-    Entry("ringing", "Spectral radius 1 with swivel events", ringing),
+    Entry("ringing", "Spectral radius 1 with swivel events", ringing, slow=True),
     Entry("explicit", "The step limit of explicit integration", explicit),
     Entry("rollback", "Rejected steps without rollback", rollback, slow=True),
 )
