@@ -15,14 +15,13 @@ nodes, k0 and EI.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
 import casadi as ca
 
+from .bending_element import bending_element
 from .element import (
-    BALANCE,
     FRAME,
     NODE_DOF,
     POINTS,
@@ -36,7 +35,6 @@ from .elementary import dot, sqrt
 from .frame import carried, small_turn, smallest_rotation_rate, turned
 from .initial_curvature import TO_POINTS, directors
 
-_BENDING = BALANCE.index("bending")
 #: numbers of an element: directors, angles, k0 and EI
 CURVED = 3 * len(POINTS) + 4
 
@@ -131,26 +129,5 @@ def _bend_function() -> ca.Function:
 @cache
 def curved_element(plain: ElementFunctions) -> ElementFunctions:
     """The ``plain`` torsional element's functions with permanent curvature."""
-    curved, m = curved_functions(), NODE_DOF
-    q, v, a = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a"))
-    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", FRAME + CURVED), ca.SX.sym("P", plain.residual.size1_in(5))
-    cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
-    own, C = F[:FRAME], F[FRAME:]
-    R, J = plain.tangent(q, v, a, l, own, P, cq, cv, c_a)
-    bent = curved.residual(q, l, own, C)
-    balance = plain.balance(q, v, l, own, P)
-    balance[_BENDING] += curved.energy(q, l, own, C)
-
-    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
-        return ca.Function(f"element_{name}", inputs, outputs)
-
-    tangent = [R + bent, J + curved.tangent(q, l, own, C, cq)]
-    return replace(
-        plain,
-        residual=function("residual", [q, v, a, l, F, P], [plain.residual(q, v, a, l, own, P) + bent]),
-        tangent=function("tangent", [q, v, a, l, F, P, cq, cv, c_a], tangent),
-        balance=function("balance", [q, v, l, F, P], [balance]),
-        losses=function("losses", [q, v, l, F, P], [plain.losses(q, v, l, own, P)]),
-        strains=function("strains", [q, l, F], [plain.strains(q, l, own)]),
-        transport=function("transport", [q, v, a, l, F], [plain.transport(q, v, a, l, own)]),
-    )
+    curved = curved_functions()
+    return bending_element(plain, CURVED, curved.residual, curved.tangent, curved.energy)

@@ -17,14 +17,13 @@ alike (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999)).
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
 import casadi as ca
 
+from .bending_element import bending_element
 from .element import (
-    BALANCE,
     ELEMENT_DOF,
     NODE_DOF,
     POINTS,
@@ -38,7 +37,6 @@ from .element import (
 from .frame import smallest_rotation_rate
 from .wire_friction import MEMORY, NOTHING, section, slide, within
 
-_BENDING = BALANCE.index("bending")
 #: numbers of an element: what its points remember, k0 and C
 HISTORY = MEMORY * len(POINTS) + 2
 #: where the latest tangent was, of a point: k, z and the upper half of what was taken for dz/dk; and of an element
@@ -127,27 +125,11 @@ def _from_upper_half(x: ca.SX) -> ca.SX:
 @cache
 def wire_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFunctions:
     """The ``plain`` element's functions with friction between the wires, whose energy is in that of bending."""
-    wires, m = wire_functions(fidelity), len(ELEMENT_DOF[fidelity])
-    frame = plain.residual.size1_in(4)
-    q, v, a = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a"))
-    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", frame + HISTORY + LATEST), ca.SX.sym("P", plain.residual.size1_in(5))
-    cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
-    own, H, latest = ca.vertsplit(F, [0, frame, frame + HISTORY, frame + HISTORY + LATEST])
-    R, J = plain.tangent(q, v, a, l, own, P, cq, cv, c_a)
-    rubbed = wires.residual(q, l, H)
-    balance = plain.balance(q, v, l, own, P)
-    balance[_BENDING] += wires.energy(q, l, H)
-
-    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
-        return ca.Function(f"element_{name}", inputs, outputs)
-
-    tangent = [R + rubbed, J + wires.tangent(q, l, H, latest, cq)]
-    return replace(
+    wires = wire_functions(fidelity)
+    return bending_element(
         plain,
-        residual=function("residual", [q, v, a, l, F, P], [plain.residual(q, v, a, l, own, P) + rubbed]),
-        tangent=function("tangent", [q, v, a, l, F, P, cq, cv, c_a], tangent),
-        balance=function("balance", [q, v, l, F, P], [balance]),
-        losses=function("losses", [q, v, l, F, P], [plain.losses(q, v, l, own, P)]),
-        strains=function("strains", [q, l, F], [plain.strains(q, l, own)]),
-        transport=function("transport", [q, v, a, l, F], [plain.transport(q, v, a, l, own)]),
+        HISTORY + LATEST,
+        lambda q, l, _, numbers: wires.residual(q, l, numbers[:HISTORY]),
+        lambda q, l, _, numbers, cq: wires.tangent(q, l, numbers[:HISTORY], numbers[HISTORY:], cq),
+        lambda q, l, _, numbers: wires.energy(q, l, numbers[:HISTORY]),
     )

@@ -1,0 +1,44 @@
+"""An element that bends against more than EI: a force, its tangent and its energy beside those of another element.
+
+They follow from q and from numbers that F has behind those of the other element's reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import casadi as ca
+
+from .element import BALANCE, ElementFunctions
+
+_BENDING = BALANCE.index("bending")
+#: of q, l, the other element's F, and the numbers behind it; the tangent's last argument is cq
+Part = Callable[..., Any]
+
+
+def bending_element(plain: ElementFunctions, size: int, force: Part, tangent: Part, energy: Part) -> ElementFunctions:
+    """The ``plain`` element with this part, which has ``size`` numbers; its energy is in that of bending."""
+    frame = plain.residual.size1_in(4)
+    q, v, a = (ca.SX.sym(name, plain.residual.size1_in(0)) for name in ("q", "v", "a"))
+    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", frame + size), ca.SX.sym("P", plain.residual.size1_in(5))
+    cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
+    own, numbers = F[:frame], F[frame:]
+    R, J = plain.tangent(q, v, a, l, own, P, cq, cv, c_a)
+    bent = force(q, l, own, numbers)
+    balance = plain.balance(q, v, l, own, P)
+    balance[_BENDING] += energy(q, l, own, numbers)
+
+    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+        return ca.Function(f"element_{name}", inputs, outputs)
+
+    return replace(
+        plain,
+        residual=function("residual", [q, v, a, l, F, P], [plain.residual(q, v, a, l, own, P) + bent]),
+        tangent=function("tangent", [q, v, a, l, F, P, cq, cv, c_a], [R + bent, J + tangent(q, l, own, numbers, cq)]),
+        balance=function("balance", [q, v, l, F, P], [balance]),
+        losses=function("losses", [q, v, l, F, P], [plain.losses(q, v, l, own, P)]),
+        strains=function("strains", [q, l, F], [plain.strains(q, l, own)]),
+        transport=function("transport", [q, v, a, l, F], [plain.transport(q, v, a, l, own)]),
+    )
