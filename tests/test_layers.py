@@ -174,6 +174,7 @@ HOMES = {
         "rope_model.physics.air_element",
         "rope_model.physics.wire_element",
         "rope_model.physics.curved_element",
+        "rope_model.physics.bending_element",
         "rope_model.physics.contact_element",
         "rope_model.physics.elementary",
         "rope_model.numerics",
