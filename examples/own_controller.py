@@ -13,7 +13,8 @@ from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.parameters import Coupling, Hoist
-from hoist_demo.report.summary import render, summarize
+from hoist_demo.report.rows import render
+from hoist_demo.report.summary import summarize
 
 
 class Proportional:

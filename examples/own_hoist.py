@@ -15,7 +15,8 @@ from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import write_csv
-from hoist_demo.report.summary import render, summarize
+from hoist_demo.report.rows import render
+from hoist_demo.report.summary import summarize
 
 if len(sys.argv) != 2:
     sys.exit("usage: python examples/own_hoist.py FMU")

@@ -21,7 +21,8 @@ from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import TIME, Recorder, Recording, read_csv, shape_rows, write_csv, write_shapes
 from hoist_demo.report.figures import write_figures
 from hoist_demo.report.markdown import write_report
-from hoist_demo.report.summary import render, summarize
+from hoist_demo.report.rows import render
+from hoist_demo.report.summary import summarize
 
 RHO, G, LENGTH = 8.0, 9.81, 120.0
 

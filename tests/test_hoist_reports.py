@@ -37,7 +37,8 @@ from hoist_demo.report.html.page import number
 from hoist_demo.report.html.parameter_tables import rope_tables
 from hoist_demo.report.html.run import run_report
 from hoist_demo.report.markdown import render_markdown
-from hoist_demo.report.summary import render, slip_warning, summarize
+from hoist_demo.report.rows import render
+from hoist_demo.report.summary import slip_warning, summarize
 from hoist_demo.study.metrics import Arrival, measure
 from rope_model.parameters import Mesh, Model, Rope, Scene, rope_120
 

@@ -30,16 +30,8 @@ from hoist_demo.recording.exposure import exposure, spectra_table
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import Recording, match_signals, shape_rows, write_csv, write_shapes
-from hoist_demo.report.summary import (
-    CAUSE,
-    OUTCOME,
-    WARNING,
-    SummaryRow,
-    exposure_rows,
-    render,
-    slip_warning,
-    summarize,
-)
+from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow, render
+from hoist_demo.report.summary import exposure_rows, slip_warning, summarize
 from hoist_demo.study.catalogue import Catalogue, Value
 from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe

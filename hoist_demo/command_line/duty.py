@@ -17,7 +17,8 @@ from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
 from hoist_demo.recording.time_series import Recording, write_csv
 from hoist_demo.report.html.page import number
-from hoist_demo.report.summary import SummaryRow, exposure_rows, for_people, incidents, render, status
+from hoist_demo.report.rows import SummaryRow, for_people, render
+from hoist_demo.report.summary import exposure_rows, incidents, status
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope

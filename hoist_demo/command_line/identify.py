@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from hoist_demo.report.summary import render
+from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
 Find a rope's properties from measurements: weighted least squares within the ranges of the catalogue, with intervals,

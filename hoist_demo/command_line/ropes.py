@@ -14,7 +14,7 @@ import numpy as np
 
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.summary import SummaryRow, for_people, render
+from hoist_demo.report.rows import SummaryRow, for_people, render
 
 if TYPE_CHECKING:
     from hoist_demo.ropes.definition import Ropes

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from hoist_demo.report.summary import render
+from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
 Wind with ropes from all over the ranges of the catalogue, or of a calibration: what loop clearance, yaw, swivel torque

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.report.html.parameter_tables import Table
-from hoist_demo.report.summary import CAUSE, WARNING, SummaryRow
+from hoist_demo.report.rows import CAUSE, WARNING, SummaryRow
 
 SAID_FIRST = {CAUSE: "Stopped.", WARNING: "Warning."}
 """Rows that stand above everything, and the word before them."""

@@ -6,9 +6,6 @@ Each row stands for itself; rows whose signals were not recorded are left out.
 from __future__ import annotations
 
 import math
-import textwrap
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,41 +17,15 @@ from hoist_demo.recording.guards import AFTER, after, guard_trip, told
 from hoist_demo.recording.jams import jams, slack_ropes, told_of_jams
 from hoist_demo.recording.passages import BODIES, outcome_of, passages
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.html.page import number, unit_text
+from hoist_demo.report.html.page import number
+from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow
 
 SWING_WINDOW = 5.0
 """Length of the record's tail over which the residual swing is judged [s]."""
 
 
-OUTCOME = "Outcome"
-"""Group of the rows that tell how a run went."""
-
-WARNING = "warning"
-"""Quantity of the rows that every report shows first."""
-
-CAUSE = "cause"
-"""Quantity of the row that tells why a run stopped."""
-
-LONG = 40
-"""Characters from which a text has lines of its own in the table."""
-
 AT_REST = 0.01
 """Speed of the sheave's rim that counts as standstill [m/s]."""
-
-
-@dataclass(frozen=True)
-class SummaryRow:
-    """One line of the summary table."""
-
-    group: str
-    quantity: str
-    value: float | str
-    unit: str = ""
-
-    @property
-    def text(self) -> str:
-        """Value for people."""
-        return self.value if isinstance(self.value, str) else number(self.value)
 
 
 def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling) -> tuple[SummaryRow, ...]:
@@ -96,25 +67,6 @@ def exposure_rows(exposed: Recording) -> tuple[SummaryRow, ...]:
             text = "".join(f"{join}{number(float(exposed[key][k]))} {exposed.units[key]}" for key, join in parts)
             rows.append(SummaryRow("Places in the rope, from its left end", words, text))
     return tuple(rows)
-
-
-def for_people(value: float, unit: str) -> tuple[float, str]:
-    """The same in a unit for people: angles in degrees, pure numbers without one."""
-    return (math.degrees(value), "deg") if unit == "rad" else (value, unit_text(unit))
-
-
-def render(rows: Sequence[SummaryRow]) -> str:
-    """The table as plain text."""
-    width = max((len(row.quantity) for row in rows), default=0)
-    lines: list[str] = []
-    for k, row in enumerate(rows):
-        if k == 0 or row.group != rows[k - 1].group:
-            lines += ["", row.group]
-        if len(row.text) > LONG:
-            lines += textwrap.wrap(f"{row.quantity}: {row.text}", 110, initial_indent="  ", subsequent_indent="    ")
-        else:
-            lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {unit_text(row.unit)}".rstrip())
-    return "\n".join(lines[1:])
 
 
 def _outcome(result: Result, hoist: Hoist, coupling: Coupling) -> list[SummaryRow]:

@@ -21,7 +21,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import assumed_paramete
 from hoist_demo.cosimulation.participants.rope_data import RopeData, Value
 from hoist_demo.report.html.page import Row, number, unit_text
 from hoist_demo.report.html.parameter_tables import Table
-from hoist_demo.report.summary import SummaryRow
+from hoist_demo.report.rows import SummaryRow
 from hoist_demo.study.catalogue import SECTIONS
 from hoist_demo.study.definition import Study
 from hoist_demo.study.nested import leaves

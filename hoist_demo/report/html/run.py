@@ -17,7 +17,7 @@ from hoist_demo.report import events
 from hoist_demo.report.html import packing, page, panels, parameter_tables
 from hoist_demo.report.html.along import along
 from hoist_demo.report.html.shaft import drawn_shaft
-from hoist_demo.report.summary import WARNING, SummaryRow
+from hoist_demo.report.rows import WARNING, SummaryRow
 
 MOST_TIMES = 2000
 """Points of a time plot: twice what a laptop's screen resolves; peaks are kept."""

@@ -1,0 +1,56 @@
+"""Rows of a table for people, and the table as plain text."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hoist_demo.report.html.page import number, unit_text
+
+OUTCOME = "Outcome"
+"""Group of the rows that tell how a run went."""
+
+WARNING = "warning"
+"""Quantity of the rows that every report shows first."""
+
+CAUSE = "cause"
+"""Quantity of the row that tells why a run stopped."""
+
+LONG = 40
+"""Characters from which a text has lines of its own in the table."""
+
+
+@dataclass(frozen=True)
+class SummaryRow:
+    """One line of the summary table."""
+
+    group: str
+    quantity: str
+    value: float | str
+    unit: str = ""
+
+    @property
+    def text(self) -> str:
+        """Value for people."""
+        return self.value if isinstance(self.value, str) else number(self.value)
+
+
+def for_people(value: float, unit: str) -> tuple[float, str]:
+    """The same in a unit for people: angles in degrees, pure numbers without one."""
+    return (math.degrees(value), "deg") if unit == "rad" else (value, unit_text(unit))
+
+
+def render(rows: Sequence[SummaryRow]) -> str:
+    """The table as plain text."""
+    width = max((len(row.quantity) for row in rows), default=0)
+    lines: list[str] = []
+    for k, row in enumerate(rows):
+        if k == 0 or row.group != rows[k - 1].group:
+            lines += ["", row.group]
+        if len(row.text) > LONG:
+            lines += textwrap.wrap(f"{row.quantity}: {row.text}", 110, initial_indent="  ", subsequent_indent="    ")
+        else:
+            lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {unit_text(row.unit)}".rstrip())
+    return "\n".join(lines[1:])
