@@ -9,11 +9,13 @@ Rooms, each on those above it; tests/test_layers.py holds the directions:
     drive_fmu        drive and control of a case as C, for an FMU
     recording        signals of a run over time
     cosimulation     participants (hoist, ropes), the schemes that couple them, the host's loop, checkpoints
+    study            many windings over chosen parameters; which of the data are measured, published or assumed
     report           summary, figures, Markdown and HTML
-    study            many windings over chosen parameters
     duty             many trips as one run
     ropes            several balance ropes that differ
-    command_line     the commands demo, study, duty and ropes
+    calibration      a rope's properties from measurements
+    uncertainty      windings over all that is not known of a rope
+    command_line     the commands
 
 Signs. Heights and vertical forces are positive upwards; a positive travel, sheave angle and torque lift the left
 conveyance. Forces of the balance rope are those on the conveyance, so that a hanging rope has `fy` < 0. SI units.

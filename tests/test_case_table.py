@@ -14,11 +14,11 @@ import balance_rope
 from fmu_src.interface import case_with, scene_of, variables
 from hoist_demo.cases.installed import INSTALLED
 from hoist_demo.cases.table import CASES, find_case
+from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import GRAVITY, Coupling
-from hoist_demo.report.summary import exchange_energy
 from hoist_demo.study.run import build
 from rope_model import parameters
 from rope_model.parameters import rope_120

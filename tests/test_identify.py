@@ -25,6 +25,7 @@ from rope_model import KnownRope, Rope, Scene, rope
 
 ROPE = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 120.0\n'
 WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
+TRACK = '[[measured]]\nwhat = "track"\nsignal = "loop.x"\nt = 9.0\nspeed = 8.0\nvalue = 0.1\nsigma = 0.01\n'
 PARAMETERS_KNOWN = rope_parameters()
 
 
@@ -287,7 +288,16 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
         (ROPE + WIDTH + "[sought]\nair.drag = { low = 1.0 }\n", "must be { low, high }: give both"),
         (ROPE + WIDTH + "[sought]\nair.drag = { low = 1, high = 'x' }\n", "drag = 'x' must be a finite number"),
         (ROPE + WIDTH + "[sought]\nair.drag = { low = 2, high = 1 }\n", "in order, from 0 on"),
-        (ROPE + '[[measured]]\nwhat = "track"\nt = -1.0\n', "t = -1 must be at least 0"),
+        (ROPE + '[[measured]]\nwhat = "track"\nt = -1.0\n', r"t = -1 must be in \[0, 3600\] s"),
+        (ROPE + '[[measured]]\nwhat = "swept"\nuntil = 1e9\n', r"until = 1e\+09 must be in \[0, 3600\] s"),
+        (
+            ROPE + TRACK + "travel = 70.0\nleft_y = 0.0\nright_y = 0.0\n",
+            "must be less than .* = 120 m apart, .* are 140 m",
+        ),
+        (
+            ROPE + TRACK + "travel = 90.0\nleft_y = 0.0\nright_y = 130.0\n",
+            "must be less than .* = 120 m apart, .* are 130 m",
+        ),
         (ROPE + '[[measured]]\nwhat = "swept"\nt = 9.0\nuntil = 8.0\n', "until = 8 must be above t = 9"),
         (ROPE + '[[measured]]\nwhat = "track"\ntravel = 0.0\n', "travel = 0 must not be 0"),
         (ROPE + '[[measured]]\nwhat = "track"\nspeed = 0.0\n', "speed = 0 must be above 0"),

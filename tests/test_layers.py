@@ -101,6 +101,7 @@ MAY_IMPORT = {
         "hoist_demo.recording",
         "hoist_demo.cosimulation",
         "hoist_demo.cosimulation.participants",
+        "hoist_demo.study",
     },
     "hoist_demo.study": {
         "hoist_demo.parameters",
@@ -110,7 +111,6 @@ MAY_IMPORT = {
         "hoist_demo.recording",
         "hoist_demo.cosimulation",
         "hoist_demo.cosimulation.participants",
-        "hoist_demo.report",
         "rope_model",
     },
     "hoist_demo.duty": {

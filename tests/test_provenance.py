@@ -10,8 +10,9 @@ import pytest
 from balance_rope import main
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters, scene_parameters
+from hoist_demo.report.provenance import told
 from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.provenance import STATUSES, Known, of_host, of_rope, statuses, told
+from hoist_demo.study.provenance import STATUSES, Known, of_host, of_rope, statuses
 from hoist_demo.study.reading import read_statuses, read_values
 from hoist_demo.study.run import build
 from hoist_demo.uncertainty.definition import read_uncertain

@@ -55,6 +55,16 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
 
 
+def test_the_rope_of_a_file_has_the_file_s_length_unless_another_is_given(tmp_path: Path) -> None:
+    file = tmp_path / "rope.toml"
+    file.write_text('[rope]\nconstruction = "34x7"\ndiameter = 0.044\nlength = 150.0\n', encoding="utf-8")
+    asked = SCENE.replace('construction = "34x7"\ndiameter = 0.044\n', f"from = '{file}'\n")
+    for text, length in ((asked, 150.0), (asked.replace("from =", "length = 160.0\nfrom ="), 160.0)):
+        read = read_uncertain(written(tmp_path, text), PARAMETERS)
+        run = read.run({name: datum.middle for name, datum in read.data.items()})
+        assert run.fmu["rope.length"] == run.hoist.tail_rope_length == length
+
+
 def test_friction_of_the_swivels_varies_where_their_bearing_is_named(tmp_path: Path) -> None:
     text = SCENE.replace("samples = 8", 'samples = 8\nbearing = "rolling"')
     asked = read_uncertain(written(tmp_path, text), PARAMETERS)

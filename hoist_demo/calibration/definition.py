@@ -31,6 +31,8 @@ _TABLES = {"rope": dict, "known": dict, "sought": dict, "fixed": dict, "measured
 _ROPE = {"construction": "word", "diameter": "number", "length": "number", "lay": "word"}
 #: groups of parameters that may be looked for beside the properties
 SOUGHT = ("rope.", "air.")
+#: s: longer than any swing after a trip lasts, and a track takes its time to compute
+LONGEST = 3600.0
 #: kept in the file, for commands that need no fit
 _FACTS = ("status", "source")
 
@@ -68,6 +70,9 @@ def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measure
     if not tables:
         problems.append("nothing is measured: give at least one [[measured]]")
     found = [_measurement(number, table, problems) for number, table in enumerate(tables, 1)]
+    if known is not None:
+        for number, m in enumerate(found, 1):
+            problems += [f"measured {number}: {problem}" for problem in _out_of_reach(m, known.length)]
     wanted = _wanted(raw.get("wanted", {}), problems)
     if problems or known is None or wanted is None:
         raise StudyError(path, problems)
@@ -198,13 +203,29 @@ def _empty_windows(t: Sequence[float], until: Sequence[float]) -> list[str]:
     return [f"until = {end:g} must be above t = {start:g}: give times in s" for start, end in pairs if end <= start]
 
 
+def _out_of_reach(m: Measurement | None, length: float) -> list[str]:
+    """What is wrong with heights of the ends, at rest or after a trip, for a rope of this length."""
+    if m is None or "left_y" not in m.numbers:
+        return []
+    apart = [(left, right, left - right) for left, right in m.each("left_y", "right_y")]
+    if "travel" in m.numbers:
+        ways = [travel for (travel,) in m.each("travel")]
+        apart += [(left, right, gap + 2 * way) for (left, right, gap), way in zip(apart, ways, strict=True)]
+    return [
+        f"left_y = {left:g}, right_y = {right:g}: the ends must be less than the rope's length = {length:g} m apart, "
+        f"before and after a trip, and are {abs(gap):g} m: correct left_y, right_y or travel, in m"
+        for left, right, gap in apart
+        if abs(gap) >= length
+    ]
+
+
 def _out_of_range(name: str, numbers: tuple[float, ...]) -> str:
     """What is wrong with the circumstances of a measurement; "" for nothing."""
     for x in numbers:
         if name in ("load", "length") and x <= 0.0:
             return f"{name} = {x:g} must be above 0: give it in {'N' if name == 'load' else 'm'}"
-        if name in ("t", "until") and x < 0.0:
-            return f"{name} = {x:g} must be at least 0: count it in s from the start of the trip"
+        if name in ("t", "until") and not 0.0 <= x <= LONGEST:
+            return f"{name} = {x:g} must be in [0, {LONGEST:g}] s: count it from the start of the trip"
         if name == "travel" and x == 0.0:
             return f"travel = {x:g} must not be 0: give the way of the left end in m"
         if name in ("speed", "acceleration", "jerk") and x <= 0.0:

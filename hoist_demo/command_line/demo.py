@@ -30,12 +30,13 @@ from hoist_demo.recording.exposure import exposure, spectra_table
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import Recording, match_signals, shape_rows, write_csv, write_shapes
+from hoist_demo.report.provenance import told
 from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow, render
 from hoist_demo.report.summary import exposure_rows, slip_warning, summarize
 from hoist_demo.study.catalogue import Catalogue, Value
 from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe
-from hoist_demo.study.provenance import Known, of_host, of_rope, statuses, told, write_data
+from hoist_demo.study.provenance import Known, of_host, of_rope, statuses, write_data
 from hoist_demo.study.reading import GIVEN, file_statuses
 from hoist_demo.study.run import RunData, build, fmu_part
 

@@ -70,7 +70,8 @@ def _duty(options: argparse.Namespace) -> int:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
-    from hoist_demo.study.provenance import of_host, of_rope, told, write_data
+    from hoist_demo.report.provenance import told
+    from hoist_demo.study.provenance import of_host, of_rope, write_data
 
     schedule = read_schedule(options.schedule, rope_parameters(), options.repeat)
     if options.check:

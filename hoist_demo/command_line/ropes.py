@@ -61,9 +61,10 @@ def _ropes(options: argparse.Namespace) -> int:
     # ropes and figures load slowly and are needed here only
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
     from hoist_demo.report.figures import write_ropes_figure
+    from hoist_demo.report.provenance import told
     from hoist_demo.ropes.definition import read_ropes
     from hoist_demo.ropes.table import COLUMNS, neighbours, row
-    from hoist_demo.study.provenance import told, write_data
+    from hoist_demo.study.provenance import write_data
     from hoist_demo.study.run import wind
 
     ropes = read_ropes(options.ropes, rope_parameters())

@@ -57,10 +57,11 @@ def _study(options: argparse.Namespace) -> int:
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
     from hoist_demo.cosimulation.participants.fmu_parameters import fmi_version
+    from hoist_demo.report.provenance import table as data_table
+    from hoist_demo.report.provenance import told
     from hoist_demo.report.rows import render
     from hoist_demo.study.definition import read_study
-    from hoist_demo.study.provenance import of_study, told, write_data
-    from hoist_demo.study.provenance import table as data_table
+    from hoist_demo.study.provenance import of_study, write_data
 
     if options.workers is not None and options.workers < 1:
         raise ValueError(f"--workers {options.workers} must be at least 1: leave it out for one per core")

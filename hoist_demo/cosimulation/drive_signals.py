@@ -9,7 +9,8 @@ from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant
 from hoist_demo.cosimulation.schemes.interface import Memory
 from hoist_demo.drive.outputs import SHOWN, PlantOutput, tension_ratio
-from hoist_demo.recording.time_series import TIME
+from hoist_demo.parameters import Hoist
+from hoist_demo.recording.time_series import TIME, Array, Recording
 
 DRIVE_UNITS = {
     TIME: "s",
@@ -109,3 +110,10 @@ _TORQUE, _MOTOR_RATE, _BRAKE, _LEFT, _RIGHT, _KINETIC, _POTENTIAL = (
         "energy_potential",
     )
 )
+
+
+def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
+    """Energy that the exchange has made up since the start [J]: work on the hoist and on all its balance ropes."""
+    ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
+    total: Array = recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends
+    return total

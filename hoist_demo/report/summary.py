@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of, remark
@@ -298,13 +299,6 @@ def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
 def _all_ropes(hoist: Hoist) -> str:
     number = hoist.tail_rope_number
     return "the balance rope" if number == 1 else f"all {number} balance ropes"
-
-
-def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
-    """Energy that the exchange has made up since the start [J]: work on the hoist and on all its balance ropes."""
-    ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
-    total: Array = recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends
-    return total
 
 
 def _counts(recording: Recording) -> list[SummaryRow]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Hoist, Winding
@@ -21,7 +22,6 @@ from hoist_demo.recording.guards import GUARD_CODES, GUARD_SIGNALS, guard_trip
 from hoist_demo.recording.jams import slack_ropes
 from hoist_demo.recording.passages import PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.summary import exchange_energy
 
 ENDS = ("left", "right")
 

@@ -8,7 +8,6 @@ neither is the FMU's, ``exported`` with it.  A ``setting`` is no datum: it says 
 from __future__ import annotations
 
 import csv
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from operator import attrgetter
 from pathlib import Path
@@ -19,9 +18,6 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
 from hoist_demo.cosimulation.participants.inprocess_rope import assumed_parameters, rope_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData, Value
-from hoist_demo.report.html.page import Row, number, unit_text
-from hoist_demo.report.html.parameter_tables import Table
-from hoist_demo.report.rows import SummaryRow
 from hoist_demo.study.catalogue import SECTIONS
 from hoist_demo.study.definition import Study
 from hoist_demo.study.nested import leaves
@@ -46,8 +42,6 @@ STATUSES = (
 _SETTINGS = ("coupling", "arrival", "mesh", "accuracy", "solver", "model", "station")
 #: data that only one controller uses
 _OF_CONTROLLER = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
-#: most names that are told one by one
-NAMED = 8
 
 
 class Known(NamedTuple):
@@ -133,30 +127,8 @@ def statuses(data: Iterable[Known]) -> dict[str, str]:
     return {one.name: one.status for one in data}
 
 
-def told(data: Sequence[Known]) -> list[SummaryRow]:
-    """What is told of the data wherever results are: names of few, of many how many there are of each kind."""
-    rows = []
-    for status in STATUSES:
-        names = [one.name for one in data if one.status == status]
-        if names and status != SETTING:
-            kinds = Counter(name.rpartition(".")[0] for name in names)
-            text = ", ".join(names if len(names) <= NAMED else (f"{count} of {kind}" for kind, count in kinds.items()))
-            rows.append(SummaryRow("Data that this rests on, by status", status, text))
-    return rows
-
-
-def table(data: Sequence[Known]) -> Table:
-    """All of the data but settings, the least certain status first in the order of STATUSES."""
-    rows: list[Row] = [
-        (one.name, one.value if isinstance(one.value, str) else number(one.value), unit_text(one.unit), one.status)
-        for one in sorted(data, key=lambda one: STATUSES.index(one.status))
-        if one.status != SETTING
-    ]
-    return "Data that this rests on, by status", rows
-
-
 def write_data(data: Sequence[Known], path: Path) -> Path:
-    """The table as CSV, settings included."""
+    """The data as CSV, settings included."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(Known._fields)

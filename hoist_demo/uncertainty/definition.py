@@ -1,7 +1,7 @@
 """A file that asks how uncertain a winding is (TOML), read and checked before anything runs.
 
     [uncertain]  title, case, level, samples, seed, measures, and bearing = that of the swivels, in the catalogue
-    [rope]       construction, diameter, length, lay: what the catalogue is asked for (length: the case's)
+    [rope]       construction, diameter, length (else the case's), lay: what the catalogue is asked for
     [known]      properties that are known better than the catalogue does: a number, or { low, high }
     [fixed]      values of all windings, as in a study
 
@@ -102,11 +102,12 @@ def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncert
     fixed = read_values(Catalogue(parameters), "[fixed]", raw.get("fixed", {}), problems)
     for key in fixed.keys() & {f"rope.{name}" for name in FOLLOWING}:
         problems.append(f"[fixed] {key} follows from the properties: give [known] or [rope] instead")
-    known = _known(path, raw, problems)
-    if problems or known is None:
+    both = _with_file(raw, problems)
+    known = None if both is None else read_known(path, both, problems)
+    if problems or both is None or known is None:
         raise StudyError(path, problems)
     given = read_statuses(raw.get("fixed", {}))
-    if "length" in raw["rope"]:
+    if "length" in both["rope"]:
         given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
     else:
         length = find_case(head["case"]).rope["rope.length"]
@@ -121,19 +122,18 @@ def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncert
     return asked
 
 
-def _known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> KnownRope | None:
-    """The rope of [rope] and [known], those of another file first."""
+def _with_file(raw: Mapping[str, Any], problems: list[str]) -> Mapping[str, Any] | None:
+    """[rope] and [known] over those of the file that `from` names; None where that cannot be read."""
     table = raw.get("rope", {})
     if "from" not in table:
-        return read_known(path, raw, problems)
+        return {"rope": table, "known": raw.get("known", {})}
     try:
         other = read_toml(Path(str(table["from"])))
     except StudyError as error:
         problems.append(f"[rope] {error}")
         return None
     own = {key: value for key, value in table.items() if key != "from"}
-    both = {"rope": other.get("rope", {}) | own, "known": other.get("known", {}) | raw.get("known", {})}
-    return read_known(path, both, problems)
+    return {"rope": other.get("rope", {}) | own, "known": other.get("known", {}) | raw.get("known", {})}
 
 
 def _check(head: Mapping[str, Any], problems: list[str]) -> None:

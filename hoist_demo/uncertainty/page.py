@@ -7,10 +7,10 @@ from pathlib import Path
 from hoist_demo.recording.time_series import Recording, write_csv
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
+from hoist_demo.report.provenance import table as data_table
+from hoist_demo.report.provenance import told
 from hoist_demo.report.rows import SummaryRow
 from hoist_demo.study.metrics import METRICS, UNITS
-from hoist_demo.study.provenance import table as data_table
-from hoist_demo.study.provenance import told
 from hoist_demo.uncertainty.spread import QUANTILES, Spread
 
 #: share of a spread from which on a datum is named in the terminal

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.passages import BODIES
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.summary import exchange_energy
 
 LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"
 """Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css."""
