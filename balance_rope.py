@@ -24,6 +24,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.demo import add_demo, tail_rope
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.identify import add_identify
+    from hoist_demo.command_line.results import results_folder
     from hoist_demo.command_line.ropes import add_ropes
     from hoist_demo.command_line.settings import rope_values, settings
     from hoist_demo.command_line.study import add_study
@@ -254,13 +255,7 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
         raise ValueError(f"--out {out} names one file, and {len(wanted)} are written: give a folder")
     else:
         paths = [(out or BUILD) / NAMES[one] for one in wanted]
-    folder = paths[0].parent
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise ValueError(f"{folder} cannot be written to ({error.strerror}): choose another --out") from error
+    results_folder(paths[0].parent)
     return paths
 
 

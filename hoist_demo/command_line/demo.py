@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip
+from hoist_demo.command_line.results import results_folder
 from hoist_demo.command_line.settings import rope_values, settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
@@ -137,10 +138,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
     options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _CASE
     run = build(options.case, _winding(options) | chosen)
-    try:
-        options.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ValueError(f"--out {options.out} cannot be made a folder ({error.strerror}): choose another") from error
+    results_folder(options.out)
     rope, signals = _rope(options, run, bool(fmu_part(chosen)))
     hoist, winding, coupling = run.hoist, run.winding, run.coupling
     missing = _missing_outputs(rope.units())

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.results import results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
@@ -79,8 +80,7 @@ def _duty(options: argparse.Namespace) -> int:
         return 0
     read = READ.union(STATION_SIGNALS if options.exposure else ())
     rope = InProcessRope(rope_data(schedule.pattern[0].fmu, schedule.level), read)
-    out: Path = options.out or Path("out") / "duty" / options.schedule.stem
-    out.mkdir(parents=True, exist_ok=True)
+    out = results_folder(options.out or Path("out") / "duty" / options.schedule.stem)
     with _interruption() as interrupted:
         trips, last = _wind(schedule, rope, out / STATE, interrupted, options.exposure)
     if trips is None:

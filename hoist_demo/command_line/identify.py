@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from hoist_demo.command_line.results import results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -66,9 +67,8 @@ def _identify(options: argparse.Namespace) -> int:
     if options.check:
         print(f"{options.measured}: {sum(len(m.values) for m in measured.measurements)} values, nothing wrong")
         return 0
+    out = results_folder(options.out or Path("out") / "identify" / options.measured.stem)
     found = identify(measured)
-    out: Path = options.out or Path("out") / "identify" / options.measured.stem
-    out.mkdir(parents=True, exist_ok=True)
     print(render(summary(found)))
     written = (
         write_rope_file(found, out / "rope.toml"),

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hoist_demo.command_line.results import results_folder
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.time_series import Recording, write_csv
 from hoist_demo.report.rows import SummaryRow, for_people, render
@@ -71,8 +72,7 @@ def _ropes(options: argparse.Namespace) -> int:
     if options.check:
         print(f"{options.ropes}: {len(ropes.ropes)} ropes, nothing wrong")
         return 0
-    out: Path = options.out or Path("out") / "ropes" / options.ropes.stem
-    out.mkdir(parents=True, exist_ok=True)
+    out = results_folder(options.out or Path("out") / "ropes" / options.ropes.stem)
     group = ropes.group()
     result, _ = wind(replace(ropes.run, hoist=ropes.hoist), group)
     recording = result.recording

@@ -11,6 +11,8 @@ from typing import Any
 
 from tqdm import tqdm
 
+from hoist_demo.command_line.results import results_folder
+
 _DESCRIPTION = """\
 Wind many times with the rope's FMU, over parameters that a TOML file names, on all cores or on a dask cluster.
 Every finished run is kept at once: start the same command again to go on after an interruption."""
@@ -71,7 +73,7 @@ def _study(options: argparse.Namespace) -> int:
         print(f"{options.study}: {len(study.samples)} runs, nothing wrong")
         return 0
 
-    store = Store(options.out or Path("out") / "study" / options.study.stem)
+    store = Store(results_folder(options.out or Path("out") / "study" / options.study.stem))
     keys = [sample.data.key(study.fmu_hash) for sample in study.samples] if study.tuning is None else []
     total = len(set(keys)) or None
     there = len(store.finished_keys(keys))

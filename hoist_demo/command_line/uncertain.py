@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from hoist_demo.command_line.results import results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -69,10 +70,9 @@ def _uncertain(options: argparse.Namespace) -> int:
     if options.check:
         print(f"{options.scene}: {asked.samples} windings over {', '.join(asked.data)}, nothing wrong")
         return 0
+    out = results_folder(options.out or Path("out") / "uncertain" / options.scene.stem)
     watched = partial(tqdm, desc="winding", unit="winding", total=asked.samples, file=sys.stderr, disable=None)
     found = spread(asked, workers, watched)
-    out: Path = options.out or Path("out") / "uncertain" / options.scene.stem
-    out.mkdir(parents=True, exist_ok=True)
     print(render(summary(found)))
     written = (
         write_table(found, out / "windings.csv"),

@@ -40,11 +40,8 @@ class Store:
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
-        try:
-            for name in ("runs", "signals"):
-                (directory / name).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise ValueError(f"{directory} cannot be made a folder ({error.strerror}): choose another") from error
+        for name in ("runs", "signals"):
+            (directory / name).mkdir(parents=True, exist_ok=True)
 
     def finished_keys(self, keys: Sequence[str]) -> set[str]:
         """Those of the keys that need no run any more."""

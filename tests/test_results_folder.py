@@ -1,0 +1,40 @@
+"""A folder that cannot be written to is named before anything is computed, by every command alike."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from balance_rope import main
+
+DOCS = Path(__file__).parents[1] / "docs"
+COMMANDS = {
+    "demo": ["demo", "--in-process"],
+    "duty": ["duty", str(DOCS / "duties" / "day.toml")],
+    "ropes": ["ropes", str(DOCS / "duties" / "four_ropes.toml")],
+    "identify": ["identify", str(DOCS / "measurements" / "example.toml")],
+    "uncertain": ["uncertain", str(DOCS / "uncertain" / "rope-120.toml")],
+}
+
+
+def refused(arguments: list[str], folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """``arguments`` with a folder below a file: one line that names folder and cure."""
+    (folder / "file").write_text("", encoding="utf-8")
+    out = folder / "file" / "results"
+    assert main([*arguments, "--out", str(out)]) == 2
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last == f"balance-rope: {out} cannot be written to (Not a directory): choose another --out"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_folder_that_cannot_be_is_refused(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    refused(COMMANDS[name], tmp_path, capsys)
+
+
+def test_a_study_refuses_it_too(tmp_path: Path, fmu_of: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "STUDY.toml"
+    rope = fmu_of("native-2")
+    path.write_text(f'study.fmu = "{rope}"\n[vary]\n"winding.speed" = [2.0, 3.0]\n', encoding="utf-8")
+    refused(["study", str(path)], tmp_path, capsys)
