@@ -13,6 +13,8 @@ from dataclasses import field, fields
 from typing import Any, NamedTuple, TypeVar, get_args
 
 T = TypeVar("T")
+#: rad: a full turn, as messages round it
+_TURN = 6.2832
 
 
 class Parameter(NamedTuple):
@@ -46,6 +48,12 @@ class Parameter(NamedTuple):
 def parameter(default: T, unit: str, description: str, **facts: Any) -> T:
     """A field that is a number; ``facts`` are those of Parameter."""
     return field(default=default, metadata=Parameter(unit, description, **facts)._asdict())
+
+
+def direction(description: str) -> float:
+    """A field that is an angle of at most a full turn; a larger number was given in degrees."""
+    cure = "give it in radians: 45 degrees are 0.7854"
+    return parameter(0.0, "rad", description, lower=-_TURN, upper=_TURN, cure=cure)
 
 
 def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, cure: str) -> T:

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from .parameter_table import choice, parameter, parameters_of, require, require_in_bounds
+from .parameter_table import choice, direction, parameter, parameters_of, require, require_in_bounds
 from .shaft_parameters import Shaft
 
 SwivelMode = Literal["locked", "free", "coulomb"]
@@ -124,10 +124,10 @@ class Rope:
     installed_twist: float = parameter(
         0.0,
         "rad",
-        "turns put in at the right end before it was fastened",
+        "angle of the turns put in at the right end before it was fastened, 6.2832 for each",
         lower=-1e3,
         upper=1e3,
-        cure="give it in radians",
+        cure="give it in radians: a turn is 6.2832",
     )
     initial_curvature: float = parameter(
         0.0,
@@ -137,13 +137,8 @@ class Rope:
         upper=10.0,
         cure="take a part of 1/R of the reel of radius R, and turn its direction for the other sense",
     )
-    initial_curvature_angle: float = parameter(
-        0.0,
-        "rad",
-        "direction of that curvature in the cross-section at the left end, about the tangent; 0: as the loop bends",
-        lower=-1e3,
-        upper=1e3,
-        cure="give it in radians",
+    initial_curvature_angle: float = direction(
+        "direction of that curvature in the cross-section at the left end, about the tangent; 0: as the loop bends"
     )
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .parameter_table import parameter, require_in_bounds
+from .parameter_table import direction, parameter, require_in_bounds
 
 #: m: no shaft reaches so far; a clearance of that much says that there is no such body
 FAR = 1e6
@@ -76,9 +76,7 @@ class Divider:
     size: float = _size(0.0, "side or diameter of the divider's section; 0: none")
     y: float = _place("height of the divider's axis, from the origin of left.y and right.y")
     offset: float = _place("place of the divider's axis across it, X where it lies along Z")
-    direction: float = parameter(
-        0.0, "rad", "yaw of the divider about Y, 0: along Z", lower=-10.0, upper=10.0, cure="give it in radians"
-    )
+    direction: float = direction("yaw of the divider about Y, 0: along Z")
     rounding: float = _rounding(1.0, "radius of the section's corners over half its side: 0 square, 1 round")
 
     def __post_init__(self) -> None:

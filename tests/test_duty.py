@@ -122,8 +122,10 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
     again = [row(trip, rest) for trip in wind(schedule, other, torque_free=False, after=standing.end, done=2)]
     for name in COLUMNS:
         assert_array_equal([r[name] for r in standing.rows + again], [r[name] for r in rows], err_msg=name)
-    longer = replace(schedule, pattern=schedule_of(tmp_path, settle=3.0).pattern)
-    with pytest.raises(ValueError, match="must be of this schedule"):
+    longer = replace(schedule, pattern=schedule_of(tmp_path, settle=3.0, travel=20.0).pattern)
+    with pytest.raises(
+        ValueError, match=r"must be of this schedule, but settle is 2\.0 there, settle is 3\.0 here: give"
+    ):
         read_state(path, other, longer)
 
 

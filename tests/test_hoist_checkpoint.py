@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import json
 import math
 from collections import deque
@@ -146,6 +147,18 @@ def test_a_state_that_becomes_unsavable_costs_the_checkpoint_and_not_the_record(
     assert not (tmp_path / "kept.npz").exists()
     assert "kept.npz is not written: the controller's state['last'] is of type deque" in stopped.cause
     assert stopped.recording.time.size == 10
+
+
+def test_a_state_of_another_version_is_refused_with_both_versions(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "last_good.npz"
+    with monkeypatch.context() as earlier:
+        earlier.setattr("hoist_demo.cosimulation.checkpoint.version", lambda name: "0.0.1")
+        wind(Filtered, 0.1, path)
+    here = importlib.metadata.version("balance-rope")
+    with pytest.raises(ValueError, match=f"must be of version {here}, it was written by 0.0.1: go on with that"):
+        Checkpoint.read(path)
 
 
 def test_another_controller_does_not_go_on(tmp_path: Path) -> None:

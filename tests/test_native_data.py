@@ -11,7 +11,7 @@ import dataclasses
 import math
 import random
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
@@ -35,6 +35,7 @@ from rope_model.native.structures import (
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import CHOICES, FidelityChoice, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
+from rope_model.shaft_parameters import Divider
 from rope_model.simulation.ends import HangingEnds, nominal_points, refusal
 from rope_model.simulation.fidelity import (
     FIDELITIES,
@@ -218,6 +219,13 @@ def test_parameter_out_of_range_is_refused_with_the_same_message(native: Any, na
         assert text_of(native.check_scene, ct.byref(structure)) == message
         refused += bool(message)
     assert refused
+
+
+@pytest.mark.parametrize("make", [lambda x: Rope(initial_curvature_angle=x), lambda x: Divider(direction=x)])
+def test_a_direction_in_degrees_is_refused_with_the_cure(make: Callable[[float], Any]) -> None:
+    make(math.radians(-360))
+    with pytest.raises(ValueError, match=r"= 45\.0 is .* in \[-6\.2832, 6\.2832\] rad; give it in radians: 45 degrees"):
+        make(45.0)
 
 
 def test_first_of_several_parameters_out_of_range_is_named(native: Any) -> None:

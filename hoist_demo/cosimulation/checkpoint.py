@@ -9,7 +9,9 @@ from __future__ import annotations
 import json
 import re
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +57,7 @@ class Checkpoint:
         if names:
             arrays["recording"] = np.array([self.recording[name] for name in names])
         text = {
+            "version": version("balance-rope"),
             "sample": self.sample,
             "t": self.t,
             "controller": encode(self.controller, CONTROLLER),
@@ -79,7 +82,7 @@ class Checkpoint:
         if self.data != data:
             raise ValueError(
                 f"the checkpoint at t = {self.t:g} s must be of the same hoist, winding, controller, gains and "
-                f"sample time, but {_differences(self.data, data)}: give the case and the options of that run"
+                f"sample time, but {differences(self.data, data)}: give the case and the options of that run"
             )
         if not self.rope:
             raise ValueError(
@@ -89,44 +92,55 @@ class Checkpoint:
 
     @staticmethod
     def read(path: Path) -> Checkpoint:
-        """What `write` has written; ValueError for anything else."""
+        """What `write` has written in this version; ValueError for anything else."""
+        here = version("balance-rope")
         try:
             with np.load(path, allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
-            x = json.loads(arrays["text"].tobytes())
-            rows = zip(x["times"], *(arrays[f"sample.{name}"] for name in _FIELDS), strict=True)
-            samples = tuple(Sample(t, *values) for t, *values in rows)
-            plant = {n.removeprefix("plant."): v for n, v in arrays.items() if n.startswith("plant.")}
-            table = arrays.get("recording", np.zeros((0, 0)))
-            kept = Checkpoint(
-                sample=x["sample"],
-                t=x["t"],
-                plant=PlantState(
-                    free_lengths=(x["free_lengths"][0], x["free_lengths"][1]), step_next=x["step_next"], **plant
-                ),
-                controller=x["controller"],
-                input=np.array(x["input"]),
-                at_rest=PlantOutput(**x["at_rest"]),
-                memory=Memory(samples, *x["memory"]),
-                rope=arrays["rope"].tobytes(),
-                recording=Recording(dict(zip(x["names"], table, strict=True)), x["units"]),
-                data=x["data"],
-                cause=x["cause"],
-            )
+            text = json.loads(arrays["text"].tobytes())
+            there = text.get("version", "an earlier one")
+            kept = _checkpoint(arrays, text) if there == here else None
         except OSError as error:
             raise ValueError(
                 f"'{path}': {(error.strerror or str(error)).lower()}: give a run's last_good.npz"
             ) from error
         except (KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
             raise ValueError(f"'{path}' must be a checkpoint of a run, but: {error}: give another file") from error
+        if kept is None:
+            raise ValueError(
+                f"'{path}' must be of version {here}, it was written by {there}: go on with that version, or start "
+                "anew in another folder"
+            )
         return replace(kept, controller=decode(kept.controller))
 
 
-def _differences(there: str, here: str, most: int = 6) -> str:
-    """Which numbers and words differ between the `Host.data` of a checkpoint and of this run."""
+def _checkpoint(arrays: Mapping[str, Any], x: Mapping[str, Any]) -> Checkpoint:
+    """The checkpoint of an archive's arrays and text, its controller's state as it was written."""
+    rows = zip(x["times"], *(arrays[f"sample.{name}"] for name in _FIELDS), strict=True)
+    samples = tuple(Sample(t, *values) for t, *values in rows)
+    plant = {n.removeprefix("plant."): v for n, v in arrays.items() if n.startswith("plant.")}
+    table = arrays.get("recording", np.zeros((0, 0)))
+    return Checkpoint(
+        sample=x["sample"],
+        t=x["t"],
+        plant=PlantState(free_lengths=(x["free_lengths"][0], x["free_lengths"][1]), step_next=x["step_next"], **plant),
+        controller=x["controller"],
+        input=np.array(x["input"]),
+        at_rest=PlantOutput(**x["at_rest"]),
+        memory=Memory(samples, *x["memory"]),
+        rope=arrays["rope"].tobytes(),
+        recording=Recording(dict(zip(x["names"], table, strict=True)), x["units"]),
+        data=x["data"],
+        cause=x["cause"],
+    )
+
+
+def differences(there: str, here: str, most: int = 6) -> str:
+    """Which numbers and words differ between the data of a checkpoint, as text, and of this run."""
     old, new = (_FIELD.findall(data) for data in (there, here))
-    changed = [f"{name} is {value} there" for name, value in old if (name, value) not in new]
-    changed += [f"{name} is {value} here" for name, value in new if (name, value) not in old]
-    changed.sort()
+    changed = sorted(
+        {f"{name} is {value} there" for name, value in old if (name, value) not in new}
+        | {f"{name} is {value} here" for name, value in new if (name, value) not in old}
+    )
     more = f" and {len(changed) - most} more" if len(changed) > most else ""
     return (", ".join(changed[:most]) or "they differ") + more

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
 from hoist_demo.cosimulation.participants.rope_plant import RopePlant
 from hoist_demo.cosimulation.run_state import TripEnd
 from hoist_demo.duty.schedule import Schedule
@@ -49,7 +49,8 @@ def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> Standing:
     """What `write_state` wrote, the rope being put there; ValueError for another duty's."""
     checkpoint = Checkpoint.read(path)
     if checkpoint.data != schedule.data:
-        raise ValueError(f"'{path}' must be of this schedule, and its trips are others: give another --out")
+        found = differences(checkpoint.data, schedule.data)
+        raise ValueError(f"'{path}' must be of this schedule, but {found}: give another --out")
     snapshot = rope.from_bytes(checkpoint.rope)
     rope.restore(snapshot)
     rope.free(snapshot)

@@ -44,7 +44,7 @@ def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
         raise ValueError("the state must tell its rope's parameters: give a checkpoint of this version") from error
     names = sorted({*there, *parameters} - {_FREE})
     differences = [
-        f"{name} is {there.get(name)} there, {parameters.get(name)} here"
+        f"{name} is {there.get(name, 'missing')} there, {parameters.get(name, 'missing')} here"
         for name in names
         if there.get(name) != parameters.get(name)
     ]
