@@ -89,6 +89,35 @@ def test_both_forms_find_the_same_strands() -> None:
     assert found[1] == pytest.approx(found[0], rel=1e-12)
 
 
+COILS, CIRCUMFERENCE, RISE = 9, 1.5, 0.1 * THIN
+
+
+def coil() -> Array:
+    """A rope of so many turns of one circle, four elements each, each turn lying in those before it."""
+    turn, radius = np.linspace(0.0, COILS, 4 * COILS + 1), CIRCUMFERENCE / (2.0 * math.pi)
+    angle, q = 2.0 * math.pi * turn, np.zeros((turn.size, 7))
+    q[:, 0], q[:, 1], q[:, 2] = radius * np.cos(angle), RISE * turn, radius * np.sin(angle)
+    q[:, 3], q[:, 4], q[:, 5] = -np.sin(angle), RISE / CIRCUMFERENCE, np.cos(angle)
+    return q
+
+
+def test_no_touch_is_left_out_of_strands_that_lie_in_each_other() -> None:
+    length = COILS * CIRCUMFERENCE
+    scene = Scene(
+        rope=Rope(length=length, diameter=THIN, EI=100.0),
+        layout=Layout(0.3),
+        mesh=Mesh("eem", elements=4 * COILS),
+        shaft=Shaft(contact=Contact(rope_stiffness=K)),
+    )
+    rope = begun(scene, "native")
+    rope.restore(rope.state._replace(motion=replace(rope.state.motion, q=coil())))
+    # the six nearest of the turns to the right press, beyond the law's onset
+    pressure = [K * (THIN - k * RISE - 0.5 * ONSET * THIN) for k in range(1, 7)]
+    exact = sum((COILS - k) * CIRCUMFERENCE * each for k, each in enumerate(pressure, start=1))
+    # a place at the end of a turn is as near to the beginning of the next
+    assert rope.signals(["contact.rope"])["contact.rope"] == pytest.approx(exact, rel=2e-3)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_forces_of_a_pair_cancel_and_its_friction_leaves_its_couple(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -55,13 +55,13 @@ typedef struct {
     Touch law;
 } RopeTouch;
 
-/* The rope's contact with itself: what find_rope_touches found last, room of them at most; boxes: of the elements,
+/* The rope's contact with itself: what find_rope_touches found last; boxes: of the elements,
    others: those near one, with the arc length from its end to each, and of a place of it how far they are and where in
    them; seen: q and lengths as they were when it last looked, free: how near any two elements were at least, m;
    scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients. */
 typedef struct {
     const Scene *scene;
-    int number, room, *others;
+    int number, *others;
     double (*boxes)[6], *scratch, *seen, *seen_lengths, *ways, *distances, *where, free;
     RopeTouch *touches;
 } OwnContact;
@@ -135,8 +135,8 @@ void add_point_balance(const System *s, const double *q, const double *v, double
 /* chain_self.c: rope_model.simulation.self_contact */
 /* r (or its speed) at a place of an element */
 void place_on(const double *x, int element, const double shares[4], double y[3]);
-/* what it takes in this scene: 0 where the rope does not touch itself; and that in as much zeroed memory, aligned to 64
-   bytes */
+/* what it takes in this scene: 0 where the rope does not touch itself; and that in as much memory, aligned to 64 bytes
+ */
 size_t own_contact_bytes(const Scene *scene, int elements);
 OwnContact *own_contact(const Scene *scene, int elements, void *memory);
 /* where the rope presses itself, with tangents along (cq, cv) of q and v: how often */

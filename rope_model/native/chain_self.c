@@ -4,9 +4,9 @@
 
 #include "chain.h"
 
-/* strands that do not overlap make no more */
+/* even of strands that lie in each other */
 static size_t most_touches(const Scene *scene, int elements) {
-    return PAIRS * (size_t)most_places(scene->rope.length, elements, scene->rope.diameter);
+    return MOST_STRANDS * (size_t)most_places(scene->rope.length, elements, scene->rope.diameter);
 }
 
 size_t own_contact_bytes(const Scene *scene, int elements) {
@@ -19,8 +19,8 @@ size_t own_contact_bytes(const Scene *scene, int elements) {
 OwnContact *own_contact(const Scene *scene, int elements, void *memory) {
     const size_t n = (size_t)elements, size = (n + 1) * DOF;
     OwnContact *own = memory;
+    memset(own, 0, sizeof *own);
     own->scene = scene;
-    own->room = (int)most_touches(scene, elements);
     own->scratch = (double *)(void *)(own + 1);
     own->seen = own->scratch + OWN_SCRATCH * size;
     own->seen_lengths = own->seen + size;
@@ -147,7 +147,7 @@ static void look_along(const System *s, const double *q, const double *v, const 
             own->distances[n] = nearest_place(s, q, own->others[n], point, own->where + n);
             if (own->distances[n] < least) least = own->distances[n];
         }
-        for (int strand = 0; least < diameter && strand < MOST_STRANDS && own->number < own->room; strand++) {
+        for (int strand = 0; least < diameter && strand < MOST_STRANDS; strand++) {
             const int n = next_strand(s, others);
             if (n < 0) break;
             touch.elements[1] = own->others[n];

@@ -227,7 +227,6 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "MOST_PLACES": rope_on_rope.MOST_PLACES,
     "APART": rope_on_rope.APART,
     "MOST_STRANDS": rope_on_rope.MOST_STRANDS,
-    "PAIRS": rope_on_rope.PAIRS,
     "PROBES": len(rope_on_rope.PROBES),
     "PROBE_PLACES": rope_on_rope.PROBES,
     "CORRECTIONS": rope_on_rope.CORRECTIONS,

@@ -24,18 +24,19 @@ Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, c
     const size_t bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) +
                          align(sizeof(double) * STRAINS * (size_t)elements) + align(chain_frames_bytes(elements)) +
                          align(chain_work_bytes(elements)) + curved_bytes + wire_bytes + align(sizeof(Surroundings)) +
-                         align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements) +
-                         own_contact_bytes(scene, elements);
+                         align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements);
+    const size_t own_bytes = own_contact_bytes(scene, elements);
     Simulator *rope = memory->take(1, sizeof *rope);
     if (rope != NULL) {
         memset(rope, 0, sizeof *rope);
-        rope->block = memory->take(1, bytes + ALIGNMENT);
+        rope->block = memory->take(1, bytes + own_bytes + ALIGNMENT);
     }
     if (rope == NULL || rope->block == NULL) {
         if (rope != NULL) memory->give_back(rope);
-        say_no_memory(message, elements, 1e-6 * (double)bytes);
+        say_no_memory(message, elements, 1e-6 * (double)(bytes + own_bytes));
         return NULL;
     }
+    /* of its touches with itself a rope seldom needs many: memory that nothing is written to costs nothing */
     memset(rope->block, 0, bytes + ALIGNMENT);
     rope->memory = *memory;
     rope->scene = *scene;
@@ -67,7 +68,7 @@ Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, c
     rope->around->near = (unsigned *)(void *)(rope->around->seen_lengths + elements);
     at += align(sizeof(Surroundings)) +
           align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements);
-    if (own_contact_bytes(scene, elements) > 0) rope->own = own_contact(&rope->scene, elements, at);
+    if (own_bytes > 0) rope->own = own_contact(&rope->scene, elements, at);
     return rope;
 }
 
