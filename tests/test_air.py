@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from rope_model import EndMotion, balance_rope, rope_120
+from rope_model import EndMotion, balance_rope
 from rope_model.numerics import kernels
 from rope_model.parameters import Accuracy, Mesh, Rope, Scene, Solver
 from rope_model.physics.air import AirLaw, air_law, flow
@@ -304,37 +304,3 @@ def test_what_a_passing_conveyance_does_is_in_the_balances() -> None:
     assert given > 1
     assert abs(energy.residual - before.residual) < 1e-3 * given
     assert pushed_rope.audit.missing_force < 1e-3 * pushed_rope.audit.force
-
-
-def winding(t: float) -> tuple[EndMotion, EndMotion]:
-    """90 m in 20 s."""
-    s = min(t / 20, 1.0)
-    y, v, a = 90 * s**3 * (10 - 15 * s + 6 * s * s), 135 * (s * (1 - s)) ** 2, 13.5 * s * (1 - s) * (1 - 2 * s)
-    return EndMotion(y=y, vy=v, ay=a), EndMotion(y=90 - y, vy=-v, ay=-a)
-
-
-def loop_places(air: Air) -> np.ndarray[Any, Any]:
-    """loop.x (m) of the 120 m rope through its winding and as long after it."""
-    given = rope_120().scene
-    rope, places = balance_rope(given.with_(shaft=replace(given.shaft, air=air)), "native"), []
-    assert rope.initialize(0.0, *winding(0.0)).valid
-    read = rope.reader(("loop.x",))
-    for k in range(1, 2001):
-        assert rope.advance_to(0.02 * k, *winding(0.02 * k)).valid
-        places.append(read()[0])
-    return np.array(places)
-
-
-def test_a_winding_hardly_feels_the_pulse() -> None:
-    """As docs/model.md says."""
-    still = loop_places(Air(density=1.25))
-    for share, expected in ((0.06, 0.6e-3), (0.3, 6e-3)):
-        moved = loop_places(Air(density=1.25, buffet=share, buffet_length=6.0)) - still
-        assert np.abs(moved).max() == pytest.approx(expected, rel=0.2)
-
-
-def test_a_leg_that_passes_a_gallery_moves_the_loop() -> None:
-    """As docs/model.md says: 10 m/s over 5 m, at half the depth of the winding."""
-    still, gallery = Air(density=1.2), Air(density=1.2, vx=10.0, cross_y=45.0, cross_height=5.0)
-    at_rest, blown = (loop_places(air) for air in (still, gallery))
-    assert np.abs(blown - at_rest).max() == pytest.approx(0.20, rel=0.05)
