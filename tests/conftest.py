@@ -13,6 +13,9 @@ import pytest
 from exports import EXPORTS, make_once
 from hypothesis import settings
 from native_host import Host
+from native_libraries import libraries as libraries
+from native_libraries import library as library
+from native_parts import parts as parts
 from numpy.typing import NDArray
 from stand_in import VERSIONS, stand_in
 

@@ -16,11 +16,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from evidence.coupling.figures import FIGURES
 from evidence.coupling.oscillator import Data, error, start
-from evidence.coupling.reading import PROMISED, correct_predictions, order_on_hoist, theory
+from evidence.coupling.reading import theory
 from evidence.rendering import DOCS
-from evidence.tables import read, rows
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
@@ -39,7 +37,6 @@ from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantInputPath
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from rope_model.parameters import ROPE_CASES, Solver
 
-TABLES = read(DOCS / "data" / "coupling")
 EVEN = Solver(tolerance=1e6)  # steps that no error shortens
 TRIP = Winding(travel=0.002, settle=0.15, start_delay=0.0)
 
@@ -347,43 +344,6 @@ def test_rollback_and_resuming_through_the_fmu_are_bit_identical(tmp_path: Path,
     command = [sys.executable, "-c", THROUGH_THE_FMU, str(fmu_of("draft")), str(tmp_path)]
     done = subprocess.run(command, cwd=DOCS.parent, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
-
-
-# the committed data
-
-
-def test_figures_are_there() -> None:
-    assert {p.stem for p in (DOCS / "images" / "coupling").iterdir()} == set(FIGURES)
-
-
-def test_the_default_errs_by_less_than_promised_on_every_case() -> None:
-    t = TABLES["cases"]
-    assert set(t["case"]) == set(CASES)
-    assert set(t["scheme"]) == {Coupling().scheme}
-    assert_array_equal(t["H [s]"], 0.01)
-    assert np.all(t["force error"] < PROMISED)
-    assert np.all(t["predicted growth"] < MARGIN)
-    assert not any(t["cause"])
-
-
-@pytest.mark.parametrize("name", SCHEMES)
-def test_the_observed_order_on_the_hoist_is_at_least_that_of_theory(name: str) -> None:
-    # the controller's samples are kinks, which a parabola does not follow: half an order less at most
-    assert order_on_hoist(TABLES["schemes"], name) > theory(name) - 0.5
-
-
-@pytest.mark.parametrize("name", ["gauss-seidel-0", "gauss-seidel-1", "semi-implicit-1", "impulse-preserving"])
-def test_the_observed_order_on_the_hoist_is_no_higher_where_waves_and_kinks_do_not_matter(name: str) -> None:
-    assert order_on_hoist(TABLES["schemes"], name) < theory(name) + 0.3
-
-
-def test_stability_happens_as_predicted() -> None:
-    agree, count = correct_predictions(TABLES["stability"], MARGIN)
-    assert agree >= 0.9 * count
-    for name in ("semi-implicit-0", "semi-implicit-1", "implicit-impulse"):
-        stable = rows(TABLES["stability"], scheme=name)["stable"]
-        assert stable.size > 20
-        assert np.all(stable > 0)
 
 
 def test_load_through_has_its_mean_and_ends() -> None:

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
+from hoist_at_rest import rest_at, state_with
 from scipy.optimize import brentq
 
-from evidence.hoist.winding import dead_weights
-from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
-from hoist_demo.control.trajectory import Braking, TrajectoryPoint, s_curve
+from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
+from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from hoist_demo.drive.plant import (
     LOSS_NAMES,
     STATE_NAMES,
     HoistPlant,
     PlantInput,
-    PlantOutput,
-    PlantState,
     energy_residual,
     side_forces,
 )
-from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding, require_trip_fits
+from hoist_demo.parameters import GRAVITY, Hoist, Winding
 from hoist_demo.parameters.components import Brake, Guides, Play, Shaft
 
 FULL = Hoist(
@@ -46,15 +43,9 @@ SMOOTH = Hoist(
 """No losses, and a sheave too heavy to move: each leg is a system of its own."""
 
 
-def _rest(plant: HoistPlant, heights: tuple[float, float]) -> tuple[PlantState, PlantInput]:
-    forces = dead_weights(plant.hoist, *heights, 0.0)
-    state = plant.equilibrium(*heights, *forces)
-    return state, PlantInput(float(state.x[0]), *forces)
-
-
 def _frequencies(plant: HoistPlant, heights: tuple[float, float]) -> np.ndarray:
     """Circular frequencies of small motion about rest [rad/s], ascending."""
-    state, u = _rest(plant, heights)
+    state, u = rest_at(plant, heights)
     jacobian = np.empty((state.x.size, state.x.size))
     for k in range(state.x.size):
         d = np.zeros(state.x.size)
@@ -65,19 +56,11 @@ def _frequencies(plant: HoistPlant, heights: tuple[float, float]) -> np.ndarray:
     return np.sort(values[values > 1e-6])
 
 
-def _at(plant: HoistPlant, state: PlantState, **values: float) -> PlantState:
-    """The state with some of its numbers replaced."""
-    x = state.x.copy()
-    for name, value in values.items():
-        x[plant.state_names.index(name)] = value
-    return state._replace(x=x)
-
-
 @pytest.mark.parametrize("modes", [1, 3])
 def test_head_ropes_swing_as_a_rod_with_the_conveyance_at_its_end(modes: int) -> None:
     hoist = replace(SMOOTH, head_rope_mass=10.0, shaft_travel=500.0, head_rope_modes=modes, payload_left=0.0)
     plant = HoistPlant(hoist)
-    state, _ = _rest(plant, (250.0, 250.0))
+    state, _ = rest_at(plant, (250.0, 250.0))
     length = state.free_lengths[0]
     ratio = hoist.rope_mass * length / hoist.mass_left
     # k l tan(k l) = rope's mass over conveyance's, in each branch of the tangent
@@ -113,11 +96,11 @@ def test_between_its_guides_a_conveyance_is_a_pendulum_of_several_ropes() -> Non
 
 def test_a_pushed_conveyance_leans_on_its_guides() -> None:
     plant = HoistPlant(replace(SMOOTH, play=Play()))
-    state, u = _rest(plant, (45.0, 45.0))
+    state, u = rest_at(plant, (45.0, 45.0))
     tension = plant.hoist.mass_left * GRAVITY + plant.hoist.rope_mass * GRAVITY * state.free_lengths[0] / 2
     pendulum, k, c = tension / (plant.hoist.sheave_height - 45.0), 2.0e6, 5.0e-3
     place = (1.0e4 + k * c) / (k + pendulum)
-    rates = plant.rates(_at(plant, state, x_left=place), replace(u, fx_left=1.0e4))
+    rates = plant.rates(state_with(plant, state, x_left=place), replace(u, fx_left=1.0e4))
     # 1e4 N on 15 t, the shortening of the pendulum (x / H)^2 = 3e-8 left out
     np.testing.assert_allclose(rates[plant.state_names.index("x_left_rate")], 0.0, atol=1e-6)
 
@@ -126,8 +109,8 @@ def test_a_conveyance_that_leans_on_its_guides_is_braked_by_its_shoes() -> None:
     rates = []
     for friction in (0.1, 0.0):
         plant = HoistPlant(replace(SMOOTH, head_rope_mass=1e-9, play=Play(friction=friction, contact_damping=0.0)))
-        state, u = _rest(plant, (45.0, 45.0))
-        rates.append(plant.rates(_at(plant, state, x_left=8e-3, z_left=-7e-3, v_left=1.0), u)[5])
+        state, u = rest_at(plant, (45.0, 45.0))
+        rates.append(plant.rates(state_with(plant, state, x_left=8e-3, z_left=-7e-3, v_left=1.0), u)[5])
     # springs of 2e6 N/m pressed by 3 and 2 mm hold 15 t back
     np.testing.assert_allclose(rates[0] - rates[1], -0.1 * 2.0e6 * (3e-3 + 2e-3) / 15e3, rtol=1e-6)
 
@@ -142,10 +125,10 @@ def test_the_shaft_s_swinging_dies_with_its_damping_ratio() -> None:
             head_rope_mass=1e-9,
         )
     )
-    state, u = _rest(plant, (45.0, 45.0))
-    twisted = _at(plant, state, twist=state.x[7] + 1e-3)
+    state, u = rest_at(plant, (45.0, 45.0))
+    twisted = state_with(plant, state, twist=state.x[7] + 1e-3)
     at_place = plant.rates(twisted, u)[8]
-    turning = plant.rates(_at(plant, state, twist_rate=1.0), u)[8]
+    turning = plant.rates(state_with(plant, state, twist_rate=1.0), u)[8]
     # delta'' = -w^2 delta - 2 D w delta'
     np.testing.assert_allclose(-turning / (2.0 * math.sqrt(-at_place / 1e-3)), 0.03, rtol=1e-6)
 
@@ -165,8 +148,8 @@ def test_motor_and_sheave_swing_on_their_shaft() -> None:
 def test_a_hoist_at_constant_speed_hangs_as_one_at_rest(modes: int) -> None:
     hoist = replace(SMOOTH, head_rope_mass=10.0, shaft_travel=500.0, head_rope_modes=modes)
     plant = HoistPlant(hoist)
-    state, u = _rest(plant, (100.0, 400.0))
-    moving = _at(plant, state, phi_rate=18.0 / 1.25, v_left=18.0, v_right=-18.0)
+    state, u = rest_at(plant, (100.0, 400.0))
+    moving = state_with(plant, state, phi_rate=18.0 / 1.25, v_left=18.0, v_right=-18.0)
     rest, wound = plant.outputs(state, u), plant.outputs(moving, u)
     # of mu w^2 = 13 kN only the part of the strain, 3e-3, may remain
     for name in ("tension_left", "tension_right"):
@@ -178,14 +161,14 @@ def test_a_hoist_at_constant_speed_hangs_as_one_at_rest(modes: int) -> None:
 def test_with_every_part_equilibrium_is_at_rest_to_rounding(heights: tuple[float, float]) -> None:
     plant = HoistPlant(FULL)
     # forces of 1e5 N rounded at 1e-16 of energies over 0.1 m, on 1e4 kg
-    np.testing.assert_allclose(plant.rates(*_rest(plant, heights)), 0.0, atol=1e-10)
+    np.testing.assert_allclose(plant.rates(*rest_at(plant, heights)), 0.0, atol=1e-10)
 
 
 def test_with_every_part_the_energy_balance_closes() -> None:
     plant = HoistPlant(FULL)
-    state, u = _rest(plant, (40.0, 50.0))
+    state, u = rest_at(plant, (40.0, 50.0))
     moving = {"phi_rate": 4.0, "v_left": 5.0, "v_right": -5.0, "brake_pressure": 0.1}
-    state = _at(plant, state, **moving, x_left=4e-3, eta1_left=2e-3, twist=3e-3)
+    state = state_with(plant, state, **moving, x_left=4e-3, eta1_left=2e-3, twist=3e-3)
     start = plant.outputs(state, u)
     for k in range(150):
         wave = math.sin(0.1 * k)
@@ -215,7 +198,7 @@ def test_a_hoist_with_its_sides_exchanged_does_the_same_mirrored() -> None:
     shown = []
     for hoist, sign in ((left, 1.0), (right, -1.0)):
         plant = HoistPlant(hoist)
-        state, u = _rest(plant, (20.0, 70.0) if sign > 0 else (70.0, 20.0))
+        state, u = rest_at(plant, (20.0, 70.0) if sign > 0 else (70.0, 20.0))
         for _ in range(20):
             state = plant.step(state, 0.01, replace(u, torque_command=u.torque_command + sign * 2e4)).state
         shown.append(plant.outputs(state, u))
@@ -238,7 +221,7 @@ def test_two_balance_ropes_pull_as_one_of_twice_the_force() -> None:
 def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> None:
     hoist = Hoist()
     plant = HoistPlant(hoist)
-    shown = plant.outputs(*_rest(plant, (0.0, 90.0)))
+    shown = plant.outputs(*rest_at(plant, (0.0, 90.0)))
     # 15 t and 10 t; head ropes 8 kg/m, 105 m and 15 m; balance rope 8 kg/m, legs of 15 m and 105 m
     left, right = 15e3 + 8 * 105 + 8 * 15, 10e3 + 8 * 15 + 8 * 105
     # head ropes are a strain of 1.5e-3 shorter than they hang, on 840 of 15960 kg
@@ -255,7 +238,7 @@ def test_accelerating_upwards_raises_the_tension_ratio_as_by_hand() -> None:
     # dead weights hang without inertia here; damped ropes come to rest against the accelerating sheave
     hoist = Hoist(head_rope_damping=0.5, loss_coulomb=0.0, loss_viscous=0.0, tail_rope_mass=0.0, head_rope_mass=1e-6)
     plant = HoistPlant(hoist)
-    state, u = _rest(plant, (0.0, 90.0))
+    state, u = rest_at(plant, (0.0, 90.0))
     for _ in range(100):
         state = plant.step(state, 0.02, replace(u, torque_command=u.torque_command + 1.25 * 33e3 * 0.8)).state
     shown = plant.outputs(state, u)
@@ -265,7 +248,7 @@ def test_accelerating_upwards_raises_the_tension_ratio_as_by_hand() -> None:
 
 def test_the_motor_keeps_its_limits_of_torque_and_power() -> None:
     plant = HoistPlant(replace(FULL, power_limit=3.0e5))
-    state, u = _rest(plant, (0.0, 90.0))
+    state, u = rest_at(plant, (0.0, 90.0))
     greedy, torques, powers = replace(u, torque_command=1e7), [], []
     for _ in range(150):
         state = plant.step(state, 0.01, greedy).state
@@ -286,91 +269,16 @@ def test_the_controller_asks_for_no_more_than_the_power_limit() -> None:
     assert command.limited
 
 
-BALANCED = Hoist(
-    payload_left=0.0, head_rope_mass=1e-6, tail_rope_mass=0.0, head_rope_stiffness=1e9, head_rope_damping=0.3,
-    loss_coulomb=0.0, loss_viscous=0.0, brake=Brake(torque=7.0e4, delay=0.2, lag=0.1),
-)  # fmt: skip
-"""Stiff, without losses and imbalance: 28 t that the brake stops at 2 m/s^2."""
-
-
-def _stop(hoist: Hoist, law: EmergencyLaw, speed: float, seconds: float) -> list[PlantOutput]:
-    """Motion after a trip at mid-shaft, one output per 10 ms."""
-    plant, h = HoistPlant(hoist), 0.01
-    state, u = _rest(plant, (45.0, 45.0))
-    controller = SpeedController(hoist, float(state.x[0]), Gains(speed=4.0 * hoist.moving_mass, integral_time=1.0))
-    state = _at(plant, state, phi_rate=speed / hoist.sheave_radius, v_left=speed, v_right=-speed, torque=0.0)
-    memory, shown = ControllerState(), [plant.outputs(state, u)]
-    for k in range(round(seconds / h)):
-        point = TrajectoryPoint(0.0, 0.0, 0.0, 0.0, Braking(law, k * h, 1.5))
-        measured = Measurement(shown[-1].y_left - 45.0, hoist.sheave_radius * shown[-1].rate)
-        command = controller.command(point, measured, memory, h)
-        forces = dead_weights(hoist, shown[-1].y_left, shown[-1].y_right, 0.0)
-        held = PlantInput(command.torque, *forces, brake=command.brake)
-        state, memory = plant.step(state, h, held).state, command.state
-        shown.append(plant.outputs(state, held))
-    return shown
-
-
-@pytest.mark.parametrize("speed", [6.0, -6.0])
-def test_constant_torque_stops_within_the_distance_of_the_closed_form(speed: float) -> None:
-    shown = _stop(BALANCED, "torque", speed, 5.0)
-    a, d, tau, v = 7.0e4 / 1.25 / 28e3, 0.2, 0.1, abs(speed)
-    # v(t) = v - a (t - tau (1 - exp(-t / tau))) after the dead time d
-    t = brentq(lambda t: v - a * (t - tau * (1.0 - math.exp(-t / tau))), 0.0, 10.0)
-    distance = v * (d + t) - a * (t * t / 2.0 - tau * t + tau**2 * (1.0 - math.exp(-t / tau)))
-    # the linings' deflection of 2 mm comes first, and the stop ends within it
-    np.testing.assert_allclose(abs(shown[-1].y_left - 45.0), distance, rtol=0, atol=4e-3)
-
-
-@pytest.mark.parametrize(("payload", "speed"), [(0.0, 6.0), (4.0e3, 6.0), (4.0e3, -6.0)])
-def test_a_regulated_stop_keeps_its_deceleration_with_any_load(payload: float, speed: float) -> None:
-    hoist = replace(BALANCED, payload_left=payload, brake=Brake(torque=2.0e5, delay=0.2, lag=0.05))
-    shown = _stop(hoist, "deceleration", speed, 6.0)
-    rim = np.abs([hoist.sheave_radius * s.rate for s in shown])
-    # between 1.2 s and 3.2 s, the lag's transient over; k_v / m = 4 1/s
-    np.testing.assert_allclose((rim[120] - rim[320]) / 2.0, 1.5, rtol=0.02)
-    # v_b^2 / (2 a) from the speed at the bite, which the imbalance changes during the dead time
-    bitten = rim[20] ** 2 / 3.0 + abs(shown[20].y_left - 45.0)
-    np.testing.assert_allclose(abs(shown[-1].y_left - 45.0), bitten, rtol=0.03)
-
-
-def test_two_stages_brake_with_a_part_of_the_torque_and_then_with_all_of_it() -> None:
-    brake = Brake(torque=7.0e4, delay=0.2, lag=0.02, first_stage=0.4, first_stage_time=1.2)
-    torque = np.array([s.brake_torque for s in _stop(replace(BALANCED, brake=brake), "two-stage", 6.0, 2.5)])
-    np.testing.assert_allclose(torque[:20], 0.0, atol=1e-9)
-    np.testing.assert_allclose(torque[60:120], 0.4 * 7.0e4, rtol=1e-3)
-    np.testing.assert_allclose(torque[150:], 7.0e4, rtol=1e-3)
-
-
-def test_the_brake_holds_the_imbalance_without_creeping() -> None:
-    hoist = replace(BALANCED, payload_left=4.0e3, loss_viscous=200.0, brake=Brake(torque=2.0e5))
-    shown = _stop(hoist, "torque", 2.0, 12.0)
-    # the motor is off: the brake carries the payload
-    np.testing.assert_allclose(shown[-1].brake_torque, -1.25 * 4.0e3 * GRAVITY, rtol=1e-3)
-    assert abs(shown[-1].y_left - shown[-400].y_left) < 1e-5
-
-
-def test_the_motor_is_off_while_the_brake_stops_the_hoist() -> None:
-    winding = Winding(emergency_at=8.0, emergency_law="torque")
-    reference, hoist = s_curve(winding), Hoist(brake=Brake())
-    before, after = reference.at(7.99), reference.at(8.5)
-    assert before.braking is None
-    assert after.braking is not None
-    np.testing.assert_allclose(after.braking.elapsed, 0.5, rtol=1e-12)
-    command = SpeedController(hoist, 5e4).command(after, Measurement(20.0, 6.0), ControllerState(integral=1e4), 0.01)
-    assert (command.torque, command.brake) == (0.0, 1.0)
-
-
 def test_the_ends_of_the_balance_rope_follow_the_conveyances() -> None:
     plant = HoistPlant(FULL)
-    state, u = _rest(plant, (30.0, 60.0))
-    state = _at(
+    state, u = rest_at(plant, (30.0, 60.0))
+    state = state_with(
         plant, state, x_left=1e-3, z_right=-2e-3, yaw_right=1e-3, yaw_right_rate=0.1, v_left=2.0, x_left_rate=0.3
     )
     left, right = plant.outputs(state, u).ends
     assert (left.x, left.y, left.vx, left.vy) == (1e-3, 30.0, 0.3, 2.0)
     assert (right.z, right.y, right.yaw, right.yaw_rate) == (-2e-3, 60.0, 1e-3, 0.1)
-    assert HoistPlant(Hoist()).outputs(*_rest(HoistPlant(Hoist()), (0.0, 90.0))).ends[0] == EndMotion(
+    assert HoistPlant(Hoist()).outputs(*rest_at(HoistPlant(Hoist()), (0.0, 90.0))).ends[0] == EndMotion(
         y=0.0, ay=pytest.approx(0.0, abs=1e-10)
     )
 
@@ -401,17 +309,3 @@ BAD = {
 def test_bad_data_is_named_with_its_bound_and_a_cure(name: str) -> None:
     with pytest.raises(ValueError, match=rf"^{name} = .* must be .*: .*"):
         BAD[name]()
-
-
-@pytest.mark.parametrize(
-    ("hoist", "law", "deceleration", "said"),
-    [
-        (Hoist(), "torque", 5.0, "emergency_law = 'torque' must be 'drive' for a hoist without a brake"),
-        (Hoist(brake=Brake(torque=5e4)), "deceleration", 5.0, "emergency_deceleration = 5.0 must be at most 1.1"),
-    ],
-)
-def test_a_brake_that_cannot_do_what_is_asked_is_said_before_the_trip(
-    hoist: Hoist, law: Any, deceleration: float, said: str
-) -> None:
-    with pytest.raises(ValueError, match=said):
-        require_trip_fits(hoist, Winding(emergency_at=5.0, emergency_law=law, emergency_deceleration=deceleration))

@@ -6,53 +6,19 @@ saw to the frame's parent; the claims below read that. What the browser complain
 
 from __future__ import annotations
 
-import html
-import json
 import math
-import re
-import shutil
-import subprocess
-from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+from browser import BROWSER, END, Seen, bottom, look, run
 
-from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.time_series import Recording
+from hoist_demo.parameters import Hoist
 from hoist_demo.report.html.along import ROPE_ROWS
-from hoist_demo.report.html.run import run_report
 from hoist_demo.report.html.study import study_report
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
-BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
-
-POINTS, STEPS, END = 41, 301, 12.0
-
-_FRAME = """<!DOCTYPE html><html><body><iframe src="{page}" style="width:{width}px;height:800px"></iframe>
-<pre id="seen"></pre><script>
-addEventListener("message", (event) => document.getElementById("seen").textContent = event.data);
-</script></body></html>"""
-
-_PROBE = """<script>
-const seen = {{}};
-const wait = (ms) => new Promise((done) => setTimeout(done, ms));
-const press = (element, at) => {{
-  const box = element.getBoundingClientRect();
-  const where = {{clientX: box.left + at[0] * box.width, clientY: box.top + at[1] * box.height, bubbles: true}};
-  for (const kind of ["pointerdown", "pointerup"])
-    element.dispatchEvent(new PointerEvent(kind, {{...where, buttons: 1}}));
-}};
-const common = () => ({{
-  requests: performance.getEntriesByType("resource").map((entry) => entry.name),
-  width: document.documentElement.scrollWidth, room: document.documentElement.clientWidth,
-}});
-(async () => {{ await wait(50); {touches}; parent.postMessage(JSON.stringify({{...seen, ...common()}}), "*"); }})();
-</script></body>"""
 
 _RUN = """
 const slider = document.getElementById("slider"), loop = document.getElementById("loop");
@@ -132,81 +98,6 @@ const point = (kind, part, target) => target.dispatchEvent(new PointerEvent(kind
 point("pointerdown", 0, brush); point("pointermove", 0.6, window); point("pointerup", 0.6, window);
 seen.kept = column(1);
 """
-
-
-@dataclass(frozen=True)
-class Seen:
-    """What the probe saw, and the browser's messages."""
-
-    said: dict[str, Any]
-    console: list[str]
-
-
-def look(page: Path, touches: str, width: int, fragment: str = "") -> Seen:
-    """Open a copy of the page with the probe in it."""
-    folder = page.parent / f"{page.stem}-{width}"
-    folder.mkdir()
-    probed = page.read_text(encoding="utf-8").replace("</body>", _PROBE.format(touches=touches))
-    (folder / "page.html").write_text(probed, encoding="utf-8")
-    (folder / "frame.html").write_text(_FRAME.format(page=f"page.html#{fragment}", width=width), encoding="utf-8")
-    assert BROWSER is not None
-    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]
-    command += ["--enable-logging=stderr", "--virtual-time-budget=8000", "--dump-dom", f"{folder / 'frame.html'}"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
-    found = re.search(r'<pre id="seen">(.+?)</pre>', done.stdout, re.DOTALL)
-    console = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
-    assert found, f"the probe said nothing; the browser: {console or done.stderr[-2000:]}"
-    return Seen(json.loads(html.unescape(found[1])), console)
-
-
-def bottom(t: float) -> tuple[float, float, float]:
-    """Lowest point of the invented rope at time t [s]."""
-    return 0.05 * t, -15.0 - 0.1 * t, 0.02 * t
-
-
-def curve(t: float) -> np.ndarray:
-    """A half circle of radius 1 m below two straight legs, shape (POINTS, 3)."""
-    x, y, z = bottom(t)
-    angle = np.linspace(-math.pi / 2.0, math.pi / 2.0, POINTS - 2)
-    loop = np.column_stack([x + np.sin(angle), y + 1.0 - np.cos(angle), np.full(POINTS - 2, z)])
-    return np.vstack([[-1.0, 7.0 * t, 0.0], loop, [1.0, 90.0 - 7.0 * t, 0.0]])
-
-
-def run(tmp_path: Path, known: bool = True, **more: np.ndarray) -> Path:
-    """A trip of an invented rope; ``known``: with what there is along it."""
-    t = np.linspace(0.0, END, STEPS)
-    shapes = np.array([curve(float(s)) for s in t])
-    signals = {
-        "time": t,
-        "reference.position": 7.0 * t,
-        "reference.speed": np.full(STEPS, 7.0),
-        "conveyance.left.y": 7.0 * t,
-        "conveyance.right.y": 90.0 - 7.0 * t,
-        "conveyance.left.vy": np.full(STEPS, 7.0) + np.sin(t),
-        "drive.tension_ratio": 1.2 + 0.1 * np.sin(t),
-        "left.fy": -1e3 * (5.0 + t),
-        "left.swivel.slipping": ((t > 2.0) & (t < 3.0)).astype(float),
-        "right.swivel.slipping": np.zeros(STEPS),
-        "count.transformations": np.floor(t / 2.0),
-        "stress.bending_max": 3.6e7 + 1e5 * np.sin(t),
-        "loop.clearance": np.full(STEPS, 2.0),
-        "loop.broken": np.full(STEPS, math.nan),
-    }
-    signals |= {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
-    if known:
-        peak = np.where(np.arange(POINTS) == POINTS // 2, 4e7, 1e5)
-        signals |= {f"shape.bending[{i + 1}]": np.full(STEPS, peak[i]) for i in range(POINTS)}
-        signals |= {f"shape.torsion[{i + 1}]": np.zeros(STEPS) for i in range(POINTS)}
-        signals |= {f"shape.tension[{i + 1}]": 80.0 * shapes[:, i, 1] for i in range(POINTS)}
-    result = SimpleNamespace(
-        recording=Recording(signals | more, {"left.fy": "N", "conveyance.left.y": "m"}),
-        completed=True,
-        cause="",
-        trajectory=SimpleNamespace(duration=9.0),
-    )
-    winding = Winding(emergency_at=5.0)
-    path = tmp_path / "run.html"
-    return run_report(result, Hoist(), winding, [], "A <trip> & its rope", path, locked=("right",))
 
 
 @pytest.fixture(scope="module", params=[1280, 390])
@@ -309,15 +200,6 @@ def test_torsion_that_is_zero_all_along_is_a_number_and_no_picture(seen_run: See
     assert "Torsional stress along the rope" not in seen_run.said["titles"]
 
 
-def test_old_recording_says_why_nothing_is_shown_along_the_rope(tmp_path: Path) -> None:
-    probe = """seen.note = document.getElementById("along-note").textContent;
-        seen.titles = [...document.querySelectorAll(".plot strong")].map((title) => title.textContent);"""
-    seen = look(run(tmp_path, known=False), probe, 800)
-    assert seen.console == []
-    assert "no outputs shape.bending and shape.torsion and shape.tension" in seen.said["note"]
-    assert not [title for title in seen.said["titles"] if "along the rope" in title]
-
-
 def test_slip_transformations_and_the_emergency_stop_are_marked(seen_run: Seen) -> None:
     assert seen_run.said["marks"] == ["emergency stop", "reference at rest"]
     assert seen_run.said["transformations"] == 6
@@ -352,75 +234,6 @@ def test_a_short_window_shows_a_second_around_the_cursor(seen_run: Seen) -> None
     t, ticks = seen_run.said["played"]["slider"], seen_run.said["ticks"]
     assert all(t - 0.51 <= tick <= max(1.0, t + 0.51) for tick in ticks)
     assert len(ticks) >= 2
-
-
-def test_a_run_without_a_recorded_curve_still_has_its_plots(tmp_path: Path) -> None:
-    missing = {f"shape.x[{i + 1}]": np.full(STEPS, math.nan) for i in range(POINTS)}
-    seen = look(run(tmp_path, **missing), 'seen.plots = document.querySelectorAll(".plot").length;', 800)
-    assert seen.console == []
-    assert seen.said["plots"] > 3
-
-
-def test_a_run_that_stopped_after_one_row_is_shown(tmp_path: Path) -> None:
-    only = {name: np.array([value]) for name, value in (("time", 0.0), ("left.fy", -1e3), ("loop.y", -15.0))}
-    only |= {f"shape.{c}[{i + 1}]": curve(0.0)[i : i + 1, k] for k, c in enumerate("xyz") for i in range(POINTS)}
-    result = SimpleNamespace(
-        recording=Recording(only, {}), completed=False, cause="overwind", trajectory=SimpleNamespace(duration=9.0)
-    )
-    page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / "run.html")
-    seen = look(page, 'seen.bottom = document.getElementById("loop").dataset.bottom;', 800)
-    assert seen.console == []
-    assert seen.said["bottom"] == "0.0000 -15.0000 0.0000"
-
-
-def test_a_run_that_never_began_says_why(tmp_path: Path) -> None:
-    result = SimpleNamespace(recording=Recording({}, {}), completed=False, cause="no <shape>", trajectory=None)
-    page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / "run.html")
-    seen = look(page, 'seen.note = document.querySelector(".stopped").textContent;', 800)
-    assert seen.console == []
-    assert "no <shape>" in seen.said["note"]
-
-
-_SHAFT = """
-const slider = document.getElementById("slider"), loop = document.getElementById("loop");
-const at = (t) => {
-  slider.value = t; slider.dispatchEvent(new Event("input"));
-  const circle = loop.querySelector(".contact"), bottom = loop.querySelector(".bottom");
-  return {contacts: loop.dataset.contacts, tripped: loop.dataset.tripped,
-    label: loop.querySelector(".contact-label")?.textContent ?? "",
-    apart: circle && Math.hypot(...["cx", "cy"].map((c) => circle.getAttribute(c) - bottom.getAttribute(c)))};
-};
-[seen.free, seen.pressed] = [at(1), at(6)];
-seen.parts = ["lining", "floor", "divider", "guard"].map((kind) => loop.querySelectorAll("." + kind).length);
-const box = new Shaft(DATA.shaft, () => NaN).boxes([-1, 0, 0], [1, 90, 0]).find(({ kind }) => kind === "divider");
-seen.distance = distanceFrom(box, [0.5, -13, 7]);
-seen.stretch = document.getElementById("stretch").value;
-"""
-
-
-def test_the_shaft_is_drawn_with_its_contacts_and_the_guard_that_tripped(tmp_path: Path) -> None:
-    t = np.linspace(0.0, END, STEPS)
-    shapes = np.array([curve(float(s)) for s in t])
-    late = (t > 4.0).astype(float)
-    signals = {"time": t, "contact.floor": 50.0 * late, "contact.lining": 0.0 * t, "loop.rise": 0.01 * t}
-    signals |= {"guard.tripped": late, "guard.cause": late, "guard.time": 4.0 * late}
-    signals |= {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
-    parameters = {"lining.width": 5.0, "lining.depth": 3.0, "lining.rounding": 0.5, "sump.level": -15.5}
-    parameters |= {"divider_2.size": 0.2, "divider_2.y": -13.0, "divider_2.rounding": 1.0, "guard.rise": 0.5}
-    result = SimpleNamespace(
-        recording=Recording(signals, {}), completed=True, cause="", trajectory=SimpleNamespace(duration=9.0)
-    )
-    page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / "run.html", parameters=parameters)
-    seen = look(page, _SHAFT, 1000)
-    assert seen.console == []
-    assert seen.said["free"] == {"contacts": "", "tripped": "", "label": "", "apart": None}
-    assert seen.said["pressed"]["contacts"] == "floor"
-    assert seen.said["pressed"]["tripped"] == "rise"
-    assert seen.said["pressed"]["label"].startswith("floor 50.0")
-    assert seen.said["pressed"]["apart"] < 0.1  # the lowest point is the nearest to the floor
-    assert all(seen.said["parts"])
-    assert seen.said["distance"] == pytest.approx(0.4)
-    assert seen.said["stretch"] == "1"
 
 
 def test_a_complaint_of_the_page_would_be_noticed(tmp_path: Path) -> None:

@@ -1,0 +1,69 @@
+"""Ropes for groups of several."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from hoist_demo.cases.table import CASES
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
+from hoist_demo.ropes.table import READ
+
+CASE = CASES["rope-120"]
+KNOWN = 2.336e5
+
+
+def rope(coupling: float = KNOWN, **more: float) -> InProcessRope:
+    """A draft rope with torsion."""
+    given = {name.replace("_", ".", 1): value for name, value in more.items()}
+    return InProcessRope(
+        rope_data({**CASE.rope, "rope.Qb": coupling, "rope.Qc": coupling, "model.fidelity": 1, **given}, "draft"), READ
+    )
+
+
+@dataclass
+class Weight:
+    """A rope whose forces are given, and which remembers how its ends moved."""
+
+    forces: dict[str, float]
+    ends: list[tuple[EndMotion, EndMotion]] = field(default_factory=list)
+
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        self.ends.append((left, right))
+        return RopeStatus(True)
+
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+        self.ends.append((left, right))
+        return RopeStatus(True)
+
+    def signals(self) -> dict[str, float]:
+        return dict(self.forces)
+
+    def reader(self, names: Sequence[str]) -> Reader:
+        return lambda: np.array([self.forces.get(name, math.nan) for name in names])
+
+    def units(self) -> dict[str, str]:
+        return {}
+
+    def save(self) -> Any:
+        return None
+
+    def restore(self, snapshot: Any) -> None:
+        raise AssertionError
+
+    def free(self, snapshot: Any) -> None:
+        raise AssertionError
+
+    def to_bytes(self, snapshot: Any) -> bytes:
+        raise AssertionError
+
+    def from_bytes(self, data: bytes) -> Any:
+        raise AssertionError
+
+    def close(self) -> None:
+        raise AssertionError

@@ -1,0 +1,64 @@
+"""Displacements of a chain of elements converge with the order of the element."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import Chain, portable_system, straight
+from element_states import Array
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from rope_model.physics.element import PARAMETERS
+from rope_model.simulation.statics import find_equilibrium
+
+# order of convergence
+
+CANTILEVER = {"EI": 1.0, "Qa": 50.0, "Qd": 0.7}
+LOAD = np.array([0.5, -3.0])
+
+
+def elastica_tip() -> Array:
+    """(2,) tip of the same cantilever, from the rod's own differential equation by shooting."""
+    EI, Qa = CANTILEVER["EI"], CANTILEVER["Qa"]
+
+    def rates(x: float, y: Array) -> Array:
+        phi, phi_x = y[:2]
+        t, n = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
+        stretch = 1 + LOAD @ t / Qa
+        return np.array([phi_x, -stretch * (LOAD @ n) / EI, *(stretch * t)])
+
+    def shot(curvature: float) -> Array:
+        y = solve_ivp(rates, (0.0, 1.0), [0.0, curvature, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-13).y
+        return np.asarray(y[:, -1])
+
+    return shot(brentq(lambda k: shot(k)[1], -3.0, 0.0, xtol=1e-13))[2:]
+
+
+def cantilever_tip(elements: int, load: Array, torque: float, coupling: float = 0.0) -> Array:
+    s = np.linspace(0.0, 1.0, elements + 1)
+    chain = Chain.unloaded(straight(s))
+    chain.held[0, [0, 1, 2, 4, 5, 6]] = True
+    chain.loads[-1, : load.size], chain.loads[-1, 6] = load, torque
+    P = np.array([(CANTILEVER | {"Qs": coupling}).get(name, 0.0) for name in PARAMETERS])
+    P[0], P[7] = 1.0, 0.1  # inertia for pseudo-transient continuation only
+    return find_equilibrium(portable_system(np.diff(s), P, chain), chain.values).q[-1, :3]
+
+
+def test_displacements_converge_with_the_fourth_power_of_the_element_length() -> None:
+    exact = elastica_tip()
+    assert abs(exact[1]) > 0.5  # truly large: more than half the length
+    errors = [np.linalg.norm(cantilever_tip(n, LOAD, 0.0)[:2] - exact) for n in (4, 8, 16)]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    # cubic displacements: l^4; the last pair is in the asymptotic range
+    np.testing.assert_allclose(orders[-1], 4.0, atol=0.2)
+
+
+@pytest.mark.parametrize(("coupling", "order"), [(0.0, 4.0), (2.0, 2.0)])
+def test_with_torsion_in_space_they_do_so_but_for_the_coupling(coupling: float, order: float) -> None:
+    # a uniform torque without coupling means a uniform torsional strain: one for the element is no approximation.  With
+    # coupling the strain follows the tension
+    tips = [cantilever_tip(n, np.array([0.2, -2.0, 1.0]), 0.4, coupling) for n in (8, 16, 32, 64)]
+    steps = np.linalg.norm(np.diff(tips, axis=0), axis=1)
+    orders = np.log2(steps[:-1] / steps[1:])
+    np.testing.assert_allclose(orders[-1], order, atol=0.2)

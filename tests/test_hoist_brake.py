@@ -1,0 +1,111 @@
+"""The hoist's brake: stopping distances in closed form, regulated stops, two stages, standstill."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hoist_at_rest import rest_at, state_with
+from scipy.optimize import brentq
+
+from evidence.hoist.winding import dead_weights
+from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
+from hoist_demo.control.trajectory import Braking, TrajectoryPoint, s_curve
+from hoist_demo.drive.plant import (
+    HoistPlant,
+    PlantInput,
+    PlantOutput,
+)
+from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding, require_trip_fits
+from hoist_demo.parameters.components import Brake
+
+BALANCED = Hoist(
+    payload_left=0.0, head_rope_mass=1e-6, tail_rope_mass=0.0, head_rope_stiffness=1e9, head_rope_damping=0.3,
+    loss_coulomb=0.0, loss_viscous=0.0, brake=Brake(torque=7.0e4, delay=0.2, lag=0.1),
+)  # fmt: skip
+"""Stiff, without losses and imbalance: 28 t that the brake stops at 2 m/s^2."""
+
+
+def _stop(hoist: Hoist, law: EmergencyLaw, speed: float, seconds: float) -> list[PlantOutput]:
+    """Motion after a trip at mid-shaft, one output per 10 ms."""
+    plant, h = HoistPlant(hoist), 0.01
+    state, u = rest_at(plant, (45.0, 45.0))
+    controller = SpeedController(hoist, float(state.x[0]), Gains(speed=4.0 * hoist.moving_mass, integral_time=1.0))
+    state = state_with(plant, state, phi_rate=speed / hoist.sheave_radius, v_left=speed, v_right=-speed, torque=0.0)
+    memory, shown = ControllerState(), [plant.outputs(state, u)]
+    for k in range(round(seconds / h)):
+        point = TrajectoryPoint(0.0, 0.0, 0.0, 0.0, Braking(law, k * h, 1.5))
+        measured = Measurement(shown[-1].y_left - 45.0, hoist.sheave_radius * shown[-1].rate)
+        command = controller.command(point, measured, memory, h)
+        forces = dead_weights(hoist, shown[-1].y_left, shown[-1].y_right, 0.0)
+        held = PlantInput(command.torque, *forces, brake=command.brake)
+        state, memory = plant.step(state, h, held).state, command.state
+        shown.append(plant.outputs(state, held))
+    return shown
+
+
+@pytest.mark.parametrize("speed", [6.0, -6.0])
+def test_constant_torque_stops_within_the_distance_of_the_closed_form(speed: float) -> None:
+    shown = _stop(BALANCED, "torque", speed, 5.0)
+    a, d, tau, v = 7.0e4 / 1.25 / 28e3, 0.2, 0.1, abs(speed)
+    # v(t) = v - a (t - tau (1 - exp(-t / tau))) after the dead time d
+    t = brentq(lambda t: v - a * (t - tau * (1.0 - math.exp(-t / tau))), 0.0, 10.0)
+    distance = v * (d + t) - a * (t * t / 2.0 - tau * t + tau**2 * (1.0 - math.exp(-t / tau)))
+    # the linings' deflection of 2 mm comes first, and the stop ends within it
+    np.testing.assert_allclose(abs(shown[-1].y_left - 45.0), distance, rtol=0, atol=4e-3)
+
+
+@pytest.mark.parametrize(("payload", "speed"), [(0.0, 6.0), (4.0e3, 6.0), (4.0e3, -6.0)])
+def test_a_regulated_stop_keeps_its_deceleration_with_any_load(payload: float, speed: float) -> None:
+    hoist = replace(BALANCED, payload_left=payload, brake=Brake(torque=2.0e5, delay=0.2, lag=0.05))
+    shown = _stop(hoist, "deceleration", speed, 6.0)
+    rim = np.abs([hoist.sheave_radius * s.rate for s in shown])
+    # between 1.2 s and 3.2 s, the lag's transient over; k_v / m = 4 1/s
+    np.testing.assert_allclose((rim[120] - rim[320]) / 2.0, 1.5, rtol=0.02)
+    # v_b^2 / (2 a) from the speed at the bite, which the imbalance changes during the dead time
+    bitten = rim[20] ** 2 / 3.0 + abs(shown[20].y_left - 45.0)
+    np.testing.assert_allclose(abs(shown[-1].y_left - 45.0), bitten, rtol=0.03)
+
+
+def test_two_stages_brake_with_a_part_of_the_torque_and_then_with_all_of_it() -> None:
+    brake = Brake(torque=7.0e4, delay=0.2, lag=0.02, first_stage=0.4, first_stage_time=1.2)
+    torque = np.array([s.brake_torque for s in _stop(replace(BALANCED, brake=brake), "two-stage", 6.0, 2.5)])
+    np.testing.assert_allclose(torque[:20], 0.0, atol=1e-9)
+    np.testing.assert_allclose(torque[60:120], 0.4 * 7.0e4, rtol=1e-3)
+    np.testing.assert_allclose(torque[150:], 7.0e4, rtol=1e-3)
+
+
+def test_the_brake_holds_the_imbalance_without_creeping() -> None:
+    hoist = replace(BALANCED, payload_left=4.0e3, loss_viscous=200.0, brake=Brake(torque=2.0e5))
+    shown = _stop(hoist, "torque", 2.0, 12.0)
+    # the motor is off: the brake carries the payload
+    np.testing.assert_allclose(shown[-1].brake_torque, -1.25 * 4.0e3 * GRAVITY, rtol=1e-3)
+    assert abs(shown[-1].y_left - shown[-400].y_left) < 1e-5
+
+
+def test_the_motor_is_off_while_the_brake_stops_the_hoist() -> None:
+    winding = Winding(emergency_at=8.0, emergency_law="torque")
+    reference, hoist = s_curve(winding), Hoist(brake=Brake())
+    before, after = reference.at(7.99), reference.at(8.5)
+    assert before.braking is None
+    assert after.braking is not None
+    np.testing.assert_allclose(after.braking.elapsed, 0.5, rtol=1e-12)
+    command = SpeedController(hoist, 5e4).command(after, Measurement(20.0, 6.0), ControllerState(integral=1e4), 0.01)
+    assert (command.torque, command.brake) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("hoist", "law", "deceleration", "said"),
+    [
+        (Hoist(), "torque", 5.0, "emergency_law = 'torque' must be 'drive' for a hoist without a brake"),
+        (Hoist(brake=Brake(torque=5e4)), "deceleration", 5.0, "emergency_deceleration = 5.0 must be at most 1.1"),
+    ],
+)
+def test_a_brake_that_cannot_do_what_is_asked_is_said_before_the_trip(
+    hoist: Hoist, law: Any, deceleration: float, said: str
+) -> None:
+    with pytest.raises(ValueError, match=said):
+        require_trip_fits(hoist, Winding(emergency_at=5.0, emergency_law=law, emergency_deceleration=deceleration))

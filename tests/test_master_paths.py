@@ -1,0 +1,45 @@
+"""The rope's ends on a master's steps: what their path misses of the motion that the host meant."""
+
+from __future__ import annotations
+
+import numpy as np
+from master_trip import JERK, MISSED
+from masters import random_steps
+from numpy.testing import assert_allclose
+
+from rope_model.simulation.paths import EndMotion, EndPath
+
+
+def largest_miss(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarray:
+    """Largest error of the path in y, vy, ay behind a motion of constant jerk that is extrapolated from each start.
+
+    It begins at 0; the step before was a ``rest`` of so many seconds.
+    """
+    path, t, last, largest = EndPath.at_rest(0.0, EndMotion()), 0.0, rest, np.zeros(3)
+    for h in steps:
+        given = EndMotion(y=jerk * t**3 / 6, vy=jerk * t**2 / 2, ay=jerk * t)
+        path, last = path.to(t + h, given.extrapolate(h), last), h
+        for s in t + h * np.linspace(0, 1, 21):
+            truth = np.array([jerk * s**3 / 6, jerk * s**2 / 2, jerk * s])
+            largest = np.maximum(largest, np.abs(np.array(path.motion(s))[:, 1] - truth))
+        t += h
+    return largest
+
+
+def test_path_misses_no_more_in_any_steps_than_stated_and_hardly_more_than_in_even_ones() -> None:
+    even = largest_miss([1.0] * 40, 1.0)
+    assert_allclose(even, [0.2575, 0.509, 2.94], rtol=2e-3)
+    worst = np.zeros(3)
+    for seed in range(200):
+        worst = np.maximum(worst, largest_miss([h for _, h in random_steps(seed, 20.0, 1e-6, 1.0)], 1.0))
+    for short in (1e-6, 0.1, 0.5, 0.9):
+        worst = np.maximum(worst, largest_miss([1.0, *[short] * 3] * 10, 1.0))
+    print("missed in even steps", even, "in any", worst)
+    assert np.all(worst <= MISSED)
+    # without an aim beyond the step's end the last of these would take the path 1e6 times as far off
+    assert np.all(largest_miss([1.0] * 5 + [1e-6] * 5, 1.0) <= MISSED)
+
+
+def test_path_misses_as_much_after_a_long_step_of_rest_as_without() -> None:
+    for rest in (1.0, 60.0):
+        assert_allclose(largest_miss([0.01] * 100, JERK, rest), largest_miss([0.01] * 100, JERK), rtol=1e-12)

@@ -1,0 +1,102 @@
+"""The native rope's derivatives and added mass are those of its steps and of the Python rope."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from rope_model.native.engine import NativeRope
+from rope_model.parameters import (
+    FidelityChoice,
+    Model,
+    Rope,
+    Scene,
+    Solver,
+)
+from rope_model.simulation.paths import SIDES, EndMotion
+from rope_model.simulation.sensitivity import load_derivative
+from rope_model.simulation.simulator import RopeSimulator
+
+
+@pytest.mark.parametrize(
+    ("name", "side"), [("y", 0), ("x", 1), ("z", 0), ("vy", 1), ("ay", 0), ("yaw", 0), ("yaw_rate", 1)]
+)
+def test_derivatives_are_those_of_a_step(name: str, side: int) -> None:
+    """Of one integrator step that ends with the input changed, by differences."""
+    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), solver=Solver(newton_tolerance=3e-10))
+    h, ends = 0.01, [EndMotion(), EndMotion()]
+    rope = NativeRope(scene)
+    rope.initialize(0.0, *ends)
+    assert rope.advance_to(h, *ends).valid
+    derivative = np.array(rope.derivative(side, name))
+    before, forces = rope.native_state(), []
+    size = {"y": 1e-6, "x": 1e-5, "z": 1e-5, "yaw": 1e-5, "vy": 1e-4, "yaw_rate": 1e-3, "ay": 1e-2}[name]
+    for sign in (1, -1):
+        rope.restore_native(before)
+        ends[side] = replace(EndMotion(), **{name: sign * size})
+        assert rope.advance_to(2 * h, *ends).valid
+        assert rope.state.counts.steps == 2
+        forces.append(
+            list(rope.signals(f"{s}.{k}" for s in SIDES for k in ("fx", "fy", "fz", "mx", "my", "mz")).values())
+        )
+    differences = (np.array(forces[0]) - np.array(forces[1])) / (2 * size)
+    assert_allclose(derivative, differences, rtol=2e-3, atol=2e-3 * np.abs(differences).max())
+
+
+@pytest.mark.parametrize("fidelity", ["torsional", "planar", "rigid"])
+@pytest.mark.parametrize("side", [0, 1])
+def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityChoice) -> None:
+    twist = 1.0 if fidelity == "torsional" else 0.0
+    # derivatives are those of a whole step, and what Newton's method leaves would show in the differences
+    exact = Solver(tolerance=1e6, newton_tolerance=1e-9)
+    scene = Scene(rope=Rope(length=60.0, installed_twist=twist), model=Model(fidelity), solver=exact)
+    ropes = RopeSimulator(scene), NativeRope(scene)
+    for rope in ropes:
+        assert rope.initialize(0.0, EndMotion(), EndMotion(y=10.0)).valid
+        for k in range(1, 4):
+            t = 0.01 * k
+            lowered = EndMotion(y=10.0 - 0.5 * t**3, vy=-1.5 * t**2, ay=-3.0 * t)
+            assert rope.advance_to(t, EndMotion(), lowered).valid
+    for name in EndMotion.__dataclass_fields__:
+        found, expected = load_derivative(ropes[0], side, name), np.array(ropes[1].derivative(side, name))
+        # forces are rounded to some EA / l times the rounding of places, 1e-6 N; a difference over 1e-7 m, 1e-5 m/s ...
+        rounding = 1e-6 / (1e-3 if name[0] == "a" else 1e-5 if name[0] == "v" or name == "yaw_rate" else 1e-7)
+        assert_allclose(found, expected, rtol=1e-3, atol=1e-3 * np.abs(expected).max() + rounding, err_msg=name)
+
+
+def test_added_mass_is_the_derivative_along_an_acceleration_held_over_the_last_step() -> None:
+    # of y, vy and ay together, as docs/interface.md says
+    rope, h = NativeRope(Scene(rope=Rope(length=60.0))), 0.01
+    rope.initialize(0.0, EndMotion(), EndMotion())
+    assert rope.advance_to(h, EndMotion(), EndMotion()).valid
+    for side, mass in enumerate(rope.added_mass()):
+        by_y, by_vy, by_ay = (rope.derivative(side, name)[6 * side + 1] for name in ("y", "vy", "ay"))
+        assert_allclose(-(by_ay + h * by_vy + 0.5 * h**2 * by_y), mass, rtol=1e-4)
+        assert abs(by_ay) < 0.1 * mass
+
+
+def test_rigid_fidelity_has_the_derivatives_and_added_mass_of_its_own_forces() -> None:
+    scene = Scene(rope=Rope(length=60.0), model=Model("rigid"))
+    at_start = EndMotion(), EndMotion(y=20.0)
+    ropes = RopeSimulator(scene), NativeRope(scene)
+    for rope in ropes:
+        assert rope.initialize(0.0, *at_start).valid
+        assert rope.advance_to(0.01, *at_start).valid
+    reference, native = ropes
+    assert_allclose(native.added_mass(), reference.added_mass(), rtol=1e-9)
+    before = native.native_state()
+    for name, size in (("ay", 1.0), ("vy", 0.1), ("y", 1e-3)):
+        derivative, forces = native.derivative(0, name), []
+        for sign in (1, -1):
+            native.restore_native(before)
+            moved = replace(at_start[0], **{name: getattr(at_start[0], name) + sign * size})
+            assert native.advance_to(0.02, moved, at_start[1]).valid
+            forces.append(list(native.signals(("left.fy", "right.fy")).values()))
+        native.restore_native(before)
+        differences = (np.array(forces[0]) - np.array(forces[1])) / (2 * size)
+        assert_allclose([derivative[1], derivative[7]], differences, rtol=1e-4, atol=1e-4)
+    # the leg and half of the bend with the height, of the rope below the end with its acceleration
+    assert native.derivative(0, "ay")[1] < -100.0

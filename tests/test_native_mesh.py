@@ -1,0 +1,227 @@
+"""The native rope's mesh and what a transformation carries over give what the Python functions give."""
+
+from __future__ import annotations
+
+import ctypes as ct
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+from native_parts import ROUNDING, Array, message
+from numpy.testing import assert_allclose, assert_array_equal
+
+from rope_model.native.structures import scene_structure
+from rope_model.parameters import Layout, Mesh, Rope, Scene
+from rope_model.simulation.mesh import (
+    Partition,
+    distance_to_due,
+    fit_mesh,
+    partition,
+    transform,
+    transformation_due,
+)
+from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.transfer import interpolate, transfer_fields
+
+KINDS = ("tmn", "eem", "auto")
+
+
+class CPattern(ct.Structure):
+    _fields_ = (
+        ("coarse", ct.c_double),
+        ("grading_length", ct.c_double),
+        ("counts", ct.c_int32 * 7),
+        ("end_levels", ct.c_int32),
+    )
+
+
+def c_of(group: Any) -> Any:
+    """A group of parameters as C sees it."""
+    scene = scene_structure(Scene().with_(**{type(group).__name__.lower(): group}))
+    return getattr(scene, type(group).__name__.lower())
+
+
+def c_partition(parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float) -> tuple[Any, Array]:
+    """Pattern and lengths; ValueError with the message where it does not fit."""
+    text = message()
+    elements = parts.mesh_elements(c_of(mesh), length, text)
+    if elements == 0:
+        raise ValueError(text.value.decode())
+    assert text.value == b""
+    pattern, lengths = CPattern(), np.full(elements + 1, -7.0)
+    parts.mesh_partition(c_of(mesh), length, bottom, elements, pattern, lengths)
+    assert lengths[-1] == -7.0  # not written beyond its end
+    return pattern, lengths[:-1].copy()
+
+
+def as_in_c(mesh: Partition) -> tuple[Any, Array]:
+    """Pattern and lengths."""
+    return CPattern(mesh.coarse, mesh.grading_length, (ct.c_int32 * 7)(*mesh.counts), mesh.end_levels), mesh.lengths
+
+
+def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:
+    """Pattern and lengths to the bit, or why there are none."""
+    try:
+        pattern, lengths = make()
+    except ValueError as error:
+        return str(error)
+    return bytes(pattern), lengths.tobytes()
+
+
+def element_counts(twos: tuple[int, int], fours: tuple[int, int], fine: int) -> tuple[int, int, int, int, int]:
+    """Numbers of elements of all segments, without II and VI also without III and V."""
+    if twos == (0, 0):
+        fours = twos
+    return 2 * twos[0], 4 * fours[0], 8 * fine, 4 * fours[1], 2 * twos[1]
+
+
+meshes = st.builds(
+    lambda kind, elements, l, twos, fours, fine, levels, growth, error: Mesh(
+        kind, elements, l, element_counts(twos, fours, fine), levels, growth, error
+    ),
+    st.sampled_from(KINDS),
+    st.integers(2, 400),
+    st.floats(0.3, 6.0),
+    st.just((0, 0)) | st.tuples(st.integers(1, 3), st.integers(1, 3)),
+    st.just((0, 0)) | st.tuples(st.integers(1, 3), st.integers(1, 3)),
+    st.integers(1, 8),
+    st.integers(0, 8),
+    st.just(0.0) | st.floats(1e-3, 1e3),
+    st.floats(1e-4, 0.2),
+)
+ropes = st.builds(
+    lambda length, EI: Rope(length=length, EI=EI),
+    st.floats(10.0, 600.0),
+    st.floats(10.0, 3000.0),
+)
+layouts = st.builds(Layout, st.floats(0.3, 5.0))
+
+
+@given(mesh=meshes, rope=ropes, layout=layouts)
+@example(mesh=Mesh("auto", loop_error=1.0), rope=Rope(length=9000.0, EI=0.01), layout=Layout(8.0))  # most end levels
+@settings(max_examples=200, deadline=None)
+def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
+    scene = Scene(rope, layout, mesh=mesh)
+    ours, expected = parts.mesh_fit(scene_structure(scene)), fit_mesh(scene)
+    assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
+        expected.kind,
+        expected.elements,
+        expected.counts,
+        expected.end_levels,
+    )
+    assert_allclose(ours.coarse_length, expected.coarse_length, rtol=1e-15)
+    assert_allclose(ours.grading_length, expected.grading_length, rtol=1e-15)
+    assert ours.loop_error == expected.loop_error
+
+
+@given(mesh=meshes.filter(lambda mesh: mesh.kind != "auto"), length=st.floats(10.0, 400.0), part=st.floats(-0.1, 1.1))
+@settings(max_examples=200, deadline=None)
+def test_partition_is_the_same_to_the_bit(parts: SimpleNamespace, mesh: Mesh, length: float, part: float) -> None:
+    assert outcome(lambda: c_partition(parts, mesh, length, part * length)) == outcome(
+        lambda: as_in_c(partition(mesh, length, part * length))
+    )
+
+
+@pytest.mark.parametrize(
+    ("mesh", "length"),
+    [(Mesh(coarse_length=1e-3), 120.0), (Mesh(coarse_length=1e-15), 120.0), (Mesh(), 20.9), (Mesh(), 1234567.8)],
+)
+def test_mesh_that_does_not_fit_is_refused_in_the_same_words(parts: SimpleNamespace, mesh: Mesh, length: float) -> None:
+    with pytest.raises(ValueError) as expected:  # noqa: PT011 - the whole text is compared
+        partition(mesh, length, 10.0)
+    with pytest.raises(ValueError) as ours:  # noqa: PT011
+        c_partition(parts, mesh, length, 10.0)
+    assert str(ours.value) == str(expected.value)
+
+
+def test_equal_elements_out_of_range_are_refused_as_the_parameters_refuse_them(parts: SimpleNamespace) -> None:
+    # 'auto' may ask for them: parameters are made anew in Python, and checked there
+    with pytest.raises(ValueError, match="elements") as expected:
+        Mesh("eem", elements=20001)
+    mesh, text = c_of(Mesh("eem")), message()
+    mesh.elements = 20001
+    assert parts.mesh_elements(mesh, 120.0, text) == 0
+    assert text.value.decode() == str(expected.value)
+
+
+@given(mesh=meshes.filter(lambda mesh: mesh.kind != "auto"), length=st.floats(10.0, 400.0), data=st.data())
+@settings(max_examples=100, deadline=None)
+def test_loop_that_travels_to_and_fro_transforms_alike(
+    parts: SimpleNamespace, mesh: Mesh, length: float, data: st.DataObject
+) -> None:
+    bottom = data.draw(st.floats(0.0, length))
+    try:
+        old = partition(mesh, length, bottom)
+    except ValueError:
+        assume(False)
+    ours = pattern, lengths = c_partition(parts, mesh, length, bottom)
+    for place in data.draw(st.lists(st.floats(0.0, length), min_size=1, max_size=5)):
+        slack = data.draw(st.sampled_from((0.0, 1e-7)))
+        while direction := transformation_due(old, place, slack):
+            assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
+            assert parts.mesh_transformation_due(pattern, place, slack) == direction
+            old = transform(old, direction)
+            parts.mesh_transform(pattern, direction, len(lengths), lengths)
+            assert [*map(bytes, ours)] == [*map(bytes, as_in_c(old))]
+            assert parts.mesh_centre(pattern) == old.centre
+        assert parts.mesh_transformation_due(pattern, place, slack) == 0
+        assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
+
+
+@pytest.mark.parametrize("limit", [0.0, 0.6])
+def test_loop_at_the_centre_or_a_limit_is_judged_alike(parts: SimpleNamespace, limit: float) -> None:
+    mesh = partition(Mesh(), 120.0, 60.0)
+    pattern, _ = c_partition(parts, Mesh(), 120.0, 60.0)
+    for part in (-limit - 0.01, -limit, limit, limit + 0.01):
+        place = mesh.centre + part * mesh.coarse
+        for slack in (-1.0, 0.0, 1e-7, 100.0):
+            assert parts.mesh_transformation_due(pattern, place, slack) == transformation_due(mesh, place, slack)
+
+
+def rough(s: Array, seed: int) -> Array:
+    """(nodes, 7): any values."""
+    return np.random.default_rng(seed).normal(size=(s.size, 7))
+
+
+@given(
+    old=st.lists(st.floats(0.05, 4.0), min_size=2, max_size=40),
+    new=st.lists(st.floats(-0.1, 1.1), min_size=1, max_size=40),
+    seed=st.integers(0, 1000),
+)
+@settings(max_examples=200, deadline=None)
+def test_interpolated_values_are_the_same(
+    parts: SimpleNamespace, old: list[float], new: list[float], seed: int
+) -> None:
+    lengths = np.array(old)
+    expected_s = arc_lengths(lengths)
+    s = np.empty(lengths.size + 1)
+    parts.mesh_arc_lengths(lengths.size, lengths, s)
+    assert_array_equal(s, expected_s)
+    # anywhere, at the nodes, and a hair beside them
+    new_s = np.concatenate((np.array(new) * s[-1], s, s + 1e-10, s - 1e-8, s + 1e-8))
+    x, y = rough(s, seed), np.full((new_s.size + 1, 7), -7.0)
+    parts.transfer_interpolate(s.size, x, s, new_s.size, new_s, y)
+    assert_allclose(y[:-1], interpolate(x, s, new_s), rtol=ROUNDING, atol=ROUNDING)
+    assert np.all(y[-1] == -7.0)
+
+
+@given(direction=st.sampled_from((1, -1)), growth=st.floats(0, 100), seed=st.integers(0, 1000))
+def test_state_carried_to_a_transformed_mesh_is_the_same(
+    parts: SimpleNamespace, direction: int, growth: float, seed: int
+) -> None:
+    mesh = Mesh(grading_length=growth)
+    old = partition(mesh, 120.0, 50.0)
+    pattern, lengths = c_partition(parts, mesh, 120.0, 50.0)
+    parts.mesh_transform(pattern, direction, len(lengths), lengths)
+    new_s = arc_lengths(lengths)
+    fields = np.array([rough(old.nodes_s, seed + k) for k in range(2)])
+    work = np.full((10 + 14 * len(fields)) * new_s.size + 1, -7.0)  # as in core.h
+    expected = transfer_fields(fields, old.nodes_s, transform(old, direction).nodes_s)
+    addresses = (ct.c_void_p * 2)(*(x.ctypes.data for x in fields))
+    parts.transfer_fields(new_s.size, old.nodes_s, new_s, 2, addresses, work)
+    assert_allclose(fields, expected, rtol=ROUNDING, atol=ROUNDING)
+    assert work[-1] == -7.0

@@ -1,0 +1,175 @@
+"""The native rope refuses what RopeSimulator refuses, in the same words, and both leave their state."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+
+import pytest
+from numpy.testing import assert_allclose
+
+from rope_model.native.engine import NativeRope
+from rope_model.parameters import (
+    Layout,
+    Mesh,
+    Model,
+    Rope,
+    Scene,
+    Solver,
+)
+from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.simulator import RopeSimulator
+
+
+@pytest.mark.parametrize(
+    ("scene", "left", "words"),
+    [
+        (Scene(), EndMotion(vy=1.0), "moves at the start"),
+        (Scene(), EndMotion(y=math.nan), "left.y = nan is not finite"),
+        (Scene(), EndMotion(y=200.0), "cannot hang"),
+        (Scene(model=Model("planar")), EndMotion(z=0.1), "z = 0.1"),
+        (Scene(), EndMotion(x=2.0, y=1.5), "exactly above each other, 1.5 m apart"),
+    ],
+)
+def test_a_start_that_fails_says_the_same(scene: Scene, left: EndMotion, words: str) -> None:
+    statuses = [rope.initialize(0.0, left, EndMotion()) for rope in (RopeSimulator(scene), NativeRope(scene))]
+    assert statuses[0] == statuses[1]
+    assert not statuses[0].valid
+    assert words in statuses[0].message
+
+
+@pytest.mark.parametrize("scene", [Scene(), Scene(mesh=Mesh("tmn"))])
+def test_a_loop_close_to_an_end_hangs_alike(scene: Scene) -> None:
+    ropes = RopeSimulator(scene), NativeRope(scene)
+    assert all(rope.initialize(0.0, EndMotion(y=115.0), EndMotion()).valid for rope in ropes)
+    reference, native = (rope.state.motion for rope in ropes)
+    # what Newton's method of the statics leaves over
+    assert_allclose(native.q, reference.q, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("t", [1e300, -1e11, math.nan])
+def test_a_start_too_far_from_zero_is_refused_alike(t: float) -> None:
+    statuses = [rope.initialize(t, EndMotion(), EndMotion()) for rope in (RopeSimulator(Scene()), NativeRope(Scene()))]
+    assert statuses[0] == statuses[1]
+    assert f"t = {t} s is out of range: it must be within 1e+10 s of 0" in statuses[0].message
+
+
+def test_an_advance_that_takes_too_many_steps_is_refused_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At once when step_max alone tells; else when as many steps are done."""
+    scene = Scene(rope=Rope(length=60.0), solver=Solver(step_min=1e-12, tolerance=1e-14))
+    ropes = RopeSimulator(scene), NativeRope(scene)
+    for rope in ropes:
+        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    statuses = [rope.advance_to(1e6, EndMotion(), EndMotion()) for rope in ropes]
+    assert statuses[0] == statuses[1]
+    assert "more than 20000 steps of step_max = 0.02 s; communicate every 400 s" in statuses[0].message
+    moved = EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion()
+    long = ropes[1].advance_to(0.2, *moved).message
+    monkeypatch.setattr("rope_model.simulation.simulator.MOST_STEPS", 30)
+    short = ropes[0].advance_to(0.2, *moved).message
+    number = re.compile(r"^t = [^ ]+ s: (30|20000) steps")
+    assert number.sub("", long) == number.sub("", short)
+    assert "steps did not lead from t = 0 s to 0.2 s; communicate more often" in long
+    assert all(rope.state.motion.t == 0.0 for rope in ropes)
+
+
+def test_a_step_that_fails_says_the_same_and_leaves_the_state() -> None:
+    scene = Scene(rope=Rope(length=60.0), solver=Solver(step_min=5e-3, tolerance=1e-2))
+    for ends, words in (
+        ((EndMotion(y=-0.01, vy=-1.0, ay=-50.0), EndMotion()), "local error"),
+        ((EndMotion(y=5.0), EndMotion()), "do not fit together"),
+        ((EndMotion(vx=math.inf), EndMotion()), "not finite"),
+    ):
+        messages = []
+        for rope in (RopeSimulator(scene), NativeRope(scene)):
+            rope.initialize(0.0, EndMotion(), EndMotion())
+            before = rope.state.motion.q.tobytes()
+            status = rope.advance_to(0.02, *ends)
+            assert not status.valid
+            assert rope.state.motion.q.tobytes() == before
+            assert rope.advance_to(0.02, EndMotion(), EndMotion()).valid
+            messages.append(status.message)
+        assert messages[0] == messages[1]
+        assert words in messages[0]
+
+
+def test_a_layout_that_fits_no_mesh_is_refused_alike() -> None:
+    scene = Scene(rope=Rope(length=20.0), mesh=Mesh("tmn", coarse_length=2.0), layout=Layout(1.0))
+    with pytest.raises(ValueError, match="leave nothing for I and VII") as reference:
+        RopeSimulator(scene)
+    with pytest.raises(ValueError, match="leave nothing for I and VII") as native:
+        NativeRope(scene)
+    assert str(reference.value) == str(native.value)
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        (Scene(mesh=Mesh("tmn", counts=(2, 4, 80000, 4, 2), coarse_length=0.01)), "counts make 82012 elements, more"),
+        (
+            Scene(mesh=Mesh("tmn", counts=(2, 4, 160000, 4, 2), coarse_length=0.01)),
+            "leave nothing for I and VII",
+        ),
+        # below 1e-8 m the counts outgrow the integers of C, and the messages differ in a number
+        (Scene(layout=Layout(spacing=1e-7)), "mesh.kind = auto takes them from EI"),
+    ],
+)
+def test_a_mesh_of_too_many_elements_is_refused_alike(scene: Scene, words: str) -> None:
+    messages = []
+    for kind in (RopeSimulator, NativeRope):
+        with pytest.raises(ValueError, match=words) as error:
+            kind(scene)
+        messages.append(str(error.value))
+    assert messages[0] == messages[1]
+
+
+def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
+    rope = NativeRope(Scene(rope=Rope(length=60.0)))
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    state = rope.state
+    cells = state.partition
+    for wrong in (
+        state._replace(last_interval=0.0),
+        state._replace(step_next=math.nan),
+        state._replace(motion=replace(state.motion, t=5.0)),
+        state._replace(partition=replace(cells, coarse=1e-300)),
+        state._replace(partition=replace(cells, counts=(1, *cells.counts[1:6], 10**6))),
+        state._replace(counts=state.counts._replace(steps=2**62)),
+    ):
+        with pytest.raises(ValueError, match="not a state of this rope"):
+            rope.restore(wrong)
+    rope.restore(state)
+    assert rope.advance_to(0.01, EndMotion(), EndMotion()).valid
+
+
+def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() -> None:
+    scene = Scene(rope=Rope(length=60.0))
+    rope, other = NativeRope(scene), NativeRope(scene.with_(model=Model("planar")))
+    for call in (
+        lambda: rope.state,
+        rope.save,
+        rope.native_state,
+        lambda: rope.advance_to(1.0, EndMotion(), EndMotion()),
+    ):
+        with pytest.raises(RuntimeError, match="no state yet"):
+            call()
+    for r in (rope, other):
+        assert r.initialize(0.0, EndMotion(), EndMotion(y=10.0)).valid
+    before = other.native_state()
+    damaged = rope.state._replace(step_next=math.nan)
+    with pytest.raises(ValueError, match="not a state"):
+        other.restore(damaged)
+    assert other.native_state() == before
+    assert other.state.fidelity == "planar"
+
+
+def test_a_rigid_rope_that_cannot_hang_is_a_status_in_both() -> None:
+    scene = Scene(rope=Rope(length=60.0), model=Model("rigid"))
+    messages = []
+    for rope in (RopeSimulator(scene), NativeRope(scene)):
+        assert rope.initialize(0.0, EndMotion(), EndMotion(y=20.0)).valid
+        status = rope.advance_to(2.0, EndMotion(), EndMotion(y=57.5))
+        assert not status.valid
+        messages.append(status.message)
+    assert messages[0] == messages[1]
