@@ -304,3 +304,18 @@ def test_what_a_passing_conveyance_does_is_in_the_balances() -> None:
     assert given > 1
     assert abs(energy.residual - before.residual) < 1e-3 * given
     assert pushed_rope.audit.missing_force < 1e-3 * pushed_rope.audit.force
+
+
+@pytest.mark.parametrize(
+    ("air", "told"),
+    [
+        (Air(buffet=0.06), ["no_air"]),
+        (Air(vy=5.0), ["no_air"]),
+        (Air(density=1.2, buffet=0.06, vy=5.0), []),
+        (Air(), []),
+    ],
+)
+def test_air_that_moves_without_density_is_said_to_do_nothing(air: Air, told: list[str]) -> None:
+    rope = balance_rope(Scene(Rope(length=10.0, Qb=0.0, Qc=0.0), shaft=Shaft(air=air)), "native")
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    assert [*rope.warnings()] == told

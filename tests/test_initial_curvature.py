@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -358,7 +359,7 @@ def test_only_the_complete_model_has_it() -> None:
     assert "permanent curvature of 0.3 1/m" in rope.fidelity_reason
     assert "permanent" not in hung(uncoupled(0.0, 0.0).with_(model=Model("auto"))).fidelity_reason
     planar = hung(of.with_(model=Model("planar")))
-    assert "computes no torsion" in planar.warnings()["neglected_effects"]
+    assert "no torsion and no permanent curvature" in planar.warnings()["neglected_effects"]
     assert_allclose(
         planar.state.motion.q, hung(uncoupled(0.0, 0.0).with_(model=Model("planar"))).state.motion.q, atol=0
     )
@@ -367,3 +368,10 @@ def test_only_the_complete_model_has_it() -> None:
 def test_a_loop_that_it_turns_far_says_so() -> None:
     rope = hung(Scene(Rope(initial_curvature=0.2, initial_curvature_angle=3.0)), height=90.0)
     assert "initial_curvature = 0.2 1/m" in rope.warnings()["yaw_at_rest"]
+
+
+@pytest.mark.parametrize("form", [pytest.param("python", marks=pytest.mark.slow), "native"])
+def test_a_curvature_at_which_there_is_no_rest_is_named(form: Any) -> None:
+    tight = Scene(Rope(length=10.0, initial_curvature=10.0), mesh=Mesh("eem", elements=10))
+    message = balance_rope(tight, form).initialize(0.0, EndMotion(), EndMotion()).message
+    assert re.match(r"at \S+ of initial_curvature = 10 1/m, which should be lowered .*: no equilibrium", message)

@@ -10,8 +10,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import BalanceRope, EndMotion, balance_rope
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
-from rope_model.simulation.point_forces import PointForces
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
+from rope_model.simulation.point_forces import NO_FORCES, PointForces
 
 LENGTH, STEP, FORMS = 6.0, 0.01, ("python", "native")
 
@@ -147,3 +147,22 @@ def test_whole_numbers_are_numbers(form: Any) -> None:
         assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid
         moved.append((*rope.rows()[5], *rope.displacement(forces)[0]))
     assert moved[0] == moved[1]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_planar_rope_is_audited_with_what_it_feels(form: Any) -> None:
+    """Half of each force goes across its plane."""
+    audit = push(hung(form, model=Model("planar")), 60).state.audit
+    # of some 30 N, and of moments that these have about the middle between the ends
+    assert 0.0 < audit.missing_force < 0.03
+    assert 0.0 < audit.missing_moment < 0.1
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_rigid_rope_refuses_forces_that_it_would_not_feel(form: Any) -> None:
+    rope = hung(form, model=Model("rigid"))
+    rope.apply(pushing(0.0, STEP))
+    for status in (rope.advance_to(STEP, EndMotion(), EndMotion()), rope.initialize(0.0, EndMotion(), EndMotion())):
+        assert "at 4 places of the rope, which the rigid model does not feel" in status.message
+    rope.apply(NO_FORCES)
+    assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid

@@ -23,6 +23,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from rope_model import balance_rope
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
+from rope_model.shaft_parameters import Air, Shaft
 from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.result_warnings import WARNINGS
 from rope_model.simulation.state import Crossing, RopeState
@@ -175,7 +176,8 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
 @pytest.mark.parametrize("name", ROPES)
 def test_both_forms_warn_of_the_same_in_the_same_words(name: str) -> None:
     mesh = Mesh(kind="eem", elements=16)
-    scene = rope_120().scene.with_(rope=ROPES[name], mesh=mesh, model=Model(fidelity="torsional"))
+    parts: Any = {"mesh": mesh, "model": Model(fidelity="torsional"), "shaft": Shaft(air=Air(buffet=0.1, vz=2.0))}
+    scene = rope_120().scene.with_(rope=ROPES[name], **parts)
     rope = NativeRope(scene)
     assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
     seen, yawed = set(), set()

@@ -72,6 +72,7 @@ void with_loop_yaw(State *state) {
 }
 
 int rigid_state(Simulator *rope, State *state, double t, char *message) {
+    if (rope->forces.number > 0) return say_rigid_feels_no_forces(message, rope->forces.number);
     state->t = t;
     transform_if_due(rope, state);
     const Arrays m = state_arrays(state);

@@ -20,6 +20,8 @@ static void loads_on(const Simulator *rope, State *state, double load[6]) {
         end_load(q, R, moment, one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
     }
+    /* what goes across its plane a planar rope does not feel */
+    if (state->fidelity == PLANAR) load[2] = load[3] = load[4] = 0;
 }
 
 void audit_restart(const Simulator *rope, State *state) {

@@ -67,7 +67,13 @@ static int let_curve(Simulator *rope, State *state, char *message) {
         if (parts > 0) rope->scene.rope.initial_curvature = k0 * k / parts;
         found = equilibrium_in_frame(rope, state, INFINITY, message);
     }
+    const double reached = rope->scene.rope.initial_curvature;
     rope->scene.rope.initial_curvature = k0;
+    if (!found && parts > 0 && reached > 0) {
+        char why[MESSAGE];
+        memcpy(why, message, MESSAGE);
+        say_fails_at_curvature(message, reached, k0, why);
+    }
     return found;
 }
 

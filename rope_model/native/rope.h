@@ -66,7 +66,7 @@ const char *rope_fidelity_reason(const Simulator *rope);
 
 /* A warning about valid results, by its number below ROPE_WARNINGS: a sentence in message (MESSAGE bytes), or
  * "". */
-enum { ROPE_WARNINGS = 10 };
+enum { ROPE_WARNINGS = 11 };
 void rope_warning(Simulator *rope, int number, char *message);
 
 /* The value of an output, by its number in rope_model.simulation.signals.SIGNALS; booleans and integers are exact.

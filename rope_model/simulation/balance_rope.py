@@ -113,7 +113,8 @@ class BalanceRope(ABC):
     def apply(self, forces: PointForces) -> None:
         """From now on these forces act on the rope, and no others of the kind; they are no part of its state.
 
-        A planar rope feels what is in its plane, a rigid one nothing: set ``model.fidelity`` to torsional.
+        A planar rope feels what is in its plane; a rigid one feels nothing and goes no step with them: set
+        ``model.fidelity`` to torsional.
         """
 
     @abstractmethod

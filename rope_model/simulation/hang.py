@@ -36,11 +36,18 @@ def hang(model: RopeModel, state: RopeState) -> RopeState:
 def _curved(model: RopeModel, state: RopeState) -> RopeState:
     """``state`` at rest, its rope straight first and then curved by and by."""
     rope = model.scene.rope
-    parts = CURVATURE_STEPS if is_curved(rope, flexible(state.fidelity)) else 0
-    for k in range(parts):
-        less = replace(rope, initial_curvature=rope.initial_curvature * k / parts)
-        state = _equilibrium_in_frame(replace(model, scene=model.scene.with_(rope=less)), state)
-    return _equilibrium_in_frame(model, state)
+    if not is_curved(rope, flexible(state.fidelity)):
+        return _equilibrium_in_frame(model, state)
+    for k in range(CURVATURE_STEPS + 1):
+        k0 = rope.initial_curvature * k / CURVATURE_STEPS
+        part = replace(model, scene=model.scene.with_(rope=replace(rope, initial_curvature=k0)))
+        try:
+            state = _equilibrium_in_frame(part, state)
+        except StaticsError as error:
+            if k == 0:
+                raise
+            raise StaticsError(messages.fails_at_curvature(k0, rope.initial_curvature, str(error))) from error
+    return state
 
 
 def _turned_in(model: RopeModel, state: RopeState, twist: float) -> RopeState:

@@ -47,6 +47,13 @@ def fails_at_twist(reached: float, twist: float, why: str) -> str:
     return f"at {reached:.4g} of {twist:.4g} rad of twist: {why:.400}"
 
 
+def fails_at_curvature(reached: float, curvature: float, why: str) -> str:
+    return (
+        f"at {reached:.4g} of initial_curvature = {curvature:.4g} 1/m, which should be lowered or lie as the loop "
+        f"bends: {why:.380}"
+    )
+
+
 def fitted_mesh_fails(why: str) -> str:
     return f"{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and accuracy.loop)"
 
@@ -139,6 +146,13 @@ def rope_goes_slack(tension: float, t: float) -> str:
     return (
         f"the rope goes slack: tension {tension:.4g} N at t = {t:g} s, which the rigid model cannot follow; use a "
         "flexible one (model.fidelity = auto, planar or torsional) or a gentler motion"
+    )
+
+
+def rigid_feels_no_forces(number: int) -> str:
+    return (
+        f"forces are applied at {number} places of the rope, which the rigid model does not feel: set model.fidelity = "
+        "torsional (1), or apply none"
     )
 
 
@@ -330,6 +344,13 @@ def bend_unresolved(elements: float, bound: float) -> str:
     return (
         f"the rope's sharpest bend has {elements:.3g} elements in half a turn (bound {bound:.3g}): they are too "
         "long for it; set mesh.kind = auto, or lower coarse_length"
+    )
+
+
+def no_air(buffet: float, vx: float, vy: float, vz: float) -> str:
+    return (
+        f"air.density = 0, so that air.buffet = {buffet:g} and air that moves at ({vx:g}, {vy:g}, {vz:g}) m/s do "
+        "nothing: give the density, 1.2 kg/m3 at the surface"
     )
 
 

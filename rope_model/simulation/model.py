@@ -212,7 +212,10 @@ def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
     for side in (0, 1):
         q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
         loads.append(end_load(q, R, end_moment(q[SLOPE], R[SLOPE], ends.moment(side, motion.reaction))))
-    return tuple(sum(parts) for parts in zip(*loads, strict=True))
+    total = tuple(sum(parts) for parts in zip(*loads, strict=True))
+    if system.kernels.fidelity == "planar":  # what goes across the plane is not felt
+        return total[0], total[1], 0.0, 0.0, 0.0, total[5]
+    return total
 
 
 _CONTACT_LOAD, _AIR_LOAD = (

@@ -63,6 +63,6 @@ def neglected_text(fidelity: Fidelity) -> str:
         names.append("the yaw by torque")
     bending = "bending and no " if fidelity == "rigid" else ""
     return (
-        f"the {fidelity} model computes no {bending}torsion: {', '.join(names[:-1])} and {names[-1]} are 0 and no "
-        "results; set model.fidelity = torsional (1) where they matter"
+        f"the {fidelity} model computes no {bending}torsion and no permanent curvature: {', '.join(names[:-1])} and "
+        f"{names[-1]} are 0 and no results; set model.fidelity = torsional (1) where they matter"
     )

@@ -10,6 +10,7 @@
     unresolved_waves    end forces change at once in steps that are too long for the waves that this sends off
     unresolved_bend     elements are too long for the sharpest bend
     accuracy_given_up   steps err more than they should because work_max allows for no more of them
+    no_air              what moves the air does nothing, as the air has no density
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not: the long leg can swing around the short
@@ -96,4 +97,5 @@ WARNINGS: dict[str, Callable[[Scene, RopeState], str]] = {
     "unresolved_waves": partial(first_text, warning_cases.UNRESOLVED_WAVES),
     "unresolved_bend": partial(first_text, warning_cases.UNRESOLVED_BEND),
     "accuracy_given_up": partial(first_text, warning_cases.ACCURACY_GIVEN_UP),
+    "no_air": partial(first_text, warning_cases.NO_AIR),
 }
