@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import ctypes
+import importlib.util
 import math
+import platform
 import shutil
 import subprocess
+import sys
 import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
@@ -16,6 +20,7 @@ from lxml import etree
 from native_host import Host
 from stand_in import VERSIONS, stand_in
 
+import rope_model.native
 from fmu_src.interface import scene_of, variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library
 from fmu_src.native.export import export_native
@@ -179,6 +184,19 @@ def test_universal_library_holds_its_parts_at_aligned_places() -> None:
         assert kind == int.from_bytes(part[4:8], "little")
         assert place % (1 << power) == 0
         assert whole[place : place + size] == part
+
+
+@pytest.mark.parametrize("command", [["cc"], [sys.executable, "-m", "ziglang", "cc"]], ids=["cc", "zig"])
+def test_the_wide_form_is_taken_where_the_processor_has_it(command: list[str], tmp_path: Path) -> None:
+    """Whatever compiler made the library: some answer no for every processor when asked by their own function."""
+    flags = Path("/proc/cpuinfo")
+    if not flags.is_file() or platform.machine() != "x86_64":
+        pytest.skip("asks Linux on x86_64 what the processor has")
+    if not (shutil.which("cc") if command == ["cc"] else importlib.util.find_spec("ziglang")):
+        pytest.skip("no such compiler")
+    folder, made = Path(rope_model.native.__file__).parent, tmp_path / "processor.so"
+    subprocess.run([*command, "-std=c99", "-fPIC", "-shared", str(folder / "processor.c"), "-o", str(made)], check=True)
+    assert bool(ctypes.CDLL(str(made)).processor_has_avx2()) == ("avx2" in flags.read_text(encoding="utf-8").split())
 
 
 def test_unknown_platform_is_refused_with_the_choices() -> None:

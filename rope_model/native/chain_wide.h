@@ -11,4 +11,7 @@
 #endif
 #endif
 
+/* processor.c */
+int processor_has_avx2(void);
+
 #endif

@@ -41,6 +41,7 @@ Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, c
     rope->memory = *memory;
     rope->scene = *scene;
     rope->elements = elements;
+    rope->chains = fastest_chains();
     rope->state_bytes = state_bytes;
     char *at = (char *)rope->block + (ALIGNMENT - (uintptr_t)rope->block % ALIGNMENT);
     rope->state = (State *)at;

@@ -14,7 +14,7 @@ static void unperturbed_step(Simulator *rope, double c[3]) {
     const System s = system_of(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     newton_coefficients(&method, state->last_interval, c);
-    chain_of_state(state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
+    chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
 }
 
 /* The state `spare` with one degree of freedom of an end moved by d[0], d[1], d[2] in q, v, a at the end of that step,
@@ -29,14 +29,14 @@ static void perturbed_step(Simulator *rope, int side, int dof, const double d[3]
     m.v[at] += d[1];
     m.a[at] += d[2];
     double *R = rope->trial.a, balance[BALANCE];
-    chain_of_state(moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->x, R);
+    chain_of(rope, moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->x, R);
     for (size_t i = 0; i < size; i++) {
         const double y = rope->x[i] - rope->trial.q[i];
         m.q[i] += y;
         m.v[i] += c[1] * y;
         m.a[i] += c[2] * y;
     }
-    chain_of_state(moved)->evaluate(&s, m.q, m.v, m.a, m.reaction, R, balance);
+    chain_of(rope, moved)->evaluate(&s, m.q, m.v, m.a, m.reaction, R, balance);
 }
 
 /* tensions of the rigid rope at its ends, one of which is moved by d[k] along an axis in its k-th derivative */
@@ -144,7 +144,7 @@ double rope_signal(Simulator *rope, int signal) {
         } else {
             if (group == STRESS_SIGNALS || group == ALONG_SIGNALS || group == STATION_SIGNALS) {
                 const System s = system_of(rope, rope->state);
-                chain_of_state(rope->state)->strains(&s, m.q, rope->strains);
+                chain_of(rope, rope->state)->strains(&s, m.q, rope->strains);
             }
             signals_of(group, &rope->scene, rope->state, &m, (const double (*)[STRAINS])rope->strains,
                        group == END_SIGNALS || group == ENERGY_SIGNALS || group == ERROR_SIGNALS ||

@@ -20,7 +20,8 @@ enum { STEP_WORK = 12 };
 struct Simulator {
     Scene scene;
     Memory memory;
-    Mesh mesh; /* never AUTO_MESH */
+    Mesh mesh;           /* never AUTO_MESH */
+    const Chain *chains; /* of the fidelities TORSIONAL to PLANAR */
     int elements, initialized;
     size_t state_bytes;
     void *block;                /* all the memory behind the pointers that follow */
@@ -56,7 +57,7 @@ void record_event(State *state, int what, int which, double kinetic, double pote
 
 /* step.c: rope_model.simulation.model and numerics.generalized_alpha */
 System system_of(const Simulator *rope, State *state);
-const Chain *chain_of_state(const State *state);
+const Chain *chain_of(const Simulator *rope, const State *state);
 void prescribed_motion(const Simulator *rope, const State *state, int side, double t, double rows[3][DOF]);
 /* q, v and a in x, or the first `orders` of them, where they are prescribed at t */
 void prescribe(const Simulator *rope, const State *state, const System *s, double t, int orders, double *const x[]);

@@ -51,7 +51,7 @@ static int measure(const System *s, const double *x, double *move, double *norm)
 int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message) {
     const Arrays m = state_arrays(state), *scratch = &rope->trial;
     const System s = system_of(rope, state);
-    const Chain *chain = chain_of_state(state);
+    const Chain *chain = chain_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;

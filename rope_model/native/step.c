@@ -11,8 +11,8 @@ const double *end_row(const double *x, int nodes, int side) {
     return x + (side ? (size_t)(nodes - 1) * DOF : 0);
 }
 
-const Chain *chain_of_state(const State *state) {
-    return chain_of(state->fidelity == RIGID ? PLANAR : state->fidelity);
+const Chain *chain_of(const Simulator *rope, const State *state) {
+    return rope->chains + (state->fidelity == RIGID ? PLANAR : state->fidelity) - TORSIONAL;
 }
 
 System system_of(const Simulator *rope, State *state) {
@@ -49,7 +49,7 @@ System system_of(const Simulator *rope, State *state) {
 
 void refer(Simulator *rope, State *state, const double *q) {
     const System s = system_of(rope, state);
-    chain_of_state(state)->refer(&s, q);
+    chain_of(rope, state)->refer(&s, q);
     refer_curved(rope, state, q);
     refer_wires(rope, state, q);
 }
@@ -57,7 +57,7 @@ void refer(Simulator *rope, State *state, const double *q) {
 double transport_angles(Simulator *rope, State *state, double *q, double *v, double *a, double *b) {
     const System s = system_of(rope, state);
     double (*gained)[3] = rope->strains, turn = 0;
-    chain_of_state(state)->transport(&s, q, v, a, gained);
+    chain_of(rope, state)->transport(&s, q, v, a, gained);
     for (int k = 0; k < s.elements; k++) {
         const size_t at = (size_t)(k + 1) * DOF + ANGLE;
         turn += gained[k][0];
@@ -146,7 +146,7 @@ Trial trial_step(Simulator *rope, State *state, double h) {
     prescribe(rope, state, &s, trial.t, 3, (double *[]){now->q, now->v, now->a});
     s.time = trial.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
-    const Chain *chain = chain_of_state(state);
+    const Chain *chain = chain_of(rope, state);
     trial.newton = chain->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c,
                                 rope->scene.solver.newton_tolerance, trial.balance);
     for (size_t i = 0; i < size; i++) sum += fabs(now->reaction[i]);
@@ -182,11 +182,11 @@ void restart(Simulator *rope, State *state) {
     prescribe(rope, state, &s, state->t, 3, (double *[]){m.q, m.v, m.a});
     for (int again = 0; again < 2; again++) { /* the second time with friction from the right reactions */
         memcpy(known, m.reaction, sizeof(double) * size);
-        chain_of_state(state)->newton_step(&s, rope->work, m.q, m.v, m.a, known, c, rope->x, m.reaction);
+        chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, known, c, rope->x, m.reaction);
         for (size_t i = 0; i < size; i++) m.a[i] += rope->x[i];
     }
     memcpy(known, m.reaction, sizeof(double) * size);
-    chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, known, m.reaction, unused);
+    chain_of(rope, state)->evaluate(&s, m.q, m.v, m.a, known, m.reaction, unused);
     memcpy(m.b, m.a, sizeof(double) * size);
     memset(m.a_rate, 0, sizeof(double) * size);
     state->h = 0;
@@ -240,7 +240,7 @@ double update_energies(Simulator *rope, State *state) {
     const System s = system_of(rope, state);
     const double before = energy_total(&state->energy_balance);
     double balance[BALANCE];
-    chain_of_state(state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+    chain_of(rope, state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
     set_energies(&state->energy_balance, balance, &s, m.q, m.v);
     return energy_total(&state->energy_balance) - before;
 }
@@ -264,9 +264,9 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
         m.v[i] = (now->q[i] - q) / h;
     }
     s.time = state->t + half;
-    chain_of_state(state)->losses(&s, m.q, m.v, losses);
+    chain_of(rope, state)->losses(&s, m.q, m.v, losses);
     contact_balance(&s, m.q, m.v, contact);
-    chain_of_state(state)->air(&s, m.q, m.v, air);
+    chain_of(rope, state)->air(&s, m.q, m.v, air);
     energy->dissipated_wires += slip_wires(rope, state, now->q);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);
     double *const to[] = {m.q, m.v, m.a, m.b, m.a_rate, m.reaction};

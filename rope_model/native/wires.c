@@ -30,7 +30,7 @@ void refer_wires(Simulator *rope, State *state, const double *q) {
     const System s = system_of(rope, state);
     const double stiffness = wire_stiffness(&rope->scene.rope);
     if (!state->rubs) return;
-    chain_of_state(state)->strains(&s, q, rope->strains);
+    chain_of(rope, state)->strains(&s, q, rope->strains);
     for (int e = 0; e < m.elements; e++) {
         double *to = memory_of(rope, e), *at = to;
         for (int k = 0; k < WIRE_POINTS; k++, at += WIRE_MEMORY) {
