@@ -3,6 +3,7 @@
 
 const COLUMNS = DATA.columns.map((column) => ({ ...column, scale: makeAxis(column) }));
 const AXES = COLUMNS.map((_, k) => k).filter((k) => COLUMNS[k].axis); // places of the columns that are drawn
+const NAME = 13, LETTER = 6; // letters in a line of an axis's name; px that a letter of a tick takes at most
 const RUNS = DATA.columns.length ? DATA.columns[0].values.map((_, k) => k) : [];
 const failed = (run) => DATA.causes[run] !== "";
 const kept = new Map(); // column -> [lo, hi] as parts of its axis
@@ -54,7 +55,7 @@ function mark(run) {
 }
 
 function drawParallel() {
-  const svg = clear(byId("parallel")), height = 380, top = 46, bottom = height - 14;
+  const svg = clear(byId("parallel")), height = 394, top = 60, bottom = height - 14;
   const width = Math.max(svg.parentElement.clientWidth, 96 * AXES.length);
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   svg.style.width = `${width}px`;
@@ -117,23 +118,30 @@ function brush(target, column, part) {
   });
 }
 
+// a name in lines that do not reach the next axis, of three at most
 function wrapped(name) {
   const words = name.split(/[ _]|(?<=\.)/), lines = [""];
   for (const word of words) {
-    if ((lines[lines.length - 1] + word).length > 15 && lines[lines.length - 1]) lines.push("");
+    if (`${lines[lines.length - 1]} ${word}`.replace(". ", ".").length > NAME && lines[lines.length - 1]) lines.push("");
     lines[lines.length - 1] = `${lines[lines.length - 1]}${lines[lines.length - 1].endsWith(".") ? "" : " "}${word}`.trim();
   }
-  return lines.length > 2 ? [lines[0], `${lines[1].slice(0, 13)}…`] : lines.map(clipped);
+  return (lines.length > 3 ? [...lines.slice(0, 2), `${lines[2]}…`] : lines).map(clipped);
 }
 
 function drawScatter() {
   const svg = clear(byId("scatter")), width = Math.max(280, svg.clientWidth), height = Math.min(420, Math.max(280, width * 0.6));
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   const [across, up] = ["across", "up"].map((id) => COLUMNS[Number(byId(id).value)]);
-  const x = (part) => 62 + part * (width - 82), y = (part) => height - 36 - part * (height - 54);
+  const room = (scale) => LETTER * Math.max(0, ...scale.ticks.map(([, text]) => text.length)); // px that its longest tick takes
+  const left = Math.max(62, 12 + room(up.scale)), right = Math.max(20, room(across.scale) / 2);
+  const x = (part) => left + part * (width - left - right), y = (part) => height - 36 - part * (height - 54);
+  let taken = 0; // px, by the ticks to the left
   for (const [part, text] of across.scale.ticks) {
     add(svg, "line", { class: "grid", x1: x(part), x2: x(part), y1: y(0), y2: y(1) });
+    const half = (LETTER * text.length) / 2;
+    if (x(part) - half < taken) continue;
     add(svg, "text", { class: "tick", x: x(part), y: y(0) + 16, "text-anchor": "middle" }, text);
+    taken = x(part) + half;
   }
   for (const [part, text] of up.scale.ticks) {
     add(svg, "line", { class: "grid", x1: x(0), x2: x(1), y1: y(part), y2: y(part) });
