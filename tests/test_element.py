@@ -73,13 +73,14 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
         )
         # one torsional strain for the element: its mean by three points, whatever points it is summed with
         tau, w = theta_x + 0.5 * float(weights @ twist), theta_t + spin
+        slope_rate = s.v[13] - s.v[6]
         density = {
             "axial": 0.5 * m["Qa"] * e**2,
             "coupling": m["Qs"] * e * tau,
             "torsion": 0.5 * (m["Qd"] + m["Qe"] * e) * tau**2,
             "bending": 0.5 * m["EI"] * k**2,
             "kinetic": 0.5 * m["rho"] * np.sum(r_t**2, axis=0),
-            "spin": 0.5 * m["rhoJ"] * w**2,
+            "spin": 0.5 * m["rhoJ"] * w**2 + 0.5 * m["rhoJ_x"] * slope_rate**2,
             "gravity": m["rho"] * m["g"] * r[1],
         }
         expected = [0.5 * s.l * float(weights @ density[name]) for name in names]
@@ -111,7 +112,7 @@ def test_the_weight_is_the_gradient_of_the_potential_energy(seed: int) -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_inertia_force_is_lagranges_derivative_of_the_kinetic_energy(seed: int) -> None:
     s = random_state(seed)
-    P = s.P(rho=1.3, rhoJ=0.4)
+    P = s.P(rho=1.3, rhoJ=0.4, rhoJ_x=0.2)
 
     def kinetic(q: Array, v: Array) -> float:
         return energy(q, v, s.l, s.F, P, ("kinetic", "spin"))

@@ -1,14 +1,18 @@
-"""Displacements of a chain of elements converge with the order of the element."""
+"""Displacements of a chain of elements, and waves along it, converge with the order of the element."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import Chain, portable_system, straight
-from element_states import Array
+from element_states import ELEMENT, Array
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from rope_model.parameters import Rope
+from rope_model.physics import element
 from rope_model.physics.element import PARAMETERS
 from rope_model.simulation.statics import find_equilibrium
 
@@ -62,3 +66,29 @@ def test_with_torsion_in_space_they_do_so_but_for_the_coupling(coupling: float, 
     steps = np.linalg.norm(np.diff(tips, axis=0), axis=1)
     orders = np.log2(steps[:-1] / steps[1:])
     np.testing.assert_allclose(orders[-1], order, atol=0.2)
+
+
+def torsional_wave(P: Array, l: float, k: float) -> float:
+    """Frequency (rad/s) of the slowest wave of wave number ``k`` (1/m) along equal straight elements."""
+    q, none = np.zeros(14), np.zeros(14)
+    q[[3, 7, 10]] = 1.0, l, 1.0
+    F = np.asarray(ELEMENT.reference(q, l)).ravel()
+    K, M = (np.asarray(ELEMENT.tangent(q, none, none, l, F, P, *c)[1]) for c in ((1, 0, 0), (0, 0, 1)))
+    along = [0, 3, 6]
+    wave = np.zeros((14, 3), complex)
+    wave[along], wave[[7 + i for i in along]] = np.eye(3), np.exp(1j * k * l) * np.eye(3)
+    K, M = (wave.conj().T @ matrix @ wave for matrix in (K, M))
+    return float(np.sqrt(np.linalg.eigvals(np.linalg.solve(M, K)).real.min()))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_torsional_waves_run_with_an_error_of_the_fourth_order(share: float) -> None:
+    rope, k = Rope(), 0.1
+    rope = replace(rope, Qb=share * rope.Qb, Qc=share * rope.Qc)
+    stiffness, inertia = [[rope.Qa, rope.Qs], [rope.Qs, rope.Qd]], [rope.mass_per_length, rope.rhoJ]
+    slow, fast = np.sqrt(np.sort(np.linalg.eigvals(np.array(stiffness) / np.array(inertia)[:, None]).real))
+    for x in (0.2, 0.4, 0.8):
+        found = torsional_wave(np.array(element.parameters(rope, 0.0)), x / k, k)
+        # the coupling's part is taken away for a tension that follows at once
+        second_order = share**2 * (slow / fast) ** 2 * x**2 / 24
+        np.testing.assert_allclose(found / (k * slow) - 1, -(x**4) / 480, rtol=0.06, atol=second_order)

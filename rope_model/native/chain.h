@@ -9,7 +9,7 @@
 #include "shaft.h"
 
 enum {
-    PARAMETERS = 12,
+    PARAMETERS = 13,
     BALANCE = 9,
     FRAME = 21,
     STRAINS = 3,

@@ -136,7 +136,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double bending_stress(const Rope *rope, double k)": stress.bending_stress,
     "double torsional_stress(const Rope *rope, double e, double tau)": stress.torsional_stress,
     "double torque_of(const Rope *rope, double e, double tau)": stress.torque_of,
-    "void element_parameters(const Rope *rope, double gravity, double P[12])": element.parameters,
+    "void element_parameters(const Rope *rope, double gravity, double P[13])": element.parameters,
     "void energies_of(const double balance[9], double energies[3])": energy_balance.energies,
     "double energy_total(const EnergyBalance *energy_balance)": energy_balance.total,
     "double energy_residual(const EnergyBalance *energy_balance)": energy_balance.residual,

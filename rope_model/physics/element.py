@@ -9,13 +9,17 @@ nodes r is the cubic Hermite interpolant and theta is linear.  With t = r'/|r'|
     w     = theta_t + frame(r', r'_t)          spin about the tangent
 
     U = int Costello energy(e, tau) + 1/2 EI |k|^2 dx
-    K = int 1/2 rho |r_t|^2 + 1/2 rhoJ w^2 dx
+    K = int 1/2 rho |r_t|^2 + 1/2 rhoJ w^2 + 1/2 rhoJ_x l^2 theta_t'^2 dx
     V = int rho g r_Y dx
     D = int beta_K U(e_t, sqrt(a) tau_t, sqrt(b) k_t) dx, without Qe                (dissipates 2 D)
 
 The rate of k is the one seen by an observer who turns with the cross-section, so that rigid motion dissipates
 nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
 leave an hourglass mode in the axial strain.
+
+A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear, and by (k l)^2 / 24
+kappa / (1 - kappa), kappa = Qs^2 / (Qa Qd), because e, which is continuous, cannot follow a tau that is not.  The
+inertia rhoJ_x = rhoJ / 12 / (1 - kappa) of theta's slope takes both away: what is left is of fourth order.
 
 tau is uniform in the element: what the angles tell, the turn from node to node, over its length.  So the frame's
 reference (physics.frame) leaves energies and forces alone, but for the quadrature of that mean.
@@ -50,13 +54,14 @@ ELEMENT_DOF: dict[ElementFidelity, tuple[int, ...]] = {
     "planar": (0, 1, 3, 4),
 }
 #: order of the entries of the parameter vector
-PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K", "root_a", "root_b", "Qe")
+PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K", "root_a", "root_b", "Qe", "rhoJ_x")
 
 
 def parameters(rope: Any, gravity: Any) -> tuple[Any, ...]:
     """Values of PARAMETERS."""
     elastic = rope.mass_per_length, gravity, rope.Qa, rope.Qs, rope.Qk, rope.Qd, rope.EI, rope.rhoJ
-    return *elastic, rope.beta_K, sqrt(rope.torsion_damping), sqrt(rope.bending_damping), rope.Qe
+    damping = rope.beta_K, sqrt(rope.torsion_damping), sqrt(rope.bending_damping)
+    return *elastic, *damping, rope.Qe, rope.rhoJ / 12 / (1 - rope.Qs * rope.Qs / (rope.Qa * rope.Qd))
 
 
 #: order of the entries of an element's balance
@@ -155,6 +160,11 @@ def element_functions(
         tau_z += w * B_p.T @ strains_z[1, :].T
         balance += w * l * point["balance"](z_p, v_p, F_p, tau, tau_t, P)
     R_r[9:] += torque * l * theta_x
+    if torsional:
+        slope_inertia = P[12] * l**3
+        R_r[9:] += slope_inertia * ca.dot(theta_x, a[[6, 13]]) * theta_x
+        J_r[9:, 9:] += c_a * slope_inertia * (theta_x @ theta_x.T)
+        balance[5] += 0.5 * slope_inertia * ca.dot(theta_x, v[[6, 13]]) ** 2
     damped, root, grown = cv * P[8], P[9], cq * P[11]
     coupling, torsion = (cq + damped * root) * P[3] + grown * tau, (cq + damped * root * root) * P[5] + grown * means[0]
     shared = coupling * e_z + 0.5 * torsion * tau_z
@@ -271,7 +281,7 @@ def symmetric(A: ca.SX) -> ca.SX:
 
 def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """U, D and the non-conservative power, per reference length, from the strains (e, tau, k) and their rates."""
-    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K, root_a, root_b, Qe = ca.vertsplit(P)
+    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K, root_a, root_b, Qe, _ = ca.vertsplit(P)
 
     def quadratic(x: ca.SX) -> Any:
         return costello.strain_energy(Qa, Qs, Qd, x[0], x[1]) + 0.5 * EI * ca.dot(x[2:], x[2:])
