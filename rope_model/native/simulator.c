@@ -9,7 +9,7 @@
 
 #define ACCEPT_BELOW 2.
 #define GROW_BELOW 0.05
-#define CALM 0.5
+#define CALM 0.2
 #define FARTHEST_START 1e10
 enum { MOST_STEPS = 20000 };
 

@@ -23,7 +23,7 @@ from .elementary import cos, larger, less, sin, sqrt, where
 from .estimates import axial_frequency, bending_length
 
 #: of what is asked, what a step may leave: `make promise` on the seed that tunes
-FORCE_SHARE, PLACE_SHARE = 28.0, 0.01
+FORCE_SHARE, PLACE_SHARE = 22.0, 0.01
 #: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
 AND_RATE = 2.0
 #: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: docs/mesh_rule.md

@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 ACCEPT_BELOW = 2.0
 #: the step grows after errors below this part of what is allowed for so long, s: the loop's place errs by a part that
 #: goes with the step's length, and every change of that sends a wave along the rope
-GROW_BELOW, CALM = 0.05, 0.5
+GROW_BELOW, CALM = 0.05, 0.2
 #: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
 STEP_WORK = 12
 
