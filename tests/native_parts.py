@@ -55,15 +55,40 @@ class CLoopBottom(ct.Structure):
 #: the signals of a state that the caller gives by its members, so that its layout is C's own business
 SIGNALS_BY_MEMBERS = """
 #include <string.h>
-#include "signals.h"
+#include "cases.h"
+#include "simulator.h"
+
+double mesh_centre(const Pattern *p) { return pattern_centre(p); }
+double mesh_distance_to_due(const Pattern *p, double bottom) { return distance_to_due(p, bottom); }
+double mesh_transformation_due(const Pattern *p, double bottom, double slack) {
+    return transformation_due(p, bottom, slack);
+}
+
+static Simulator rope;
+
+/* a simulator would compute these from its equations */
+const LoopBottom *bottom_now(Simulator *of) { return &of->bottom; }
+void compute_strains(Simulator *of) { (void)of; }
+void added_mass_signals(Simulator *of, double *values) { (void)of, (void)values; }
+void contact_signals(Simulator *of, double *values) { (void)of, (void)values; }
+const double *end_row(const double *x, int nodes, int side) { return x + (side ? (size_t)(nodes - 1) * DOF : 0); }
+
+Simulator *signals_rope(void) { return &rope; }
+
+int signal_group(int signal) {
+    static const signed char groups[] = SIGNAL_GROUPS;
+    return groups[signal];
+}
 
 void signals_by_members(int group, const Scene *scene, int fidelity, double t, double loop_yaw, const double *offsets,
                         const double *means, const int *phases, const double *signs,
                         const Path *paths, const double *energy_balance, const double *counts, double given_up_since,
                         const Audit *audit, const double *nearest, const double *crossing, const double *guard,
-                        const Arrays *arrays, const double (*strains)[3], const LoopBottom *bottom, double *values) {
-    State s;
+                        const Arrays *arrays, double (*strains)[3], const LoopBottom *bottom, double *values) {
+    static double memory[sizeof(State) / sizeof(double) + 100000];
+    State *state = (State *)memory, s;
     memset(&s, 0, sizeof s);
+    s.elements = arrays->elements;
     s.t = t, s.loop_yaw = loop_yaw, s.fidelity = fidelity, s.given_up_since = given_up_since, s.audit = *audit;
     for (int k = 0; k < 2; k++) {
         s.offsets[k] = offsets[k], s.force_mean[k] = means[k], s.paths[k] = paths[k];
@@ -81,7 +106,20 @@ void signals_by_members(int group, const Scene *scene, int fidelity, double t, d
     memcpy(s.nearest, nearest, sizeof s.nearest);
     memcpy(&s.crossing, crossing, sizeof s.crossing);
     memcpy(&s.guard, guard, sizeof s.guard);
-    signals_of(group, scene, &s, arrays, strains, bottom, values);
+    *state = s;
+    const Arrays to = state_arrays(state);
+    const size_t size = sizeof(double) * (size_t)to.nodes * DOF;
+    memcpy(to.q, arrays->q, size), memcpy(to.v, arrays->v, size), memcpy(to.a, arrays->a, size);
+    memcpy(to.reaction, arrays->reaction, size);
+    memcpy(to.lengths, arrays->lengths, sizeof(double) * (size_t)to.elements);
+    memcpy(to.s, arrays->s, sizeof(double) * (size_t)to.nodes);
+    rope.scene = *scene, rope.state = state, rope.strains = strains, rope.bottom = *bottom;
+    rope.initialized = 1, rope.known = 0;
+    memcpy(rope.values, values, sizeof rope.values);
+    int signal = 0;
+    while (signal_group(signal) != group) signal++;
+    rope_signal(&rope, signal);
+    memcpy(values, rope.values, sizeof rope.values);
 }
 
 void arrays_of(double *q, double *v, double *a, double *reaction, double *lengths, double *s, int nodes,
@@ -114,7 +152,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "mesh_transform": (None, p, n, n, p),
         "mesh_centre": (x, p),
         "mesh_distance_to_due": (x, p, x),
-        "mesh_transformation_due": (n, p, x, x),
+        "mesh_transformation_due": (x, p, x, x),
         "mesh_arc_lengths": (None, n, p, p),
         "transfer_interpolate": (None, n, p, p, n, p, p),
         "transfer_fields": (None, n, p, p, n, p, p),
@@ -126,6 +164,8 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "shape_points": (None, n, p, p, n, p, p),
         "shape_hanging_guess": (None, n, p, p, p, p, p),
         "signal_group": (n, n),
+        "rope_signal": (x, p, n),
+        "signals_rope": (p,),
         "signals_by_members": (None, n, p, n, x, x, *[p] * 7, x, *[p] * 8),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }

@@ -181,6 +181,7 @@ HOMES = {
         "rope_model.native.elements",
         "rope_model.native.cases",
         "rope_model.native.formulas",
+        "rope_model.native.state_values",
         "hoist_demo.design",
         "hoist_demo.drive",
         "hoist_demo.drive_fmu.kernels",

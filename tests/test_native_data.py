@@ -55,6 +55,11 @@ NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
 PARTS = ("text.c", "ends.c", "fidelity.c", "shaft.c", "rigid.c", "parameters.c", "shape.c", "mesh.c", "transfer.c")
 MESSAGE, ROUNDING = 512, 1e-12
+#: a generated function has no name in a library
+FRICTION = """
+#include "cases.h"
+double friction_of(const Swivel *swivel, double mu, double tension) { return swivel_friction(swivel, mu, tension); }
+"""
 #: the codes of the fidelities
 FIDELITY_NAMES = get_args(FidelityChoice)
 FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
@@ -70,14 +75,15 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     made = folder / f"data{LIBRARY_SUFFIX}"
     for name, text in generate().items():
         (folder / name).write_text(text, encoding="ascii")
-    sources = [str(NATIVE / part) for part in PARTS]
+    (folder / "friction.c").write_text(FRICTION, encoding="ascii")
+    sources = [*(str(NATIVE / part) for part in PARTS), str(folder / "friction.c")]
     command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(made), "-lm"]
     result = subprocess.run(command, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
     library = ct.CDLL(str(made))
     for function in (library.text_number, library.text_exact, library.fidelity_name):
         function.restype = ct.c_char_p
-    library.swivel_friction.restype = ct.c_double
+    library.friction_of.restype = ct.c_double
     return library
 
 
@@ -168,7 +174,7 @@ def test_friction_of_a_swivel_is_the_same(native: Any, mode: Any) -> None:
         reaction = np.zeros((3, 7))
         reaction[-1, 1] = tension
         for kinetic, mu in ((True, swivel.mu_kinetic), (False, swivel.mu_static)):
-            ours = native.swivel_friction(ct.byref(structure.swivels[1]), ct.c_double(mu), ct.c_double(tension))
+            ours = native.friction_of(ct.byref(structure.swivels[1]), ct.c_double(mu), ct.c_double(tension))
             assert ours == ends.friction(1, reaction, kinetic)
 
 

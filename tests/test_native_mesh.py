@@ -18,12 +18,11 @@ from rope_model.native.structures import scene_structure
 from rope_model.parameters import Layout, Mesh, Rope, Scene
 from rope_model.simulation.mesh import (
     Partition,
-    distance_to_due,
     fit_mesh,
     partition,
     transform,
-    transformation_due,
 )
+from rope_model.simulation.mesh_pattern import distance_to_due, transformation_due
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.transfer import interpolate, transfer_fields
 
@@ -165,7 +164,7 @@ def test_loop_that_travels_to_and_fro_transforms_alike(
             assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
             assert parts.mesh_transformation_due(pattern, place, slack) == direction
             old = transform(old, direction)
-            parts.mesh_transform(pattern, direction, len(lengths), lengths)
+            parts.mesh_transform(pattern, int(direction), len(lengths), lengths)
             assert [*map(bytes, ours)] == [*map(bytes, as_in_c(old))]
             assert parts.mesh_centre(pattern) == old.centre
         assert parts.mesh_transformation_due(pattern, place, slack) == 0

@@ -29,9 +29,8 @@ FEW = 3
 #: function: products and quotients of real numbers, calls of libm; and what they are
 ARITHMETIC = {
     # places of arrays in memory
-    "with_memory": (11, 0),
+    "with_memory": (10, 0),
     # places and sums along the rope where it touches something
-    "interpolate": (4, 0),
     "own_contact_bytes": (5, 0),
     "place_on": (4, 0),
     "length_between": (0, 1),
@@ -40,10 +39,10 @@ ARITHMETIC = {
     "trial_step": (14, 0),
     "system_of": (2, 0),
     "restart": (5, 0),
-    "commit": (11, 0),
+    "commit": (4, 0),
     "flexible_start": (4, 0),
-    "added_masses": (5, 0),
-    "rope_derivative": (7, 0),
+    "added_mass_signals": (5, 0),
+    "rope_derivative": (6, 0),
     "find_equilibrium": (10, 1),
     "solve_equilibrium": (0, 1),
     "turn_in": (4, 0),
@@ -71,7 +70,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2466, "C": 3181}
+MOST_LINES = {"Python": 2401, "C": 3011}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(

@@ -30,10 +30,7 @@ static int solve_equilibrium(Simulator *rope, State *state, double time, double 
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
     double balance[BALANCE];
-    memcpy(now->q, m.q, bytes);
-    memcpy(now->v, m.v, bytes);
-    memcpy(now->a, m.a, bytes);
-    memcpy(now->reaction, m.reaction, bytes);
+    memcpy(now->q, m.q, FIELDS * bytes);
     const Progress newton =
         chain_of(rope, state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
     if (newton.status != CONVERGED) return 0;
@@ -61,7 +58,7 @@ static void on_partition(Simulator *rope, State *state, int direction) {
 
 void transform_if_due(Simulator *rope, State *state) {
     int direction;
-    while ((direction = mesh_transformation_due(&state->pattern, bottom_of(rope, state, state->t), 1e-7)))
+    while ((direction = (int)transformation_due(&state->pattern, bottom_of(rope, state, state->t), 1e-7)))
         on_partition(rope, state, direction);
 }
 

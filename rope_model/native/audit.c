@@ -15,9 +15,8 @@ static void loads_on(const Simulator *rope, State *state, double load[6]) {
     for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(m.q, m.nodes, side), *R = end_row(m.reaction, m.nodes, side);
-        double moment[3], one[6];
-        end_moment(q + SLOPE, R + SLOPE, swivel_moment(&rope->scene, state, side, R), moment);
-        end_load(q, R, moment, one);
+        double one[6];
+        end_load(q, R, swivel_moment(&rope->scene, state, side, R), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
     }
     /* what goes across its plane a planar rope does not feel */

@@ -19,7 +19,8 @@ from .formulas import formulas_code
 from .layout import state_structures
 from .messages import messages_code
 from .platforms import host_platform, prebuilt_file, text_hash
-from .tables import energy_values, parameter_bounds, parameter_structures, signal_numbers
+from .state_values import state_signals
+from .tables import parameter_bounds, parameter_structures, signal_numbers
 
 _FOLDER = Path(__file__).resolve().parent
 NAME = "rope"
@@ -60,7 +61,7 @@ def generate() -> dict[str, str]:
         "cases.h": cases_code(),
         "state.h": state_structures(),
         "signal_numbers.h": signal_numbers(),
-        "energy_values.h": energy_values(),
+        "state_signals.h": state_signals(),
         "parameters.h": parameter_structures(),
         "parameters.inc": parameter_bounds(),
     }

@@ -95,12 +95,6 @@ int see_more_bodies(const System *s, const double *q, double corrections) {
     return !surely_far(s, q, 0) && look(s, q, 0, ~0u);
 }
 
-/* where a point of the element is, or how fast */
-static void interpolate(const double *x, const double shares[4], double y[3]) {
-    for (int i = 0; i < 3; i++)
-        y[i] = shares[0] * x[i] + shares[1] * x[SLOPE + i] + shares[2] * x[DOF + i] + shares[3] * x[DOF + SLOPE + i];
-}
-
 typedef struct {
     int body; /* the one looked at next */
     double point[3], speed[3], shares[4], weight;
@@ -110,8 +104,8 @@ static Place place_of(const System *s, int element, int number, const double *q,
     static const double places[] = CONTACT_PLACES, weights[] = CONTACT_WEIGHTS;
     Place place = {.body = 0, .weight = s->lengths[element] * weights[number]};
     hermite_shares(places[number], s->lengths[element], place.shares);
-    interpolate(q + (size_t)element * DOF, place.shares, place.point);
-    interpolate(v + (size_t)element * DOF, place.shares, place.speed);
+    place_on(q, element, place.shares, place.point);
+    place_on(v, element, place.shares, place.speed);
     return place;
 }
 

@@ -21,10 +21,6 @@ int mesh_elements(const Mesh *mesh, double length, char *message);
 /* `elements` as mesh_elements counts them: the count looks at every place of the loop */
 void mesh_partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths);
 void mesh_transform(Pattern *pattern, int direction, int elements, double *lengths);
-int mesh_fewest_outer(const int *ii_to_vi);
-double mesh_centre(const Pattern *pattern);
-double mesh_distance_to_due(const Pattern *pattern, double bottom);
-int mesh_transformation_due(const Pattern *pattern, double bottom, double slack);
 /* length: of the rope */
 /* s (elements + 1) from lengths (elements) */
 void mesh_arc_lengths(int elements, const double *lengths, double *s);
@@ -80,7 +76,6 @@ static inline double end_value(const EndMotion *motion, int place) {
 void end_refusal(const EndMotion *target, const Path *path, int side, char *message);
 /* of the conveyance's yaw in theta */
 static const double YAW_SENSE[2] = {-1.0, 1.0};
-double swivel_friction(const Swivel *swivel, double mu, double tension);
 /* about the tangent, on the rope's end with this row of the reaction */
 double swivel_moment(const Scene *scene, const State *state, int side, const double *reaction);
 /* angle and rate of the rope's end with theta against the conveyance */

@@ -1,8 +1,7 @@
 /* rope_model.simulation.ends: quintic paths between the host's instants, their checks, and the swivels' friction. */
 #include <math.h>
 
-#include "formulas.h"
-#include "messages.h"
+#include "cases.h"
 
 enum { YAW = 3, AXES = 4 };
 
@@ -28,16 +27,8 @@ void end_refusal(const EndMotion *target, const Path *path, int side, char *mess
                               worst == YAW ? "rad/s^2" : "m/s^2", HARDEST);
 }
 
-double swivel_friction(const Swivel *swivel, double mu, double tension) {
-    if (swivel->mode == FREE_MODE) return 0.0;
-    return friction_moment(mu, swivel->mean_diameter, swivel->seal_moment, tension);
-}
-
 double swivel_moment(const Scene *scene, const State *state, int side, const double *reaction) {
-    const Swivel *swivel = &scene->swivels[side];
-    const SwivelState *now = &state->swivels[side];
-    if (now->phase == SLIP) return -now->sign * swivel_friction(swivel, swivel->mu_kinetic, reaction[1]);
-    return reaction[ANGLE];
+    return moment_of_swivel(&scene->swivels[side], &state->swivels[side], reaction[1], reaction[ANGLE]);
 }
 
 void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {

@@ -33,7 +33,6 @@ from .build import library
 from .layout import (
     ARRAYS,
     MESSAGE,
-    SEGMENTS,
     AuditStructure,
     CountsStructure,
     CrossingStructure,
@@ -312,12 +311,11 @@ def _unpack(data: bytes) -> RopeState:
     values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(StateStructure))
     size = 7 * (n + 1)
     x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(ARRAYS)}
-    counts = tuple(s.pattern.counts) if s.pattern.coarse else ()
     return RopeState(
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
         partition=Partition(
             values[6 * size : 6 * size + n].copy(),
-            counts,
+            tuple(s.pattern.counts),
             s.pattern.coarse,
             s.pattern.end_levels,
             s.pattern.grading_length,
@@ -366,7 +364,7 @@ def _pack(state: RopeState) -> bytes:
         power_swivel=state.powers.swivel,
         swivels=tuple(SwivelStructure(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
         paths=tuple(PathStructure(q.start, q.stop, q.aim, q.coefficients) for q in state.paths),
-        pattern=PatternStructure(p.coarse, p.grading_length, p.counts or (0,) * SEGMENTS, p.end_levels),
+        pattern=PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels),
         energy_balance=EnergyStructure(*state.energy_balance),
         errors=ErrorStructure(*state.errors),
         audit=AuditStructure(*state.audit),

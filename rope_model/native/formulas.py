@@ -53,7 +53,7 @@ from ..simulation.state import EnergyBalance
 #: const, and last, takes the numbers of a formula that returns several
 FORMULAS: dict[str, Callable[..., Any]] = {
     "double dot(const double a[3], const double b[3])": elementary.dot,
-    "void end_moment(const double d[3], const double f[3], double torque, double moment[3])": frame.end_moment,
+    "void conveyance_load(const double q[7], const double f[7], double torque, double load[6])": frame.conveyance_load,
     "double right_offset(const double left[3], const double right[3])": ends.right_offset,
     "EndMotion end_extrapolate(const EndMotion *end, double h)": EndMotion.extrapolate,
     "Path path_resting(double t, const EndMotion *at)": EndPath.at_rest,
@@ -133,11 +133,15 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double sideways(const double point[3], const double left[3], const double right[3])": guard.sideways,
     "double off_plumb(double height, const double a[3], const double b[3], const double end[3])": guard.off_plumb,
     "GuardState watch(const Guard *guard, const GuardState *state, double t, const double seen[5])": guard.watch,
-    "double bending_stress(const Rope *rope, double k)": stress.bending_stress,
-    "double torsional_stress(const Rope *rope, double e, double tau)": stress.torsional_stress,
-    "double torque_of(const Rope *rope, double e, double tau)": stress.torque_of,
+    "void material_values(const Rope *rope, double torsional, const double strains[3], double values[4])": (
+        stress.material_values
+    ),
     "void element_parameters(const Rope *rope, double gravity, double P[13])": element.parameters,
-    "void energies_of(const double balance[9], double energies[3])": energy_balance.energies,
+    "EnergyBalance with_energies(const EnergyBalance *energy_balance, const double balance[9], double contact)": (
+        energy_balance.with_energies
+    ),
+    "EnergyBalance account_of_step(const EnergyBalance *energy_balance, double h, const double before[2], "
+    "const double now[2], const double losses[4], double wires, double air)": (energy_balance.after_step),
     "double energy_total(const EnergyBalance *energy_balance)": energy_balance.total,
     "double energy_residual(const EnergyBalance *energy_balance)": energy_balance.residual,
     "Flow rigid_flow(double v1, double v2)": inextensible.flow,
@@ -179,7 +183,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double friction_moment(double mu, double mean_diameter, double seal_moment, double tension)": (
         swivel.friction_moment
     ),
-    "void end_load(const double r[3], const double f[3], const double moment[3], double load[6])": audit.end_load,
+    "void end_load(const double q[7], const double f[7], double torque, double load[6])": audit.end_load,
     "double axial_share(const Rope *rope, double bottom, double h)": audit.axial_share,
     "void audit_values(const Audit *audit, double values[6])": audit.signal_values,
     "Audit audit_after_step(const Audit *audit, const Coefficients *method, double h, double recentring, "
@@ -275,6 +279,7 @@ _OPERATORS |= {ca.OP_EQ: ("==", _COMPARISON), ca.OP_NE: ("!=", _COMPARISON)}
 _CALLS = {
     ca.OP_SQRT: "sqrt",
     ca.OP_CEIL: "ceil",
+    ca.OP_FLOOR: "floor",
     ca.OP_EXP: "exp",
     ca.OP_LOG: "log",
     ca.OP_SIN: "sin",
@@ -288,6 +293,7 @@ _CALLS = {
     ca.OP_FMAX: "larger",
     ca.OP_FMIN: "smaller",
 }
+_INFINITE = {math.inf: "INFINITY", -math.inf: "-INFINITY"}
 #: an expression longer than this gets a name
 _LONG = 80
 
@@ -428,7 +434,7 @@ def statements(f: ca.Function) -> tuple[list[str], list[str]]:
             continue
         if operation == ca.OP_CONST:
             value = f.instruction_constant(k)
-            text = "PI" if value == math.pi else "INFINITY" if value == math.inf else repr(value)
+            text = "PI" if value == math.pi else _INFINITE.get(value, repr(value))
             made = _Text(text, _SIGN if value < 0 else _ATOM)
         elif operation == ca.OP_INPUT:
             made = _Text(inputs[sources[0]], _ATOM)

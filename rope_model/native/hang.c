@@ -16,10 +16,7 @@ static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn,
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double offset = state->offsets[RIGHT];
     if (!find_equilibrium(rope, state, most_turn, message)) return 0;
-    memset(m.v, 0, bytes);
-    memset(m.a, 0, bytes);
-    memset(m.b, 0, bytes);
-    memset(m.a_rate, 0, bytes);
+    memset(m.v, 0, (FIELDS - 2) * bytes); /* all but q and the reaction */
     state->h = 0;
     update_energies(rope, state);
     /* a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way */

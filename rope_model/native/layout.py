@@ -197,7 +197,7 @@ def _arrays_code() -> str:
     return f"""
 /* behind a state: nodes x DOF each, element lengths (elements), arc lengths of the nodes (nodes), and of a rope with
    friction between its wires z (elements x WIRE_Z) */
-enum {{ WIRE_Z = {NO_MEMORY.shape[1]} }};
+enum {{ FIELDS = {len(ARRAYS)}, WIRE_Z = {NO_MEMORY.shape[1]} }};
 typedef struct {{
     double *{", *".join((*ARRAYS, "lengths", "s", "z"))};
     int elements, nodes;

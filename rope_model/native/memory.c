@@ -17,7 +17,8 @@ Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, c
     const int rubs = wire_stiffness(&scene->rope) > 0;
     const size_t nodes = (size_t)elements + 1, size = nodes * DOF;
     const size_t wires = rubs ? (size_t)elements : 0;
-    const size_t state_bytes = sizeof(State) + sizeof(double) * (6 * size + (size_t)elements + nodes + WIRE_Z * wires);
+    const size_t state_bytes =
+        sizeof(State) + sizeof(double) * (FIELDS * size + (size_t)elements + nodes + WIRE_Z * wires);
     const size_t curved_bytes = scene->rope.initial_curvature > 0 ? align(sizeof(double) * CURVED * (nodes - 1)) : 0;
     const size_t wire_bytes =
         rubs ? align(sizeof(double) * WIRE_HISTORY * wires) + align(sizeof(double) * WIRE_LATEST * (wires + 3)) : 0;

@@ -3,40 +3,17 @@
 #include <math.h>
 #include <string.h>
 
-#include "formulas.h"
-#include "messages.h"
+#include "cases.h"
 
-static const double HALF = 0.5, QUARTER = 0.25;
 enum { GRADING = 2, LENGTHS = 11 };
 static const int LEG_LENGTHS[LENGTHS] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
-
-/* elements of IV in units of l: half of their neighbours */
-static double fine_share(int with_ii, int with_iii) {
-    return ldexp(1.0, -1 - with_ii - with_iii);
-}
-
-/* length of the segments II to VI in units of l, for their numbers of elements */
-static double inner_length(double ii, double iii, double iv, double v, double vi) {
-    return HALF * ii + QUARTER * iii + fine_share(ii > 0, iii > 0) * iv + QUARTER * v + HALF * vi;
-}
-
-static double inner_of(const Mesh *mesh) {
-    const int *n = mesh->counts;
-    return inner_length(n[0], n[1], n[2], n[3], n[4]);
-}
 
 static int as_int(double x) {
     return x < INT_MAX ? (int)x : INT_MAX;
 }
 
 double mesh_fine_length(const Pattern *pattern, const double *lengths) {
-    const int32_t *n = pattern->counts;
-    return pattern->coarse > 0 ? fine_share(n[1] > 0, n[2] > 0) * pattern->coarse : lengths[0];
-}
-
-int mesh_fewest_outer(const int *ii_to_vi) {
-    const int *n = ii_to_vi;
-    return 1 - (int)(0.5 * inner_length(n[0], n[1], n[2], n[3], n[4]));
+    return pattern->coarse > 0 ? fine_share(pattern->counts + 1) * pattern->coarse : lengths[0];
 }
 
 Mesh mesh_fit(const Scene *scene) {
@@ -111,7 +88,7 @@ static int fill_legs(int first, int last, double growth, int elements, double *l
 
 /* elements of the segments I and VII together, for l near coarse_length */
 static double outer_of(const Mesh *mesh, double length) {
-    return rint(length / mesh->coarse_length - inner_of(mesh));
+    return rint(length / mesh->coarse_length - inner_length(mesh->counts));
 }
 
 int mesh_elements(const Mesh *mesh, double length, char *message) {
@@ -123,8 +100,8 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
     double outer = outer_of(mesh, length);
     if (outer > (double)MOST_ELEMENTS)
         return say_too_many_lengths(message, mesh->coarse_length, length, outer, MOST_ELEMENTS);
-    if (!(outer >= 2)) return say_too_few_lengths(message, inner_of(mesh) * mesh->coarse_length, length);
-    double growth = mesh->grading_length / (length / (outer + inner_of(mesh)));
+    if (!(outer >= 2)) return say_too_few_lengths(message, inner_length(mesh->counts) * mesh->coarse_length, length);
+    double growth = mesh->grading_length / (length / (outer + inner_length(mesh->counts)));
     double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++) elements += mesh->counts[k];
     if (elements > (double)MOST_ELEMENTS) return say_too_many_elements(message, elements, MOST_ELEMENTS);
@@ -133,8 +110,8 @@ int mesh_elements(const Mesh *mesh, double length, char *message) {
 
 /* elements of the segments II to VI, in units of l, but what the ends cut off; gives their number; NULL: only that */
 static int fill_inner(const int *counts, double *lengths) {
-    const double relative[SEGMENTS] = {1, HALF, QUARTER, fine_share(counts[1] > 0, counts[2] > 0), QUARTER, HALF, 1};
-    const double inner = inner_length(counts[1], counts[2], counts[3], counts[4], counts[5]);
+    const double relative[SEGMENTS] = {1, 0.5, 0.25, fine_share(counts + 1), 0.25, 0.5, 1};
+    const double inner = inner_length(counts + 1);
     const double begin = fmax(1 - counts[0], 0), end = inner - fmax(1 - counts[SEGMENTS - 1], 0);
     double at = 0;
     int n = 0;
@@ -163,7 +140,7 @@ static void fill_lengths(const Pattern *pattern, int elements, double *lengths) 
     double coarse = pattern->coarse;
     const int *counts = pattern->counts;
     int first = counts[0] > 1 ? counts[0] : 1, last = counts[SEGMENTS - 1] > 1 ? counts[SEGMENTS - 1] : 1;
-    const double growth = pattern->grading_length / coarse, fine = fine_share(counts[1] > 0, counts[2] > 0);
+    const double growth = pattern->grading_length / coarse, fine = fine_share(counts + 1);
     const int levels = pattern->end_levels, least = fill_leg(first, growth, NULL, 0) + fill_leg(last, growth, NULL, 0);
     /* where the pattern is cut off the loop bends the rope up to its end */
     double longest[2] = {counts[0] < 1 ? fine : 1, counts[SEGMENTS - 1] < 1 ? fine : 1};
@@ -188,9 +165,9 @@ void mesh_partition(const Mesh *mesh, double length, double bottom, int elements
         for (int k = 0; k < mesh->elements; k++) lengths[k] = length / mesh->elements;
         return;
     }
-    double inner = inner_of(mesh), outer = outer_of(mesh, length);
+    double inner = inner_length(mesh->counts), outer = outer_of(mesh, length);
     double coarse = length / (outer + inner);
-    double first = rint(bottom / coarse - 0.5 * inner), least = mesh_fewest_outer(mesh->counts);
+    double first = rint(bottom / coarse - 0.5 * inner), least = fewest_outer(mesh->counts);
     first = first > least ? fmin(first, outer - least) : least;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;
@@ -205,24 +182,6 @@ void mesh_transform(Pattern *pattern, int direction, int elements, double *lengt
     pattern->counts[0] += direction;
     pattern->counts[SEGMENTS - 1] -= direction;
     fill_lengths(pattern, elements, lengths);
-}
-
-double mesh_centre(const Pattern *pattern) {
-    const int *n = pattern->counts;
-    return pattern->coarse * (n[0] + 0.5 * inner_length(n[1], n[2], n[3], n[4], n[5]));
-}
-
-double mesh_distance_to_due(const Pattern *pattern, double bottom) {
-    if (!(pattern->coarse > 0)) return -HUGE_VAL;
-    double offset = bottom - mesh_centre(pattern);
-    if (pattern->counts[offset > 0 ? SEGMENTS - 1 : 0] == mesh_fewest_outer(pattern->counts + 1)) return -HUGE_VAL;
-    return fabs(offset) - DUE * pattern->coarse;
-}
-
-int mesh_transformation_due(const Pattern *pattern, double bottom, double slack) {
-    if (mesh_distance_to_due(pattern, bottom) < -slack) return 0;
-    double offset = bottom - mesh_centre(pattern);
-    return (offset > 0) - (offset < 0);
 }
 
 void mesh_arc_lengths(int elements, const double *lengths, double *s) {

@@ -10,6 +10,7 @@
 /* The unperturbed step as long as the last: its correction to trial.q; c are its coefficients. */
 static void unperturbed_step(Simulator *rope, double c[3]) {
     State *state = rope->state;
+    if (state->fidelity == RIGID) return;
     const Arrays m = state_arrays(state);
     const System s = system_of(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
@@ -39,33 +40,13 @@ static void perturbed_step(Simulator *rope, int side, int dof, const double d[3]
     chain_of(rope, moved)->evaluate(&s, m.q, m.v, m.a, m.reaction, R, balance);
 }
 
-/* tensions of the rigid rope at its ends, one of which is moved by d[k] along an axis in its k-th derivative */
-static void rigid_answer(const Simulator *rope, int side, int axis, const double d[3], double tensions[2]) {
+/* forces of the rigid rope on both conveyances, one of which is moved by d[k] along an axis in its k-th derivative */
+static void rigid_answer(const Simulator *rope, int side, int axis, const double d[3], double loads[12]) {
     const Path *paths = rope->state->paths;
     EndMotion ends[2] = {path_at(&paths[LEFT], rope->state->t), path_at(&paths[RIGHT], rope->state->t)};
     for (int k = 0; k < 3; k++) ((double *)&ends[side])[3 * k + axis] += d[k];
     const Pull pull = rigid_pull(&rope->scene.rope, &rope->scene.layout, &ends[LEFT], &ends[RIGHT]);
-    memcpy(tensions, pull.tensions, sizeof pull.tensions);
-}
-
-/* kg: how much each end's downward force grows with an upward acceleration held over the last interval */
-static void added_masses(Simulator *rope, double masses[2]) {
-    const double h = rope->state->last_interval, size = 1e-3;
-    const double d[3] = {0.5 * h * h * size, h * size, size}, none[3] = {0};
-    double c[3];
-    if (rope->state->fidelity != RIGID) unperturbed_step(rope, c);
-    for (int side = LEFT; side <= RIGHT; side++) {
-        double before[2], after[2];
-        if (rope->state->fidelity == RIGID) {
-            rigid_answer(rope, side, 1, none, before);
-            rigid_answer(rope, side, 1, d, after);
-        } else {
-            perturbed_step(rope, side, 1, d, c);
-            before[side] = end_row(rope->trial.v, rope->trial.nodes, side)[1];
-            after[side] = end_row(rope->trial.a, rope->trial.nodes, side)[1];
-        }
-        masses[side] = (after[side] - before[side]) / size;
-    }
+    for (int end = LEFT; end <= RIGHT; end++) loads[6 * end + 1] = -pull.tensions[end];
 }
 
 /* forces and moments of the rope on both conveyances */
@@ -73,12 +54,36 @@ static void loads(const Simulator *rope, const State *state, const double *q, co
     const int nodes = rope->trial.nodes;
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *r = end_row(R, nodes, side);
-        double *to = loads + 6 * side;
-        end_moment(end_row(q, nodes, side) + SLOPE, r + SLOPE, swivel_moment(&rope->scene, state, side, r), to + 3);
-        for (int k = 0; k < 3; k++) {
-            to[k] = -r[k];
-            to[3 + k] = -to[3 + k];
-        }
+        conveyance_load(end_row(q, nodes, side), r, swivel_moment(&rope->scene, state, side, r), loads + 6 * side);
+    }
+}
+
+/* what they gain when an end is moved by d as in perturbed_step, c being of unperturbed_step */
+static void change_of_loads(Simulator *rope, int side, int dof, const double d[3], const double c[3],
+                            double change[12]) {
+    double before[12] = {0};
+    memset(change, 0, sizeof before);
+    if (rope->state->fidelity == RIGID) { /* no side forces, no moments */
+        const double none[3] = {0};
+        rigid_answer(rope, side, dof, none, before);
+        rigid_answer(rope, side, dof, d, change);
+    } else {
+        loads(rope, rope->state, state_arrays(rope->state).q, rope->trial.v, before);
+        perturbed_step(rope, side, dof, d, c);
+        loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, change);
+    }
+    for (int k = 0; k < 12; k++) change[k] -= before[k];
+}
+
+/* kg: how much each end's downward force grows with an upward acceleration held over the last interval */
+void added_mass_signals(Simulator *rope, double *values) {
+    const double h = rope->state->last_interval, size = 1e-3;
+    const double d[3] = {0.5 * h * h * size, h * size, size};
+    double c[3], change[12];
+    unperturbed_step(rope, c);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        change_of_loads(rope, side, 1, d, c, change);
+        values[side == LEFT ? SIGNAL_LEFT_ADDED_MASS : SIGNAL_RIGHT_ADDED_MASS] = -change[6 * side + 1] / size;
     }
 }
 
@@ -93,31 +98,19 @@ int rope_derivative(Simulator *rope, int input, double derivative[12]) {
     double d[3] = {0};
     d[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
     memset(derivative, 0, sizeof(double) * 12);
-    if (dof == ANGLE && state->swivels[side].phase == SLIP) return 1; /* the friction does not know the yaw */
-    if (state->fidelity == RIGID) { /* no side forces, no moments, and only heights have speeds */
-        if (dof == ANGLE) return 1;
-        const double none[3] = {0};
-        double rest[2], moved[2];
-        rigid_answer(rope, side, dof, none, rest);
-        rigid_answer(rope, side, dof, d, moved);
-        for (int end = LEFT; end <= RIGHT; end++) derivative[6 * end + 1] = -(moved[end] - rest[end]) / sizes[kind];
-        return 1;
-    }
+    /* friction does not know the yaw, nor does the rigid rope */
+    if (dof == ANGLE && (state->swivels[side].phase == SLIP || state->fidelity == RIGID)) return 1;
     if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
         d[2] = d[1] / state->last_interval;
-    double c[3], before[12];
+    double c[3];
     unperturbed_step(rope, c);
-    loads(rope, state, state_arrays(state).q, rope->trial.v, before);
-    perturbed_step(rope, side, dof, d, c);
-    loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, derivative);
-    for (int k = 0; k < 12; k++) {
-        derivative[k] = (derivative[k] - before[k]) / sizes[kind];
-        if (!isfinite(derivative[k])) return say_no_finite_derivative(rope->message);
-    }
+    change_of_loads(rope, side, dof, d, c, derivative);
+    for (int k = 0; k < 12; k++)
+        if (!isfinite(derivative[k] /= sizes[kind])) return say_no_finite_derivative(rope->message);
     return 1;
 }
 
-static const LoopBottom *bottom_now(Simulator *rope) {
+const LoopBottom *bottom_now(Simulator *rope) {
     if (!rope->bottom_known) {
         const Arrays m = state_arrays(rope->state);
         rope->bottom = shape_loop_bottom(m.nodes, m.q, m.s);
@@ -126,38 +119,15 @@ static const LoopBottom *bottom_now(Simulator *rope) {
     return &rope->bottom;
 }
 
-double rope_signal(Simulator *rope, int signal) {
-    const int group = signal_group(signal);
-    if (!rope->initialized || group < 0) return NAN;
-    if (!(rope->known & 1u << group)) {
-        const Arrays m = state_arrays(rope->state);
-        if (group == ADDED_MASS_SIGNALS) {
-            double masses[2];
-            added_masses(rope, masses);
-            rope->values[SIGNAL_LEFT_ADDED_MASS] = masses[LEFT];
-            rope->values[SIGNAL_RIGHT_ADDED_MASS] = masses[RIGHT];
-        } else if (group == CONTACT_SIGNALS) {
-            const System s = system_of(rope, rope->state);
-            double sums[CONTACT_BALANCE] = {0};
-            if (rope->state->fidelity != RIGID) contact_balance(&s, m.q, m.v, sums);
-            memcpy(rope->values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * (KINDS + 1));
-        } else {
-            if (group == STRESS_SIGNALS || group == ALONG_SIGNALS || group == STATION_SIGNALS) {
-                const System s = system_of(rope, rope->state);
-                chain_of(rope, rope->state)->strains(&s, m.q, rope->strains);
-            }
-            signals_of(group, &rope->scene, rope->state, &m, (const double (*)[STRAINS])rope->strains,
-                       group == END_SIGNALS || group == ENERGY_SIGNALS || group == ERROR_SIGNALS ||
-                               group == AUDIT_SIGNALS
-                           ? NULL
-                           : bottom_now(rope),
-                       rope->values);
-        }
-        rope->known |= 1u << group;
-    }
-    return rope->values[signal];
+void compute_strains(Simulator *rope) {
+    const System s = system_of(rope, rope->state);
+    chain_of(rope, rope->state)->strains(&s, state_arrays(rope->state).q, rope->strains);
 }
 
-void rope_signals(Simulator *rope, size_t number, const int *signals, double *values) {
-    for (size_t k = 0; k < number; k++) values[k] = rope_signal(rope, signals[k]);
+void contact_signals(Simulator *rope, double *values) {
+    const Arrays m = state_arrays(rope->state);
+    const System s = system_of(rope, rope->state);
+    double sums[CONTACT_BALANCE] = {0};
+    if (rope->state->fidelity != RIGID) contact_balance(&s, m.q, m.v, sums);
+    memcpy(values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * (KINDS + 1));
 }

@@ -5,201 +5,147 @@
 #include <string.h>
 
 #include "guards.h"
-#include "shaft.h"
-#include "energy_values.h" /* energy_signals: generated */
+#include "simulator.h"
+#include "state_signals.h" /* state_signals: generated */
 
-int signal_group(int signal) {
-    static const signed char groups[] = {SIGNAL_GROUPS};
-    return signal >= 0 && signal < SIGNALS ? groups[signal] : -1;
-}
-
-static void end_signals(int side, const Scene *scene, const State *state, const Arrays *arrays, double *values) {
-    ptrdiff_t row = side == LEFT ? 0 : (ptrdiff_t)DOF * (arrays->nodes - 1);
-    const double *q = arrays->q + row, *v = arrays->v + row, *reaction = arrays->reaction + row;
-    double torque = swivel_moment(scene, state, side, reaction), moment[3], relative[2];
-    end_moment(q + SLOPE, reaction + SLOPE, torque, moment);
-    swivel_relative(state, side, state->t, q[ANGLE], v[ANGLE], relative);
-
-    /* both ends have the same signals in the same order */
-    if (side == RIGHT) values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX;
-    for (int axis = 0; axis < 3; axis++) {
-        values[SIGNAL_LEFT_FX + axis] = -reaction[axis];
-        values[SIGNAL_LEFT_MX + axis] = -moment[axis];
+static void end_signals(Simulator *rope, double *values) {
+    const State *state = rope->state;
+    const Arrays m = state_arrays(rope->state);
+    for (int side = LEFT; side <= RIGHT; side++, values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX) {
+        const double *q = end_row(m.q, m.nodes, side), *v = end_row(m.v, m.nodes, side);
+        const double *reaction = end_row(m.reaction, m.nodes, side);
+        const double torque = swivel_moment(&rope->scene, state, side, reaction);
+        conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
+        swivel_relative(state, side, state->t, q[ANGLE], v[ANGLE], values + SIGNAL_LEFT_SWIVEL_ANGLE);
+        values[SIGNAL_LEFT_SWIVEL_TORQUE] = torque;
+        values[SIGNAL_LEFT_SWIVEL_SLIPPING] = state->swivels[side].phase == SLIP;
     }
-    values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];
-    values[SIGNAL_LEFT_SWIVEL_ANGLE] = relative[0];
-    values[SIGNAL_LEFT_SWIVEL_RATE] = relative[1];
-    values[SIGNAL_LEFT_SWIVEL_TORQUE] = torque;
-    values[SIGNAL_LEFT_SWIVEL_SLIPPING] = state->swivels[side].phase == SLIP;
 }
 
-static void loop_signals(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom,
-                         double *values) {
+static void loop_signals(Simulator *rope, double *values) {
+    const Scene *scene = &rope->scene;
+    const State *state = rope->state;
+    const Arrays m = state_arrays(rope->state);
+    const LoopBottom *bottom = bottom_now(rope);
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
     values[SIGNAL_LOOP_YAW] = shape_nearest_turn(bottom->yaw, state->loop_yaw);
-    values[SIGNAL_LOOP_CLEARANCE] = shape_leg_clearance(arrays->nodes, arrays->q, arrays->s, bottom, loop_width(scene),
-                                                        scene->rope.diameter, scene->layout.spacing);
-    values[SIGNAL_LOOP_TURNS] = shape_loop_turns(arrays->nodes, arrays->q, arrays->s, bottom).number;
-    values[SIGNAL_LOOP_CROSSINGS] = state->crossing.number;
-    values[SIGNAL_LOOP_CROSSED_AT] = state->crossing.since;
-    values[SIGNAL_LOOP_CROSSED_Y] = state->crossing.y;
-    values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, arrays, bottom);
-    values[SIGNAL_LOOP_SIDEWAYS] = guards_sideways(arrays, bottom);
+    values[SIGNAL_LOOP_CLEARANCE] =
+        shape_leg_clearance(m.nodes, m.q, m.s, bottom, loop_width(scene), scene->rope.diameter, scene->layout.spacing);
+    values[SIGNAL_LOOP_TURNS] = shape_loop_turns(m.nodes, m.q, m.s, bottom).number;
+    values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, &m, bottom);
+    values[SIGNAL_LOOP_SIDEWAYS] = guards_sideways(&m, bottom);
 }
 
-static void guard_signals(const GuardState *guard, double *values) {
-    values[SIGNAL_GUARD_TRIPPED] = guard->cause > 0;
-    values[SIGNAL_GUARD_CAUSE] = guard->cause;
-    values[SIGNAL_GUARD_TIME] = guard->time;
-}
-
-static void clearance_signals(const Scene *scene, const State *state, const Arrays *arrays, double *values) {
+static void clearance_signals(Simulator *rope, double *values) {
+    const Arrays m = state_arrays(rope->state);
     Nearest nearest[KINDS];
-    shaft_clearances(scene, arrays, state->t, nearest);
+    shaft_clearances(&rope->scene, &m, rope->state->t, nearest);
     for (int kind = 0; kind < KINDS; kind++) values[SIGNAL_CLEARANCE_LINING + kind] = nearest[kind].clearance;
 }
 
-/* of an element; a fidelity without torsion has no torque */
-static double shear_stress(const Rope *rope, int fidelity, const double strains[3]) {
-    return fidelity == TORSIONAL ? torsional_stress(rope, strains[0], strains[1]) : 0.0;
+/* the order of physics.stress.material_values */
+enum { BENDING_STRESS, TORSIONAL_STRESS, CURVATURE, TORQUE, MATERIAL_VALUES };
+
+/* of an element */
+static double material_value(const Simulator *rope, int element, int which) {
+    double found[MATERIAL_VALUES];
+    material_values(&rope->scene.rope, rope->state->fidelity == TORSIONAL, rope->strains[element], found);
+    return found[which];
 }
 
-static void stress_signals(const Rope *rope, int fidelity, const Arrays *arrays, const double (*strains)[3],
-                           const LoopBottom *bottom, double *values) {
-    double bending = -HUGE_VAL, torsion = -HUGE_VAL;
-    for (int k = 0; k < arrays->elements; k++) {
-        bending = fmax(bending, bending_stress(rope, strains[k][2]));
-        torsion = fmax(torsion, shear_stress(rope, fidelity, strains[k]));
-    }
-    int last = arrays->elements - 1, lowest = 0;
-    while (lowest < last && arrays->s[lowest + 1] < bottom->s) lowest++;
-    values[SIGNAL_LEFT_TWIST] = strains[0][1];
-    values[SIGNAL_RIGHT_TWIST] = strains[last][1];
-    values[SIGNAL_LOOP_TWIST] = strains[lowest][1];
-    values[SIGNAL_STRESS_BENDING_MAX] = bending;
-    values[SIGNAL_STRESS_TORSION_MAX] = torsion;
+static void stress_signals(Simulator *rope, double *values) {
+    const Arrays m = state_arrays(rope->state);
+    const int last = m.elements - 1;
+    int lowest = 0;
+    compute_strains(rope);
+    values[SIGNAL_STRESS_BENDING_MAX] = values[SIGNAL_STRESS_TORSION_MAX] = -HUGE_VAL;
+    for (int k = 0; k <= last; k++)
+        for (int which = BENDING_STRESS; which <= TORSIONAL_STRESS; which++) {
+            double *most = values + SIGNAL_STRESS_BENDING_MAX + which;
+            *most = fmax(*most, material_value(rope, k, which));
+        }
+    while (lowest < last && m.s[lowest + 1] < bottom_now(rope)->s) lowest++;
+    values[SIGNAL_LEFT_TWIST] = rope->strains[0][1];
+    values[SIGNAL_RIGHT_TWIST] = rope->strains[last][1];
+    values[SIGNAL_LOOP_TWIST] = rope->strains[lowest][1];
 }
 
-static void error_signals(const Scene *scene, const State *state, const Arrays *arrays, double *values) {
-    const double fine = mesh_fine_length(&state->pattern, arrays->lengths);
-    values[SIGNAL_STATUS_END_FORCE_ERROR] = end_force_error(&scene->rope, &state->errors);
-    values[SIGNAL_STATUS_LOOP_ERROR] = loop_error(scene, &state->errors, fine, state->pattern.grading_length);
-    values[SIGNAL_STATUS_GIVEN_UP] = (double)state->counts.given_up;
-    values[SIGNAL_STATUS_GIVEN_UP_SINCE] = state->given_up_since;
+static void audit_signals(Simulator *rope, double *values) {
+    audit_values(&rope->state->audit, values + SIGNAL_AUDIT_MOMENTUM); /* in their order */
 }
 
-static void shape_signals(const Scene *scene, const Arrays *arrays, const LoopBottom *bottom, double *values) {
+static void error_signals(Simulator *rope, double *values) {
+    const State *state = rope->state;
+    const double fine = mesh_fine_length(&state->pattern, state_arrays(rope->state).lengths);
+    values[SIGNAL_STATUS_END_FORCE_ERROR] = end_force_error(&rope->scene.rope, &state->errors);
+    values[SIGNAL_STATUS_LOOP_ERROR] = loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length);
+}
+
+static void shape_signals(Simulator *rope, double *values) {
+    const Arrays m = state_arrays(rope->state);
     double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3];
-    shape_places(arrays->s[arrays->nodes - 1], bottom->s, loop_width(scene), SHAPE_POINTS, at);
-    shape_points(arrays->nodes, arrays->q, arrays->s, SHAPE_POINTS, at, xyz[0]);
+    shape_places(m.s[m.elements], bottom_now(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, at);
+    shape_points(m.nodes, m.q, m.s, SHAPE_POINTS, at, xyz[0]);
+    for (int i = 0; i < SHAPE_POINTS; i++)
+        for (int axis = 0; axis < 3; axis++) values[SIGNAL_SHAPE_X_1 + SHAPE_POINTS * axis + i] = xyz[i][axis];
+}
+
+/* a value of the material at arc lengths `at`, linear between the middles of the elements */
+static void along(const Simulator *rope, const double *at, int which, double *values) {
+    const Arrays m = state_arrays(rope->state);
     for (int i = 0; i < SHAPE_POINTS; i++) {
-        values[SIGNAL_SHAPE_X_1 + i] = xyz[i][0];
-        values[SIGNAL_SHAPE_Y_1 + i] = xyz[i][1];
-        values[SIGNAL_SHAPE_Z_1 + i] = xyz[i][2];
+        const int k = shape_middle_before(m.nodes, m.s, at[i]), next = k < m.nodes - 2 ? k + 1 : k;
+        values[i] = shape_interpolate_midpoints(m.nodes, m.s, k, at[i], material_value(rope, k, which),
+                                                material_value(rope, next, which));
     }
 }
 
-/* of an element, at one fidelity */
-typedef double Quantity(const Rope *rope, int fidelity, const double strains[3]);
-
-static double bend_stress(const Rope *rope, int fidelity, const double strains[3]) {
-    (void)fidelity;
-    return bending_stress(rope, strains[2]);
-}
-
-static double curvature(const Rope *rope, int fidelity, const double strains[3]) {
-    (void)rope, (void)fidelity;
-    return strains[2];
-}
-
-static double torque(const Rope *rope, int fidelity, const double strains[3]) {
-    return fidelity == TORSIONAL ? torque_of(rope, strains[0], strains[1]) : 0.0;
-}
-
-/* a quantity at arc lengths `at`, linear between the middles of the elements */
-static void along(const Scene *scene, int fidelity, const Arrays *arrays, const double (*strains)[3], const double *at,
-                  Quantity *of, double *values) {
-    for (int i = 0; i < SHAPE_POINTS; i++) {
-        int k = shape_middle_before(arrays->nodes, arrays->s, at[i]), next = k < arrays->nodes - 2 ? k + 1 : k;
-        values[i] =
-            shape_interpolate_midpoints(arrays->nodes, arrays->s, k, at[i], of(&scene->rope, fidelity, strains[k]),
-                                        of(&scene->rope, fidelity, strains[next]));
-    }
-}
-
-static void pull_at(const Scene *scene, int fidelity, const Arrays *arrays, const double *at, double *tension) {
-    const double rho = scene->rope.mass_per_length, gravity = scene->layout.gravity;
+static void pull_at(const Simulator *rope, const double *at, double *tension) {
+    const double rho = rope->scene.rope.mass_per_length, gravity = rope->scene.layout.gravity;
+    const Arrays m = state_arrays(rope->state);
     double xyz[SHAPE_POINTS][3], y[SHAPE_POINTS];
-    if (fidelity != RIGID) {
-        shape_tension(arrays, rho, gravity, SHAPE_POINTS, at, tension);
+    if (rope->state->fidelity != RIGID) {
+        shape_tension(&m, rho, gravity, SHAPE_POINTS, at, tension);
         return;
     }
-    shape_points(arrays->nodes, arrays->q, arrays->s, SHAPE_POINTS, at, xyz[0]);
+    shape_points(m.nodes, m.q, m.s, SHAPE_POINTS, at, xyz[0]);
     for (int i = 0; i < SHAPE_POINTS; i++) y[i] = xyz[i][1];
-    rigid_tension(arrays, rho, gravity, SHAPE_POINTS, at, y, tension);
+    rigid_tension(&m, rho, gravity, SHAPE_POINTS, at, y, tension);
 }
 
-static void along_signals(const Scene *scene, int fidelity, const Arrays *arrays, const double (*strains)[3],
-                          const LoopBottom *bottom, double *values) {
+static void along_signals(Simulator *rope, double *values) {
+    const Arrays m = state_arrays(rope->state);
     double *at = values + SIGNAL_SHAPE_S_1;
-    shape_places(arrays->s[arrays->nodes - 1], bottom->s, loop_width(scene), SHAPE_POINTS, at);
-    pull_at(scene, fidelity, arrays, at, values + SIGNAL_SHAPE_TENSION_1);
-    along(scene, fidelity, arrays, strains, at, bend_stress, values + SIGNAL_SHAPE_BENDING_1);
-    along(scene, fidelity, arrays, strains, at, shear_stress, values + SIGNAL_SHAPE_TORSION_1);
+    compute_strains(rope);
+    shape_places(m.s[m.elements], bottom_now(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, at);
+    pull_at(rope, at, values + SIGNAL_SHAPE_TENSION_1);
+    along(rope, at, BENDING_STRESS, values + SIGNAL_SHAPE_BENDING_1);
+    along(rope, at, TORSIONAL_STRESS, values + SIGNAL_SHAPE_TORSION_1);
 }
 
-static void station_signals(const Scene *scene, int fidelity, const Arrays *arrays, const double (*strains)[3],
-                            double *values) {
-    const double first = scene->station.first, step = (scene->station.last - first) / (SHAPE_POINTS - 1);
+static void station_signals(Simulator *rope, double *values) {
+    const Stations *station = &rope->scene.station;
+    const Arrays m = state_arrays(rope->state);
+    const double step = (station->last - station->first) / (SHAPE_POINTS - 1);
     double at[SHAPE_POINTS];
+    compute_strains(rope);
     for (int i = 0; i < SHAPE_POINTS; i++)
-        at[i] = arrays->s[arrays->nodes - 1] * (i < SHAPE_POINTS - 1 ? i * step + first : scene->station.last);
-    pull_at(scene, fidelity, arrays, at, values + SIGNAL_STATION_TENSION_1);
-    along(scene, fidelity, arrays, strains, at, curvature, values + SIGNAL_STATION_CURVATURE_1);
-    along(scene, fidelity, arrays, strains, at, torque, values + SIGNAL_STATION_TORQUE_1);
+        at[i] = m.s[m.elements] * (i < SHAPE_POINTS - 1 ? i * step + station->first : station->last);
+    pull_at(rope, at, values + SIGNAL_STATION_TENSION_1);
+    along(rope, at, CURVATURE, values + SIGNAL_STATION_CURVATURE_1);
+    along(rope, at, TORQUE, values + SIGNAL_STATION_TORQUE_1);
 }
 
-void signals_of(int group, const Scene *scene, const State *state, const Arrays *arrays, const double (*strains)[3],
-                const LoopBottom *bottom, double *values) {
-    switch (group) {
-    case END_SIGNALS:
-        end_signals(LEFT, scene, state, arrays, values);
-        end_signals(RIGHT, scene, state, arrays, values);
-        break;
-    case LOOP_SIGNALS:
-        loop_signals(scene, state, arrays, bottom, values);
-        break;
-    case STRESS_SIGNALS:
-        stress_signals(&scene->rope, state->fidelity, arrays, strains, bottom, values);
-        break;
-    case ENERGY_SIGNALS:
-        energy_signals(&state->energy_balance, &state->counts, values);
-        break;
-    case AUDIT_SIGNALS:
-        audit_values(&state->audit, values + SIGNAL_AUDIT_MOMENTUM); /* in their order */
-        break;
-    case ERROR_SIGNALS:
-        error_signals(scene, state, arrays, values);
-        break;
-    case SHAPE_SIGNALS:
-        shape_signals(scene, arrays, bottom, values);
-        break;
-    case ALONG_SIGNALS:
-        along_signals(scene, state->fidelity, arrays, strains, bottom, values);
-        break;
-    case STATION_SIGNALS:
-        station_signals(scene, state->fidelity, arrays, strains, values);
-        break;
-    case CLEARANCE_SIGNALS:
-        clearance_signals(scene, state, arrays, values);
-        break;
-    case NEAREST_SIGNALS: /* the same numbers in the same order */
-        memcpy(values + SIGNAL_NEAREST_LINING_CLEARANCE, state->nearest, sizeof state->nearest);
-        break;
-    case GUARD_SIGNALS:
-        guard_signals(&state->guard, values);
-        break;
-    default: /* the simulator computes added masses and contact itself */
-        break;
-    }
+double rope_signal(Simulator *rope, int signal) {
+    static const signed char groups[] = SIGNAL_GROUPS;
+    static void (*const compute[])(Simulator *, double *) = GROUP_FUNCTIONS;
+    if (!rope->initialized || signal < 0 || signal >= SIGNALS) return NAN;
+    const int group = groups[signal];
+    if (!(rope->known & 1u << group)) compute[group](rope, rope->values);
+    rope->known |= 1u << group;
+    return rope->values[signal];
+}
+
+void rope_signals(Simulator *rope, size_t number, const int *signals, double *values) {
+    for (size_t k = 0; k < number; k++) values[k] = rope_signal(rope, signals[k]);
 }

@@ -174,7 +174,7 @@ typedef struct {
 
 static double due_at(void *with, double time) {
     const Looked *at = with;
-    return mesh_distance_to_due(&at->state->pattern, bottom_of(at->rope, at->state, time));
+    return distance_to_due(&at->state->pattern, bottom_of(at->rope, at->state, time));
 }
 
 /* the instant at which the coming steps must end: the host's, a release, or a transformation that a step would carry

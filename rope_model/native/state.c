@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "cases.h"
 #include "simulator.h"
 
 void state_copy(const Simulator *rope, State *to, const State *from) {
@@ -41,7 +42,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
         if (pattern->counts[0] != 0 || pattern->counts[SEGMENTS - 1] != 0) return 0;
     } else {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
-        const int first = pattern->counts[0], least = mesh_fewest_outer(expected.counts + 1);
+        const int first = pattern->counts[0], least = (int)fewest_outer(expected.counts + 1);
         if (!within(first, least, outer - least) || pattern->counts[SEGMENTS - 1] != outer - first) return 0;
         mesh_transform(&expected, pattern->counts[0] - expected.counts[0], m->elements, lengths);
     }

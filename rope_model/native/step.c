@@ -221,18 +221,14 @@ void set_powers(const Simulator *rope, State *state) {
 /* from the sums over the elements; the inertia of the swivels counts as kinetic energy of the rope */
 static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *s, const double *q,
                          const double *v) {
-    double sums[BALANCE], energies[3], contact[CONTACT_BALANCE];
+    double sums[BALANCE], contact[CONTACT_BALANCE];
     memcpy(sums, balance, sizeof sums);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double rate = end_row(v, s->elements + 1, side)[ANGLE];
         sums[KINETIC] += 0.5 * s->inertia[side] * rate * rate;
     }
-    energies_of(sums, energies);
-    energy_balance->kinetic = energies[0];
-    energy_balance->strain = energies[1];
-    energy_balance->gravity = energies[2];
     contact_balance(s, q, v, contact);
-    energy_balance->contact = contact[CONTACT_ENERGY];
+    *energy_balance = with_energies(energy_balance, sums, contact[CONTACT_ENERGY]);
 }
 
 double update_energies(Simulator *rope, State *state) {
@@ -249,7 +245,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     System s = system_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF;
-    const double h = trial->t - state->t, half = 0.5 * h, before[2] = {state->power_ends, state->power_swivel};
+    const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
     const double forces[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
     const Coefficients method = {rope->scene.solver.rho_inf};
     const double moved_by = recentring(&method, trial->h, state->h);
@@ -263,15 +259,13 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
         m.q[i] = 0.5 * (q + now->q[i]);
         m.v[i] = (now->q[i] - q) / h;
     }
-    s.time = state->t + half;
+    s.time = state->t + 0.5 * h;
     chain_of(rope, state)->losses(&s, m.q, m.v, losses);
     contact_balance(&s, m.q, m.v, contact);
     chain_of(rope, state)->air(&s, m.q, m.v, air);
-    energy->dissipated_wires += slip_wires(rope, state, now->q);
+    const double slid = slip_wires(rope, state, now->q);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);
-    double *const to[] = {m.q, m.v, m.a, m.b, m.a_rate, m.reaction};
-    double *const from[] = {now->q, now->v, now->a, now->b, now->a_rate, now->reaction};
-    for (int k = 0; k < 6; k++) memcpy(to[k], from[k], sizeof(double) * size);
+    memcpy(m.q, now->q, FIELDS * sizeof(double) * size);
     state->t = trial->t;
     state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
@@ -280,12 +274,9 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     set_powers(rope, state);
     if (!trial->near) s.around = NULL;
     set_energies(energy, trial->balance, &s, m.q, m.v);
-    energy->work_ends += half * (before[0] + state->power_ends) + h * contact[CONTACT_MOVED];
-    energy->dissipated_swivel += half * (before[1] + state->power_swivel);
-    energy->dissipated_material += h * losses[0];
-    energy->dissipated_contact += h * contact[CONTACT_DISSIPATED];
-    energy->given_to_air += h * air[0];
-    energy->nonconservative += h * losses[1];
+    const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
+    const double now_powers[] = {state->power_ends, state->power_swivel};
+    *energy = account_of_step(energy, h, before, now_powers, taken, slid, air[0]);
     audit_step(rope, state, h, moved_by, forces);
 }
 

@@ -3,31 +3,21 @@
 #include <math.h>
 #include <string.h>
 
+#include "cases.h"
 #include "simulator.h"
 
-/* s: width to which events are located; N m by which a moment must pass the static limit */
+/* s: width to which events are located */
 #define EVENT_WIDTH 1e-9
-#define MOMENT_RESOLUTION 1e-9
 /* CHATTER_EVENTS switchings within so many s are no motion of a rope */
 #define CHATTER_TIME 1e-3
 
-static int frictionless(const Swivel *swivel) {
-    return swivel->mode == FREE_MODE || (swivel->mu_kinetic == 0 && swivel->seal_moment == 0);
-}
-
-/* event function of one swivel: negative while it may stay in its phase */
+/* event function of one swivel */
 static double excess_of(const Simulator *rope, const State *state, int side, double t, const Arrays *m) {
-    const Swivel *swivel = &rope->scene.swivels[side];
-    const SwivelState *now = &state->swivels[side];
     const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);
     const double *R = end_row(m->reaction, m->nodes, side);
     double relative[2];
-    if (now->phase == LOCKED || (now->phase == SLIP && frictionless(swivel))) return -INFINITY;
-    if (now->phase == STICK)
-        return fabs(swivel_moment(&rope->scene, state, side, R)) -
-               (swivel_friction(swivel, swivel->mu_static, R[1]) + MOMENT_RESOLUTION);
     swivel_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
-    return -now->sign * relative[1];
+    return swivel_excess(&rope->scene.swivels[side], &state->swivels[side], R[1], R[ANGLE], relative[1]);
 }
 
 static double excess(const Simulator *rope, const State *state, double t, const Arrays *m) {

@@ -16,7 +16,6 @@ from ..simulation.paths import HARDEST, REACH, SIDES
 from ..simulation.shaft import BODIES
 from ..simulation.signal_table import SHAPE_POINTS, SIGNALS
 from ..simulation.signals import group_of
-from ..simulation.state import EnergyBalance
 from .formulas import host_formulas
 from .layout import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
@@ -34,7 +33,9 @@ def signal_numbers() -> str:
     A number is the place in SIGNALS, a group the function of simulation.signals that computes the signal.
     """
     numbers = "".join(f"    {constant(name)},\n" for name in SIGNALS)
-    groups = ", \\\n".join(f"    {group_of(name).__name__.upper()}" for name in SIGNALS)
+    functions = list(dict.fromkeys(map(group_of, SIGNALS)))
+    groups = ", \\\n".join(f"    {functions.index(group_of(name))}" for name in SIGNALS)
+    names = ", ".join(function.__name__ for function in functions)
     texts = ", \\\n".join(
         f"    {json.dumps(neglected_text(fidelity) if fidelity in FIDELITIES else '')}"
         for fidelity in get_args(FidelityChoice)
@@ -43,26 +44,10 @@ def signal_numbers() -> str:
         "/* Generated from rope_model.simulation.signals and neglected_effects by rope_model.native.tables. */\n"
         "#ifndef SIGNAL_NUMBERS_H\n#define SIGNAL_NUMBERS_H\n\n"
         f"enum {{\n{numbers}    SIGNALS,\n    SHAPE_POINTS = {SHAPE_POINTS}\n}};\n\n"
-        f"/* of each signal, an enum of signals.h */\n#define SIGNAL_GROUPS \\\n{groups}\n\n"
+        f"/* functions that compute signals, and the place of its own of each signal */\n"
+        f"#define GROUP_FUNCTIONS {{{names}}}\n#define SIGNAL_GROUPS {{ \\\n{groups}}}\n\n"
         f"/* kinds of bodies in words */\n#define BODY_WORDS {{{', '.join(map(json.dumps, BODIES.values()))}}}\n\n"
         f"/* the warning of each fidelity, by its code */\n#define LEFT_OUT_TEXTS {{ \\\n{texts}}}\n\n#endif\n"
-    )
-
-
-def energy_values() -> str:
-    """The text of energy_values.h: signals energy.* and count.*, as energy_signals of simulation.signals has them."""
-    lines = []
-    for name in SIGNALS:
-        of, _, member = name.partition(".")
-        if of == "energy":
-            value = f"energy->{member}" if member in EnergyBalance._fields else f"energy_{member}(energy)"
-            lines.append(f"    values[{constant(name)}] = {value};\n")
-        elif of == "count":
-            lines.append(f"    values[{constant(name)}] = (double)counts->{member};\n")
-    return (
-        "/* Generated from rope_model.simulation.signals by rope_model.native.tables. */\n"
-        "static void energy_signals(const EnergyBalance *energy, const Counts *counts, double *values) {\n"
-        f"{''.join(lines)}}}\n"
     )
 
 

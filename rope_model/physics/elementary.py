@@ -24,6 +24,11 @@ def ceil(x: Any) -> Any:
     return float(math.ceil(x)) if isinstance(x, float | int) else _library(x).ceil(x)
 
 
+def floor(x: Any) -> Any:
+    """The whole number that is not above ``x``."""
+    return float(math.floor(x)) if isinstance(x, float | int) else _library(x).floor(x)
+
+
 def exp(x: Any) -> Any:
     """Exponential."""
     return _library(x).exp(x)

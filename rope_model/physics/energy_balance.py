@@ -14,6 +14,31 @@ def energies(balance: Any) -> tuple[Any, Any, Any]:
     return kinetic + spin, axial + coupling + torsion + bending, gravity
 
 
+def with_energies(energy_balance: Any, balance: Any, contact: Any) -> Any:
+    """The account with the energies of a state, from its balance and what ``contact`` stores."""
+    kinetic, strain, gravity = energies(balance)
+    return energy_balance._replace(kinetic=kinetic, strain=strain, gravity=gravity, contact=contact)
+
+
+def after_step(energy_balance: Any, h: Any, before: Any, now: Any, losses: Any, wires: Any, air: Any) -> Any:
+    """The account after a step ``h``.
+
+    ``before`` and ``now`` are Powers at its ends, ``losses`` are those of rope_system.Losses (W); friction between the
+    ``wires`` took up (J), and the ``air`` takes up (W).
+    """
+    damping, nonconservative, contact, moved = losses
+    half, account = 0.5 * h, energy_balance
+    return account._replace(
+        work_ends=account.work_ends + (half * (before[0] + now[0]) + h * moved),
+        dissipated_swivel=account.dissipated_swivel + half * (before[1] + now[1]),
+        dissipated_material=account.dissipated_material + h * damping,
+        dissipated_contact=account.dissipated_contact + h * contact,
+        dissipated_wires=account.dissipated_wires + wires,
+        given_to_air=account.given_to_air + h * air,
+        nonconservative=account.nonconservative + h * nonconservative,
+    )
+
+
 def total(energy_balance: Any) -> Any:
     """Kinetic, strain and potential energy, and what contact stores."""
     return energy_balance.kinetic + energy_balance.strain + energy_balance.gravity + energy_balance.contact

@@ -57,3 +57,8 @@ def end_moment(d: Any, f: Any, torque: Any) -> tuple[Any, Any, Any]:
     length = sqrt(dot(d, d))
     x, y, z = cross(d, f)
     return x + torque * (d[0] / length), y + torque * (d[1] / length), z + torque * (d[2] / length)
+
+
+def conveyance_load(q: Any, f: Any, torque: Any) -> tuple[Any, ...]:
+    """Force (N) and moment (N m) of the rope on the conveyance, from coordinates and reaction of its end (7,)."""
+    return *(-x for x in f[:3]), *(-x for x in end_moment(q[3:6], f[3:6], torque))

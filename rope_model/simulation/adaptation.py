@@ -14,7 +14,8 @@ from . import messages
 from .ends import right_offset
 from .fidelity import lowest_sufficient
 from .fidelity_cases import carries_torque
-from .mesh import Partition, transform, transformation_due
+from .mesh import Partition, transform
+from .mesh_pattern import transformation_due
 from .model import RopeModel, ends_of, energies, with_angles_along
 from .paths import ends_at
 from .rigid import flexible_start, with_elastic_strain
@@ -91,7 +92,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     z = system.slip(motion.q).z
     above = model.restart(with_angles_along(system, above._replace(motion=motion, hysteresis=z)))
     m, before = above.motion, state.energy_balance
-    after = before._replace(**energies(model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance))
+    after = energies(before, model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance)
     if not above.hysteresis.size:
         above = above._replace(hysteresis=fresh_memory(model.scene, state.partition.lengths.size))
     return above._replace(
@@ -115,7 +116,7 @@ def _with_energy_change(model: RopeModel, state: RopeState) -> RopeState:
     """A transformed rope with its energy change in the energy_balance."""
     m, before = state.motion, state.energy_balance
     evaluation = model.system(state).evaluate(m.q, m.v, m.a, m.reaction)
-    after = before._replace(**energies(evaluation.balance))
+    after = energies(before, evaluation.balance)
     kinetic, total = after.kinetic - before.kinetic, after.total - before.total
     event = Event(m.t, "transformation", kinetic, total - kinetic)
     log.debug("t = %.6f s: %s, kinetic energy %+.3g J, potential %+.3g J", *event)

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 from ..numerics.generalized_alpha import auxiliary_weights
 from ..physics.elementary import atan2, cross, dot, larger, sqrt, where
 from ..physics.estimates import axial_frequency
+from ..physics.frame import end_moment
 
 Load = tuple[float, float, float, float, float, float]
 #: momentum, angular momentum about the origin, first moment of the mass: physics.element.MOMENTUM
@@ -60,9 +61,9 @@ class Audit(NamedTuple):
     bend: float = 0.0  # largest square of the change of r' over an element
 
 
-def end_load(r: Any, f: Any, moment: Any) -> tuple[Any, ...]:
-    """Force and moment about the origin of an end at ``r`` (6,)."""
-    x, y, z = cross(r, f)
+def end_load(q: Any, f: Any, torque: Any) -> tuple[Any, ...]:
+    """Force and moment about the origin (6,) on an end, from its coordinates and reaction (7,)."""
+    (x, y, z), moment = cross(q, f), end_moment(q[3:6], f[3:6], torque)
     return f[0], f[1], f[2], x + moment[0], y + moment[1], z + moment[2]
 
 

@@ -14,8 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,25 +25,12 @@ from ..physics.swivel import friction_moment
 from . import messages
 from .paths import HARDEST, PATH, REACH, EndMotion, EndPath, OfAxes
 from .rope_system import ANGLE, Array
+from .swivel_phases import Phase as Phase
+from .swivel_phases import SwivelState as SwivelState
+from .swivel_phases import moment_of_swivel, swivel_friction
 
 #: sense of the conveyance's yaw in theta, left and right
 YAW_SENSE = (-1.0, 1.0)
-
-
-class Phase(Enum):
-    """What a swivel does."""
-
-    LOCKED = 0
-    STICK = 1
-    SLIP = 2
-
-
-class SwivelState(NamedTuple):
-    """Phase; while it holds, the relative angle b (rad); while it slips, the sign of b_t."""
-
-    phase: Phase
-    angle: float
-    sign: float
 
 
 @dataclass(frozen=True)
@@ -94,18 +80,12 @@ class HangingEnds:
     def friction(self, side: int, reaction: Array, kinetic: bool) -> float:
         """Moment (N m) the swivel's friction has, or at most has, at the end's present tension."""
         swivel = self.swivels[side]
-        if swivel.mode == "free":
-            return 0.0
         mu = swivel.mu_kinetic if kinetic else swivel.mu_static
-        tension = float(reaction[0 if side == 0 else -1, 1])
-        return float(friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension))
+        return float(swivel_friction(swivel, mu, float(reaction[-side, 1])))
 
     def moment(self, side: int, reaction: Array) -> float:
         """Moment (N m, about the tangent) of the conveyance on the rope's end."""
-        state = self.states[side]
-        if state.phase is Phase.SLIP:
-            return -state.sign * self.friction(side, reaction, kinetic=True)
-        return float(reaction[0 if side == 0 else -1, ANGLE])
+        return float(moment_of_swivel(self.swivels[side], self.states[side], *reaction[-side, [1, ANGLE]].tolist()))
 
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
         """The swivel's angle b (rad) and rate b_t (rad/s)."""

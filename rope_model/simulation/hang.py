@@ -83,7 +83,7 @@ def _equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float =
     balance = model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
     # a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way
     yaw = state.loop_yaw - 0.5 * found.turn
-    books = state.energy_balance._replace(**energies(balance))
+    books = energies(state.energy_balance, balance)
     return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw))
 
 

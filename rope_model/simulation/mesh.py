@@ -25,13 +25,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
 from ..parameters import MOST_ELEMENTS, Mesh, Scene
 from . import messages
-from .mesh_fit import DUE, FADE_ERROR, MESH_SHARE, fit_elements
+from .mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
+from .mesh_pattern import fewest_outer, fine_share, inner_length, pattern_centre, relative_lengths
 from .rope_system import Array, arc_lengths
 
 #: a step does not carry the loop further than this many l past that: what 20 ms at 20 m/s do where l = 1.6 m
@@ -46,13 +47,13 @@ LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
 class Partition:
     """Element lengths from left to right; for TMN-ETM also the pattern they come from.
 
-    ``counts`` are the elements of the seven segments (empty for EEM) before the end elements are halved
+    ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved
     ``end_levels`` times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.
     Where I or VII has fewer than one, the end cuts off as many l of the other segments.
     """
 
     lengths: Array
-    counts: tuple[int, ...] = ()
+    counts: tuple[int, ...] = (0,) * 7
     coarse: float = 0.0
     end_levels: int = 0
     grading_length: float = 0.0
@@ -65,28 +66,12 @@ class Partition:
     @property
     def fine(self) -> float:
         """Length of the loop's elements, m."""
-        return float(self.coarse * relative_lengths(self.counts[1:6])[2]) if self.counts else float(self.lengths[0])
+        return self.coarse * fine_share(self.counts[1:6]) if self.coarse else float(self.lengths[0])
 
-    @cached_property
+    @property
     def centre(self) -> float:
         """Arc length of the middle of segment IV, m."""
-        return self.coarse * (self.counts[0] + 0.5 * inner_length(self.counts[1:6]))
-
-
-def relative_lengths(counts: tuple[int, ...]) -> Array:
-    """Element lengths of the segments II to VI in units of l, for their numbers of elements."""
-    fine = 0.5 ** (1 + sum(n > 0 for n in counts[:2]))
-    return np.array([0.5, 0.25, fine, 0.25, 0.5])
-
-
-def inner_length(counts: tuple[int, ...]) -> float:
-    """Length of the segments II to VI in units of l, for their numbers of elements."""
-    return float(np.dot(counts, relative_lengths(counts)))
-
-
-def fewest_outer(counts: tuple[int, ...]) -> int:
-    """Fewest elements of I or VII: so many below 1 as the half of II to VI, of these counts, has l."""
-    return 1 - int(0.5 * inner_length(counts))
+        return float(pattern_centre(self))
 
 
 def fit_mesh(scene: Scene) -> Mesh:
@@ -114,7 +99,7 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
         raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.fit_mesh")
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
-    inner = inner_length(mesh.counts)
+    inner = float(inner_length(mesh.counts))
     outer = float(np.rint(length / mesh.coarse_length - inner))
     if outer > MOST_ELEMENTS:
         raise ValueError(messages.too_many_lengths(mesh.coarse_length, length, outer, MOST_ELEMENTS))
@@ -129,28 +114,10 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
     return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.grading_length)
 
 
-def transform(old: Partition, direction: int) -> Partition:
+def transform(old: Partition, direction: float) -> Partition:
     """The partition after one transformation, ``direction`` +1 when the loop travels to the right, else -1."""
-    first, last = old.counts[0] + direction, old.counts[6] - direction
+    first, last = old.counts[0] + int(direction), old.counts[6] - int(direction)
     return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels, old.grading_length)
-
-
-def transformation_due(mesh: Partition, bottom: float, slack: float = 0.0) -> int:
-    """+1 or -1 when the loop at arc length ``bottom`` is within ``slack`` (m) of calling for a transformation.
-
-    0 when it is not, or when the mesh can make no more in that direction.
-    """
-    return 0 if distance_to_due(mesh, bottom) < -slack else int(np.sign(bottom - mesh.centre))
-
-
-def distance_to_due(mesh: Partition, bottom: float) -> float:
-    """How far past the limit the loop is, m; negative when no transformation is due or none is possible."""
-    if not mesh.counts:
-        return -np.inf
-    offset = bottom - mesh.centre
-    if mesh.counts[6 if offset > 0 else 0] == fewest_outer(mesh.counts[1:6]):
-        return -np.inf
-    return float(abs(offset) - DUE * mesh.coarse)
 
 
 def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, grading_length: float) -> Partition:
@@ -159,7 +126,7 @@ def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, grading_length
     # what the ends of the rope leave of II to VI
     shares = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
     kept = shares[shares > 0.0]
-    growth, fine = grading_length / coarse, relative_lengths(counts[1:6])[2]
+    growth, fine = grading_length / coarse, fine_share(counts[1:6])
     # where the pattern is cut off the loop bends the rope up to its end
     for longest in (fine, 1.0):
         ends = [_end(end_levels, longest if n < 1 else 1.0) for n in counts[::6]]

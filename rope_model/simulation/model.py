@@ -12,8 +12,8 @@ import numpy as np
 from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, local_error, recentring, restart, step
 from ..parameters import Scene
 from ..physics.accuracy import add_errors, step_error, step_limits
-from ..physics.energy_balance import energies as energies_of
-from ..physics.frame import end_moment
+from ..physics.energy_balance import after_step as account_of_step
+from ..physics.energy_balance import with_energies
 from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from .ends import HangingEnds, Phase, nominal_points
 from .fidelity import flexible
@@ -23,7 +23,7 @@ from .rope_kernels import KernelCache
 from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters, parameter_vector
 from .scene_kernels import acting_along
 from .self_contact import SelfTouchingRope
-from .state import Powers, RopeState
+from .state import EnergyBalance, Powers, RopeState
 from .surroundings import surroundings
 
 
@@ -130,17 +130,9 @@ class RopeModel:
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         halfway = self.pushed(system, old.motion.t + 0.5 * h)
         losses, slip = halfway.losses(middle, rate), system.slip(motion.q)
-        energy_balance = old.energy_balance._replace(
-            **energies(evaluation.balance),
-            work_ends=old.energy_balance.work_ends + 0.5 * h * (before.ends + now.ends) + h * losses.moved,
-            dissipated_swivel=old.energy_balance.dissipated_swivel + 0.5 * h * (before.swivel + now.swivel),
-            dissipated_material=old.energy_balance.dissipated_material + h * losses.damping,
-            dissipated_contact=old.energy_balance.dissipated_contact + h * losses.contact,
-            dissipated_wires=old.energy_balance.dissipated_wires + slip.dissipated,
-            given_to_air=old.energy_balance.given_to_air + h * system.outside(middle, rate)["given_to_air"],
-            nonconservative=old.energy_balance.nonconservative + h * losses.nonconservative,
-        )
-        after = old._replace(motion=motion, hysteresis=slip.z, energy_balance=energy_balance, errors=errors, powers=now)
+        energy, air = energies(old.energy_balance, evaluation.balance), system.outside(middle, rate)["given_to_air"]
+        energy = account_of_step(energy, h, before, now, losses, slip.dissipated, air)
+        after = old._replace(motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=now)
         return self._with_step_audited(old.motion, with_angles_along(system, after), system)
 
     def _with_step_audited(self, old: Motion, state: RopeState, system: RopeSystem) -> RopeState:
@@ -211,7 +203,7 @@ def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
     loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side in (0, 1):
         q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
-        loads.append(end_load(q, R, end_moment(q[SLOPE], R[SLOPE], ends.moment(side, motion.reaction))))
+        loads.append(end_load(q, R, ends.moment(side, motion.reaction)))
     total = tuple(sum(parts) for parts in zip(*loads, strict=True))
     if system.kernels.fidelity == "planar":  # what goes across the plane is not felt
         return total[0], total[1], 0.0, 0.0, 0.0, total[5]
@@ -228,10 +220,10 @@ def restarted(audit: Audit, load: Load) -> Audit:
     return audit._replace(load=load, auxiliary=load, rate=NO_LOAD)
 
 
-def energies(balance: dict[str, float]) -> dict[str, float]:
-    """The energies of a EnergyBalance (J) from a balance."""
-    kinetic, strain, gravity = energies_of(tuple(balance.values()))
-    return {"kinetic": kinetic, "strain": strain, "gravity": gravity, "contact": balance["contact"]}
+def energies(energy_balance: EnergyBalance, balance: dict[str, float]) -> EnergyBalance:
+    """The account with the energies (J) of a state from its balance."""
+    account: EnergyBalance = with_energies(energy_balance, tuple(balance.values()), balance["contact"])
+    return account
 
 
 def powers(system: RopeSystem, motion: Motion) -> Powers:

@@ -10,12 +10,12 @@ import dataclasses
 
 import numpy as np
 
-from ..physics.frame import end_moment
+from ..physics.frame import conveyance_load
 from . import messages
 from .ends import YAW_SENSE, Phase
 from .paths import SIDES, EndMotion, ends_at
 from .rigid import tension_change
-from .rope_system import ANGLE, POSITION, SLOPE, Array
+from .rope_system import ANGLE, Array
 from .simulator import RopeSimulator
 
 #: m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding
@@ -50,11 +50,5 @@ def load_derivative(rope: RopeSimulator, side: int, name: str) -> Array:
 
 def end_loads(rope: RopeSimulator, q: Array, reaction: Array) -> Array:
     """(12,): LOADS with other coordinates and reactions."""
-    out = np.empty((2, 6))
-    for side in (0, 1):
-        node = -side
-        out[side, :3] = -reaction[node, POSITION]
-        torque = rope.ends.moment(side, reaction)
-        out[side, 3:] = end_moment(q[node, SLOPE].tolist(), reaction[node, SLOPE].tolist(), torque)
-        out[side, 3:] *= -1.0
-    return out.ravel()
+    rows = ((q[-side].tolist(), reaction[-side].tolist(), rope.ends.moment(side, reaction)) for side in (0, 1))
+    return np.ravel([conveyance_load(*row) for row in rows])

@@ -10,10 +10,10 @@ import numpy as np
 from ..parameters import Rope, Scene
 from ..physics.accuracy import end_force_error, loop_error
 from ..physics.estimates import loop_width
-from ..physics.frame import end_moment
+from ..physics.frame import conveyance_load
 from ..physics.guard import sideways
 from ..physics.shaft import KINDS
-from ..physics.stress import bending_stress, torque_of, torsional_stress
+from ..physics.stress import material_values
 from .adaptation import nearest_turn
 from .audit import signal_values as audit_values
 from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, loop_turns, shape, shape_places, tension
@@ -22,10 +22,11 @@ from .fidelity import Fidelity
 from .guards import rise
 from .paths import SIDES
 from .rigid import rigid_tension
-from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem, arc_lengths
+from .rope_system import ANGLE, Array, RopeSystem, arc_lengths
 from .shaft import clearances
 from .signal_table import SHAPE_POINTS, SIGNALS
 from .state import RopeState
+from .state_signals import STATE_SIGNALS
 from .transfer import interpolate
 
 
@@ -47,35 +48,37 @@ class Evaluated(Protocol):
 
 def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
     """The function that computes the signal ``name`` together with its kin."""
+    if name in STATE_SIGNALS:
+        return state_signals
     if name.endswith(".added_mass"):
         return added_mass_signals
     if name.endswith(".twist"):
         return stress_signals
     if name.startswith(("shape.s", "shape.tension", "shape.bending", "shape.torsion")):
         return along_signals
-    groups = {"clearance": clearance_signals, "nearest": nearest_signals}
-    groups |= {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals}
-    groups |= {"energy": energy_signals, "count": energy_signals, "status": error_signals, "audit": audit_signals}
-    groups |= {"contact": contact_signals, "guard": guard_signals, "station": station_signals}
+    groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals, "station": station_signals}
+    groups |= {"status": error_signals, "audit": audit_signals}
+    groups |= {"contact": contact_signals, "clearance": clearance_signals}
     return groups.get(name.partition(".")[0], end_signals)
 
 
-_OF_AN_END: tuple[str, ...] = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")
-_OF_AN_END += ("swivel.angle", "swivel.rate", "swivel.torque", "swivel.slipping")
+def state_signals(rope: Evaluated) -> dict[str, float]:
+    """What the state remembers."""
+    return {name: float(value(rope.state)) for name, value in STATE_SIGNALS.items()}
+
+
+_OF_AN_END = ("fx", "fy", "fz", "mx", "my", "mz", "swivel.angle", "swivel.rate", "swivel.torque", "swivel.slipping")
 
 
 def end_signals(rope: Evaluated) -> dict[str, float]:
     """Forces, moments and swivels of both ends."""
-    state, m = rope.state, rope.state.motion
-    ends = rope.ends
+    m, ends = rope.state.motion, rope.ends
     out: dict[str, float] = {}
     for side, name in enumerate(SIDES):
-        on_rope, slips = ends.moment(side, m.reaction), float(ends.states[side].phase is Phase.SLIP)
-        q, R = m.q[-side].tolist(), m.reaction[-side].tolist()
-        moment = end_moment(q[SLOPE], R[SLOPE], on_rope)
-        angle, rate = ends.relative(side, m.t, q[ANGLE], float(m.v[-side, ANGLE]))
-        values = (*(-x for x in (*R[POSITION], *moment)), state.force_mean[side], angle, rate, on_rope, slips)
-        out |= {f"{name}.{key}": value for key, value in zip(_OF_AN_END, values, strict=True)}
+        q, torque = m.q[-side].tolist(), ends.moment(side, m.reaction)
+        load, slips = conveyance_load(q, m.reaction[-side].tolist(), torque), ends.states[side].phase is Phase.SLIP
+        values = *load, *ends.relative(side, m.t, q[ANGLE], m.v[-side, ANGLE]), torque, slips
+        out |= {f"{name}.{key}": float(value) for key, value in zip(_OF_AN_END, values, strict=True)}
     return out
 
 
@@ -96,18 +99,9 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
         "loop.yaw": nearest_turn(bottom.yaw, state.loop_yaw),
         "loop.clearance": clearance,
         "loop.turns": loop_turns(q, lengths, bottom).number,
-        "loop.crossings": state.crossing.number,
-        "loop.crossed_at": state.crossing.since,
-        "loop.crossed_y": state.crossing.y,
         "loop.rise": rise(scene, state, bottom),
         "loop.sideways": float(sideways(bottom.position, q[0], q[-1])),
     }
-
-
-def guard_signals(rope: Evaluated) -> dict[str, float]:
-    """Whether and when a guard of the loop has tripped."""
-    _, cause, time, _ = rope.state.guard
-    return {"guard.tripped": float(cause > 0), "guard.cause": cause, "guard.time": time}
 
 
 def clearance_signals(rope: Evaluated) -> dict[str, float]:
@@ -116,17 +110,10 @@ def clearance_signals(rope: Evaluated) -> dict[str, float]:
     return {f"clearance.{kind}": nearest.clearance for kind, nearest in zip(KINDS, found, strict=True)}
 
 
-def nearest_signals(rope: Evaluated) -> dict[str, float]:
-    """Where and when it was nearest to them so far."""
-    found = zip(KINDS, rope.state.nearest, strict=True)
-    return {f"nearest.{kind}.{key}": x for kind, nearest in found for key, x in nearest._asdict().items()}
-
-
 def stress_signals(rope: Evaluated) -> dict[str, float]:
     """Largest stress norms, and twist."""
     strains = rope.system.strains(rope.state.motion.q)
-    bending, torsion = nominal_stresses(rope.scene.rope, strains, rope.state.fidelity)
-    tau = strains[:, 1]
+    (bending, torsion), tau = nominal_stresses(rope.scene.rope, strains, rope.state.fidelity), strains[:, 1]
     at_bottom = int(np.searchsorted(np.cumsum(rope.state.partition.lengths), rope.loop.s))
     return {
         "left.twist": float(tau[0]),
@@ -134,16 +121,6 @@ def stress_signals(rope: Evaluated) -> dict[str, float]:
         "loop.twist": float(tau[min(at_bottom, tau.size - 1)]),
         "stress.bending_max": float(bending.max()),
         "stress.torsion_max": float(torsion.max()),
-    }
-
-
-def energy_signals(rope: Evaluated) -> dict[str, float]:
-    """Energies and counts."""
-    energy_balance, counts = rope.state.energy_balance, rope.state.counts
-    return {
-        name: float(getattr(energy_balance if name.startswith("energy.") else counts, name.partition(".")[2]))
-        for name in SIGNALS
-        if name.startswith(("energy.", "count."))
     }
 
 
@@ -162,8 +139,6 @@ def error_signals(rope: Evaluated) -> dict[str, float]:
     return {
         "status.end_force_error": float(end_force_error(scene.rope, errors)),
         "status.loop_error": float(loop_error(scene, errors, cells.fine, cells.grading_length)),
-        "status.given_up": float(rope.state.counts.given_up),
-        "status.given_up_since": rope.state.given_up_since,
     }
 
 
@@ -191,11 +166,10 @@ def along_signals(rope: Evaluated) -> dict[str, float]:
 
 def station_signals(rope: Evaluated) -> dict[str, float]:
     """Tension, curvature and torque at places that stay in the rope."""
-    data, where, lengths = rope.scene.rope, rope.scene.station, rope.state.partition.lengths
+    where, lengths = rope.scene.station, rope.state.partition.lengths
     s = float(np.sum(lengths)) * np.linspace(where.first, where.last, SHAPE_POINTS)
-    e, tau, k_rms = rope.system.strains(rope.state.motion.q).T
-    torque = torque_of(data, e, tau) if rope.state.fidelity == "torsional" else np.zeros_like(e)
-    curvature, torque = (interpolate_midpoints(values, lengths, s) for values in (k_rms, torque))
+    values = _along(rope.scene.rope, rope.system.strains(rope.state.motion.q), rope.state.fidelity)[2:]
+    curvature, torque = (interpolate_midpoints(of_elements, lengths, s) for of_elements in values)
     return _rows("station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque})
 
 
@@ -223,6 +197,9 @@ def nominal_stresses(data: Rope, strains: Array, fidelity: Fidelity) -> tuple[Ar
     Bending is root mean square along the element; ``strains`` (elements, 3) are those of RopeSystem.strains.
     Without torsion there is no torque.
     """
-    e, tau, k_rms = strains.T
-    torsional = torsional_stress(data, e, tau) if fidelity == "torsional" else np.zeros_like(e)
-    return bending_stress(data, k_rms), torsional
+    bending, torsion, _, _ = _along(data, strains, fidelity)
+    return bending, torsion
+
+
+def _along(data: Rope, strains: Array, fidelity: Fidelity) -> tuple[Array, ...]:
+    return material_values(data, float(fidelity == "torsional"), strains.T)

@@ -10,7 +10,8 @@ from ..numerics.events import locate
 from ..numerics.generalized_alpha import StepResult
 from . import messages
 from .adaptation import transform_if_due, with_loop_yaw
-from .mesh import LATEST, distance_to_due
+from .mesh import LATEST
+from .mesh_pattern import distance_to_due
 from .model import RopeModel, powers
 from .paths import ends_at
 from .rigid import rigid_rope
@@ -152,7 +153,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     ahead = min(stop, t + min(state.step_next, model.scene.solver.step_max))
 
     def due(time: float) -> float:
-        return distance_to_due(state.partition, model.bottom(state.paths, time))
+        return float(distance_to_due(state.partition, model.bottom(state.paths, time)))
 
     # a crossing that falls between these instants is found by the next step, at most one step late
     at_start = due(t)

@@ -14,19 +14,17 @@ import numpy as np
 
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
-from ..parameters import Swivel
 from .ends import Phase, SwivelState
 from .model import RopeModel, ends_of
 from .paths import SIDES
 from .rope_system import ANGLE, Evaluation, RopeSystem
 from .state import Event, RopeState
+from .swivel_phases import frictionless, swivel_excess
 
 log = logging.getLogger(__name__)
 
 #: width in s to which events are located
 EVENT_WIDTH = 1e-9
-#: N m by which a moment must pass the static limit: what is below is rounding
-MOMENT_RESOLUTION = 1e-9
 #: so many switchings within so many s are no motion of a rope
 CHATTER = 50, 1e-3
 
@@ -37,7 +35,7 @@ def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
     for side, swivel in enumerate((model.scene.left, model.scene.right)):
         due = swivel.mode != "locked" and state.motion.t >= swivel.release_time
         if due and state.swivels[side].phase is Phase.LOCKED:
-            phase = Phase.SLIP if _frictionless(swivel) else Phase.STICK
+            phase = Phase.SLIP if frictionless(swivel) else Phase.STICK
             swivels[side] = SwivelState(phase, state.swivels[side].angle, 1.0)
     if swivels == list(state.swivels):
         return state
@@ -61,19 +59,11 @@ def excess(system: RopeSystem, motion: Motion) -> float:
 
 
 def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
-    ends, node = ends_of(system), -side
-    state = ends.states[side]
-    if state.phase is Phase.LOCKED or (state.phase is Phase.SLIP and _frictionless(ends.swivels[side])):
-        return -np.inf
-    if state.phase is Phase.STICK:
-        limit = ends.friction(side, motion.reaction, kinetic=False) + MOMENT_RESOLUTION
-        return abs(ends.moment(side, motion.reaction)) - limit
-    rate = ends.relative(side, motion.t, motion.q[node, ANGLE], motion.v[node, ANGLE])[1]
-    return -state.sign * rate
-
-
-def _frictionless(swivel: Swivel) -> bool:
-    return swivel.mode == "free" or (swivel.mu_kinetic == 0 and swivel.seal_moment == 0)
+    ends = ends_of(system)
+    now, (theta, theta_t) = ends.states[side], (float(x[-side, ANGLE]) for x in (motion.q, motion.v))
+    rate = ends.relative(side, motion.t, theta, theta_t)[1] if now.phase is Phase.SLIP else 0.0
+    tension, held = motion.reaction[-side, [1, ANGLE]].tolist()
+    return float(swivel_excess(ends.swivels[side], now, tension, held, rate))
 
 
 def switching_step(

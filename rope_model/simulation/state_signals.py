@@ -1,0 +1,57 @@
+"""Outputs that the state remembers, each as a formula of the state: native.state_values makes the C of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from operator import attrgetter
+from typing import Any
+
+from ..physics.elementary import less
+from ..physics.energy_balance import residual, total
+from ..physics.shaft import KINDS
+from .paths import SIDES
+from .signal_table import SIGNALS
+from .state import EnergyBalance, Nearest
+
+
+def _force_mean(side: int, state: Any) -> Any:
+    return state.force_mean[side]
+
+
+def _nearest(kind: int, key: str, state: Any) -> Any:
+    return getattr(state.nearest[kind], key)
+
+
+def _guard_tripped(state: Any) -> Any:
+    return less(0.0, state.guard.cause)
+
+
+def _energy(sum_of: Callable[[Any], Any], state: Any) -> Any:
+    return sum_of(state.energy_balance)
+
+
+#: what stands under the same name in a part of the state
+_ALIKE = {"energy": ("energy_balance", EnergyBalance._fields), "guard": ("guard", ("cause", "time"))}
+_ALIKE["count"] = "counts", tuple(name.removeprefix("count.") for name in SIGNALS if name.startswith("count."))
+
+STATE_SIGNALS: dict[str, Callable[[Any], Any]] = {
+    "loop.crossings": attrgetter("crossing.number"),
+    "loop.crossed_at": attrgetter("crossing.since"),
+    "loop.crossed_y": attrgetter("crossing.y"),
+    "status.given_up": attrgetter("counts.given_up"),
+    "status.given_up_since": attrgetter("given_up_since"),
+    "guard.tripped": _guard_tripped,
+    "energy.total": partial(_energy, total),
+    "energy.residual": partial(_energy, residual),
+}
+STATE_SIGNALS |= {
+    f"{of}.{name}": attrgetter(f"{part}.{name}")
+    for of, (part, names) in _ALIKE.items()
+    for name in names
+    if f"{of}.{name}" in SIGNALS
+}
+STATE_SIGNALS |= {f"{side}.fy_mean": partial(_force_mean, k) for k, side in enumerate(SIDES)}
+STATE_SIGNALS |= {
+    f"nearest.{kind}.{key}": partial(_nearest, k, key) for k, kind in enumerate(KINDS) for key in Nearest._fields
+}
