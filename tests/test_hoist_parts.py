@@ -182,8 +182,10 @@ def test_with_every_part_the_energy_balance_closes() -> None:
     # the integrator's 1e-9 on the 1e7 J of the hoist's energy, over 150 steps that partly cancel
     np.testing.assert_allclose(energy_residual(start, plant.outputs(state, u), state.work), 0.0, atol=0.05)
     np.testing.assert_allclose(state.losses.sum(), state.work[1], rtol=1e-12)
-    # every loss has taken something, or this test says nothing of it
-    assert np.all(state.losses > 1.0), dict(zip(LOSS_NAMES, state.losses, strict=True))
+    # every loss has taken something, or this test says nothing of it; head ropes that slip are in test_head_rope_slip
+    taken = dict(zip(LOSS_NAMES, state.losses, strict=True))
+    assert taken.pop("lining") == 0.0
+    assert min(taken.values()) > 1.0, taken
     assert np.all(np.abs(state.work) > 10.0)
 
 

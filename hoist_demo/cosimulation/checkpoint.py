@@ -20,6 +20,7 @@ import numpy as np
 from hoist_demo.cosimulation.plain_data import decode, encode
 from hoist_demo.cosimulation.schemes.interface import Memory, Sample, Vector
 from hoist_demo.drive.plant import PlantOutput, PlantState
+from hoist_demo.drive.sliding import Slide
 from hoist_demo.recording.time_series import Recording
 
 _FIELDS = ("force", "mean", "acceleration")
@@ -65,6 +66,7 @@ class Checkpoint:
             "at_rest": vars(self.at_rest),
             "free_lengths": plant.free_lengths,
             "step_next": plant.step_next,
+            "slide": plant.slide,
             "times": [s.t for s in memory.samples],
             "memory": [memory.step_next, memory.exchanges, memory.taken_back, memory.residual],
             "names": names,
@@ -123,7 +125,12 @@ def _checkpoint(arrays: Mapping[str, Any], x: Mapping[str, Any]) -> Checkpoint:
     return Checkpoint(
         sample=x["sample"],
         t=x["t"],
-        plant=PlantState(free_lengths=(x["free_lengths"][0], x["free_lengths"][1]), step_next=x["step_next"], **plant),
+        plant=PlantState(
+            free_lengths=(x["free_lengths"][0], x["free_lengths"][1]),
+            step_next=x["step_next"],
+            slide=Slide(*x["slide"]),
+            **plant,
+        ),
         controller=x["controller"],
         input=np.array(x["input"]),
         at_rest=PlantOutput(**x["at_rest"]),

@@ -45,7 +45,8 @@ class LowFidelityModel:
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
     """The closed loop for a trip that begins at rest with the conveyances at the given heights [m]."""
-    hoist = replace(hoist, head_rope_modes=0, shaft=None, brake=None, guides=None, play=None, power_limit=None)
+    hoist = replace(hoist, head_rope_modes=0, shaft=None, brake=None, lining=None)
+    hoist = replace(hoist, guides=None, play=None, power_limit=None)
     plant, R = HoistPlant(hoist), hoist.sheave_radius
     weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]
     rest = plant.hanging_state(y_left, y_right, *weights)

@@ -18,7 +18,7 @@ Journal 6, 1968). The rope flows through that field, zeta' = zeta w / l, as the 
     v(zeta) = (1 - zeta) v_y + zeta (H/l) w + sum_j [eta_j' sin(j pi zeta) + eta_j j pi cos(j pi zeta) zeta w / l] .
 
 Material damping is proportional to strain rates, with the damping ratio zeta_h for a conveyance on massless ropes. The
-ropes do not slip on the sheave.
+ropes hold on the sheave; those of a hoist with a lining are sliding on it, as `sliding.py` has it.
 
 Head ropes that are too long for their leg hang slack from the sheave, at their own weight's stretch and without a pull
 on the conveyance: s, and H in the weight's term, are not below l + mu g l^2 / (2 EA). What the damping pulls or gives
@@ -40,7 +40,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.drive.friction import BrakeFriction, JamFriction
+from hoist_demo.drive.friction import BrakeFriction, JamFriction, SlidingFriction
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Jam, Play
 
@@ -53,7 +53,7 @@ INPUT_NAMES = (
     *(f"{name}_{side}" for side in SIDES for name in ("fx", "fz", "my")),
 )
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
-LOSS_NAMES = ("rim", "guides", "brake", "shaft")
+LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")
 """The parts of the losses."""
 
 
@@ -69,15 +69,21 @@ def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
     names += [f"eta{j}_{side}" for side in SIDES for j in range(1, hoist.head_rope_modes + 1)]
     if hoist.play is not None:
         names += [f"{name}_{side}" for side in SIDES for name in ("x", "z", "yaw")]
+    if hoist.lining is not None:
+        names.append("slip")
     return tuple(names)
 
 
 def state_names(hoist: Hoist) -> tuple[str, ...]:
-    """Names of all states: STATE_NAMES, further coordinates, their rates, the brake's pressure, all deflections."""
+    """Names of all states: STATE_NAMES, further coordinates, their rates, the brake's pressure, all deflections.
+
+    Ropes that slide have the way slip [m] that they have slid, positive as the sheave's rotation, and their sense.
+    """
     extra = extra_coordinates(hoist)
     brake = ("brake_pressure", "brake_deflection") if hoist.brake is not None else ()
     jams = tuple(f"jam_deflection_{side}" for side in SIDES if _jam_of(hoist, side) is not None)
-    return STATE_NAMES + extra + tuple(f"{name}_rate" for name in extra) + brake + jams
+    sense = ("sense",) if hoist.lining is not None else ()
+    return STATE_NAMES + extra + tuple(f"{name}_rate" for name in extra) + brake + jams + sense
 
 
 def _jam_of(hoist: Hoist, side: str) -> Jam | None:
@@ -168,8 +174,9 @@ def equations(parts: Hoist) -> Equations:
     torque, l0 = ca.SX.sym("M"), ca.SX.sym("l0", 2)
     u = ca.SX.sym("u", len(INPUT_NAMES))
     given = dict(zip(INPUT_NAMES, ca.vertsplit(u), strict=True))
-    (phi, rate), (_, twist_rate) = at("phi"), at("twist")
-    rim_speed = R * rate
+    (phi, rate), (_, twist_rate), (_, slip_rate) = at("phi"), at("twist"), at("slip")
+    rim_speed, rope_speed = R * rate, R * rate + slip_rate
+    along_slip = ca.DM(np.array([name == "slip" for name in at.names], dtype=float))
 
     # motor: the torque follows its command with a lag, both within the limits
     available = _available(hoist, rate + twist_rate)
@@ -198,22 +205,31 @@ def equations(parts: Hoist) -> Equations:
     mass_matrix = ca.jacobian(momentum, v)
     carried = ca.jtimes(momentum, q, v)
     forces = Q - carried + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v)
-    a = ca.ldl_solve(forces, *ca.ldl(mass_matrix))
+    factors = ca.ldl(mass_matrix)
+
+    def accelerations(forces: Any) -> Any:
+        return ca.ldl_solve(forces, *factors)
+
+    def tensions(a: Any) -> list[Any]:
+        return [_tension(hoist, at, sign, leg, a, rope_speed) for sign, leg in zip((1.0, -1.0), legs, strict=True)]
+
+    lining = SlidingFriction(hoist, accelerations(forces), accelerations(along_slip), tensions, rope_speed)
+    a = lining.accelerations
 
     deflections, sliding = brake.states, brake.rates
     for leg in legs:
         deflections, sliding = deflections + leg.jam.states, sliding + leg.jam.rates
+    deflections, sliding = deflections + lining.states, sliding + lining.rates
     x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *deflections)
     rates = ca.vertcat((command - torque) / hoist.torque_lag, v[:3], a[:3], v[3:], a[3:], *sliding)
     ends = [ca.dot(leg.side_force, ca.vertcat(*(at(f"{n}_{s}")[1] for n in ("y", "x", "z", "yaw"))))
             for s, leg in zip(SIDES, legs, strict=True)]  # fmt: skip
     guides = sum(leg.friction * at(f"y_{side}")[1] for side, leg in zip(SIDES, legs, strict=True)) + 2 * play_damping
-    losses = ca.vertcat(rim * rim_speed, guides, brake.torque * rate, 2 * shaft_damping)
+    losses = ca.vertcat(rim * rim_speed, guides, brake.torque * rate, 2 * shaft_damping, lining.power(slip_rate))
     powers = ca.vertcat(motor * (rate + twist_rate), ca.sum1(losses), rope_power, *ends, losses)
 
-    tensions = [_tension(hoist, at, sign, leg, a, rim_speed) for sign, leg in zip((1.0, -1.0), legs, strict=True)]
     shown = ca.vertcat(
-        *_upright(at, a), phi, rate, motor, *tensions, K, V,
+        *_upright(at, a), phi, rate, motor, *tensions(a), K, V,
         rate + twist_rate, brake.torque, *(leg.static_tension for leg in legs), *_lateral_motion(at, a),
         *(leg.pull for leg in legs), *(leg.slack for leg in legs), *(leg.jam.force for leg in legs),
     )  # fmt: skip
@@ -232,13 +248,13 @@ def _function(name: str, arguments: list[Any], value: Any) -> Any:
     return ca.Function(name, arguments, [ca.cse(value)])
 
 
-def _tension(hoist: Hoist, at: _Coordinates, sign: float, leg: _Leg, a: Any, rim_speed: Any) -> Any:
+def _tension(hoist: Hoist, at: _Coordinates, sign: float, leg: _Leg, a: Any, rope_speed: Any) -> Any:
     """Of all head ropes of a leg at the sheave [N]: its row of Lagrange's equation is its moment on the sheave."""
     phi, rate = at("phi")
     row = ca.gradient(leg.kinetic, rate)
     change = ca.jtimes(row, at.q, at.v) + ca.jtimes(row, at.v, a) - ca.gradient(leg.kinetic, phi)
     moment = change + ca.gradient(leg.potential, phi) + ca.gradient(leg.rope_damping, rate)
-    return sign * moment / hoist.sheave_radius + hoist.rope_mass * rim_speed**2 / 2
+    return sign * moment / hoist.sheave_radius + hoist.rope_mass * rope_speed**2 / 2
 
 
 def _upright(at: _Coordinates, a: Any) -> list[Any]:
@@ -280,9 +296,9 @@ def _leg(hoist: Hoist, at: _Coordinates, side: str, l0: Any, given: dict[str, An
     sign, mass = (1.0, hoist.mass_left) if side == "left" else (-1.0, hoist.mass_right)
     other = "right" if side == "left" else "left"
     EA, mu, g, R, n = hoist.rope_stiffness, hoist.rope_mass, GRAVITY, hoist.sheave_radius, hoist.head_rope_modes
-    (phi, rate), (y, vy) = at("phi"), at(f"y_{side}")
+    (phi, rate), (slip, slip_rate), (y, vy) = at("phi"), at("slip"), at(f"y_{side}")
     modes = [(j * np.pi, *at(f"eta{j}_{side}")) for j in range(1, n + 1)]
-    length, height, w = l0 - sign * R * phi, hoist.sheave_height - y, sign * R * rate
+    length, height, w = l0 - sign * (R * phi + slip), hoist.sheave_height - y, sign * (R * rate + slip_rate)
 
     # head ropes: the square of their velocity, integrated over zeta for each pair of its shapes
     flow = w / length

@@ -2,18 +2,16 @@
 
 The equations are in `equations.py`. Without further parts of the hoist the state has seven numbers: motor torque,
 sheave angle and suspension heights with their rates. Shaft, head rope modes, play and brake append theirs.
-The integrator is in `kernels.py`. Its steps are chosen here so that none errs by more than the tolerance,
-
-    h_new = 0.9 h (tolerance / error)^(1/5) ,   from half of h to half as much again ,
-
-and not beyond h after one that was taken back: a step at the bound of stability errs little, and a longer one much.
+It is integrated by `integrator.py`; where the hoist has a lining, `sliding.py` tells when its head ropes slide on the
+sheave, by other equations, and when they hold again.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -26,16 +24,12 @@ from hoist_demo.drive.equations import (
     SIDES,
     STATE_NAMES,
     WORK_NAMES,
-    equations,
-    numbers_of,
-    parts_of,
-    state_names,
 )
-from hoist_demo.drive.kernels import CHUNK, WORKS, drive_kernels
+from hoist_demo.drive.integrator import Integrator, Watch
 from hoist_demo.drive.outputs import PlantOutput
-from hoist_demo.drive.runge_kutta import ORDER
+from hoist_demo.drive.sliding import Slide, Sliding, begins, sense_of
 from hoist_demo.parameters import GRAVITY, Hoist
-from rope_model.numerics.kernels import Kernel, KernelForm
+from rope_model.numerics.kernels import KernelForm
 
 __all__ = [
     "LOSS_NAMES",
@@ -57,13 +51,11 @@ Vector = NDArray[np.float64]
 
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
 """The rope's signals that act on conveyances with play."""
-SHORTEST = 1e-7
-"""Step of the integrator [s] below which it gives up."""
-SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5
-"""Of its steps: factor from the error, and its bounds."""
+MOST_SWITCHES = 200
+"""Within one step of the drive, between head ropes that hold and head ropes that slide."""
 
-
-_NO_WORK, _NO_LOSSES = np.zeros(WORKS), np.zeros(len(LOSS_NAMES))
+_NO_LOSSES = np.zeros(len(LOSS_NAMES))
+_HELD, _WORKS = Slide(), len(WORK_NAMES)
 
 
 class PlantState(NamedTuple):
@@ -74,6 +66,7 @@ class PlantState(NamedTuple):
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
     losses: Vector = _NO_LOSSES  # J, the parts of work[1]
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
+    slide: Slide = _HELD  # of the head ropes on the sheave
 
 
 @dataclass(frozen=True)
@@ -116,29 +109,31 @@ class HoistPlant:
     """The drive of one hoist; states are explicit and never changed in place. Not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm = "auto") -> None:
-        self.hoist = hoist
-        self.state_names = state_names(hoist)
-        parts, numbers = parts_of(hoist), np.array(numbers_of(hoist))
-        self._equations, self._numbers = equations(parts), numbers
-        kernels = drive_kernels(parts, form)
-        self._layout = kernels.layout
-        given, result = kernels.layout.given, kernels.layout.result
-        self._given, self._result = given, result
-        self._advance = Kernel(kernels.advance, [(result["shown"].stop,)])
-        self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
-        self._s, self._h, self._x = given["s"].start, given["h"].start, self._z[given["x"]]
-        # over a step: its length, the path and the added masses; then the free lengths
-        self._held, self._l0 = self._z[given["H"].start : given["added_mass"].stop], self._z[given["l0"]]
-        self._z[given["p"]] = numbers
-        self.evaluations = 0  # of `advance`, so far
-        self._rates = Kernel(kernels.rates, [(kernels.layout.states,)])
-        self._mobility = Kernel(kernels.mobility, [(2, 2)])
+        self._form = form
+        self._holding = Integrator(_without_lining(hoist), form)
+        self.state_names = self._holding.names
+        self._hear(hoist)
 
     def reload(self, hoist: Hoist) -> None:
         """Go on with the numbers of a hoist of the same parts: with another payload."""
+        self._holding.load(_without_lining(hoist))
+        if hoist.lining is not None and "_sliding" in vars(self):
+            self._sliding.integrator.load(hoist)
+        self._hear(hoist)
+
+    def _hear(self, hoist: Hoist) -> None:
         self.hoist = hoist
-        self._numbers[:] = numbers_of(hoist)
-        self._z[self._given["p"]] = self._numbers
+        self._begins = None if hoist.lining is None else begins(hoist, self._holding)
+
+    @cached_property
+    def _sliding(self) -> Sliding:
+        """Made when it is needed: many hoists with a lining never slip."""
+        return Sliding(self.hoist, self._form, self.state_names)
+
+    @property
+    def evaluations(self) -> int:
+        """Of the integrator's steps, so far."""
+        return self._holding.evaluations + (self._sliding.integrator.evaluations if "_sliding" in vars(self) else 0)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.
@@ -168,7 +163,7 @@ class HoistPlant:
             sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
             for side, length in zip(("left", "right"), lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
-        x[0] = float(self._equations.hold(x, lengths, self._numbers))
+        x[0] = float(self._holding.equations.hold(x, lengths, self._holding.numbers))
         if hoist.shaft is not None:
             x[self.state_names.index("twist")] = x[0] / hoist.shaft.stiffness
         return PlantState(x=x, work=np.zeros(len(WORK_NAMES)), free_lengths=lengths)
@@ -181,46 +176,44 @@ class HoistPlant:
         self, state: PlantState, h: float, path: Vector, added_mass: Vector, begin: float = 0.0, end: float = 1.0
     ) -> PlantStep:
         """The same with the path's three inputs, of INPUT_NAMES each, in one vector; from s = begin to end of it."""
-        self._give(state, h, path, added_mass)
-        if not math.isfinite(self._held.dot(self._held)):
-            return PlantStep(False, f"drive: input is not finite: {_not_finite(path)}", state)
-        found = self._integrate(h, (state.step_next or h) / h, begin, end)
-        if found is None:
-            return PlantStep(False, "drive: state is not finite: check rope forces and torque command", state)
-        y, work, size = found
-        result, n = self._result, len(WORK_NAMES)
-        new = PlantState(y[result["x"]], state.work + work[:n], state.free_lengths, state.losses + work[n:], size * h)
-        if (free := min(free_lengths_at(self.hoist, new))) <= 0.1:
-            return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", state)
-        return PlantStep(True, "", new, y[result["acting"]], y[result["shown"]])
+        old, size = state, (state.step_next or h) / h
+        for _ in range(MOST_SWITCHES):
+            integrator, x, watch = self._at(state)
+            if not integrator.give(x, state.free_lengths, h, path, added_mass):
+                return PlantStep(False, f"drive: input is not finite: {_not_finite(path)}", old)
+            found = integrator.integrate(h, size, begin, end, watch)
+            if found is None:
+                return PlantStep(False, "drive: state is not finite: check rope forces and torque command", old)
+            (y, work, fits, begin), result = found, integrator.result
+            # the rest of a step behind a switch may be as short as it likes, and says nothing of what fits
+            size = fits if state is old else max(size, fits)
+            state = self._reached(state, y[result["x"]], work, size * h)
+            if (free := min(free_lengths_at(self.hoist, state))) <= 0.1:
+                return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", old)
+            if begin >= end:
+                return PlantStep(True, "", state, y[result["acting"]], y[result["shown"]])
+            state = _switched(state, y[result["shown"]])
+        often = f"more than {MOST_SWITCHES} times in {h:g} s"
+        return PlantStep(False, f"drive: the head ropes slip and hold {often}: shorten the step", old)
 
-    def _integrate(self, h: float, size: float, s: float, end: float) -> tuple[Vector, Vector, float] | None:
-        """What `advance` shows at the end, all work, next step in s; begins with steps of this size. None: no way."""
-        z, result, error_at = self._z, self._result, self._result["error"].start
-        work, growth = _NO_WORK, GROWS
-        while size * h > SHORTEST:
-            calls = max(1, math.ceil((end - s) / (CHUNK * size) - 1e-9))
-            used = (end - s) / (CHUNK * calls)
-            z[self._s], z[self._h] = s, used
-            self._advance.evaluate()
-            self.evaluations += 1
-            y = self._y.copy()
-            error = y.item(error_at)
-            size = min(used * _change(error), size * growth)
-            if error <= 1.0 and math.isfinite(y.dot(y)):
-                work = work + y[result["work"]]
-                if calls == 1:
-                    return y, work, size
-                self._x[:] = y[result["x"]]
-                s += CHUNK * used
-            else:
-                growth = 1.0
-        return None
+    def _at(self, state: PlantState) -> tuple[Integrator, Vector, Watch | None]:
+        """The equations that hold in a state, the state as they have it, and what ends them."""
+        slide = state.slide
+        if slide.sense == 0.0:
+            return self._holding, state.x, self._begins
+        return self._sliding.integrator, self._sliding.state(state.x, slide), self._sliding.ends(slide.sense)
+
+    def _reached(self, state: PlantState, x: Vector, done: Vector, step_next: float) -> PlantState:
+        """The state where the integrator has ended, there in x, with the work done."""
+        _, work, lengths, losses, _, slide = state
+        if slide.sense != 0.0:
+            x, slide = self._sliding.parts(x, slide)
+        return PlantState(x, work + done[:_WORKS], lengths, losses + done[_WORKS:], step_next, slide)
 
     def mobility(self, state: PlantState) -> Vector:
         """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]; exact, they are linear."""
-        # symmetric, so that the order of rows and columns does not matter
-        return self._at(self._mobility, state, np.zeros(len(INPUT_NAMES)))
+        integrator, x, _ = self._at(state)
+        return integrator.mobility(x, np.zeros(len(INPUT_NAMES)), state.free_lengths)
 
     def loads_at(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
         """What acts at s = 0 .. 1 of a path when the drive is in this state there."""
@@ -232,25 +225,15 @@ class HoistPlant:
 
     def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
         """The input that acts at s, and what PlantOutput has, as numbers."""
-        self._give(state, 0.0, path, added_mass)
-        result = self._result
-        self._z[self._s], self._z[self._h] = s, 0.0
-        self._advance.evaluate()
-        y = self._y.copy()
+        integrator, x, _ = self._at(state)
+        integrator.give(x, state.free_lengths, 0.0, path, added_mass)
+        y, result = integrator.at(s), integrator.result
         return y[result["acting"]], y[result["shown"]]
 
     def rates(self, state: PlantState, u: PlantInput) -> Vector:
-        """dx/dt, in the order of state_names."""
-        return self._at(self._rates, state, np.array(_pack(u)))
-
-    def _give(self, state: PlantState, h: float, path: Vector, added_mass: Vector) -> None:
-        held = self._held
-        held[0], held[1:-2], held[-2:] = h, path, added_mass
-        self._x[:], self._l0[:] = state.x, state.free_lengths
-
-    def _at(self, function: Kernel, state: PlantState, u: Vector) -> Vector:
-        (value,) = function(state.x, u, np.array(state.free_lengths), self._numbers)
-        return value
+        """dx/dt, in the order of state_names; of ropes that slide their integrator's."""
+        integrator, x, _ = self._at(state)
+        return integrator.rates(x, np.array(_pack(u)), state.free_lengths)
 
     def _free_length(self, name: str, y: float, mass: float, force: float) -> float:
         """Positive root of s = l (1 + (m g - n F + mu g l / 2) / EA) [m]."""
@@ -266,7 +249,7 @@ class HoistPlant:
 
 def free_lengths_at(hoist: Hoist, state: PlantState) -> tuple[float, float]:
     """Free head rope lengths between sheave and conveyances, left and right [m]."""
-    wound = hoist.sheave_radius * state.x.item(1)
+    wound = hoist.sheave_radius * state.x.item(1) + state.slide.slip
     return state.free_lengths[0] - wound, state.free_lengths[1] + wound
 
 
@@ -312,9 +295,13 @@ def _not_finite(path: Vector) -> str:
 _NO_CHANGE = (0.0,) * (2 * len(INPUT_NAMES))
 
 
-def _change(error: float) -> float:
-    """Factor to the next step of the integrator, after one of this error over the tolerance."""
-    if not math.isfinite(error):
-        return SHRINKS
-    factor: float = SAFETY * max(error, 1e-20) ** (-1.0 / ORDER)
-    return max(SHRINKS, factor)
+def _without_lining(hoist: Hoist) -> Hoist:
+    return hoist if hoist.lining is None else replace(hoist, lining=None)
+
+
+def _switched(state: PlantState, shown: Vector) -> PlantState:
+    """The same with ropes that slide if they held, and hold if they slid."""
+    (left, right), slide = state.free_lengths, state.slide
+    if slide.sense == 0.0:
+        return state._replace(slide=Slide(sense_of(shown), way=slide.way))
+    return state._replace(slide=Slide(way=slide.way), free_lengths=(left - slide.slip, right + slide.slip))

@@ -65,6 +65,11 @@ def drive_model(case: Case, tails: Sequence[Tail] = ()) -> DriveModel:
                 f"{name} = {getattr(case.hoist, name)} must be None: an exported drive's steps are too long for what "
                 "sticks; wind this case with balance-rope demo"
             )
+    if case.hoist.lining is not None:
+        raise ValueError(
+            f"lining = {case.hoist.lining} must be None: in an exported drive the head ropes hold on the sheave; wind "
+            "this case with balance-rope demo"
+        )
     case = without_brake(case)
     require_trip_fits(case.hoist, case.winding)
     generated = kernels(case)

@@ -1,4 +1,4 @@
-"""Parts of a hoist that a model may leave out: shaft, brake, guides, their play, a jam. SI units, checked here.
+"""Parts of a hoist that a model may leave out: shaft, brake, lining, guides, their play, a jam. SI units, checked here.
 
 A `Hoist` whose part is None has not the part's equations; there are no stiff or weak dummies.
 Masses "referred to the rope" are J / R^2 with the sheave's radius R.
@@ -68,6 +68,17 @@ class Brake:
             "at most 1, the full torque",
             "give a fraction",
         )
+
+
+@dataclass(frozen=True)
+class Lining:
+    """The sheave's lining as that on which the head ropes may slide; all values [assumed]."""
+
+    sliding: float = quantity(0.8, "-", "friction coefficient of ropes that slide over that of ropes that hold")
+
+    def __post_init__(self) -> None:
+        require_magnitudes(self, set(), "lining.")
+        require(self.sliding, self.sliding <= 1.0, "lining.sliding", "at most 1", "sliding friction is the lower one")
 
 
 @dataclass(frozen=True)

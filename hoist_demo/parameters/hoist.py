@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hoist_demo.parameters.components import Brake, Guides, Jam, Play, Shaft, require, require_magnitudes
+from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft, require, require_magnitudes
 from hoist_demo.parameters.quantity import quantity
 
 GRAVITY = 9.81
@@ -70,6 +70,7 @@ class Hoist:
     head_rope_modes: int = quantity(0, "-", "longitudinal modes of the head ropes of a side, beyond their mean strain")
     shaft: Shaft | None = quantity(None, "", "none: rigid")
     brake: Brake | None = quantity(None, "", "none: no brake but the motor")
+    lining: Lining | None = quantity(None, "", "none: the head ropes hold on the sheave whatever they pull")
     guides: Guides | None = quantity(None, "", "none: no friction along the guides")
     play: Play | None = quantity(None, "", "none: conveyances move along straight lines")
     jam_left: Jam | None = quantity(None, "", "none: the left conveyance passes everywhere")

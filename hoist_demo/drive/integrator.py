@@ -1,0 +1,142 @@
+"""The drive's compiled equations in one form, integrated by steps of their own choice.
+
+Steps are chosen so that none errs by more than the tolerance,
+
+    h_new = 0.9 h (tolerance / error)^(1/5) ,   from half of h to half as much again ,
+
+and not beyond h after one that was taken back: a step at the bound of stability errs little, and a longer one much.
+What is watched ends them: the last one is then shortened by bisection until what is watched has just become positive.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.drive.equations import equations, numbers_of, parts_of, state_names
+from hoist_demo.drive.kernels import CHUNK, WORKS, drive_kernels
+from hoist_demo.drive.runge_kutta import ORDER
+from hoist_demo.parameters import Hoist
+from rope_model.numerics.kernels import Kernel, KernelForm
+
+Vector = NDArray[np.float64]
+Watch = Callable[[Vector], float]
+"""Of a state and what PlantOutput has there, as one vector; positive once the steps are to end."""
+
+SHORTEST = 1e-7
+"""Step of the integrator [s] below which it gives up."""
+SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5
+"""Of its steps: factor from the error, and its bounds."""
+LOCATED = 1e-9
+"""How long before the end of the steps what is watched may have become positive [s]."""
+
+
+Reached = tuple[Vector, Vector, float, float]
+"""Where steps have ended: all that `advance` of kernels.py gives there, work of all [J], size of the next one, s."""
+
+
+class Integrator:
+    """For all hoists with the parts of one; not to be shared between threads."""
+
+    def __init__(self, hoist: Hoist, form: KernelForm) -> None:
+        self.names = state_names(hoist)
+        parts = parts_of(hoist)
+        self.equations = equations(parts)
+        kernels = drive_kernels(parts, form)
+        given, self.result = kernels.layout.given, kernels.layout.result
+        self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
+        self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
+        self._s, self._h, self._x = given["s"].start, given["h"].start, self._z[given["x"]]
+        # over a step: its length, the path and the added masses; then the free lengths
+        self._held, self._l0 = self._z[given["H"].start : given["added_mass"].stop], self._z[given["l0"]]
+        self.numbers = self._z[given["p"]]
+        self.load(hoist)
+        self.evaluations = 0  # of `advance`, so far
+        self._rates = Kernel(kernels.rates, [(kernels.layout.states,)])
+        self._mobility = Kernel(kernels.mobility, [(2, 2)])
+
+    def load(self, hoist: Hoist) -> None:
+        """Go on with the numbers of a hoist of the same parts."""
+        self.numbers[:] = numbers_of(hoist)
+
+    def give(self, x: Vector, lengths: tuple[float, float], h: float, path: Vector, added_mass: Vector) -> bool:
+        """Where it starts: state, free lengths, communication step, what acts in it; False where that is no number."""
+        held = self._held
+        held[0], held[1:-2], held[-2:] = h, path, added_mass
+        self._x[:], self._l0[:] = x, lengths
+        return math.isfinite(held.dot(held))
+
+    def rates(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
+        """dx/dt under the input."""
+        (value,) = self._rates(x, u, np.array(lengths), self.numbers)
+        return value
+
+    def mobility(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
+        """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
+        (columns,) = self._mobility(x, u, np.array(lengths), self.numbers)
+        return columns.T
+
+    def at(self, s: float) -> Vector:
+        """All that `advance` gives in the state given, without a step."""
+        self._z[self._s], self._z[self._h] = s, 0.0
+        self._advance.evaluate()
+        return self._y.copy()
+
+    def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> Reached | None:
+        """From the state given, at s, to the end, or to where what is watched becomes positive; None: no way.
+
+        Begins with steps of this size, a share of h [s].
+        """
+        result, error_at = self.result, self.result["error"].start
+        work, growth = _NO_WORK, GROWS
+        while size * h > SHORTEST:
+            calls = max(1, math.ceil((end - s) / (CHUNK * size) - 1e-9))
+            used = (end - s) / (CHUNK * calls)
+            y = self._evaluated(s, used)
+            error = y.item(error_at)
+            size = min(used * _change(error), size * growth)
+            if error <= 1.0 and math.isfinite(y.dot(y)):
+                if watch is not None and watch(y) > 0.0:
+                    y, used = self._first(y, s, used, h, watch)
+                    return y, work + y[result["work"]], size, s + CHUNK * used
+                work = work + y[result["work"]]
+                if calls == 1:
+                    return y, work, size, end
+                self._x[:] = y[result["x"]]
+                s += CHUNK * used
+            else:
+                growth = 1.0
+        return None
+
+    def _evaluated(self, s: float, used: float) -> Vector:
+        """CHUNK steps of the size used from the state given, at s."""
+        self._z[self._s], self._z[self._h] = s, used
+        self._advance.evaluate()
+        self.evaluations += 1
+        return self._y.copy()
+
+    def _first(self, y: Vector, s: float, used: float, h: float, watch: Watch) -> tuple[Vector, float]:
+        """The result where what is watched has just become positive, and the size of the steps to there."""
+        low = 0.0
+        while CHUNK * (used - low) * h > LOCATED:
+            middle = (low + used) / 2.0
+            there = self._evaluated(s, middle)
+            if watch(there) > 0.0:
+                y, used = there, middle
+            else:
+                low = middle
+        return y, used
+
+
+_NO_WORK = np.zeros(WORKS)
+
+
+def _change(error: float) -> float:
+    """Factor to the next step of the integrator, after one of this error over the tolerance."""
+    if not math.isfinite(error):
+        return SHRINKS
+    factor: float = SAFETY * max(error, 1e-20) ** (-1.0 / ORDER)
+    return max(SHRINKS, factor)
