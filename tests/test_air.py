@@ -186,7 +186,7 @@ def test_both_forms_agree_in_the_wind_with_a_floor() -> None:
 
 
 @pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to bring along")
-@pytest.mark.parametrize("curvature", [0.0, 0.05])
+@pytest.mark.parametrize("curvature", [0.0, pytest.param(0.05, marks=pytest.mark.slow)])
 def test_a_bundle_has_all_that_its_scene_needs(
     curvature: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -113,7 +113,12 @@ def test_restored_state_continues_to_the_bit_also_in_another_process(fmu: Path) 
     assert drive("continue_from", fmu, result["data"]) == result["last"]
 
 
-def test_instances_are_independent_and_so_are_two_fmus(fmu: Path, tmp_path: Path) -> None:
+def test_instances_are_independent(fmu: Path) -> None:
+    assert drive("two_instances", fmu, fmu)["same"]
+
+
+@pytest.mark.slow
+def test_two_fmus_are_independent(fmu: Path, tmp_path: Path) -> None:
     result = drive("two_instances", fmu, export_fmu(tmp_path / "long.fmu", "rope-240", "draft", platforms=HERE))
     assert result["same"]
     assert result["lengths"] == [120.0, 240.0]
