@@ -1,4 +1,4 @@
-"""Shared by the tests: exported FMUs, a rope held and loaded in any way, and sections that follow a curve."""
+"""Shared by the tests: exported FMUs, functions of the native rope, a rope held and loaded in any way, curves."""
 
 from __future__ import annotations
 

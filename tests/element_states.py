@@ -67,9 +67,6 @@ def energy(q: Array, v: Array, l: float, F: Array, P: Array, names: tuple[str, .
     return sum(parts[name] for name in names)
 
 
-# rigid motion
-
-
 def turn_all(q: Array, turn: Array) -> Array:
     """All vectors of an element's degrees of freedom turned, theta kept."""
     y = q.copy()

@@ -1,4 +1,4 @@
-"""The trip that the loops of masters wind."""
+"""The trip that the loops of masters wind: its size, and what the path of its ends may miss in any steps."""
 
 from __future__ import annotations
 

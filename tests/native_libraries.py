@@ -28,8 +28,6 @@ def library(request: pytest.FixtureRequest, libraries: dict[int, Library]) -> Li
     return libraries[request.param]
 
 
-# hostile values
-
 HOSTILE = [math.nan, math.inf, -math.inf, 0.0, -0.0, -1.0, 5e-324, 2.2e-308, 1e-300, 1e-9, 1e-3, 1.0, 1e3, 1e9, 1e300]
 #: of entries that make large ropes, which are slow, only what is refused or small
 TAME: dict[str, list[float]] = {

@@ -18,9 +18,6 @@ from hoist_demo.parameters import Coupling
 TABLES = read(DOCS / "data" / "coupling")
 
 
-# the committed data
-
-
 def test_figures_are_there() -> None:
     assert {p.stem for p in (DOCS / "images" / "coupling").iterdir()} == set(FIGURES)
 

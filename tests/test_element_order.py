@@ -16,8 +16,6 @@ from rope_model.physics import element
 from rope_model.physics.element import PARAMETERS
 from rope_model.simulation.statics import find_equilibrium
 
-# order of convergence
-
 CANTILEVER = {"EI": 1.0, "Qa": 50.0, "Qd": 0.7}
 LOAD = np.array([0.5, -3.0])
 

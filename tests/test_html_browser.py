@@ -1,7 +1,6 @@
 """The HTML reports in a headless browser: they load in silence, without network, and do what they are touched for.
 
-Each page is opened once, in a frame of a given width, with a probe behind its scripts that touches it and sends what it
-saw to the frame's parent; the claims below read that. What the browser complains about comes on stderr.
+Each page is opened once, by tests/browser.py; the claims below read what it saw.
 """
 
 from __future__ import annotations

@@ -16,6 +16,9 @@ if not available_platforms():
     pytest.skip("no compiler builds the native FMU here", allow_module_level=True)
 
 
+# values and times
+
+
 @pytest.mark.parametrize(
     ("version", "every"), [(3, 3), *(pytest.param(version, 1, marks=pytest.mark.slow) for version in (2, 3))]
 )

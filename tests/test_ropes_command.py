@@ -14,8 +14,6 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.study.reading import StudyError
 
-# the file and the command
-
 ROPES = """
 [ropes]
 case = "rope-120"
