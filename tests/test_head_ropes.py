@@ -14,7 +14,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantOutput, PlantState, energy_residual
 from hoist_demo.drive_fmu.description import drive_model
-from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
+from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding, require_jams_on_the_way
 from hoist_demo.parameters.components import Brake, Jam
 from hoist_demo.recording.jams import Jam as Jammed
 from hoist_demo.recording.jams import jams, told_of_jams
@@ -140,6 +140,15 @@ def test_a_conveyance_that_is_carried_through_is_not_called_jammed() -> None:
 def test_data_that_mean_nothing_are_refused_with_bound_and_cure(data: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=re.escape(words)):
         Hoist(**data)
+
+
+@pytest.mark.parametrize("travel", [10.0, -50.0])
+def test_a_jam_that_its_conveyance_does_not_come_to_is_refused(travel: float) -> None:
+    winding = Winding(travel=travel)
+    require_jams_on_the_way(Hoist(jam_left=Jam(height=5.0 if travel > 0.0 else 60.0)), winding)
+    require_jams_on_the_way(Hoist(jam_right=Jam(height=79.0 if travel > 0.0 else 51.0)), winding)
+    with pytest.raises(ValueError, match=r"jam_right\.height = .* where its conveyance comes .*: move the jam"):
+        require_jams_on_the_way(Hoist(jam_right=Jam(height=53.0)), winding)
 
 
 def test_an_exported_drive_has_no_jam() -> None:

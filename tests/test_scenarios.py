@@ -12,12 +12,14 @@ from hoist_demo.cases.table import CASES, find_case
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.parameters import Coupling
+from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.parameters.components import Jam
 from hoist_demo.recording.jams import jams, slack_ropes
 from hoist_demo.recording.passages import passages
+from hoist_demo.recording.slip import slip
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.events import marks
+from hoist_demo.report.rows import WARNING
 from hoist_demo.report.summary import summarize
 
 
@@ -79,7 +81,12 @@ def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() 
     assert jam.way is not None
     assert jam.way < Jam().distance
     assert case.hoist.jam_right is not None
-    assert run["conveyance.right.y"][-1] == pytest.approx(jam.height - jam.way, abs=case.hoist.jam_right.travel)
+    stuck = run["conveyance.right.y"]
+    behind = (run.time > jam.t + 0.5) & (run.time < jam.t + 1.5)
+    assert stuck[behind] == pytest.approx(jam.height - jam.way, abs=case.hoist.jam_right.travel)
+    # the other one falls back into its ropes, whose jerk pulls it up, but not out
+    assert np.max(run["drive.pull_right"]) > 2.0 * case.hoist.mass_right * GRAVITY
+    assert stuck[-1] < case.hoist.jam_right.height + Jam().distance
     # its ropes go slack by what the other conveyance rises until it stops
     low = run["drive.pull_right"] < case.hoist.slack_tension
     seen = int(np.argmax(low))
@@ -92,6 +99,12 @@ def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() 
     # the rope's end stops hard
     assert np.max(-run["right.fy"]) > 4.0 * -run["right.fy"][seen - 20]
     assert np.max(np.abs(run["drive.energy_residual"])) < 1e-3
+    # without friction's limit the ratio reaches 170
+    assert np.max(run["drive.tension_ratio"]) < case.hoist.tension_ratio_limit
+    slid = slip(run)
+    assert slid is not None
+    assert run.time[seen] - 0.2 < slid.t < run.time[seen]
+    assert slid.way > np.max(rises)
 
 
 def test_summary_and_report_tell_how_a_conveyance_jammed() -> None:
@@ -100,10 +113,13 @@ def test_summary_and_report_tell_how_a_conveyance_jammed() -> None:
     told, jam, slack = rows["Outcome", "status"].text, jams(run.recording)[0], slack_ropes(run.recording)[0]
     assert f"; the right conveyance jammed at t = {jam.t:.4g} s; " in told
     assert f"; the head ropes of the right conveyance were slack from t = {slack.t:.4g} s on" in told
+    assert "; the head ropes slipped " in told
     seen = float(rows["Slack head ropes", "seen by the safety circuit at"].value)
     assert seen == pytest.approx(run.winding.emergency_at)
     assert ("After the jam, 10 s", "largest pull on a conveyance") in rows
     marked = marks(run, run.winding)
     labels, times = [mark.label for mark in marked], [mark.t for mark in marked]
-    assert labels[:3] == ["right conveyance jams", "emergency stop", "right head ropes slack"]
+    assert labels[:4] == ["right conveyance jams", "head ropes slip", "emergency stop", "right head ropes slack"]
+    assert ("Head ropes that slipped", "way on the sheave") in rows
+    assert not [row for row in rows if row[1] == WARNING and "slip" in rows[row].text]
     assert times == sorted(times)

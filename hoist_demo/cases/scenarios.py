@@ -5,7 +5,8 @@ slack-rope      the brake grips at once with its full torque, harder than gravit
                 goes slack, and jerks when it falls back
 seized-swivel   one of two swivels does not turn
 jammed-conveyance
-                the descending conveyance catches in its guides; its head ropes go slack, which opens the safety circuit
+                the descending conveyance catches in its guides; its head ropes go slack, which opens the safety
+                circuit, and slip on the sheave
 caught-rope     an emergency stop swings the loop up under a divider within it, which holds it and lets it go
 """
 
@@ -15,7 +16,7 @@ from dataclasses import replace
 
 from hoist_demo.cases.case import COULOMB, LOCKED, PUBLISHED_ROPE, Case, swivels
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.parameters.components import Brake, Jam
+from hoist_demo.parameters.components import Brake, Jam, Lining
 
 _HOIST, _WINDING = Hoist(), Winding()
 _ROPE = {"rope.length": _HOIST.tail_rope_length, **swivels(LOCKED)}
@@ -44,7 +45,7 @@ SCENARIOS = {
         stated=PUBLISHED_ROPE,
     ),
     "jammed-conveyance": Case(
-        replace(_HOIST, brake=Brake(), jam_right=Jam(), slack_tension=2e4),
+        replace(_HOIST, brake=Brake(), lining=Lining(), jam_right=Jam(), slack_tension=2e4),
         replace(_WINDING, emergency_law="deceleration", settle=20.0),
         rope=_ROPE,
         stated=PUBLISHED_ROPE,

@@ -26,14 +26,15 @@ from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import listen, progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
-from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, require_jams_on_the_way
 from hoist_demo.recording.exposure import exposure, spectra_table
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import Recording, match_signals, shape_rows, write_csv, write_shapes
 from hoist_demo.report.provenance import told
 from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow, render
-from hoist_demo.report.summary import exposure_rows, slip_warning, summarize
+from hoist_demo.report.slip import slip_warning
+from hoist_demo.report.summary import exposure_rows, summarize
 from hoist_demo.study.catalogue import Catalogue, Value
 from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe
@@ -138,6 +139,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
     options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _CASE
     run = build(options.case, _winding(options) | chosen)
+    require_jams_on_the_way(run.hoist, run.winding)
     results_folder(options.out)
     rope, signals = _rope(options, run, bool(fmu_part(chosen)))
     hoist, winding, coupling = run.hoist, run.winding, run.coupling
@@ -152,7 +154,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
     winding, run = result.winding, replace(run, winding=result.winding)
     contradiction = contradictions(hoist, data.parameters)
-    for text in (contradiction, slip_warning(result.recording, hoist)):
+    for text in (contradiction, slip_warning(result.recording, hoist, winding)):
         _tell(text)
     given = (file_statuses(options.rope) if options.rope else {}) | dict.fromkeys(own, GIVEN)
     known = [*of_host(run, given), *of_rope(find_case(options.case), data, given)]

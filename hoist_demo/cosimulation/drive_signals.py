@@ -8,6 +8,7 @@ from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant
 from hoist_demo.cosimulation.schemes.interface import Memory
+from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.outputs import SHOWN, PlantOutput, tension_ratio
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import TIME, Array, Recording
@@ -35,6 +36,8 @@ DRIVE_UNITS = {
     "drive.tension_right": "N",
     "drive.tension_ratio": "1",
     "drive.slip_safety": "1",
+    "drive.slip": "m",
+    "drive.slip_speed": "m/s",
     "drive.pull_left": "N",
     "drive.pull_right": "N",
     "drive.slack_left": "m",
@@ -43,6 +46,7 @@ DRIVE_UNITS = {
     "drive.jam_right": "N",
     "drive.work_motor": "J",
     "drive.work_losses": "J",
+    "drive.work_slip": "J",
     "drive.work_rope_damping": "J",
     "drive.work_from_balance_rope": "J",
     "drive.energy_kinetic": "J",
@@ -82,9 +86,12 @@ def drive_signals(
         *tensions,
         ratio,
         drive.plant.hoist.slip_safety(ratio),
+        drive.state.slide.way,
+        drive.state.slide.speed,
         *shown[_HEAD_ROPES],
         motor,
         losses,
+        drive.state.losses.item(_LINING),
         ropes,
         left + right,
         shown[_KINETIC],
@@ -97,6 +104,7 @@ def drive_signals(
 
 _MOTION = [f"{name}_{side}" for side in ("left", "right") for name in "yva"]
 _motion_of = itemgetter(*(SHOWN[name] for name in (*_MOTION, "angle", "rate")))
+_LINING = LOSS_NAMES.index("lining")
 _HEAD_ROPES = slice(SHOWN["pull_left"], SHOWN["jam_right"] + 1)
 _TORQUE, _MOTOR_RATE, _BRAKE, _LEFT, _RIGHT, _KINETIC, _POTENTIAL = (
     SHOWN[name]

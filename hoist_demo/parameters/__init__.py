@@ -2,7 +2,7 @@
 
 from hoist_demo.parameters.coupling import Coupling
 from hoist_demo.parameters.hoist import ASSUMED_DATA, GRAVITY, Hoist
-from hoist_demo.parameters.winding import EmergencyLaw, Winding, require_trip_fits
+from hoist_demo.parameters.winding import EmergencyLaw, Winding, require_jams_on_the_way, require_trip_fits
 
 __all__ = [
     "ASSUMED_DATA",
@@ -11,5 +11,6 @@ __all__ = [
     "EmergencyLaw",
     "Hoist",
     "Winding",
+    "require_jams_on_the_way",
     "require_trip_fits",
 ]

@@ -108,3 +108,21 @@ def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
         f"at most {capacity / hoist.moving_mass:.3g} m/s^2, what brake.torque gives all moving masses",
         "brake more gently or fit a stronger brake",
     )
+
+
+def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:
+    """Reject a jam that its conveyance does not come to in a trip from landing: the trip would show nothing of it."""
+    low, high = sorted((0.0, hoist.shaft_travel)[winding.travel < 0.0] + part for part in (0.0, winding.travel))
+    for name, jam, bounds in (
+        ("jam_left", hoist.jam_left, (low, high)),
+        ("jam_right", hoist.jam_right, (hoist.shaft_travel - high, hoist.shaft_travel - low)),
+    ):
+        if jam is not None:
+            require(
+                jam.height,
+                bounds[0] - jam.distance < jam.height < bounds[1] + jam.distance,
+                f"{name}.height",
+                f"within {jam.distance:g} m of {bounds[0]:g} to {bounds[1]:g} m, where its conveyance comes in a trip "
+                f"of {winding.travel:g} m",
+                f"move the jam (hoist.{name}.height), or wind further (demo --quick winds 10 m)",
+            )

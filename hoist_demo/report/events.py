@@ -10,6 +10,7 @@ from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.jams import jams, slack_ropes
+from hoist_demo.recording.slip import slip
 from hoist_demo.recording.time_series import Recording
 
 
@@ -28,6 +29,8 @@ def marks(result: Result, winding: Winding) -> list[Mark]:
     start = float(times[0])
     found = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]
     found += [Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)]
+    if (slid := slip(result.recording)) is not None:
+        found.append(Mark(slid.t, "head ropes slip"))
     if winding.creeps:
         found += [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
     if (trip := guard_trip(result.recording)) is not None:

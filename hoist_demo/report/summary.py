@@ -17,9 +17,11 @@ from hoist_demo.recording.fidelity import fidelities_of, remark
 from hoist_demo.recording.guards import AFTER, after, guard_trip, told
 from hoist_demo.recording.jams import jams, slack_ropes, told_of_jams
 from hoist_demo.recording.passages import BODIES, outcome_of, passages
+from hoist_demo.recording.slip import slip, told_of_slip
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number
 from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow
+from hoist_demo.report.slip import slip_warning
 
 SWING_WINDOW = 5.0
 """Length of the record's tail over which the residual swing is judged [s]."""
@@ -39,6 +41,7 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
             + _swing(recording, result.trajectory.duration)
             + _after_guard(recording)
             + _after_jam(recording, hoist)
+            + _slip(recording)
             + _rope(recording, hoist)
             + _energy(recording, hoist)
             + _counts(recording)
@@ -89,8 +92,8 @@ def status(completed: bool, recording: Recording) -> str:
 
 
 def incidents(recording: Recording) -> str:
-    """Guards that tripped, conveyances that jammed and head ropes that went slack, as the end of a sentence."""
-    return told(recording) + told_of_jams(recording)
+    """Guards that tripped, conveyances that jammed, head ropes that went slack or slipped: the end of a sentence."""
+    return told(recording) + told_of_jams(recording) + told_of_slip(recording)
 
 
 def warnings(result: Result, hoist: Hoist) -> list[str]:
@@ -98,24 +101,8 @@ def warnings(result: Result, hoist: Hoist) -> list[str]:
 
     An unstable coupling, ropes that a real sheave would not hold, and what the rope's fidelity leaves out.
     """
-    texts = result.warning, slip_warning(result.recording, hoist), remark(result.recording)
+    texts = result.warning, slip_warning(result.recording, hoist, result.winding), remark(result.recording)
     return [text for text in texts if text]
-
-
-def slip_warning(recording: Recording, hoist: Hoist) -> str:
-    """When real head ropes would have begun to slip; "" while the friction on the sheave holds them."""
-    if "drive.tension_ratio" not in recording:
-        return ""
-    ratio, limit = recording["drive.tension_ratio"], hoist.tension_ratio_limit
-    beyond = ratio > limit
-    if not bool(beyond.any()):
-        return ""
-    return (
-        f"the head ropes would slip at t = {number(float(recording.time[beyond][0]))} s (tension ratio up to "
-        f"{number(float(np.max(ratio)))}, limit {number(limit)}); the model lets them hold, so nothing after that "
-        "instant is a prediction. Brake or accelerate more gently (winding.emergency_deceleration, "
-        "winding.acceleration), or make the two sides more alike in weight"
-    )
 
 
 def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryRow]:
@@ -135,6 +122,21 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
         SummaryRow(group, "largest tension ratio on the sheave", float(np.max(ratio))),
         SummaryRow(group, "ratio at which the ropes slip", hoist.tension_ratio_limit),
         SummaryRow(group, "smallest slip safety, (limit - 1) / (ratio - 1)", hoist.slip_safety(float(np.max(ratio)))),
+    ]
+
+
+def _slip(recording: Recording) -> list[SummaryRow]:
+    """How the head ropes slid on the sheave."""
+    if (slid := slip(recording)) is None:
+        return []
+    group = "Head ropes that slipped"
+    return [
+        SummaryRow(group, "from", slid.t, "s"),
+        SummaryRow(group, "for", slid.duration, "s"),
+        SummaryRow(group, "way on the sheave", slid.way, "m"),
+        SummaryRow(group, "of it left in the end", slid.net, "m"),
+        SummaryRow(group, "largest speed on the sheave", slid.speed, "m/s"),
+        SummaryRow(group, "work of the friction", 1e-3 * float(recording["drive.work_slip"][-1]), "kJ"),
     ]
 
 

@@ -64,6 +64,10 @@ def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array
         travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
         found["derived.tracking_error"] = recording["reference.position"] - travel, "m"
         found["derived.reference_height"] = recording["conveyance.left.y"][0] + recording["reference.position"], "m"
+    if hoist.lining is not None and recording.has("drive.rate", "drive.slip_speed"):
+        rim = hoist.sheave_radius * recording["drive.rate"]
+        found["derived.rim_speed"] = rim, "m/s"
+        found["derived.rope_speed"] = rim + recording["drive.slip_speed"], "m/s"
     if recording.has("drive.work_from_balance_rope", "energy.work_ends"):
         found["derived.coupling_defect"] = exchange_energy(recording, hoist), "J"
     return found
@@ -147,6 +151,19 @@ def _drive(hoist: Hoist) -> tuple[Panel, ...]:
             "1",
             (Line("drive.tension_ratio", "larger / smaller", "b"),),
             limit=(slip, f"ropes slip at exp(µα) = {slip:.2f}"),
+        ),
+        *(() if hoist.lining is None else _slip()),
+    )
+
+
+def _slip() -> tuple[Panel, ...]:
+    return (
+        Panel("Drive", "Head ropes slipped on the sheave", "m", (Line("drive.slip", "way", "a"),), 0.01),
+        Panel(
+            "Drive",
+            "Speeds at the sheave's rim",
+            "m/s",
+            (Line("derived.rim_speed", "sheave", "a"), Line("derived.rope_speed", "head ropes", "b")),
         ),
     )
 

@@ -12,6 +12,7 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.jams import told_of_jams
 from hoist_demo.recording.passages import passages
+from hoist_demo.recording.slip import told_of_slip
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
 from hoist_demo.report import events
 from hoist_demo.report.html import packing, page, panels, parameter_tables
@@ -59,7 +60,8 @@ def run_report(
         said.insert(0, ("Passed through." if through else "Struck.", passed + after))
     if trip := guard_trip(result.recording):
         said.append(("Guard.", f"{trip.cause} tripped at t = {trip.t:.4g} s; the safety circuit opened."))
-    if jammed := told_of_jams(result.recording).removeprefix("; "):
+    incidents = told_of_jams(result.recording) + told_of_slip(result.recording)
+    if jammed := incidents.removeprefix("; "):
         said.append(("Head ropes and guides.", f"{jammed[0].upper()}{jammed[1:]}."))
     said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
     note = "".join(f'<p class="note stopped"><strong>{w}</strong> {page.escape(text)}</p>' for w, text in said)

@@ -1,0 +1,49 @@
+"""Head ropes that slid on the sheave: since when, how far, how fast."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hoist_demo.recording.time_series import Recording
+
+SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})
+"""Signals that tell it."""
+
+
+class Slip(NamedTuple):
+    """All that the head ropes slid in a run."""
+
+    t: float  # s, of the last sample before they slid
+    way: float  # m, to and fro
+    net: float  # m, of the ropes on the sheave, positive as its rotation
+    speed: float  # m/s, largest
+    duration: float  # s, in all
+
+
+def slip(recording: Recording) -> Slip | None:
+    """None where they held."""
+    if not recording.has(*SLIP_SIGNALS):
+        return None
+    way, time = recording["drive.slip"], recording.time
+    slid = np.flatnonzero(np.diff(way))
+    if not slid.size:
+        return None
+    return Slip(
+        t=float(time[slid[0]]),
+        way=float(np.sum(np.abs(np.diff(way)))),
+        net=float(way[-1] - way[0]),
+        speed=float(np.max(np.abs(recording["drive.slip_speed"]))),
+        duration=float(np.sum(np.diff(time)[slid])),
+    )
+
+
+def told_of_slip(recording: Recording) -> str:
+    """It as the end of a sentence; "" where they held."""
+    if (slid := slip(recording)) is None:
+        return ""
+    return (
+        f"; the head ropes slipped {slid.way:.3g} m on the sheave from t = {slid.t:.4g} s on, at up to "
+        f"{slid.speed:.3g} m/s"
+    )

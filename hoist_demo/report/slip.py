@@ -1,0 +1,53 @@
+"""What a reader must know of the head ropes' hold on the sheave."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.recording.jams import jams, slack_ropes
+from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.report.html.page import number
+
+AT_REST, MOVING = 1.75, 1.25
+"""Slip safeties that design rules of friction hoists ask for, of the hoist at rest and of normal winding [assumed]."""
+
+_GENTLER = "accelerate more gently (winding.acceleration), or make the two sides more alike in weight"
+
+
+def slip_warning(recording: Recording, hoist: Hoist, winding: Winding) -> str:
+    """When real head ropes begin to slip, or how little friction is left; "" while it holds them as is asked for."""
+    if "drive.tension_ratio" not in recording:
+        return ""
+    ratio, limit = recording["drive.tension_ratio"], hoist.tension_ratio_limit
+    beyond = ratio > limit
+    if hoist.lining is None and bool(beyond.any()):
+        return (
+            f"the head ropes would slip at t = {number(float(recording.time[beyond][0]))} s (tension ratio up to "
+            f"{number(float(np.max(ratio)))}, limit {number(limit)}); the model lets them hold, so nothing after that "
+            "instant is a prediction. Let them slip (hoist.lining.sliding = 0.8), brake or accelerate more gently "
+            "(winding.emergency_deceleration, winding.acceleration), or make the two sides more alike in weight"
+        )
+    return _margin_warning(recording.time, ratio, _normal_until(recording, winding), hoist)
+
+
+def _normal_until(recording: Recording, winding: Winding) -> float:
+    """Time [s] of the first event that is no part of normal winding, or of the record's end."""
+    events = [jam.t for jam in jams(recording)] + [slack.t for slack in slack_ropes(recording)]
+    if winding.emergency_at is not None:
+        events.append(float(recording.time[0]) + winding.emergency_at)
+    return min(events, default=float(recording.time[-1]))
+
+
+def _margin_warning(time: Array, ratio: Array, until: float, hoist: Hoist) -> str:
+    """Where the friction is used up to more than the rules leave; the first sample is one at rest."""
+    largest = int(np.argmax(np.where(time <= until, ratio, 0.0)))
+    for asked, k, words in ((AT_REST, 0, "at rest"), (MOVING, largest, "in normal winding")):
+        safety = hoist.slip_safety(float(ratio[k]))
+        if safety < asked:
+            return (
+                f"the head ropes' slip safety {words} is {number(safety)} at t = {number(float(time[k]))} s (tension "
+                f"ratio {number(float(ratio[k]))}, limit {number(hoist.tension_ratio_limit)}), and {asked:g} is "
+                f"usually asked for: {_GENTLER}"
+            )
+    return ""

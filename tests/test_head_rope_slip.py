@@ -1,0 +1,214 @@
+"""Head ropes that slip on the sheave: the limit in closed form, momentum, energy, when they slip and hold again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+from hoist_demo.drive.plant import LOSS_NAMES, HoistPlant, PlantInput, PlantState, energy_residual
+from hoist_demo.drive_fmu.description import drive_model
+from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
+from hoist_demo.parameters.components import Brake, Lining, Play, Shaft
+from hoist_demo.recording.slip import Slip, slip, told_of_slip
+from hoist_demo.recording.time_series import Recording
+from hoist_demo.report.slip import slip_warning
+
+HOISTS = {
+    "plain": Hoist(lining=Lining(), brake=Brake(torque=8e5)),
+    "everything": Hoist(lining=Lining(), brake=Brake(torque=8e5), head_rope_modes=2, shaft=Shaft(), play=Play()),
+}
+PULL = -4e3
+LINING = LOSS_NAMES.index("lining")
+
+
+def running(plant: HoistPlant, speed: float) -> PlantState:
+    """In the middle of the shaft, the left conveyance rising."""
+    state = plant.equilibrium(45.0, 45.0, PULL, PULL)
+    x = state.x.copy()
+    x[4:7] = speed / plant.hoist.sheave_radius, speed, -speed
+    return state._replace(x=x)
+
+
+def braked(plant: HoistPlant, state: PlantState, seconds: float, h: float = 0.01) -> list[PlantState]:
+    """States at every communication step under the full brake, the first as given."""
+    states = [state]
+    for _ in range(round(seconds / h)):
+        step = plant.step(states[-1], h, PlantInput(0.0, PULL, PULL, brake=1.0))
+        assert step.valid, step.message
+        states.append(step.state)
+    return states
+
+
+@pytest.mark.parametrize("name", HOISTS)
+def test_ropes_that_slide_have_the_tensions_of_euler_and_eytelwein(name: str) -> None:
+    hoist = HOISTS[name]
+    plant = HoistPlant(hoist)
+    states = braked(plant, running(plant, 8.0), 3.0)
+    sliding = [s for s in states if s.slide.sense != 0.0]
+    assert {s.slide.sense for s in sliding} >= {1.0}
+    assert len(sliding) < len(states)
+    for state in sliding:
+        shown = plant.outputs(state, PlantInput(0.0, PULL, PULL, brake=1.0))
+        speed = hoist.sheave_radius * shown.rate + state.slide.speed
+        off = hoist.rope_mass * speed**2
+        ratio = (shown.tension_right - off) / (shown.tension_left - off)
+        np.testing.assert_allclose(math.log(ratio) * state.slide.sense, 0.8 * 0.25 * math.pi, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", HOISTS)
+def test_energy_is_kept_through_slip_and_the_lining_only_takes(name: str) -> None:
+    plant = HoistPlant(HOISTS[name])
+    states = braked(plant, running(plant, 8.0), 3.0)
+    first, last = (plant.outputs(s, PlantInput(0.0, PULL, PULL, brake=1.0)) for s in (states[0], states[-1]))
+    taken = np.diff([s.losses[LINING] for s in states])
+    assert np.all(taken >= 0.0)
+    assert np.sum(taken) > 1e5
+    # the integrator's 1e-9 on 1e7 J, some thousand steps
+    np.testing.assert_allclose(energy_residual(first, last, states[-1].work), 0.0, atol=0.5)
+    np.testing.assert_allclose(states[-1].losses.sum(), states[-1].work[1], rtol=1e-12)
+
+
+def test_what_the_ropes_lose_to_the_lining_the_sheave_gets() -> None:
+    hoist = replace(HOISTS["plain"], brake=None)
+    plant = HoistPlant(hoist)
+    state = running(plant, 3.0)
+    for sense, speed in ((1.0, 2.0), (-1.0, -0.5)):
+        u = PlantInput(5e4, PULL, PULL)
+        slid = state._replace(slide=state.slide._replace(sense=sense, speed=speed))
+        shown, rates = plant.outputs(slid, u), plant.rates(slid, u)
+        rim = 3.0
+        loss = hoist.loss_coulomb * math.tanh(rim / hoist.loss_speed) + hoist.loss_viscous * rim
+        force = shown.torque / hoist.sheave_radius - loss + shown.tension_right - shown.tension_left
+        np.testing.assert_allclose(hoist.sheave_mass * hoist.sheave_radius * rates[4], force, rtol=1e-9)
+
+
+def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
+    hoist = Hoist(
+        lining=Lining(), payload_left=15e3, sheave_mass=1e12, torque_limit=1e9, loss_coulomb=0.0, loss_viscous=0.0,
+        head_rope_mass=0.01, head_rope_damping=0.7,
+    )  # fmt: skip
+    plant = HoistPlant(hoist)
+    state = plant.hanging_state(45.0, 45.0, 0.0, 0.0)
+    u = PlantInput(float(state.x[0]), 0.0, 0.0)
+    at = {}
+    for k in range(150):
+        at[k] = state
+        step = plant.step(state, 0.01, u)
+        assert step.valid, step.message
+        state = step.state
+    most = math.exp(0.8 * hoist.friction_coefficient * hoist.wrap_angle)
+    heavy, light = hoist.mass_left, hoist.mass_right
+    exact = -GRAVITY * (heavy - most * light) / (heavy + most * light)
+    # the weight of 5 kg of ropes, more on one side by some m: of the 60 kN that accelerate them
+    assert (state.slide.speed - at[100].slide.speed) / 0.5 == pytest.approx(exact, rel=1e-3)
+    force = light * (GRAVITY - exact) * (most - 1.0)
+    work = state.losses[LINING] - at[100].losses[LINING]
+    assert work == pytest.approx(force * abs(state.slide.way - at[100].slide.way), rel=1e-3)
+
+
+def test_slip_does_not_depend_on_the_communication_step() -> None:
+    plant = HoistPlant(HOISTS["plain"])
+    coarse, fine = (braked(plant, running(plant, 8.0), 3.0, h)[-1] for h in (0.02, 0.001))
+    assert coarse.slide.way > 1.0
+    # both instants are located within 1e-9 s, at up to 10 m/s, in each of some ten slips
+    np.testing.assert_allclose(fine.slide.way, coarse.slide.way, atol=1e-6)
+    np.testing.assert_allclose(fine.x, coarse.x, rtol=1e-5, atol=1e-4)
+
+
+def test_ropes_that_hold_have_the_bits_of_a_hoist_without_a_lining() -> None:
+    states = []
+    for hoist in (HOISTS["plain"], replace(HOISTS["plain"], lining=None)):
+        plant = HoistPlant(hoist)
+        state = running(plant, 8.0)
+        torque = float(state.x[0])
+        for k in range(200):
+            state = plant.step(state, 0.01, PlantInput(torque + 100.0 * k, PULL, PULL)).state
+        states.append(state)
+    assert states[0].slide.way == 0.0
+    np.testing.assert_array_equal(states[0].x, states[1].x)
+    np.testing.assert_array_equal(states[0].work, states[1].work)
+
+
+def test_the_mobility_of_ropes_that_slide_is_that_of_differences() -> None:
+    plant = HoistPlant(HOISTS["plain"])
+    state = next(s for s in braked(plant, running(plant, 8.0), 0.5) if s.slide.sense != 0.0)
+    found = np.empty((2, 2))
+    for k, change in enumerate(((1e3, 0.0), (0.0, 1e3))):
+        up, down = (plant.outputs(state, PlantInput(0.0, s * change[0], s * change[1])) for s in (1.0, -1.0))
+        found[:, k] = np.array([up.a_left - down.a_left, up.a_right - down.a_right]) / 2e3
+    # linear: rounding of some 1e5 N / 1e4 kg
+    np.testing.assert_allclose(plant.mobility(state), found, atol=1e-13)
+
+
+def test_other_payloads_are_heard_while_ropes_slide() -> None:
+    plant = HoistPlant(HOISTS["plain"])
+    state = next(s for s in braked(plant, running(plant, 8.0), 0.5) if s.slide.sense != 0.0)
+    u, heavier = PlantInput(0.0, PULL, PULL), replace(HOISTS["plain"], payload_left=8e3)
+    plant.reload(heavier)
+    assert plant.outputs(state, u) == HoistPlant(heavier).outputs(state, u)
+
+
+def test_a_run_goes_on_in_the_middle_of_a_slip_with_the_same_bits(tmp_path: Path) -> None:
+    hoist, winding = HOISTS["plain"], Winding(travel=30.0, emergency_at=5.0, emergency_law="torque", settle=1.0)
+
+    def host() -> Host:
+        rope = rope_in_process("rope-120", level="draft", parameters={"model.fidelity": 1})
+        return Host(rope, hoist, winding, Coupling())
+
+    whole = host().run().recording
+    (slid,) = [slip(whole)]
+    assert slid is not None
+    file = tmp_path / "last_good.npz"
+    host().run(progress=lambda _, t: t < slid.t + 0.3, save_to=file)
+    kept = Checkpoint.read(file)
+    resumed = host().run(resume=kept).recording
+    for name in ("drive.slip", "drive.tension_ratio", "conveyance.left.y", "left.fy"):
+        np.testing.assert_array_equal(resumed[name], whole[name])
+
+
+def test_a_stop_is_told_with_way_and_speed_of_the_slip() -> None:
+    time = np.arange(5.0)
+    signals = {"time": time, "drive.slip": np.array([0.0, 0.0, 0.5, 0.25, 0.25])}
+    recording = Recording(signals | {"drive.slip_speed": np.array([0.0, 0.0, 0.75, -0.5, 0.0])}, {})
+    assert slip(recording) == Slip(t=1.0, way=0.75, net=0.25, speed=0.75, duration=2.0)
+    assert told_of_slip(recording) == (
+        "; the head ropes slipped 0.75 m on the sheave from t = 1 s on, at up to 0.75 m/s"
+    )
+    assert slip(Recording({"time": time, "drive.slip": 0.0 * time, "drive.slip_speed": 0.0 * time}, {})) is None
+
+
+@pytest.mark.parametrize(
+    ("ratio", "winding", "words"),
+    [
+        ([1.4, 1.6, 1.9, 2.1], Winding(), "slip safety in normal winding is 1.08"),
+        ([1.4, 1.6, 1.9, 2.1], Winding(emergency_at=2.0), ""),
+        ([1.8, 1.6, 1.6, 1.6], Winding(), "slip safety at rest is 1.49"),
+        ([1.4, 1.6, 1.9, 2.9], Winding(), "would slip at t = 3 s"),
+    ],
+)
+def test_friction_that_is_used_up_beyond_the_usual_margin_warns(
+    ratio: list[float], winding: Winding, words: str
+) -> None:
+    recording = Recording({"time": np.arange(4.0), "drive.tension_ratio": np.array(ratio)}, {})
+    said = slip_warning(recording, Hoist(), winding)
+    assert words in said
+    assert bool(words) == bool(said)
+
+
+def test_a_lining_that_holds_better_while_ropes_slide_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"lining\.sliding = 1\.2 must be at most 1"):
+        Lining(sliding=1.2)
+
+
+def test_an_exported_drive_has_no_lining() -> None:
+    case = replace(find_case("rope-120"), hoist=Hoist(lining=Lining()))
+    with pytest.raises(ValueError, match=r"lining = .* must be None: .*balance-rope demo"):
+        drive_model(case)
