@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 needs_compiler = pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to compare with")
 #: the arguments of ``evaluate``
 STATE = ("q", "v", "a", "R", "l", "F", "load", "friction_load", "node_mass", "P")
-P = np.array([1.3, 9.8, 5.0, 0.8, 0.3, 2.0, 1.5, 0.4, 0.3, 1.2, 0.9, 0.5])
+P = np.array([1.3, 9.8, 5.0, 0.8, 0.3, 2.0, 1.5, 0.4, 0.3, 1.2, 0.9, 0.5, 0.2])
 
 
 def random_chain(elements: int, seed: int) -> dict[str, Array]:
