@@ -85,7 +85,8 @@ class HangingEnds:
 
     def moment(self, side: int, reaction: Array) -> float:
         """Moment (N m, about the tangent) of the conveyance on the rope's end."""
-        return float(moment_of_swivel(self.swivels[side], self.states[side], *reaction[-side, [1, ANGLE]].tolist()))
+        tension, held = float(reaction[-side, 1]), float(reaction[-side, ANGLE])
+        return float(moment_of_swivel(self.swivels[side], self.states[side], tension, held))
 
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
         """The swivel's angle b (rad) and rate b_t (rad/s)."""

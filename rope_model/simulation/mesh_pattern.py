@@ -25,7 +25,8 @@ def relative_lengths(counts: Any) -> tuple[Any, ...]:
 
 def inner_length(counts: Any) -> Any:
     """Length of the segments II to VI."""
-    return sum(n * length for n, length in zip(counts, relative_lengths(counts), strict=True))
+    ii, iii, iv, v, vi = counts
+    return 0.5 * (ii + vi) + 0.25 * (iii + v) + fine_share(counts) * iv
 
 
 def fewest_outer(counts: Any) -> Any:
@@ -40,7 +41,11 @@ def pattern_centre(pattern: Any) -> Any:
 
 def distance_to_due(pattern: Any, bottom: Any) -> Any:
     """How far past the limit the loop is, m; negative when no transformation is due or none is possible."""
-    offset = bottom - pattern_centre(pattern)
+    return _past_limit(pattern, bottom - pattern_centre(pattern))
+
+
+def _past_limit(pattern: Any, offset: Any) -> Any:
+    """The same of a loop that is ``offset`` (m) right of the centre."""
     outer = where(offset > 0.0, pattern.counts[6], pattern.counts[0])
     stays = either(pattern.coarse <= 0.0, outer == fewest_outer(pattern.counts[1:6]))
     return where(stays, -math.inf, abs(offset) - DUE * pattern.coarse)
@@ -52,4 +57,4 @@ def transformation_due(pattern: Any, bottom: Any, slack: Any = 0.0) -> Any:
     0 when it is not, or when the mesh can make no more in that direction.
     """
     offset = bottom - pattern_centre(pattern)
-    return where(distance_to_due(pattern, bottom) < -slack, 0.0, less(0.0, offset) - less(offset, 0.0))
+    return where(_past_limit(pattern, offset) < -slack, 0.0, less(0.0, offset) - less(offset, 0.0))

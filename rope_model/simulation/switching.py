@@ -60,10 +60,10 @@ def excess(system: RopeSystem, motion: Motion) -> float:
 
 def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
     ends = ends_of(system)
-    now, (theta, theta_t) = ends.states[side], (float(x[-side, ANGLE]) for x in (motion.q, motion.v))
-    rate = ends.relative(side, motion.t, theta, theta_t)[1] if now.phase is Phase.SLIP else 0.0
-    tension, held = motion.reaction[-side, [1, ANGLE]].tolist()
-    return float(swivel_excess(ends.swivels[side], now, tension, held, rate))
+    now, R, rate = ends.states[side], motion.reaction[-side], 0.0
+    if now.phase is Phase.SLIP:
+        rate = ends.relative(side, motion.t, float(motion.q[-side, ANGLE]), float(motion.v[-side, ANGLE]))[1]
+    return float(swivel_excess(ends.swivels[side], now, float(R[1]), float(R[ANGLE]), rate))
 
 
 def switching_step(
