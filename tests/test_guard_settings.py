@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 
+from evidence.guards import jam
 from evidence.guards.judging import EARLY, Guard, guard
 from evidence.guards.scenes import SET, draw
 from evidence.guards.wind import COLUMNS, QUANTITIES, judge
-from evidence.tables import table
+from evidence.rendering import DOCS
+from evidence.tables import read, table
 
 HEALTHY, FOULED = np.array([1.0, 2.0, 3.0, 4.0]), np.array([2.5, 5.0, 6.0, 7.0])
 
@@ -33,6 +36,16 @@ def test_a_winding_is_healthy_or_fouls_and_goes_further_later() -> None:
             assert sign * row[f"{name}, at rest"] <= sign * row[f"{name}, {EARLY}"]
     t = table(COLUMNS, [tuple(row.values()) for row in judged.values()])
     assert guard(t, "clearance", (SET,)).told_apart == 1.0
+
+
+@pytest.mark.slow
+def test_the_recorded_jam_is_what_a_run_of_today_shows() -> None:
+    recorded = read(DOCS / "data" / "guards")["jam"]
+    for k, (name, threshold, seconds, _) in enumerate(jam.wind_jam()):
+        assert recorded["guard"][k] == name
+        assert_allclose(recorded["set to"][k], threshold, rtol=1e-2)
+        # two samples
+        assert_allclose(recorded["trips after the catch [s]"][k], seconds, rtol=0.0, atol=0.02)
 
 
 def short() -> list:  # type: ignore[type-arg]

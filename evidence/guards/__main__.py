@@ -15,6 +15,7 @@ from evidence.pages import PAGES, publish
 from evidence.rendering import DOCS
 from evidence.tables import table, write
 
+from . import jam
 from .scenes import JUDGE, SET, draw
 from .wind import COLUMNS, judge
 
@@ -31,7 +32,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     samples = [sample for seed in (SET, JUDGE) for sample in draw(seed, options.scenes)]
     with ProcessPoolExecutor(min(PROCESSES, os.cpu_count() or 1)) as pool:
         rows = list(tqdm(pool.map(judge, samples), desc="guards", unit="winding", total=len(samples), leave=False))
-    write({"windings": table(COLUMNS, rows)}, options.out / "data" / PAGE.data)
+    tables = {"windings": table(COLUMNS, rows), "jam": table(jam.COLUMNS, jam.wind_jam())}
+    write(tables, options.out / "data" / PAGE.data)
     for path in publish(PAGE, options.out):
         print(path)
     return 0

@@ -8,6 +8,8 @@ from evidence.rendering import number, quantity, render
 from evidence.tables import Table, Tables, rows
 
 from .figures import FIGURES
+from .jam import COLUMNS as JAM
+from .jam import SLACK
 from .judging import EARLY, PEAK, guard
 from .scenes import JUDGE, SET
 from .wind import LEAD, QUANTITIES
@@ -43,8 +45,24 @@ def page(tables: Tables) -> str:
             for name in QUANTITIES
         ],
         "clearances": [_clearance(t, c) for c in CLEARANCES],
+        **_jam(tables["jam"]),
     }
     return render("guards/guards.md.j2", data)
+
+
+def _jam(t: Table) -> dict[str, object]:
+    """What saw the jam, and when; and the words of what did so first, and of the others."""
+    columns = zip(*(t[name] for name in JAM), strict=True)
+    found, times = [], {}
+    for name, threshold, seconds, peak in columns:
+        unit = UNITS.get(name, "")
+        shown = [f"{number(x, '.2g')} {unit}" if np.isfinite(x) else "" for x in (threshold, peak)]
+        when = quantity(seconds, "s", ".2g") if np.isfinite(seconds) else "never"
+        found.append((name, shown[0], when, shown[1]))
+        times[name] = seconds
+    seen = sorted((name for name in times if np.isfinite(times[name])), key=times.__getitem__)
+    later = seen[seen.index(SLACK) + 1 :]
+    return {"jam": found, "jam_first": seen[0], "slack": SLACK, "jam_seen": " and ".join(later).capitalize()}
 
 
 def _share(t: Table, column: str) -> float:
