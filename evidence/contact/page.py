@@ -9,6 +9,7 @@ from rope_model.parameters import Rope
 from rope_model.physics import contact, contact_element, rope_on_rope
 from rope_model.shaft_parameters import Contact
 
+from . import plectoneme
 from .scenes import GRAVITY
 from .slack_rod import BEND, DIAMETER, LENGTH, SLACK, TORSION
 
@@ -22,6 +23,8 @@ _RODS = {
     "first": ".3g",
     "second": ".3g",
 }
+#: columns of a plectoneme, and how they are shown
+_PLECTONEME = {"tension": ".4g", "torque": ".4g", "nearer": ".4g", "angle": ".4g", "radius": ".4g"}
 _COLUMNS = ("case", "what", "value", "unit", "relation", "bound")
 
 
@@ -42,6 +45,19 @@ def page(tables: Tables) -> str:
         "rows": rows,
         "slack": sorted([*_rods("PyElastica", tables["elastica"]), *_rods("ours", tables["slack"])], key=_turns),
         "rod": {"length": LENGTH, "slack": SLACK, "bend": BEND, "torsion": TORSION, "diameter": DIAMETER},
+        "wound": _plectonemes(tables["plectoneme"]),
+        "winds": {
+            "length": plectoneme.LENGTH,
+            "bend": plectoneme.BEND,
+            "torsion": plectoneme.TORSION,
+            "diameter": plectoneme.DIAMETER,
+            "elements": plectoneme.ELEMENTS,
+            "stiffness": plectoneme.STIFFNESS,
+            "tension": plectoneme.TENSION,
+            "wound": plectoneme.WOUND,
+            "grown": plectoneme.GROWN,
+            "mass": plectoneme.MASS,
+        },
         "law": Contact(),
         "onset": contact.ONSET,
         "own": contact.OWN_LENGTH,
@@ -59,6 +75,11 @@ def _rods(code: str, t: Table) -> list[tuple[str, ...]]:
     """Turns first, then the code."""
     columns = [[number(x, form) for x in t[name]] for name, form in _RODS.items()]
     return [(turns, code, *rest) for turns, *rest in zip(*columns, strict=True)]
+
+
+def _plectonemes(t: Table) -> list[tuple[str, ...]]:
+    columns = [[number(x, form) for x in t[name]] for name, form in _PLECTONEME.items()]
+    return [(str(of), *rest) for of, *rest in zip(t["of"], *columns, strict=True)]
 
 
 def _turns(cells: tuple[str, ...]) -> float:

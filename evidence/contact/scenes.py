@@ -153,7 +153,7 @@ def pulled(friction: float, element: float, speed: float = 0.2) -> Pulled:
     for k in range(1, round(3.0 * ramp / H) + 1):
         # draw it tight, and pull it around from then on: rates of a step that takes the time ramp
         t = k * H
-        up, side = _rates(t / ramp), _rates(t / ramp - 1.0)
+        up, side = smooth_step(t / ramp), smooth_step(t / ramp - 1.0)
         rise = tight * up[1], tight * up[2] / ramp, tight * up[3] / ramp**2
         slide = speed * ramp * side[0], speed * side[1], speed * side[2] / ramp
         left, right = (_end(rise, slide, sign) for sign in (-1.0, 1.0))
@@ -172,7 +172,7 @@ def _end(rise: Rates, slide: Rates, sign: float) -> EndMotion:
     return EndMotion(y=y, vy=vy, ay=ay)
 
 
-def _rates(s: float) -> tuple[float, float, float, float]:
+def smooth_step(s: float) -> tuple[float, float, float, float]:
     """Integral, value and two rates of a smooth step from 0 to 1 while ``s`` does so."""
     if s >= 1.0:
         return s - 0.5, 1.0, 0.0, 0.0
@@ -207,7 +207,7 @@ def struck(stiffness: float) -> Struck:
     )
     found = made(scene, EndMotion(), EndMotion())
     for k in range(1, round(1.5 * T / H) + 1):
-        _, value, rate, second = _rates(k * H / T)
+        _, value, rate, second = smooth_step(k * H / T)
         left, right = (EndMotion(y=-y * value, vy=-y * rate / T, ay=-y * second / T**2) for y in (down, 0.2 * down))
         status = found.advance_to(k * H, left, right)
         if not status.valid:

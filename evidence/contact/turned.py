@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,9 +60,10 @@ def turned(friction: float) -> Turned:
         course.append(np.abs(read()))
     turns, torque, force = np.array(course).T
     first = int(np.argmax(force > 0))
-    helix = _helix(found.state.motion.q, found.state.partition.lengths, float(torque[-1]), scene.rope.EI)
+    ply = helix(found.state.motion.q, found.state.partition.lengths, np.linspace(*PLY, 200))
+    exact = _exact_angle(float(torque[-1]) / ply.radius, scene.rope.EI / ply.radius**2, 0.5 * WEIGHT * ply.below)
     crossings = found.signals(["loop.crossings"])["loop.crossings"]
-    return Turned(turns[first:], torque[first:], *helix, _unexplained(found), crossings)
+    return Turned(turns[first:], torque[first:], ply.angle, exact, _unexplained(found), crossings)
 
 
 def struck_legs(stiffness: float) -> float:
@@ -98,15 +100,22 @@ def _unexplained(rope: BalanceRope) -> float:
     return float(energies.residual / energies.work_ends)
 
 
-def _helix(q: Array, lengths: Array, torque: float, B: float) -> tuple[float, float]:
-    """Angle of the helices in the middle of the ply, and the exact one for the radius that they have."""
+class Helix(NamedTuple):
+    """Two strands about a vertical axis: angle (rad), radius, and how long the rope is below (m)."""
+
+    angle: float
+    radius: float
+    below: float
+
+
+def helix(q: Array, lengths: Array, heights: Array) -> Helix:
+    """Of the legs between the ``heights``, means."""
     xi, place, below = np.linspace(0.0, 1.0, 21)[:-1], [], []
     for k, l in enumerate(lengths):
         place.append([interpolate(xi, l, *(q[n, i] for n in (k, k + 1) for i in (j, 3 + j)))[0] for j in range(3)])
         below.append(lengths[:k].sum() + l * xi)
     points, s = np.hstack(place), np.concatenate(below)
     bottom = int(np.argmin(points[1]))
-    heights = np.linspace(*PLY, 200)
     legs = [
         np.array([np.interp(heights, points[1, part], x[part]) for x in (points[0], points[2], s)])
         for part in (slice(bottom, None, -1), slice(bottom, None))
@@ -115,8 +124,7 @@ def _helix(q: Array, lengths: Array, torque: float, B: float) -> tuple[float, fl
     radius = 0.5 * float(np.hypot(x, z).mean())
     turn = np.unwrap(np.arctan2(z, x))
     angle = math.atan(radius * abs(float(np.polyfit(heights, turn, 1)[0])))
-    n = 0.5 * WEIGHT * float(between.mean())
-    return angle, _exact_angle(torque / radius, B / radius**2, n)
+    return Helix(angle, radius, float(between.mean()))
 
 
 def _exact_angle(moment: float, bending: float, n: float) -> float:

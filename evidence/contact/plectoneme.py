@@ -1,0 +1,174 @@
+"""A rod in tension that winds up into a plectoneme of many turns, and the closed form of that.
+
+Two clamped ends twist a rod whose loop hangs between them, so that its legs wind about each other; then they are drawn
+apart until they hold it with a tension, and turned on while they give way so that the tension stays.  The plectoneme
+takes in what they give.
+
+A length l of the rod that lies there, two strands in helices of radius R and angle a to their axis, has the curvature
+sin^2 a / R, presses itself with an energy U(p) per length of one strand, p = D - 2 R, and takes up the turn
+l sin 2a / (2 R) of the ends: its writhe.  With the bending stiffness B, tension T and torque M what is to be least is
+
+    l (B sin^4 a / (2 R^2) + U / 2 + T - M sin 2a / (2 R))
+
+in l, a and R.  Torsion only adds what depends on M alone: how far the rod itself is twisted.  So
+
+    M = 2 B sin^3 a cos a / (R cos 2a),     T + U / 2 = (B sin^4 a / R^2) (1/2 + 1 / cos 2a)
+    U' = M sin 2a / (2 R^2) - B sin^4 a / R^3
+
+and at this torque an end that turns once brings the ends nearer by 4 pi R / sin 2a.  The loop at its end and what joins
+it to the straight rod move along as they are: they play no part.  For a hard rod R = D / 2 and U = 0.  Ours hangs: what
+lies there comes down by l / 2, and T is less by half of the weight of it all.
+
+Source: N. Clauvelin, B. Audoly, S. Neukirch, Macromolecules 41 (2008), for the hard rod.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from evidence.tables import Table, table
+from rope_model import BalanceRope, EndMotion
+from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
+from rope_model.physics.rope_on_rope import rope_touch
+from rope_model.shaft_parameters import Air, Contact, Shaft
+
+from .scenes import GRAVITY, made, smooth_step
+from .turned import helix
+
+#: m, kg/m, N, N m^2, N m^2, m; heavy enough to hang down, and light against the tension
+LENGTH, MASS, AXIAL, BEND, TORSION, DIAMETER = 12.0, 0.2, 1e6, 200.0, 400.0, Rope().diameter
+#: m, elements, N/m^2 of the contact, N
+SPACING, ELEMENTS, STIFFNESS, TENSION = 0.5, 100, 1e7, 1000.0
+#: turns of twist, and s: put in while the loop hangs between the ends; drawn apart; more put in, and at rest
+WOUND, WINDING, DRAWING, GROWN, GROWING, RESTING = 5.0, 20.0, 20.0, 1.5, 20.0, 10.0
+#: an end gives way at so many m/s per N of tension that is missing, at most so fast (m/s), changing that within (s)
+GIVE, FASTEST, WITHIN = 2e-3, 0.5, 0.2
+#: s, the host's step; m, heights between which the plectoneme is far from both its ends
+STEP, HEIGHTS = 0.02, (-2.3, -1.5)
+#: of a table of them
+COLUMNS = ("of", "tension", "torque", "nearer", "angle", "radius")
+
+
+class Plectoneme(NamedTuple):
+    """Tension (N), torque (N m), by how much a turn brings the ends nearer (m), angle (rad) and radius (m)."""
+
+    tension: float
+    torque: float
+    nearer: float
+    angle: float
+    radius: float
+
+
+def soft_rod(tension: float) -> Plectoneme:
+    """The closed form of a rod that presses itself as ours does."""
+    return _at_radius(tension, float(brentq(lambda R: _pressed(tension, R), 0.25 * DIAMETER, 0.5 * DIAMETER)))
+
+
+def hard_rod(tension: float) -> Plectoneme:
+    """The closed form of a rod that is not pressed in."""
+    return _at_radius(tension, 0.5 * DIAMETER)
+
+
+def _at_radius(tension: float, R: float) -> Plectoneme:
+    effective = tension + 0.5 * _law(R)[0]
+
+    def missing(a: float) -> float:
+        return BEND * math.sin(a) ** 4 / R**2 * (0.5 + 1.0 / math.cos(2.0 * a)) - effective
+
+    a = float(brentq(missing, 1e-3, 0.249 * math.pi, xtol=1e-12))
+    torque = 2.0 * BEND * math.sin(a) ** 3 * math.cos(a) / (R * math.cos(2.0 * a))
+    return Plectoneme(tension, torque, 4.0 * math.pi * R / math.sin(2.0 * a), a, R)
+
+
+def _pressed(tension: float, R: float) -> float:
+    """By how much the strands press each other more than the spring at this radius does, N/m."""
+    x = _at_radius(tension, R)
+    strands = x.torque * math.sin(2.0 * x.angle) / (2.0 * R**2) - BEND * math.sin(x.angle) ** 4 / R**3
+    return strands - _law(R)[1]
+
+
+def _law(R: float) -> tuple[float, float]:
+    """U (J/m) and U' (N/m) of strands a diameter 2 R apart."""
+    rest = (0.0, 0.0, 0.0)
+    sums = rope_touch(_CONTACT, DIAMETER, (2.0 * R, 0.0, 0.0), rest, 0.0, 0.0).sums
+    return float(sums[0]), float(sums[-1])
+
+
+_CONTACT = Contact(rope_stiffness=STIFFNESS, friction=0.0)
+
+
+class Grown(NamedTuple):
+    """What is seen of ours, its tension less half the weight, and the times that its strands passed each other."""
+
+    found: Plectoneme
+    turns: float  # of its strands about each other
+    crossings: float
+
+
+@cache
+def grown() -> Grown:
+    """Ours, wound up and drawn, at rest before and after it grows."""
+    rope, rests, x, v = made(_scene(), EndMotion(), EndMotion()), [], 0.0, 0.0
+    read = rope.reader(("left.fx", "left.swivel.torque", "loop.turns", "loop.crossings"))
+    looks = [round(t / STEP) for t in (WINDING + DRAWING, WINDING + DRAWING + GROWING + RESTING)]
+    for k in range(1, looks[1] + 1):
+        t = k * STEP
+        a = _given_way(read()[0], v) if t > WINDING else 0.0
+        x, v = x + STEP * (v + 0.5 * STEP * a), v + STEP * a
+        turns, rate = _turned(t)
+        _advance(rope, t, x, v, a, turns, rate)
+        if k in looks:
+            rests.append((turns, SPACING + 2.0 * x, *read()))
+    turns, wide, tension, torque, legs, crossings = np.array(rests).T
+    state = rope.state
+    seen = helix(state.motion.q, state.partition.lengths, np.linspace(*HEIGHTS, 200))
+    nearer = float((wide[0] - wide[1]) / (turns[1] - turns[0]))
+    hangs = 0.5 * MASS * GRAVITY * (LENGTH - float(wide[1]))
+    found = Plectoneme(float(tension[1]) - hangs, float(abs(torque[1])), nearer, seen.angle, seen.radius)
+    return Grown(found, float(abs(legs[1])), float(crossings[1]))
+
+
+def _scene() -> Scene:
+    return Scene(
+        rope=Rope(LENGTH, MASS, AXIAL, 0.0, 0.0, TORSION, EI=BEND, diameter=DIAMETER),
+        layout=Layout(spacing=SPACING),
+        mesh=Mesh("eem", elements=ELEMENTS),
+        left=Swivel("locked"),
+        right=Swivel("locked"),
+        solver=Solver(step_max=STEP, tolerance=1e5),
+        shaft=Shaft(contact=_CONTACT, air=Air(density=100.0, drag=10.0)),
+    )
+
+
+def _given_way(pull: float, v: float) -> float:
+    """Acceleration (m/s^2) of an end that moves outwards with ``v`` (m/s) where the rod pulls so, N."""
+    wanted = min(max(GIVE * (TENSION - pull), -FASTEST), FASTEST)
+    return min(max(wanted - v, -FASTEST), FASTEST) / WITHIN
+
+
+def _turned(t: float) -> tuple[float, float]:
+    """Turns by which the rod is twisted, and turns a second."""
+    _, wound, winds, _ = smooth_step(t / WINDING)
+    _, grown, grows, _ = smooth_step((t - WINDING - DRAWING) / GROWING)
+    return WOUND * wound + GROWN * grown, WOUND * winds / WINDING + GROWN * grows / GROWING
+
+
+def _advance(rope: BalanceRope, t: float, x: float, v: float, a: float, turns: float, rate: float) -> None:
+    """To the time t, either end x outwards; both together twist the rod by so many turns."""
+    yaw, yaw_rate = math.pi * turns, math.pi * rate
+    left, right = (EndMotion(x=s * x, vx=s * v, ax=s * a, yaw=yaw, yaw_rate=yaw_rate) for s in (-1.0, 1.0))
+    status = rope.advance_to(t, left, right)
+    if not status.valid:
+        raise RuntimeError(status.message)
+
+
+def plectoneme_table() -> Table:
+    """Ours, and the closed forms at its tension."""
+    ours = grown().found
+    found = {"ours": ours, "closed form": soft_rod(ours.tension), "closed form, hard": hard_rod(ours.tension)}
+    return table(COLUMNS, [(name, *x) for name, x in found.items()])
