@@ -6,12 +6,11 @@
 #include "simulator.h"
 
 /* what conveyances, bodies and air put on the rope: force and moment about the origin */
-static void loads_on(const Simulator *rope, State *state, double load[6]) {
+static void loads_on(const Simulator *rope, State *state, const System *s, double load[6]) {
     const Arrays m = state_arrays(state);
-    const System s = system_of(rope, state);
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
-    contact_balance(&s, m.q, m.v, contact);
-    chain_of(rope, state)->air(&s, m.q, m.v, air);
+    contact_balance(s, m.q, m.v, contact);
+    chain_of(rope, state)->air(s, m.q, m.v, air);
     for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(m.q, m.nodes, side), *R = end_row(m.reaction, m.nodes, side);
@@ -23,32 +22,29 @@ static void loads_on(const Simulator *rope, State *state, double load[6]) {
     if (state->fidelity == PLANAR) load[2] = load[3] = load[4] = 0;
 }
 
-void audit_restart(const Simulator *rope, State *state) {
+void audit_restart(const Simulator *rope, State *state, const System *s) {
     Audit *audit = &state->audit;
-    loads_on(rope, state, audit->load);
+    loads_on(rope, state, s, audit->load);
     memcpy(audit->auxiliary, audit->load, sizeof audit->load);
     memset(audit->rate, 0, sizeof audit->rate);
 }
 
-static void momentum(const Simulator *rope, State *state, double sums[MOMENTUM]) {
-    const Arrays m = state_arrays(state);
-    const System s = system_of(rope, state);
-    chain_of(rope, state)->momentum(&s, m.q, m.v, sums);
-}
-
 void audit_begin(const Simulator *rope, State *state) {
     if (state->fidelity == RIGID) return;
-    audit_restart(rope, state);
-    momentum(rope, state, state->audit.sums);
+    const Arrays m = state_arrays(state);
+    const System s = system_of(rope, state);
+    audit_restart(rope, state, &s);
+    chain_of(rope, state)->momentum(&s, m.q, m.v, state->audit.sums);
     memset(state->audit.impulse, 0, sizeof state->audit.impulse);
 }
 
 /* before: the ends' vertical reactions at the step's start */
-void audit_step(const Simulator *rope, State *state, double h, double moved_by, const double before[2]) {
+void audit_step(const Simulator *rope, State *state, const System *s, double h, double moved_by,
+                const double before[2]) {
     const Arrays m = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     double load[6], force = 0, change = 0;
-    loads_on(rope, state, load);
+    loads_on(rope, state, s, load);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double now = end_row(m.reaction, m.nodes, side)[1];
         force = fmax(force, fabs(now));
@@ -75,7 +71,8 @@ void audit_interval(const Simulator *rope, State *state, double h, double residu
     const double *left = m.q, *right = end_row(m.q, m.nodes, RIGHT);
     double sums[MOMENTUM], about[3];
     if (state->fidelity == RIGID) return;
-    momentum(rope, state, sums);
+    const System s = system_of(rope, state);
+    chain_of(rope, state)->momentum(&s, m.q, m.v, sums);
     for (int k = 0; k < 3; k++) about[k] = 0.5 * (left[k] + right[k]);
     state->audit = audit_after_interval(&state->audit, h, rope->scene.rope.mass_per_length * rope->scene.rope.length,
                                         rope->scene.layout.gravity, sums, about,

@@ -84,8 +84,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double height_within(double squared, double x, double z)": outline.height_within,
     "void middle_of(double length, const double a[6], const double b[6], double middle[6])": outline.middle,
     "void enclosing_box(double length, const double a[6], const double b[6], double box[6])": outline.enclosing_box,
-    "void widened(const double bounds[6], double length, const double a[6], const double b[6], double around[6])": (
-        outline.widened
+    "double lowest_on(double known, double length, double a, double slope_a, double b, double slope_b)": outline.lowest,
+    "double highest_on(double known, double length, double a, double slope_a, double b, double slope_b)": (
+        outline.highest
     ),
     "void box_between(const double bounds[6], double box[6])": outline.box_between,
     "void heading(double yaw, double vector[2])": outline.heading,

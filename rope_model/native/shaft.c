@@ -102,14 +102,16 @@ static void look_along(Search *search, const Arrays *m, int first, int last) {
 }
 
 int shaft_group(int elements, const double *lengths, const double *q, int first, double box[6]) {
-    const double *a = q + (size_t)first * DOF;
-    double bounds[GROUP + 1][6];
-    int n = 0;
-    for (int i = 0; i < 3; i++) bounds[0][i] = bounds[0][3 + i] = a[i];
-    for (; n < GROUP && first + n < elements; n++, a += DOF)
-        widened(bounds[n], lengths[first + n], a, a + DOF, bounds[n + 1]);
-    box_between(bounds[n], box);
-    return first + n;
+    const double *a = q + (size_t)first * DOF, *b = a + DOF;
+    double bounds[6] = {a[0], a[1], a[2], a[0], a[1], a[2]};
+    int last = first;
+    for (; last < elements && last < first + GROUP; last++, a = b, b += DOF)
+        for (int i = 0; i < 3; i++) {
+            bounds[i] = lowest_on(bounds[i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
+            bounds[3 + i] = highest_on(bounds[3 + i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
+        }
+    box_between(bounds, box);
+    return last;
 }
 
 int shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {

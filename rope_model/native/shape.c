@@ -198,11 +198,10 @@ static double climb_at(const Climb *leg, double height, int axis) {
 int shape_legs_apart(const Arrays *m, const double across[2]) {
     const int lowest = shape_lowest_node(m->nodes, m->q);
     const double *q = m->q, *low = q + (ptrdiff_t)DOF * lowest;
-    double left = -HUGE_VAL, right = HUGE_VAL;
-    if (lowest == 0 || lowest == m->elements) return 0;
-    for (int k = 0; k < lowest; k++, q += DOF) left = larger(left, reach_along(q, low, across));
-    for (int k = lowest + 1; k < m->nodes; k++) right = smaller(right, reach_along(q += DOF, low, across));
-    return left < 0 && 0 < right && least_advance(m->lengths[lowest - 1], low - DOF, low, across) > 0 &&
+    int apart = 0 < lowest && lowest < m->elements;
+    for (int k = 0; k < lowest; k++, q += DOF) apart &= reach_along(q, low, across) < 0;
+    for (int k = lowest + 1; k < m->nodes; k++) apart &= 0 < reach_along(q += DOF, low, across);
+    return apart && least_advance(m->lengths[lowest - 1], low - DOF, low, across) > 0 &&
            least_advance(m->lengths[lowest], low, low + DOF, across) > 0;
 }
 

@@ -75,9 +75,10 @@ double locate(double (*f)(void *, double), void *with, double low, double high, 
               double width);
 
 /* audit.c: rope_model.simulation.audit and model, which see */
-void audit_restart(const Simulator *rope, State *state);
+void audit_restart(const Simulator *rope, State *state, const System *s);
 void audit_begin(const Simulator *rope, State *state);
-void audit_step(const Simulator *rope, State *state, double h, double moved_by, const double before[2]);
+void audit_step(const Simulator *rope, State *state, const System *s, double h, double moved_by,
+                const double before[2]);
 void audit_interval(const Simulator *rope, State *state, double h, double residual_before);
 
 /* the frames are counted from q from now on */

@@ -191,7 +191,7 @@ void restart(Simulator *rope, State *state) {
     memset(m.a_rate, 0, sizeof(double) * size);
     state->h = 0;
     set_powers(rope, state);
-    audit_restart(rope, state);
+    audit_restart(rope, state, &s);
 }
 
 double bottom_of(const Simulator *rope, const State *state, double t) {
@@ -266,7 +266,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const double slid = slip_wires(rope, state, now->q);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);
     memcpy(m.q, now->q, FIELDS * sizeof(double) * size);
-    state->t = trial->t;
+    state->t = s.time = trial->t;
     state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
@@ -277,7 +277,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
     const double now_powers[] = {state->power_ends, state->power_swivel};
     *energy = account_of_step(energy, h, before, now_powers, taken, slid, air[0]);
-    audit_step(rope, state, h, moved_by, forces);
+    audit_step(rope, state, &s, h, moved_by, forces);
 }
 
 /* numerics.events.locate */

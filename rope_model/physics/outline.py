@@ -46,17 +46,19 @@ def middle(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     return (*(r for r, _ in values), *(d for _, d in values))
 
 
-def widened(bounds: Any, length: Any, a: Any, b: Any) -> tuple[Any, ...]:
-    """Lowest and highest coordinates (6,) of what is within ``bounds`` and on the cubic from ``a``, which is, to ``b``.
+def lowest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
+    """A coordinate that is no higher than ``known`` and the cubic from ``a``, which ``known`` is not above, to ``b``.
 
     The cubic is within its control points.
     """
-    low, high, third = [], [], length / 3.0
-    for k in range(3):
-        near, far = a[k] + third * a[3 + k], b[k] - third * b[3 + k]
-        low.append(smaller(smaller(bounds[k], b[k]), smaller(near, far)))
-        high.append(larger(larger(bounds[3 + k], b[k]), larger(near, far)))
-    return (*low, *high)
+    third = length / 3.0
+    return smaller(smaller(known, b), smaller(a + third * slope_a, b - third * slope_b))
+
+
+def highest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
+    """A coordinate that is no lower than ``known`` and the cubic from ``a``, which ``known`` is not below, to ``b``."""
+    third = length / 3.0
+    return larger(larger(known, b), larger(a + third * slope_a, b - third * slope_b))
 
 
 def box_between(bounds: Any) -> tuple[Any, ...]:
@@ -67,7 +69,8 @@ def box_between(bounds: Any) -> tuple[Any, ...]:
 
 def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     """Centre and half widths (6,) of an upright box that holds the cubic between them."""
-    return box_between(widened(2 * [a[0], a[1], a[2]], length, a, b))
+    bounds = [bound(a[k], length, a[k], a[3 + k], b[k], b[3 + k]) for bound in (lowest, highest) for k in range(3)]
+    return box_between(bounds)
 
 
 def heading(yaw: Any) -> tuple[Any, Any]:
