@@ -48,8 +48,9 @@ double shape_leg_clearance(int nodes, const double *q, const double *s, const Lo
 typedef struct {
     double number, sharpest_y;
 } LoopTurns;
-/* whether each leg is on its own side of the lowest node, in the direction from left to right, and the rope leads in it
-   on both sides of that: then neither leg has turned by more than a quarter against it */
+/* whether each leg, nowhere higher than its end, is on its own side of a plane through the lowest node, across the
+   direction from left to right, and the rope leads in it on both sides of that: then neither leg has turned by more
+   than a quarter against it.  The plane leans as the legs do, so that those of a loop that swings are told apart too */
 int shape_legs_apart(const Arrays *m, const double across[2]);
 LoopTurns shape_loop_turns(int nodes, const double *q, const double *s, const LoopBottom *bottom);
 /* at (points): arc lengths from end to end, denser around the loop's lowest point; total: length of the rope;

@@ -90,7 +90,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "void box_between(const double bounds[6], double box[6])": outline.box_between,
     "void heading(double yaw, double vector[2])": outline.heading,
-    "double reach_along(const double point[3], const double start[3], const double direction[2])": outline.reach,
+    "void plane_between(const double left[3], const double right[3], const double start[3], const double direction[2], "
+    "double normal[3])": outline.plane_between,
+    "double beyond(const double point[3], const double start[3], const double normal[3])": outline.beyond,
     "double least_advance(double length, const double a[6], const double b[6], const double direction[2])": (
         outline.least_advance
     ),

@@ -197,10 +197,12 @@ static double climb_at(const Climb *leg, double height, int axis) {
 
 int shape_legs_apart(const Arrays *m, const double across[2]) {
     const int lowest = shape_lowest_node(m->nodes, m->q);
-    const double *q = m->q, *low = q + (ptrdiff_t)DOF * lowest;
+    const double *left = m->q, *low = left + (ptrdiff_t)DOF * lowest, *right = left + (ptrdiff_t)DOF * m->elements;
+    double normal[3];
     int apart = 0 < lowest && lowest < m->elements;
-    for (int k = 0; k < lowest; k++, q += DOF) apart &= reach_along(q, low, across) < 0;
-    for (int k = lowest + 1; k < m->nodes; k++) apart &= 0 < reach_along(q += DOF, low, across);
+    plane_between(left, right, low, across, normal);
+    for (const double *q = left; q < low; q += DOF) apart &= (beyond(q, low, normal) < 0) & (q[1] <= left[1]);
+    for (const double *q = right; q > low; q -= DOF) apart &= (beyond(q, low, normal) > 0) & (q[1] <= right[1]);
     return apart && least_advance(m->lengths[lowest - 1], low - DOF, low, across) > 0 &&
            least_advance(m->lengths[lowest], low, low + DOF, across) > 0;
 }

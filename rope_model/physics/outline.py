@@ -78,9 +78,22 @@ def heading(yaw: Any) -> tuple[Any, Any]:
     return cos(yaw), -sin(yaw)
 
 
+def plane_between(left: Any, right: Any, start: Any, direction: Any) -> tuple[Any, Any, Any]:
+    """Normal of the plane through ``start``, level across a horizontal ``direction`` (X, Z), that is midway between the
+    ends ``left`` and ``right`` at the height of the higher one.
+    """
+    rise = larger(left[1], right[1]) - start[1]
+    return direction[0], -0.5 * (reach(left, start, direction) + reach(right, start, direction)) / rise, direction[1]
+
+
 def reach(point: Any, start: Any, direction: Any) -> Any:
     """How far (m) ``point`` lies from ``start`` in a horizontal ``direction`` (X, Z)."""
     return direction[0] * (point[0] - start[0]) + direction[1] * (point[2] - start[2])
+
+
+def beyond(point: Any, start: Any, normal: Any) -> Any:
+    """How far ``point`` is beyond the plane through ``start`` with this ``normal``, in lengths of that."""
+    return dot(normal, (point[0] - start[0], point[1] - start[1], point[2] - start[2]))
 
 
 def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:
