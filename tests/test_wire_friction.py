@@ -308,7 +308,7 @@ def test_both_forms_take_the_same_steps() -> None:
 def test_a_step_takes_few_corrections() -> None:
     """Each with a factorization of its own: two where wires go on as they did, more where some begin to slide."""
     counts = wound(scene(EI=74.0, EI_stick=2.4e4), "native", 200).state.counts
-    assert counts.rejections == 0
+    assert counts.rejections < 0.01 * counts.steps  # a longer one is tried now and then
     assert counts.newton < 4 * counts.steps
 
 
