@@ -40,9 +40,9 @@ static Progress stage(Simulator *rope, State *state, const System *s, double t, 
         now->q[i] += hg * now->v[i];
     }
     prescribe(rope, state, s, t, 3, (double *[]){now->q, now->v, now->a});
-    return chain_of(rope, state)->solve(s, rope->work, now->q, now->v, now->a, now->reaction,
-                                        (double[]){1, 1 / hg, 1 / (hg * hg)}, rope->scene.solver.newton_tolerance,
-                                        balance);
+    return chain_of(rope, state)
+        ->solve(s, rope->work, now->q, now->v, now->a, now->reaction, (double[]){1, 1 / hg, 1 / (hg * hg)},
+                rope->scene.solver.newton_tolerance, balance);
 }
 
 static Progress all_stages(Simulator *rope, State *state, const System *s, double h, double *balance) {
