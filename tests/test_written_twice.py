@@ -46,7 +46,6 @@ ARITHMETIC = {
     "find_equilibrium": (10, 1),
     "solve_equilibrium": (0, 1),
     "turn_in": (4, 0),
-    # in rope.h, which hosts read without the formulas
     # assembly and solution of the transfer's equations
     "transfer_fields": (7, 0),
     "mean_between": (5, 0),
@@ -70,7 +69,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2402, "C": 3014}
+MOST_LINES = {"Python": 2403, "C": 3012}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(

@@ -179,6 +179,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "ErrorSums add_errors(const Scene *scene, const ErrorSums *sums, double bottom, double apart, double h, "
     "const double strains[2], double place, double force)": accuracy.add_errors,
     "double step_error(const StepLimits *limits, double h, double place, double strain)": accuracy.step_error,
+    "double calm_needed(double h, double step_next)": accuracy.calm_needed,
     "double end_force_error(const Rope *rope, const ErrorSums *sums)": accuracy.end_force_error,
     "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length)": (
         accuracy.loop_error

@@ -9,8 +9,6 @@
 
 #define ACCEPT_BELOW 2.
 #define GROW_BELOW 0.05
-#define CALM 0.2
-#define CALM_STEPS 99.5
 #define FARTHEST_START 1e10
 enum { MOST_STEPS = 20000 };
 
@@ -235,7 +233,7 @@ static int accepted_step(Simulator *rope, State *state, double stop, Trial *tria
     if (rejected || trial->error > GROW_BELOW * solver->tolerance) state->calm_since = trial->t;
     if (!given_up && trial->error > solver->tolerance)
         next = fmax(0.5 * h, solver->step_min);
-    else if (trial->t - state->calm_since > fmin(CALM, CALM_STEPS * next) && next < solver->step_max) {
+    else if (trial->t - state->calm_since > calm_needed(h, next) && next < solver->step_max) {
         next = fmin(2 * next, solver->step_max);
         state->calm_since = trial->t;
     }

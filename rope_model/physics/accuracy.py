@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .elementary import cos, larger, less, sin, sqrt, where
+from .elementary import cos, larger, less, sin, smaller, sqrt, where
 from .estimates import axial_frequency, bending_length
 
 #: of what is asked, what a step may leave: `make promise` on the seed that tunes
@@ -36,6 +36,9 @@ FLOW, FLOW_SHARE = 0.13, 0.6
 #: what begins to slide or to stick changes the acceleration at once, whatever the step: what it leaves of place and
 #: strain, over what it may, goes with h^2 and h
 RUBBED_PLACE, RUBBED_STRAIN = 2.0, 4.0
+#: s, and steps: after so much of small errors steps grow.  The loop's place errs by a part that goes with the step's
+#: length, and every change of that sends a wave along the rope, which is the smaller the shorter the step
+CALM, CALM_STEPS = 0.2, 100.0
 TINY = 1e-300
 #: part of the share that is left when all is used up
 LEAST_LEFT = 0.1
@@ -160,3 +163,9 @@ def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
     mesh = locking_error(scene, fine) + LEGS * grading_length * scene.rope.length
     swung = STEPS * sums.place
     return sqrt(mesh * mesh + swung * swung + sums.flow * sums.flow)  # at other places and instants
+
+
+def calm_needed(h: Any, step_next: Any) -> Any:
+    """How long errors have been small (s) at the end of a step ``h`` after which those of ``step_next`` may grow."""
+    # half a step early: where a whole number of steps takes as long, rounding would decide
+    return smaller(CALM_STEPS * step_next, CALM) - 0.5 * h

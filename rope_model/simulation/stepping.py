@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from ..numerics.events import locate
 from ..numerics.generalized_alpha import StepResult
+from ..physics.accuracy import calm_needed
 from . import messages
 from .adaptation import transform_if_due, with_loop_yaw
 from .mesh import LATEST
@@ -24,10 +25,8 @@ log = logging.getLogger(__name__)
 
 #: a step that errs by more than what is allowed makes the next one half as long, and this many times that is rejected
 ACCEPT_BELOW = 2.0
-#: the step grows after errors below this part of what is allowed for so long, s, or for so many steps, if these are
-#: over before: the loop's place errs by a part that goes with the step's length, and every change of that sends a wave
-#: along the rope, which is the smaller the shorter the step.  Half a step less, or rounding would decide
-GROW_BELOW, CALM, CALM_STEPS = 0.05, 0.2, 99.5
+#: the step grows after errors that were below this part of what is allowed for as long as calm_needed says
+GROW_BELOW = 0.05
 #: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
 STEP_WORK = 12
 
@@ -137,7 +136,7 @@ def _accepted_step(
     given_up = error > ACCEPT_BELOW * solver.tolerance
     if not given_up and error > solver.tolerance:
         step_next = max(0.5 * h, solver.step_min)
-    elif t + h - calm_since > min(CALM, CALM_STEPS * step_next) and step_next < solver.step_max:
+    elif t + h - calm_since > calm_needed(h, step_next) and step_next < solver.step_max:
         step_next, calm_since = min(2.0 * step_next, solver.step_max), t + h
     given_up |= h > solver.step_max * (1.0 + 1e-9)
     counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=int(given_up))
