@@ -19,7 +19,8 @@ leave an hourglass mode in the axial strain.
 
 A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear, and by (k l)^2 / 24
 kappa / (1 - kappa), kappa = Qs^2 / (Qa Qd), because e, which is continuous, cannot follow a tau that is not.  The
-inertia rhoJ_x = rhoJ / 12 / (1 - kappa) of theta's slope takes both away: what is left is of fourth order.
+inertia rhoJ_x = rhoJ / 12 / (1 - kappa) of theta's slope takes both away where the tension follows at once.  What is
+left is of fourth order, and some (k l)^2 / 24 kappa r / (1 - kappa), r = rho Qd / (rhoJ Qa), where it takes its time.
 
 tau is uniform in the element: what the angles tell, the turn from node to node, over its length.  So the frame's
 reference (physics.frame) leaves energies and forces alone, but for the quadrature of that mean.
