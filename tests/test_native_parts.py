@@ -171,6 +171,18 @@ def test_legs_that_lie_apart_have_not_turned(
         assert round(yaw / (2 * math.pi) - loop_turns(q, lengths, bottom).number) == 0
 
 
+@pytest.mark.parametrize("lean", [-0.3, 0.0, 0.3])
+def test_legs_of_a_loop_that_swings_are_told_apart(parts: SimpleNamespace, lean: float) -> None:
+    """A hanging rope 2 m wide, sheared so that its legs lean by many times that."""
+    s = np.linspace(0.0, 120.0, 121)
+    q, lengths = hanging_guess(s, np.zeros(3), np.array([2.0, 0.0, 0.0])), np.diff(s)
+    q[:, 0] += lean * (q[:, 1] - q[:, 1].min())
+    q[:, 3] += lean * q[:, 4]
+    arrays = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
+    parts.arrays_of(q, q, q, q, lengths, s, s.size, arrays)
+    assert parts.shape_legs_apart(arrays, np.array([1.0, 0.0]))
+
+
 @pytest.mark.parametrize("lowest", [0, 4])
 def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int) -> None:
     lengths = np.full(4, 2.5)
