@@ -17,7 +17,7 @@ from hoist_demo.drive.plant import LOSS_NAMES, HoistPlant, PlantInput, PlantStat
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake, Lining, Play, Shaft
-from hoist_demo.recording.slip import Slip, slip, told_of_slip
+from hoist_demo.recording.slip import Slip, largest_ratio, slip, told_of_slip
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.slip import slip_warning
 
@@ -183,6 +183,14 @@ def test_a_stop_is_told_with_way_and_speed_of_the_slip() -> None:
         "; the head ropes slipped 0.75 m on the sheave from t = 1 s on, at up to 0.75 m/s"
     )
     assert slip(Recording({"time": time, "drive.slip": 0.0 * time, "drive.slip_speed": 0.0 * time}, {})) is None
+
+
+def test_ropes_that_slipped_between_two_samples_had_no_friction_left() -> None:
+    hoist, held = Hoist(lining=Lining()), np.zeros(4)
+    signals = {"time": np.arange(4.0), "drive.tension_ratio": np.array([1.4, 1.6, 1.9, 1.7])}
+    for way, safety in ((held, (hoist.tension_ratio_limit - 1.0) / 0.9), (np.array([0.0, 0.0, 0.5, 0.5]), 1.0)):
+        recording = Recording(signals | {"drive.slip": way, "drive.slip_speed": held}, {})
+        assert hoist.slip_safety(largest_ratio(recording, hoist.tension_ratio_limit)) == safety
 
 
 @pytest.mark.parametrize(

@@ -39,6 +39,12 @@ def slip(recording: Recording) -> Slip | None:
     )
 
 
+def largest_ratio(recording: Recording, limit: float) -> float:
+    """Of the head ropes' tensions [-]: the limit at least where they slid, which they came to between two samples."""
+    largest = float(np.max(recording["drive.tension_ratio"]))
+    return largest if slip(recording) is None else max(largest, limit)
+
+
 def told_of_slip(recording: Recording) -> str:
     """It as the end of a sentence; "" where they held."""
     if (slid := slip(recording)) is None:

@@ -17,7 +17,7 @@ from hoist_demo.recording.fidelity import fidelities_of, remark
 from hoist_demo.recording.guards import AFTER, after, guard_trip, told
 from hoist_demo.recording.jams import jams, slack_ropes, told_of_jams
 from hoist_demo.recording.passages import BODIES, outcome_of, passages
-from hoist_demo.recording.slip import slip, told_of_slip
+from hoist_demo.recording.slip import largest_ratio, slip, told_of_slip
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number
 from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow
@@ -109,7 +109,7 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
     group = "Drive"
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     error = recording["reference.position"] - travel
-    ratio = recording["drive.tension_ratio"]
+    ratio = largest_ratio(recording, hoist.tension_ratio_limit)
     return [
         SummaryRow(group, "travel asked for", winding.travel, "m"),
         SummaryRow(group, "travel reached, left conveyance", float(travel[-1]), "m"),
@@ -119,9 +119,9 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
         SummaryRow(group, "peak motor torque", _largest(1e-3 * recording["drive.torque"]), "kN m"),
         SummaryRow(group, "time at the torque limit", _duration(recording, "drive.torque_limited"), "s"),
         SummaryRow(group, "largest head rope tension", _largest(1e-3 * _tensions(recording)), "kN"),
-        SummaryRow(group, "largest tension ratio on the sheave", float(np.max(ratio))),
+        SummaryRow(group, "largest tension ratio on the sheave", ratio),
         SummaryRow(group, "ratio at which the ropes slip", hoist.tension_ratio_limit),
-        SummaryRow(group, "smallest slip safety, (limit - 1) / (ratio - 1)", hoist.slip_safety(float(np.max(ratio)))),
+        SummaryRow(group, "smallest slip safety, (limit - 1) / (ratio - 1)", hoist.slip_safety(ratio)),
     ]
 
 

@@ -21,7 +21,7 @@ from hoist_demo.recording.fidelity import FIDELITY
 from hoist_demo.recording.guards import GUARD_CODES, GUARD_SIGNALS, guard_trip
 from hoist_demo.recording.jams import slack_ropes
 from hoist_demo.recording.passages import PASSAGE_SIGNALS
-from hoist_demo.recording.slip import slip
+from hoist_demo.recording.slip import largest_ratio, slip
 from hoist_demo.recording.time_series import Array, Recording
 
 ENDS = ("left", "right")
@@ -61,7 +61,7 @@ METRICS = {
     "guard_cause": ("1", "which: {codes}".format(codes=", ".join(f"{k} {c}" for k, c in GUARD_CODES.items()))),
     "guard_time": ("s", "when, in the record's time"),
     "slack_time": ("s", "during which the head ropes of a conveyance are slack, the worse side"),
-    "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): below 1 they slip"),
+    "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): up to 1 they slip"),
     "head_rope_slip": ("m", "way that the head ropes slid on the sheave, to and fro; 0 where hoist.lining is none"),
     "simulated_time": ("s", "of the record"),
     "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
@@ -148,7 +148,7 @@ def _drive(recording: Recording, hoist: Hoist) -> dict[str, float]:
         "motor_energy": float(np.sum(power)),
         "motor_energy_drawn": float(np.sum(np.maximum(power, 0.0))),
         "slack_time": max((slack.duration for slack in slack_ropes(recording)), default=0.0),
-        "slip_safety": hoist.slip_safety(float(np.max(recording["drive.tension_ratio"]))),
+        "slip_safety": hoist.slip_safety(largest_ratio(recording, hoist.tension_ratio_limit)),
         "head_rope_slip": 0.0 if (slid := slip(recording)) is None else slid.way,
     }
 
