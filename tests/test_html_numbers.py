@@ -84,6 +84,14 @@ def test_each_part_of_the_length_shows_the_largest_value_in_it() -> None:
     assert np.count_nonzero(picture) == 2
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_frame_without_values_shows_none() -> None:
+    place = np.linspace(0.0, 50.0, 11)
+    picture = along.over_length(np.array([np.full(11, math.nan), np.ones(11)]), [place, place], 50.0)
+    assert np.isnan(picture[:, 0]).all()
+    assert np.all(picture[:, 1] == 1.0)
+
+
 def test_a_value_between_two_far_points_is_on_the_line_between_them() -> None:
     picture = along.over_length(np.array([[2.0, 10.0]]), [np.array([0.0, 50.0])], 50.0)
     upper_ends = 2.0 + 8.0 * np.arange(1, along.ROPE_ROWS + 1) / along.ROPE_ROWS

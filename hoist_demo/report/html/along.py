@@ -48,11 +48,13 @@ def arc_length(curve: Array) -> Array:
 def over_length(values: Array, places: list[Array], length: float) -> Array:
     """The largest of the values (frames, n) in each of ROPE_ROWS equal parts of the length, (ROPE_ROWS, frames).
 
-    The largest, because the loop of a long rope is shorter than such a part.
+    The largest, because the loop of a long rope is shorter than such a part. A frame without values has none.
     """
     edges = np.linspace(0.0, length, ROPE_ROWS + 1)
-    picture = np.empty((ROPE_ROWS, len(values)))
+    picture = np.full((ROPE_ROWS, len(values)), np.nan)
     for k, (column, place) in enumerate(zip(values, places, strict=True)):
+        if bool(np.isnan(column).all()):
+            continue
         ends = np.interp(edges, place, column)
         picture[:, k] = np.maximum(ends[:-1], ends[1:])
         parts = np.minimum(np.searchsorted(edges, place, side="right") - 1, ROPE_ROWS - 1)
