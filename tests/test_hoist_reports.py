@@ -95,6 +95,7 @@ def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> N
     shown = mask_neglected(recording("planar", "planar", "torsional"), torque_free=False)
     assert np.isnan(shown["loop.yaw"]).tolist() == [True, True, False]
     assert fidelities_of(shown) == ["planar", "torsional"]
+    assert "ran as its planar model between t = 0 and 1 s, which" in remark(shown)
 
 
 def test_a_rope_that_does_not_tell_its_fidelity_is_shown_as_it_is() -> None:

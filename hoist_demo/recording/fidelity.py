@@ -53,10 +53,19 @@ def remark(recording: Recording) -> str:
         if effects and fidelity in fidelities_of(recording):
             words = ", ".join(effect.words for effect in effects)
             return (
-                f"the rope ran as its {fidelity} model, which does not compute {words}; none of that is "
-                "shown. Set model.fidelity = 1 (torsional), or export at the level standard"
+                f"the rope ran as its {fidelity} model{_when(fidelity, recording)}, which does not compute {words}; "
+                "none of that is shown. Set model.fidelity = 1 (torsional), or export at the level standard"
             )
     return ""
+
+
+def _when(fidelity: str, recording: Recording) -> str:
+    """Within which time, in words; "" where it ran throughout."""
+    rows = recording[FIDELITY] == code_of(fidelity)
+    if bool(rows.all()):
+        return ""
+    first, last = recording.time[np.flatnonzero(rows)[[0, -1]]].tolist()
+    return f" between t = {first:.4g} and {last:.4g} s"
 
 
 def _names(effects: Iterable[Effect], recording: Recording) -> list[str]:
