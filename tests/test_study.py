@@ -124,6 +124,11 @@ BAD = {
     "unknown metric of the best run": ("study.minimise = 'speed'", "speed", "cycle_time"),
     "two best runs": ("study.minimise = 'cycle_time'\nstudy.maximise = 'slip_safety'", "cycle_time", "keep one"),
     "unknown signal": ("study.signals = ['loop.jaw']", "loop.jaw", "loop.yaw"),
+    "a jam out of the way": (
+        "study.case = 'jammed-conveyance'\n[fixed]\nwinding.travel = 10",
+        "jam_right.height = 45.0 must be within 2 m of 80 to 90 m",
+        "wind further",
+    ),
     "not TOML": ("[fixed", "not TOML", "correct"),
 }
 

@@ -26,7 +26,7 @@ from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import listen, progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
-from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist, require_jams_on_the_way
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
 from hoist_demo.recording.exposure import exposure, spectra_table
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import without_absent
@@ -40,7 +40,7 @@ from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.provenance import Known, of_host, of_rope, statuses, write_data
 from hoist_demo.study.reading import GIVEN, file_statuses
-from hoist_demo.study.run import RunData, build, fmu_part
+from hoist_demo.study.run import RunData, build_trip, fmu_part
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
@@ -138,8 +138,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     chosen = {f"hoist.{field}": value for field, value in tail_rope(identified).items()} | identified | own
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
     options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _CASE
-    run = build(options.case, _winding(options) | chosen)
-    require_jams_on_the_way(run.hoist, run.winding)
+    run = build_trip(options.case, _winding(options) | chosen)
     results_folder(options.out)
     rope, signals = _rope(options, run, bool(fmu_part(chosen)))
     hoist, winding, coupling = run.hoist, run.winding, run.coupling

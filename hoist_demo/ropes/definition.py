@@ -28,7 +28,7 @@ from hoist_demo.ropes.table import READ
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Value
 from hoist_demo.study.provenance import Known, of_host, of_rope
 from hoist_demo.study.reading import StudyError, flat, read_head, read_statuses, read_tables, read_values
-from hoist_demo.study.run import RunData, build
+from hoist_demo.study.run import RunData, build_trip
 from rope_model import Level, Neighbours, Scene
 
 _TABLES = {"ropes": dict, "fixed": dict, "rope": list}
@@ -116,7 +116,7 @@ def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
     if problems:
         raise StudyError(path, problems)
     try:
-        run = build(head["case"], fixed)
+        run = build_trip(head["case"], fixed)
     except ValueError as error:
         raise StudyError(path, [str(error)]) from error
     given = read_statuses(raw.get("fixed", {}))

@@ -30,7 +30,7 @@ from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.reading import VARIED, StudyError, flat, read_statuses, read_tables, strip_unit, with_file
-from hoist_demo.study.run import RunData, build
+from hoist_demo.study.run import RunData, build_trip
 from hoist_demo.study.sampling import Range, grid, latin_hypercube
 from hoist_demo.study.tuning import Tuning, read_tuning, seed_of, whole_number
 
@@ -74,7 +74,7 @@ class Study:
     def sample(self, variant: str, values: Mapping[str, Value]) -> Sample:
         """A run of this study with the given values."""
         everything = {**self.variants[variant], **values}
-        return Sample(variant, everything, build(self.case, everything, self.signals))
+        return Sample(variant, everything, build_trip(self.case, everything, self.signals))
 
 
 Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
@@ -172,13 +172,13 @@ class _Reader:
                 everything = {**fixed, **values}
                 problems: list[str] = []
                 try:
-                    data = build(case, everything, signals)
+                    data = build_trip(case, everything, signals)
                     problems = probe.rejection(data) if probe is not None else []
                     found[variant].append(Sample(variant, everything, data))
                 except ValueError:
                     possible, problems = _possible_values(case, everything)
                     # a rope hangs in its shaft: asked with another one, the FMU would tell a second error that is none
-                    problems += probe.rejection(build(case, possible)) if probe is not None else []
+                    problems += probe.rejection(build_trip(case, possible)) if probe is not None else []
                 for problem in problems:
                     problem = f"variant {variant}: {problem}" if variant else problem
                     if problem not in self.problems:
@@ -322,7 +322,7 @@ def _possible_values(case: str, values: Mapping[str, Value]) -> tuple[dict[str, 
         before = len(possible)
         for key in [key for key in values if key not in possible]:
             try:
-                build(case, {**possible, key: values[key]})
+                build_trip(case, {**possible, key: values[key]})
                 possible[key] = values[key]
                 del problems[key]
             except ValueError as error:

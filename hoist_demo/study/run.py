@@ -28,7 +28,7 @@ from hoist_demo.cosimulation.result import Result
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
+from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
@@ -112,6 +112,13 @@ def build(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ())
     require_trip_fits(run.hoist, run.winding)
     require_possible(run.controller, run.winding)
     s_curve(run.winding)
+    return run
+
+
+def build_trip(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
+    """As `build`, for one trip from the landing: a jam to which it does not come is refused."""
+    run = build(case, values, signals)
+    require_jams_on_the_way(run.hoist, run.winding)
     return run
 
 

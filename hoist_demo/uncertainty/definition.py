@@ -35,7 +35,7 @@ from hoist_demo.study.reading import (
     read_toml,
     read_values,
 )
-from hoist_demo.study.run import RunData, build
+from hoist_demo.study.run import RunData, build_trip
 from rope_model import BEARINGS, Datum, KnownRope, Level
 
 _TABLES = {"uncertain": dict, "rope": dict, "known": dict, "fixed": dict}
@@ -90,7 +90,7 @@ class Uncertain:
             for side in SWIVELS:
                 chosen[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 chosen[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
-        return build(self.case, chosen)
+        return build_trip(self.case, chosen)
 
 
 def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncertain:
