@@ -12,7 +12,8 @@ from hoist_demo.report.html.page import number
 AT_REST, MOVING = 1.75, 1.25
 """Slip safeties that design rules of friction hoists ask for, of the hoist at rest and of normal winding [assumed]."""
 
-_GENTLER = "accelerate more gently (winding.acceleration), or make the two sides more alike in weight"
+_ALIKE = "make the two sides more alike in weight"
+_GENTLER = f"accelerate more gently (winding.acceleration), or {_ALIKE}"
 
 
 def slip_warning(recording: Recording, hoist: Hoist, winding: Winding) -> str:
@@ -26,7 +27,7 @@ def slip_warning(recording: Recording, hoist: Hoist, winding: Winding) -> str:
             f"the head ropes would slip at t = {number(float(recording.time[beyond][0]))} s (tension ratio up to "
             f"{number(float(np.max(ratio)))}, limit {number(limit)}); the model lets them hold, so nothing after that "
             "instant is a prediction. Let them slip (hoist.lining.sliding = 0.8), brake or accelerate more gently "
-            "(winding.emergency_deceleration, winding.acceleration), or make the two sides more alike in weight"
+            f"(winding.emergency_deceleration, winding.acceleration), or {_ALIKE}"
         )
     return _margin_warning(recording.time, ratio, _normal_until(recording, winding), hoist)
 
@@ -42,12 +43,12 @@ def _normal_until(recording: Recording, winding: Winding) -> float:
 def _margin_warning(time: Array, ratio: Array, until: float, hoist: Hoist) -> str:
     """Where the friction is used up to more than the rules leave; the first sample is one at rest."""
     largest = int(np.argmax(np.where(time <= until, ratio, 0.0)))
-    for asked, k, words in ((AT_REST, 0, "at rest"), (MOVING, largest, "in normal winding")):
+    for asked, k, words, cure in ((AT_REST, 0, "at rest", _ALIKE), (MOVING, largest, "in normal winding", _GENTLER)):
         safety = hoist.slip_safety(float(ratio[k]))
         if safety < asked:
             return (
                 f"the head ropes' slip safety {words} is {number(safety)} at t = {number(float(time[k]))} s (tension "
                 f"ratio {number(float(ratio[k]))}, limit {number(hoist.tension_ratio_limit)}), and {asked:g} is "
-                f"usually asked for: {_GENTLER}"
+                f"usually asked for: {cure}"
             )
     return ""
