@@ -60,7 +60,7 @@ def _uncertain(options: argparse.Namespace) -> int:
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
     from hoist_demo.study.provenance import write_data
     from hoist_demo.uncertainty.definition import read_uncertain
-    from hoist_demo.uncertainty.page import summary, too_few, warnings, write_page, write_table
+    from hoist_demo.uncertainty.page import remarks, summary, too_few, write_page, write_table
     from hoist_demo.uncertainty.spread import spread
 
     workers = os.cpu_count() or 1 if options.workers is None else options.workers
@@ -80,7 +80,7 @@ def _uncertain(options: argparse.Namespace) -> int:
         write_page(found, out / "report.html"),
     )
     print("\nwritten: " + ", ".join(map(str, written)))
-    for text in warnings(found):
+    for text in remarks(found):
         print(f"balance-rope: {text}", file=sys.stderr)
     if text := too_few(found):
         print(f"balance-rope: warning: {text}", file=sys.stderr)

@@ -22,7 +22,7 @@ SPOILED = 1.1
 def summary(found: Spread) -> list[SummaryRow]:
     """What is printed."""
     rows = [SummaryRow("Windings", "wound to the end", f"{_completed(found)} of {found.asked.samples}")]
-    for name in found.asked.measures:
+    for name in _measured(found):
         low, middle, high = (number(x) for x in found.quantiles(name))
         group = f"{name}, {METRICS[name][1]}"
         unit = unit_text(UNITS[name])
@@ -65,9 +65,9 @@ def _spoiled(found: Spread) -> str:
     )
 
 
-def warnings(found: Spread) -> list[str]:
-    """What the rope has warned of, and in how many windings."""
-    return [f"in {count} of {found.asked.samples} windings: warning: {text}" for text, count in found.warnings.items()]
+def remarks(found: Spread) -> list[str]:
+    """What the rope has warned of and why windings stopped, and in how many of them."""
+    return [f"in {count} of {found.asked.samples} windings: {text}" for text, count in found.remarks.items()]
 
 
 def write_table(found: Spread, path: Path) -> Path:
@@ -83,7 +83,7 @@ def write_page(found: Spread, path: Path) -> Path:
     head = ("result", "", *(f"{100 * q:.0f} % below" for q in QUANTILES), "unit")
     results = [
         (name, METRICS[name][1], *(number(x) for x in found.quantiles(name)), unit_text(UNITS[name]))
-        for name in asked.measures
+        for name in _measured(found)
     ]
     causes = "".join(
         paragraphs([name])
@@ -99,7 +99,7 @@ def write_page(found: Spread, path: Path) -> Path:
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
     title, rows = data_table(asked.provenance())
     parts = [
-        ("", paragraphs([wound, *warnings(found)])),
+        ("", paragraphs([wound, *remarks(found)])),
         ("What the results may be", grid(head, results)),
         ("Which datum causes it", paragraphs([hint, *filter(None, [too_few(found)])]) + causes),
         (
@@ -112,6 +112,11 @@ def write_page(found: Spread, path: Path) -> Path:
 
 
 _TICKS = [(x / 4, f"{25 * x} %") for x in range(5)]
+
+
+def _measured(found: Spread) -> list[str]:
+    """The results that at least one winding has."""
+    return [name for name in found.asked.measures if found.wound(name).any()]
 
 
 def _completed(found: Spread) -> int:

@@ -29,7 +29,7 @@ from hoist_demo.study.run import wind
 from hoist_demo.uncertainty.definition import Uncertain
 
 Array = NDArray[np.float64]
-#: measures and warnings
+#: measures, and what is to be told
 Wound = tuple[dict[str, float], tuple[str, ...]]
 
 #: of a distribution that is told
@@ -42,7 +42,7 @@ class Spread:
 
     asked: Uncertain
     columns: Mapping[str, Array]
-    warnings: Mapping[str, int] = field(default_factory=dict)  # in how many windings each was given
+    remarks: Mapping[str, int] = field(default_factory=dict)  # warnings and causes of stops: in how many windings
 
     def wound(self, name: str) -> Array:
         """Which windings have this measure."""
@@ -98,17 +98,18 @@ def draw(asked: Uncertain) -> list[dict[str, float]]:
 
 
 def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
-    """The measures of one winding, NaN of one that has stopped, and its warnings."""
+    """The measures of one winding, NaN of one that has stopped, its warnings and why it stopped."""
     run = asked.run(values)
     with warnings_of("hoist_demo") as warnings:
         rope = InProcessRope(rope_data(run.fmu, asked.level), ROPE_SIGNALS)
         result, _ = wind(run, rope)
     found = measure(result, run.hoist, run.winding, run.arrival)
-    return {name: found[name] if result.completed else math.nan for name in asked.measures}, tuple(warnings)
+    remarks = [f"warning: {text}" for text in warnings] + ([] if result.completed else [f"stopped: {result.cause}"])
+    return {name: found[name] if result.completed else math.nan for name in asked.measures}, tuple(remarks)
 
 
 def _kind(text: str) -> str:
-    """A warning without its numbers, which differ from rope to rope."""
+    """A remark without its numbers, which differ from rope to rope."""
     return re.sub(r"-?\d[\d.e+-]*", "…", text)
 
 
