@@ -232,13 +232,14 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
     """The case with the rope of a parameter file and of --set, for which its drive takes it."""
     if path is None and not texts:
         return case
-    from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+    from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
 
     parameters = rope_parameters()
     catalogue = Catalogue(parameters)
     own = {**rope_values(path, catalogue), **settings(texts, catalogue)}
     if others := sorted(own.keys() - parameters.keys()):
         raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to demo, or to a study or a duty")
+    rope_data({**case.rope, **own})  # what is wrong with the rope is told in its own names, not in the hoist's
     shared: dict[str, Any] = tail_rope(own)
     return replace(case, rope={**case.rope, **own}, hoist=replace(case.hoist, **shared))
 
