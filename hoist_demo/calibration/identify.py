@@ -66,11 +66,12 @@ class Identified:
         return replace(before, data={name: self.data[name] for name in before.data})
 
     def open_directions(self) -> list[str]:
-        """Of each direction that the data do not tell, its properties."""
-        return [
+        """Of each direction that the data do not tell, its properties; directions of the same ones are named once."""
+        named = [
             " and ".join(name for name, part in zip(self.names, direction, strict=True) if abs(part) > NAMED)
             for direction in self.fit.untold()
         ]
+        return list(dict.fromkeys(named))
 
     def provenance(self) -> list[Known]:
         """Where the numbers of the rope and its shaft come from."""

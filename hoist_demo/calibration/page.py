@@ -131,7 +131,7 @@ def _unit(found: Identified, name: str) -> tuple[float, str]:
 
 
 def _open(found: Identified) -> list[str]:
-    return [f"{text}: its range stands" for text in found.open_directions()]
+    return [f"{text}: the range stands" for text in found.open_directions()]
 
 
 def _pairs(found: Identified) -> list[tuple[str, str]]:
