@@ -18,6 +18,7 @@ from hoist_demo.design.swing import fit_swing
 from hoist_demo.design.tuning import Judged, Plan, search
 from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft
 
 TRIP = Winding(travel=20.0, speed=3.0, jerk=2.0)
 PLAN = Plan(sample=8, searches=2, steps=20, seed=1)
@@ -93,8 +94,17 @@ def test_low_fidelity_without_balance_rope_accelerates_as_the_plant() -> None:
     np.testing.assert_allclose(found[6:9], rates[4:7] * np.array([R, 1.0, 1.0]), rtol=1e-9)
 
 
-def test_low_fidelity_stays_at_rest() -> None:
-    model = low_fidelity(Hoist(), Gains(), 0.0, 90.0)
+EVERYTHING = Hoist(
+    head_rope_modes=1, shaft=Shaft(), brake=Brake(), lining=Lining(), guides=Guides(), play=Play(), jam_left=Jam(),
+    jam_right=Jam(), power_limit=1e6,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("hoist", [Hoist(), EVERYTHING], ids=["plain", "everything"])
+def test_low_fidelity_stays_at_rest_whatever_parts_the_hoist_has(hoist: Hoist) -> None:
+    left_out = {name for name, part in vars(EVERYTHING).items() if part is None}
+    assert left_out == {"conveyance_mass_right", "slack_tension"}, "a part that is new belongs into EVERYTHING"
+    model = low_fidelity(hoist, Gains(), 0.0, 90.0)
     assert np.max(np.abs(np.asarray(model.rates(model.start, 0.0)))) < 1e-9
 
 

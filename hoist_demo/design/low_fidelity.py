@@ -1,7 +1,8 @@
 """The hoist with its controller on the lowest fidelity that serves the drive: a balance rope without elasticity.
 
-The drive's own equations, without shaft, brake, guides, play and modes of the head ropes, under balance ropes that are
-only mass: their legs, of length (L + y_L - y_R) / 2 and (L - y_L + y_R) / 2, move and weigh with the conveyances,
+The drive's own equations, without shaft, brake, lining, guides, play, jams and modes of the head ropes, under balance
+ropes that are only mass: their legs, of length (L + y_L - y_R) / 2 and (L - y_L + y_R) / 2, move and weigh with the
+conveyances,
 
     K = rho / 2 (leg_L v_L^2 + leg_R v_R^2) ,   V = rho g [ leg_L (y_L - leg_L / 2) + leg_R (y_R - leg_R / 2) ] ,
 
@@ -45,8 +46,8 @@ class LowFidelityModel:
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
     """The closed loop for a trip that begins at rest with the conveyances at the given heights [m]."""
-    hoist = replace(hoist, head_rope_modes=0, shaft=None, brake=None, lining=None)
-    hoist = replace(hoist, guides=None, play=None, power_limit=None)
+    hoist = replace(hoist, head_rope_modes=0, shaft=None, brake=None, lining=None, power_limit=None)
+    hoist = replace(hoist, guides=None, play=None, jam_left=None, jam_right=None)
     plant, R = HoistPlant(hoist), hoist.sheave_radius
     weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]
     rest = plant.hanging_state(y_left, y_right, *weights)

@@ -60,9 +60,8 @@ def run_report(
         said.insert(0, ("Passed through." if through else "Struck.", passed + after))
     if trip := guard_trip(result.recording):
         said.append(("Guard.", f"{trip.cause} tripped at t = {trip.t:.4g} s; the safety circuit opened."))
-    incidents = told_of_jams(result.recording) + told_of_slip(result.recording)
-    if jammed := incidents.removeprefix("; "):
-        said.append(("Head ropes and guides.", f"{jammed[0].upper()}{jammed[1:]}."))
+    if incidents := (told_of_jams(result.recording) + told_of_slip(result.recording)).removeprefix("; "):
+        said.append(("Head ropes and guides.", f"{incidents[0].upper()}{incidents[1:]}."))
     said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
     note = "".join(f'<p class="note stopped"><strong>{w}</strong> {page.escape(text)}</p>' for w, text in said)
     numbers = "".join(
