@@ -14,10 +14,11 @@ import numpy as np
 
 from hoist_demo.command_line.results import results_folder
 from hoist_demo.parameters import ASSUMED_DATA
-from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.rows import SummaryRow, for_people, render
+from hoist_demo.recording.time_series import write_csv
+from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, for_people, render
 
 if TYPE_CHECKING:
+    from hoist_demo.cosimulation.result import Result
     from hoist_demo.ropes.definition import Ropes
     from hoist_demo.ropes.table import Neighbours
 
@@ -95,7 +96,7 @@ def _ropes(options: argparse.Namespace) -> int:
     print(f"{ropes.title}: case {ropes.case}, level {ropes.level}, {len(names)} ropes")
     known = ropes.provenance()
     write_data(known, out / "data.csv")
-    print(render([*_summary(ropes, recording, rows, pairs), *told(known)]))
+    print(render([*_summary(ropes, result, rows, pairs), *told(known)]))
     print(f"\n{ASSUMED_DATA}\n\nwritten: {out}/ropes.csv, neighbours.csv, signals.csv, data.csv, ropes.png")
     if not result.completed:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
@@ -123,12 +124,16 @@ def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) 
 
 
 def _summary(
-    ropes: Ropes, recording: Recording, rows: dict[str, dict[str, float]], pairs: Sequence[Neighbours]
+    ropes: Ropes, result: Result, rows: dict[str, dict[str, float]], pairs: Sequence[Neighbours]
 ) -> list[SummaryRow]:
-    """What of the ropes is told."""
+    """What of the trip and the ropes is told."""
+    from hoist_demo.report.summary import status, warnings
     from hoist_demo.ropes.table import COLUMNS
 
-    told = [
+    recording = result.recording
+    told = [SummaryRow(OUTCOME, "status", status(result.completed, recording))]
+    told += [SummaryRow(OUTCOME, WARNING, text) for text in warnings(result, ropes.hoist)]
+    told += [
         SummaryRow(f"{name}, z = {rope.place.z:g} m", column, *for_people(rows[name][column], unit))
         for rope in ropes.ropes
         for name in [rope.name]
