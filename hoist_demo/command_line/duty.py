@@ -148,7 +148,7 @@ def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow
     if last is not None:
         recording = last.result.recording
         rows += [
-            SummaryRow("Outcome", "status", status(last.result.completed, recording)),
+            SummaryRow("Outcome", "status of the last trip", status(last.result.completed, recording)),
             SummaryRow("Outcome", "simulated time", float(recording.time[-1]), "s"),
         ]
     steady, count = steady_from(trips, cycle), trips["trip"].size
