@@ -37,8 +37,10 @@ class Trip:
         scene = rope_data(find_case(self.case.scene).rope, self.case.level)
         if scene.solver.step_max >= self.case.H:
             return scene
-        # the host's steps are the rope's, however much they err
-        return scene.with_(solver=replace(scene.solver, step_max=self.case.H, tolerance=NO_CONTROL))
+        # the host's steps are the rope's, however much they err; what Newton's method leaves of such steps, up to 52 N
+        # at its default tolerance, would be missing too
+        solver = replace(scene.solver, step_max=self.case.H, tolerance=NO_CONTROL, newton_tolerance=1e-7)
+        return scene.with_(solver=solver)
 
     def wind(self) -> NativeRope:
         rope, motions = NativeRope(self.scene()), self.case.motions
