@@ -87,6 +87,7 @@ def committed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("evidence.chart.depth.measure", lambda what: TABLES["depth"])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("committed")
 def test_the_command_writes_every_file_from_what_is_measured(tmp_path: Path) -> None:
     write(tmp_path)

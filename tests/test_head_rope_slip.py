@@ -47,7 +47,7 @@ def braked(plant: HoistPlant, state: PlantState, seconds: float, h: float = 0.01
     return states
 
 
-@pytest.mark.parametrize("name", HOISTS)
+@pytest.mark.parametrize("name", ["plain", pytest.param("everything", marks=pytest.mark.slow)])
 def test_ropes_that_slide_have_the_tensions_of_euler_and_eytelwein(name: str) -> None:
     hoist = HOISTS[name]
     plant = HoistPlant(hoist)
@@ -63,7 +63,7 @@ def test_ropes_that_slide_have_the_tensions_of_euler_and_eytelwein(name: str) ->
         np.testing.assert_allclose(math.log(ratio) * state.slide.sense, 0.8 * 0.25 * math.pi, rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", HOISTS)
+@pytest.mark.parametrize("name", ["plain", pytest.param("everything", marks=pytest.mark.slow)])
 def test_energy_is_kept_through_slip_and_the_lining_only_takes(name: str) -> None:
     plant = HoistPlant(HOISTS[name])
     states = braked(plant, running(plant, 8.0), 3.0)

@@ -52,6 +52,7 @@ def test_joined_elements_follow_an_emergency_stop_as_well_as_the_steps_do() -> N
     assert 1e-4 < by_the_legs < by_the_steps < 0.05
 
 
+@pytest.mark.slow
 def test_steps_cut_at_transformations_err_several_times_more_than_meshes_that_wait(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

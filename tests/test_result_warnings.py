@@ -31,7 +31,10 @@ from rope_model.simulation.state import Crossing, RopeState
 DRIVER = Path(__file__).with_name("warning_driver.py")
 
 
-@pytest.fixture(scope="module", params=FLAVOURS)
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(name, marks=[] if f.native else pytest.mark.slow) for name, f in FLAVOURS.items()],
+)
 def results(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> dict[str, Any]:
     path = fmu_of(request.param)
     done = subprocess.run([sys.executable, str(DRIVER), str(path)], capture_output=True, text=True, check=False)

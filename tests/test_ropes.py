@@ -196,6 +196,7 @@ def wait(ropes: RopeGroup, t: float, steps: int) -> float:
     return t + 0.02 * steps
 
 
+@pytest.mark.slow
 def test_ropes_that_touch_go_back_to_a_snapshot_bit_by_bit() -> None:
     ropes, read, t = crowded()
     kept, before = ropes.save(), read()

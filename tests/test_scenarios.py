@@ -66,6 +66,7 @@ def test_a_seized_swivel_holds_the_torque_that_a_healthy_one_lets_go() -> None:
     assert np.ptp(seized["right.swivel.angle"]) > 1.0
 
 
+@pytest.mark.slow
 def test_a_rope_is_caught_by_a_divider_and_released() -> None:
     run = recorded("caught-rope")
     assert passages(run).startswith("the rope struck a divider")
@@ -107,6 +108,7 @@ def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() 
     assert slid.way > np.max(rises)
 
 
+@pytest.mark.slow
 def test_summary_and_report_tell_how_a_conveyance_jammed() -> None:
     case, run = find_case("jammed-conveyance"), wound("jammed-conveyance")
     rows = {(row.group, row.quantity): row for row in summarize(run, case.hoist, run.winding, Coupling())}

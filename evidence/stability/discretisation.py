@@ -300,7 +300,7 @@ def near_end() -> Finding:
 
 
 ENTRIES = (
-    Entry("locking", "Membrane locking", shear_locking),
+    Entry("locking", "Membrane locking", shear_locking, slow=True),
     Entry("hourglass", "Two Gauss points: hourglass mode", hourglass, slow=True),
     Entry("long-steps", "Long constant steps at speed on a coarse mesh", long_steps, slow=True),
     Entry("fast", "TMN-ETM at 16 m/s", partial(travel_errors, "fast"), slow=True),
