@@ -300,7 +300,7 @@ def test_bodies_that_do_not_hold_the_rope_are_passed() -> None:
 
 
 #: of cases that take seconds
-LONG = ("divider", "every kind", "legs", "rod", "swing")
+LONG = ("divider", "every kind", "falls", "legs", "rod", "swing")
 
 
 @pytest.mark.parametrize(

@@ -148,7 +148,7 @@ def test_equal_elements_out_of_range_are_refused_as_the_parameters_refuse_them(p
 
 
 @given(mesh=meshes.filter(lambda mesh: mesh.kind != "auto"), length=st.floats(10.0, 400.0), data=st.data())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 def test_loop_that_travels_to_and_fro_transforms_alike(
     parts: SimpleNamespace, mesh: Mesh, length: float, data: st.DataObject
 ) -> None:

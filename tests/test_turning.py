@@ -36,6 +36,7 @@ def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn() -> None:
     assert_allclose(rest.q[:, :3], first.state.motion.q[:, :3], rtol=0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_installed_twist_turns_the_loop_over_on_any_mesh() -> None:
     yaws = []
     for mesh in (Mesh("auto"), Mesh(coarse_length=1.0)):
