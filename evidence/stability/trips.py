@@ -72,5 +72,6 @@ def follow(rope: RopeSimulator, reference: Any, travel: float, interval: float =
 def without_transformations(rope: RopeSimulator) -> RopeSimulator:
     """The same rope, whose mesh stays from now on as it is."""
     state = rope.state
-    rope._accept(state._replace(partition=replace(state.partition, counts=())))  # which restore refuses
+    fixed = replace(state.partition, counts=(0,) * 7, coarse=0.0)
+    rope._accept(state._replace(partition=fixed))  # which restore refuses
     return rope
