@@ -83,7 +83,8 @@ _WARNINGS = """\
   the time and height of the first time. At rest, too: a long rope with the default `rope.Qb` and `rope.Qc` and locked
   swivels turns its loop over while it is initialised. `loop.clearance`, the distance of the present legs, may be large
   all the time: on a deep rope the long leg swings through the short side's conveyance and head ropes.
-- *The rope is turned around itself, or its legs touch*: `loop.turns` beyond half a turn, or `loop.clearance` at 0.
+- *The rope is turned around itself*: `loop.turns` beyond half a turn.
+- *Its legs have touched or pressed each other*, from when on, how far and where (`loop.overlap`), for all that follows.
 - *The loop hangs yawed by more than 30 degrees at rest*, with the parameter that turns it most: the coupling `rope.Qb`,
   `rope.Qc`, `rope.installed_twist`, or the ends. A real rope is made to turn less; the published coupling on a
   rope of several hundred metres turns it that far.

@@ -28,7 +28,9 @@ from rope_model.simulation.adaptation import nearest_turn
 from rope_model.simulation.audit import Audit
 from rope_model.simulation.diagnostics import (
     LoopBottom,
+    direction,
     leg_clearance,
+    legs_apart,
     loop_bottom,
     loop_turns,
     shape,
@@ -42,7 +44,6 @@ from rope_model.simulation.mesh import (
 )
 from rope_model.simulation.paths import EndPath
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.shaft import direction
 from rope_model.simulation.signal_table import SIGNALS
 from rope_model.simulation.signals import added_mass_signals, contact_signals, group_of
 from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest, RopeState
@@ -149,8 +150,13 @@ def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: 
         assert_allclose(xyz[:-1], shape(q, lengths, expected.s, 4.0, points), atol=ROUNDING * s[-1])
         assert np.all(xyz[-1] == -7.0)
     for above in (0.0, 0.3, hanging[0], 1e3):
-        ours = parts.shape_leg_clearance(s.size, q, s, same, 4.0, 0.044, above)
-        assert_allclose(ours, leg_clearance(q, lengths, expected, 4.0, 0.044, above), atol=ROUNDING * s[-1])
+        ours, legs = (
+            parts.shape_leg_clearance(s.size, q, s, same, 4.0, 0.044, above),
+            leg_clearance(q, lengths, expected, 4.0, 0.044, above),
+        )
+        assert_allclose(ours.distance, legs.distance, atol=ROUNDING * s[-1])
+        # parallel legs are as near at every height
+        assert min(ours.y, legs.y) >= expected.position[1] + above - ROUNDING * s[-1] or legs.distance == math.inf
 
 
 @given(hanging=hangings, seed=st.integers(0, 1000), size=st.sampled_from((0.0, 0.3, 1.0)))
@@ -161,11 +167,12 @@ def test_legs_that_lie_apart_have_not_turned(
     assume(hanging[-1] > 15 * hanging[3])
     still, (q, lengths, s) = hanging_guess(*hang(*hanging)), sway(hanging, seed)
     q = still + size * (q - still)
-    line, arrays = direction(q), ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
-    parts.arrays_of(q, q, q, q, lengths, s, s.size, arrays)
-    apart = parts.shape_legs_apart(arrays, np.array(heading(line)))
+    line, diameter, above = direction(q), 0.05, hanging[3]
+    apart = legs_apart(q, lengths, diameter, above)
+    assert apart == in_c(parts, q, lengths, s, diameter, above)
     if apart:
         bottom = loop_bottom(q, lengths)
+        assert leg_clearance(q, lengths, bottom, above, diameter, above).distance > 0
         yaw = nearest_turn(bottom.yaw, line) - line
         assert abs(yaw) <= 0.5 * math.pi
         assert round(yaw / (2 * math.pi) - loop_turns(q, lengths, bottom).number) == 0
@@ -178,9 +185,15 @@ def test_legs_of_a_loop_that_swings_are_told_apart(parts: SimpleNamespace, lean:
     q, lengths = hanging_guess(s, np.zeros(3), np.array([2.0, 0.0, 0.0])), np.diff(s)
     q[:, 0] += lean * (q[:, 1] - q[:, 1].min())
     q[:, 3] += lean * q[:, 4]
+    assert legs_apart(q, lengths, 0.05, 2.0)
+    assert in_c(parts, q, lengths, s, 0.05, 2.0)
+
+
+def in_c(parts: SimpleNamespace, q: Array, lengths: Array, s: Array, diameter: float, above: float) -> bool:
+    """``legs_apart`` of the native form."""
     arrays = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
     parts.arrays_of(q, q, q, q, lengths, s, s.size, arrays)
-    assert parts.shape_legs_apart(arrays, np.array([1.0, 0.0]))
+    return bool(parts.shape_legs_apart(arrays, np.array(heading(direction(q))), diameter, above))
 
 
 @pytest.mark.parametrize("lowest", [0, 4])
@@ -195,8 +208,8 @@ def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int
     loop = LoopBottom(float(s[lowest]), q[lowest, :3], 0.0)
     same = CLoopBottom.of(loop)
     assert (
-        parts.shape_leg_clearance(5, q, s, same, 4.0, 0.044, 1.0)
-        == leg_clearance(q, lengths, loop, 4.0, 0.044, 1.0)
+        parts.shape_leg_clearance(5, q, s, same, 4.0, 0.044, 1.0).distance
+        == leg_clearance(q, lengths, loop, 4.0, 0.044, 1.0).distance
         == math.inf
     )
 

@@ -116,6 +116,9 @@ def test_summary_and_report_tell_how_a_conveyance_jammed() -> None:
     assert f"; the right conveyance jammed at t = {jam.t:.4g} s; " in told
     assert f"; the head ropes of the right conveyance were slack from t = {slack.t:.4g} s on" in told
     assert "; the head ropes slipped " in told
+    # slack legs fall against each other, and do not pass through each other
+    assert "but the rope struck its other leg (from t = " in told
+    assert "passed" not in told
     seen = float(rows["Slack head ropes", "seen by the safety circuit at"].value)
     assert seen == pytest.approx(run.winding.emergency_at)
     assert ("After the jam, 10 s", "largest pull on a conveyance") in rows

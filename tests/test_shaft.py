@@ -41,7 +41,7 @@ from rope_model.physics.shaft import KINDS, Body, distance, least_distance
 from rope_model.simulation.diagnostics import LoopBottom, loop_turns
 from rope_model.simulation.mesh import Partition
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.shaft import RESOLUTION, clearances
+from rope_model.simulation.shaft import RESOLUTION, clearances, with_passages
 from rope_model.simulation.transfer import interpolate
 
 Array = NDArray[np.float64]
@@ -238,6 +238,46 @@ def test_a_restored_rope_remembers_what_it_came_near_to() -> None:
     other.restore(rope.save())
     assert other.state.nearest == rope.state.nearest
     assert other.state.crossing == rope.state.crossing
+
+
+MEETING = Scene(Rope(length=15.0), mesh=Mesh("eem", elements=16))
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+@pytest.mark.parametrize("stiffness", [0.0, 1e7])
+def test_legs_that_have_touched_without_any_yaw_are_told_ever_after(form: Any, stiffness: float) -> None:
+    """They hang from ends that are half a diameter apart, which then part."""
+    scene = MEETING.with_(shaft=Shaft(contact=Contact(rope_stiffness=stiffness)))
+    rope, near = balance_rope(scene, form), scene.layout.spacing - 0.5 * scene.rope.diameter
+    assert rope.initialize(0.0, EndMotion(x=near), EndMotion()).valid
+    for k in range(1, 11):
+        t = 0.1 * k
+        assert rope.advance_to(t, EndMotion(x=near - t**3, vx=-3 * t**2, ax=-6 * t), EndMotion()).valid
+    seen = rope.signals(PASSAGE_SIGNALS | {"loop.yaw", "loop.clearance"})
+    assert abs(seen["loop.yaw"]) < 0.1
+    assert seen["loop.clearance"] > 0.2
+    assert seen["loop.crossings"] == 0
+    assert 0.3 * scene.rope.diameter < seen["loop.overlap"] < 0.7 * scene.rope.diameter
+    assert seen["loop.touched_at"] == 0.0
+    told = rope.warnings()["leg_contact"]
+    assert ("pressed" if stiffness else "touched") + " each other from t = " in told
+    record = Recording({name: np.array([value]) for name, value in seen.items()}, {})
+    assert "its other leg (from t = " in passages(record)
+
+
+def test_legs_that_pass_through_each_other_without_any_yaw_are_counted() -> None:
+    """The left leg bulges beyond the right one, in front of it, then lower down behind it, and is straight again."""
+    rope = balance_rope(MEETING, "python")
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    seen, counted = rope.state, []
+    for x, upper, lower in ((3.0, 0.2, 0.2), (3.0, 0.2, -0.2), (0.0, 0.0, 0.0)):
+        q = rope.state.motion.q.copy()
+        q[3:5, 0] += x
+        q[3:5, 2] = upper, lower
+        seen = with_passages(rope.scene, seen._replace(motion=replace(seen.motion, q=q)))
+        counted.append((abs(seen.crossing.net), seen.crossing.number))
+    assert counted == [(0.0, 0.0), (1.0, 1.0), (0.0, 2.0)]
+    assert abs(seen.loop_yaw) < 0.1
 
 
 @cache

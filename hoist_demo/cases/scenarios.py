@@ -2,11 +2,11 @@
 
 overwind        the trip ends so far above its landing that the loop comes within 4 m of the rope's end
 slack-rope      the brake grips at once with its full torque, harder than gravity: the rope under the rising conveyance
-                goes slack, and jerks when it falls back
+                goes slack, and jerks when it falls back; its legs hold each other where they meet
 seized-swivel   one of two swivels does not turn
 jammed-conveyance
                 the descending conveyance catches in its guides; its head ropes go slack, which opens the safety
-                circuit, and slip on the sheave
+                circuit, and slip on the sheave; the slack legs hold each other as above
 caught-rope     an emergency stop swings the loop up under a divider within it, which holds it and lets it go
 """
 
@@ -20,6 +20,8 @@ from hoist_demo.parameters.components import Brake, Jam, Lining
 
 _HOIST, _WINDING = Hoist(), Winding()
 _ROPE = {"rope.length": _HOIST.tail_rope_length, **swivels(LOCKED)}
+#: of legs that go slack, and fall about each other
+_SLACK = _ROPE | {"contact.rope_stiffness": 1e7}
 #: m: of the rope's length
 _OVERWIND = _HOIST.tail_rope_length - 8.0
 _STOPPED = replace(_WINDING, emergency_at=12.0, settle=20.0)
@@ -35,7 +37,7 @@ SCENARIOS = {
     "slack-rope": Case(
         replace(_HOIST, brake=Brake(torque=8e5)),
         replace(_WINDING, emergency_at=8.0, emergency_law="torque"),
-        rope=_ROPE,
+        rope=_SLACK,
         stated=PUBLISHED_ROPE,
     ),
     "seized-swivel": Case(
@@ -47,7 +49,7 @@ SCENARIOS = {
     "jammed-conveyance": Case(
         replace(_HOIST, brake=Brake(), lining=Lining(), jam_right=Jam(), slack_tension=2e4),
         replace(_WINDING, emergency_law="deceleration", settle=20.0),
-        rope=_ROPE,
+        rope=_SLACK,
         stated=PUBLISHED_ROPE,
     ),
     "caught-rope": Case(

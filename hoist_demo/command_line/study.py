@@ -101,7 +101,7 @@ def _study(options: argparse.Namespace) -> int:
         print(f"{runs[0]}{more}: warning: {text}", file=sys.stderr)
     for run, cause in performed.causes.items():
         print(f"{run}: {cause}", file=sys.stderr)
-    passed = f", in {len(performed.passages)} the rope passed through something" if performed.passages else ""
+    passed = f", in {len(performed.passages)} the rope struck or passed through something" if performed.passages else ""
     print(
         f"{performed.runs - len(performed.causes)} of {performed.runs} runs wound to the end{passed}: {performed.table}"
     )

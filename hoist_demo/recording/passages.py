@@ -11,31 +11,45 @@ from rope_model import BODIES as BODIES
 from rope_model import FAR as FAR
 
 PASSAGE_SIGNALS = frozenset(
-    {"loop.crossings", "loop.crossed_at", "loop.crossed_y"}
+    {"loop.crossings", "loop.crossed_at", "loop.crossed_y", "loop.overlap", "loop.touched_at", "loop.touched_y"}
     | {f"nearest.{name}.{key}" for name in BODIES for key in ("clearance", "touched_at", "y")}
-    | {f"contact.{name}" for name in BODIES}
+    | {f"contact.{name}" for name in (*BODIES, "rope")}
 )
 """Outputs of the rope that tell it."""
+
+PASSED = "passed"
+"""In what ``passages`` tells of what holds no rope: nothing after that is what a real rope does."""
 
 
 def passages(recording: Recording) -> str:
     """What the rope has struck or passed through by the end of the record, with times and places; "" for nothing."""
-    held = any(f"contact.{name}" in recording and bool(np.any(recording[f"contact.{name}"] > 0)) for name in BODIES)
-    told = [
-        f"{words} (from t = {_last(recording, f'nearest.{name}.touched_at'):.4g} s on, deepest at y = "
-        f"{_last(recording, f'nearest.{name}.y'):.4g} m)"
+    met = [
+        _met(recording, words, f"nearest.{name}.touched_at", f"nearest.{name}.y")
         for name, words in BODIES.items()
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0
     ]
-    struck = [f"struck {' and '.join(told)}"] if told and held else []
-    told = [] if held else told
+    held = any(_pressed(recording, name) for name in BODIES)
+    struck, into, through = (met, [], []) if held else ([], met, [])
     if _last(recording, "loop.crossings") > 0.0:
-        told.append(
+        through.append(
             f"its other leg or what hangs above that (t = {_last(recording, 'loop.crossed_at'):.4g} s, around y = "
             f"{_last(recording, 'loop.crossed_y'):.4g} m)"
         )
-    passed = [f"passed through {' and '.join(told)}"] if told else []
-    return f"the rope {' and '.join(struck + passed)}" if struck or passed else ""
+    if _last(recording, "loop.overlap") > 0.0:
+        legs = _met(recording, "its other leg", "loop.touched_at", "loop.touched_y")
+        (struck if _pressed(recording, "rope") else into).append(legs)
+    told = [f"struck {' and '.join(struck)}"] if struck else []
+    told += [f"passed into {' and '.join(into)}"] if into else []
+    told += [f"passed through {' and '.join(through)}"] if through else []
+    return f"the rope {' and '.join(told)}" if told else ""
+
+
+def _met(recording: Recording, words: str, since: str, y: str) -> str:
+    return f"{words} (from t = {_last(recording, since):.4g} s on, deepest at y = {_last(recording, y):.4g} m)"
+
+
+def _pressed(recording: Recording, name: str) -> bool:
+    return f"contact.{name}" in recording and bool(np.any(recording[f"contact.{name}"] > 0))
 
 
 def without_absent(recording: Recording) -> Recording:

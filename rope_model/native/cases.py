@@ -50,7 +50,6 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     fidelity_cases.held_input,
     fidelity_cases.unsupported_input,
     warning_cases.leaves_out,
-    warning_cases.legs_near,
     warning_cases.yawed_far_at_rest,
     mesh_pattern.fine_share,
     mesh_pattern.inner_length,

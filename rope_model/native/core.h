@@ -40,19 +40,21 @@ typedef struct {
 /* the angle with the full turns that bring it closest to the last one: adaptation.nearest_turn */
 double shape_nearest_turn(double angle, double last);
 int shape_lowest_node(int nodes, const double *q);
+/* yaw of the line from the left to the right end */
+double shape_direction(const Arrays *m);
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s);
 /* scratch: 3 * 161 doubles and more are on the stack */
-double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
-                           double diameter, double above);
+typedef struct {
+    double distance, y;
+} LegClearance;
+LegClearance shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
+                                 double diameter, double above);
 /* turns of one side of the rope about the other, over the height, and the height around which they change most */
 typedef struct {
     double number, sharpest_y;
 } LoopTurns;
-/* whether each leg, nowhere higher than its end, is on its own side of a plane through the lowest node, across the
-   direction from left to right, and the rope leads in it on both sides of that: then neither leg has turned by more
-   than a quarter against it.  The plane leans as the legs do, so that those of a loop that swings are told apart too */
-int shape_legs_apart(const Arrays *m, const double across[2]);
-LoopTurns shape_loop_turns(int nodes, const double *q, const double *s, const LoopBottom *bottom);
+int shape_legs_apart(const Arrays *m, const double across[2], double diameter, double above);
+LoopTurns shape_loop_turns(const Arrays *m, const LoopBottom *bottom);
 /* at (points): arc lengths from end to end, denser around the loop's lowest point; total: length of the rope;
    loop: loop_width() */
 void shape_places(double total, double bottom_s, double loop, int points, double *at);

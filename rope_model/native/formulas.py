@@ -43,7 +43,7 @@ from ..physics import (
     wire_friction,
 )
 from ..shaft_parameters import FAR, PARTS
-from ..simulation import audit, ends, mesh_fit, statics, warning_cases
+from ..simulation import audit, diagnostics, ends, mesh_fit, statics, warning_cases
 from ..simulation import shaft as shaft_search
 from ..simulation.audit import Audit
 from ..simulation.paths import EndMotion, EndPath
@@ -83,6 +83,10 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "double height_within(double squared, double x, double z)": outline.height_within,
     "void middle_of(double length, const double a[6], const double b[6], double middle[6])": outline.middle,
+    "void place_between(double part, double length, const double a[6], const double b[6], double place[3])": (
+        outline.place_between
+    ),
+    "double turns_of(double yaw, double line, double passages)": outline.turns,
     "void enclosing_box(double length, const double a[6], const double b[6], double box[6])": outline.enclosing_box,
     "double lowest_on(double known, double length, double a, double slope_a, double b, double slope_b)": outline.lowest,
     "double highest_on(double known, double length, double a, double slope_a, double b, double slope_b)": (
@@ -90,9 +94,13 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "void box_between(const double bounds[6], double box[6])": outline.box_between,
     "void heading(double yaw, double vector[2])": outline.heading,
+    "double line_yaw(const double left[3], const double right[3])": outline.line_yaw,
     "void plane_between(const double left[3], const double right[3], const double start[3], const double direction[2], "
     "double normal[3])": outline.plane_between,
     "double beyond(const double point[3], const double start[3], const double normal[3])": outline.beyond,
+    "double leg_margin(const double point[3], const double lowest_point[3], double diameter, double above)": (
+        outline.margin
+    ),
     "double least_advance(double length, const double a[6], const double b[6], const double direction[2])": (
         outline.least_advance
     ),
@@ -228,6 +236,7 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "NEVER": guard.NEVER,
     "RESOLUTION": shaft_search.RESOLUTION,
     "TURNED_FAR": shaft_search.TURNED_FAR,
+    "PIECES": diagnostics.PIECES,
     "LOOK_EVERY": shaft_search.LOOK_EVERY,
     "YAWED_FAR": warning_cases.YAWED_FAR,
     "LOOK_AHEAD": contact.LOOK_AHEAD,

@@ -51,7 +51,7 @@ void guards_look(const Scene *scene, State *state) {
         guard->rise_y <= -FAR ? guards_rise(scene, state, &m, &bottom) : bottom.position[1] - guard->rise_y,
         guard->window_y <= -FAR ? guards_sideways(&m, &bottom) : sideways_at_switch(&m, guard->window_y),
         clearance,
-        fabs(shape_loop_turns(m.nodes, m.q, m.s, &bottom).number),
+        fabs(turns_of(shape_nearest_turn(bottom.yaw, state->loop_yaw), shape_direction(&m), state->crossing.net)),
         torque,
     };
     state->guard = watch(guard, &state->guard, state->t, seen);

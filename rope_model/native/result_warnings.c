@@ -6,15 +6,10 @@
 #include "cases.h"
 #include "simulator.h"
 
-double ends_direction(const Arrays *m) {
-    const double *left = end_row(m->q, m->nodes, LEFT), *right = end_row(m->q, m->nodes, RIGHT);
-    return atan2(left[2] - right[2], right[0] - left[0]);
-}
-
 /* of the loop against its ends */
 static double yaw_of(State *state) {
     const Arrays m = state_arrays(state);
-    return state->loop_yaw - ends_direction(&m);
+    return state->loop_yaw - shape_direction(&m);
 }
 
 static void neglected_effects(Simulator *rope, char *message) {
@@ -47,25 +42,20 @@ static void passed_bodies(Simulator *rope, char *message) {
 }
 
 static void leg_contact(Simulator *rope, char *message) {
-    const double yaw = yaw_of(rope->state);
-    if (!legs_near(rope->state, yaw)) return;
-    tell_touching_legs(&rope->scene, yaw, rope_signal(rope, SIGNAL_LOOP_TURNS),
-                       rope_signal(rope, SIGNAL_LOOP_CLEARANCE), message);
+    tell_touching_legs(&rope->scene, rope->state, yaw_of(rope->state), message);
 }
 
 /* twist of the rope from end to end by conveyances and swivels that have turned against the ends' line */
 static double end_twist(State *state) {
     const Arrays m = state_arrays(state);
     const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
-    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * ends_direction(&m);
+    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * shape_direction(&m);
 }
 
 static void yaw_at_rest(Simulator *rope, char *message) {
     const double yaw = yaw_of(rope->state);
     char why[MESSAGE] = "";
     if (!yawed_far_at_rest(&rope->scene, rope->state, yaw)) return;
-    leg_contact(rope, why);
-    if (why[0]) return;
     tell_torque_source(&rope->scene, end_twist(rope->state), why);
     say_yawed_at_rest(message, yaw, YAWED_FAR, why);
 }

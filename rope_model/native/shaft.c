@@ -114,7 +114,7 @@ int shaft_group(int elements, const double *lengths, const double *q, int first,
     return last;
 }
 
-int shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
+void shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
     Search searches[MOST_BODIES];
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int first = 0, last; number > 0 && first < m->elements; first = last) {
@@ -125,7 +125,6 @@ int shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[
                 look_along(&searches[n], m, first, last);
     }
     take_nearest(number, searches, nearest);
-    return number;
 }
 
 void shaft_clearances(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {

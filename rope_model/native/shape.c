@@ -29,6 +29,10 @@ int shape_lowest_node(int nodes, const double *q) {
     return lowest;
 }
 
+double shape_direction(const Arrays *m) {
+    return line_yaw(m->q, m->q + (ptrdiff_t)DOF * m->elements);
+}
+
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
     int lowest = shape_lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
 
@@ -132,9 +136,10 @@ static double gap(const Box *a, const Box *b, int axis) {
     return larger(larger(a->low[axis] - b->high[axis], b->low[axis] - a->high[axis]), 0.0);
 }
 
-/* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least`; what
-   is too high or too low for that is passed over */
-static double smallest_squared(int points, double point[LEG][3], int corners, double corner[LEG][3], double least) {
+/* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least`, and
+   the point's height; what is too high or too low for that is passed over */
+static double smallest_squared(int points, double point[LEG][3], int corners, double corner[LEG][3], double least,
+                               double *height) {
     double lowest_from[LEG + 1], highest_before[LEG + 1];
     const Box all = box_around(points, point);
     int first = 0;
@@ -153,38 +158,49 @@ static double smallest_squared(int points, double point[LEG][3], int corners, do
         for (int n = first; n < points && lowest_from[n] < box.high[1] + reach; n++) {
             if (!(point[n][1] > box.low[1] - reach)) continue;
             const double found = squared_distance(point[n], corner[m], along);
-            if (found < least) least = found, reach = height_within(least, x, z);
+            if (found < least) least = found, reach = height_within(least, x, z), *height = point[n][1];
         }
     }
     return least;
 }
 
-double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
-                           double diameter, double above) {
+LegClearance shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
+                                 double diameter, double above) {
     double at[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
     shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, at);
     shape_points(nodes, q, s, OUTLINE, at, outline[0]);
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
-    if (lefts < 2 || rights < 2) return HUGE_VAL;
-    const double least = smallest_squared(lefts, left, rights, right, HUGE_VAL);
-    return sqrt(smallest_squared(rights, right, lefts, left, least)) - diameter;
+    if (lefts < 2 || rights < 2) return (LegClearance){HUGE_VAL, height};
+    const double least = smallest_squared(lefts, left, rights, right, HUGE_VAL, &height);
+    const double squared = smallest_squared(rights, right, lefts, left, least, &height);
+    return (LegClearance){sqrt(squared) - diameter, height};
 }
 
-/* A leg on the way up: the last of its places that is higher than all before it, and the next such place; where there
-   is none, the leg's end with what hangs above it. */
+/* A leg on the way up, in PIECES of each element: the last of its points that is higher than all before it, and the
+   next such point; where there is none, the leg's end with what hangs above it. */
 typedef struct {
-    const double *q;
-    int node, last;
+    const Arrays *m;
+    int point, last;
     double low[3], high[3];
 } Climb;
 
+static void point_of(const Arrays *m, int point, double place[3]) {
+    const int element = point / PIECES, piece = point % PIECES;
+    const double *a = m->q + (ptrdiff_t)DOF * element;
+    if (piece == 0)
+        memcpy(place, a, 3 * sizeof *place);
+    else
+        place_between((double)piece / PIECES, m->lengths[element], a, a + DOF, place);
+}
+
 static void climb_on(Climb *leg) {
     const int step = leg->last == 0 ? -1 : 1;
+    double place[3];
     memcpy(leg->low, leg->high, sizeof leg->low);
     leg->high[1] = HUGE_VAL;
-    for (; (leg->last - leg->node) * step >= 0 && leg->high[1] == HUGE_VAL; leg->node += step) {
-        const double *place = leg->q + (ptrdiff_t)DOF * leg->node;
+    for (; (leg->last - leg->point) * step >= 0 && leg->high[1] == HUGE_VAL; leg->point += step) {
+        point_of(leg->m, leg->point, place);
         if (place[1] > leg->low[1]) memcpy(leg->high, place, sizeof leg->high);
     }
 }
@@ -195,22 +211,30 @@ static double climb_at(const Climb *leg, double height, int axis) {
     return leg->low[axis] + part * (leg->high[axis] - leg->low[axis]);
 }
 
-int shape_legs_apart(const Arrays *m, const double across[2]) {
+int shape_legs_apart(const Arrays *m, const double across[2], double diameter, double above) {
     const int lowest = shape_lowest_node(m->nodes, m->q);
     const double *left = m->q, *low = left + (ptrdiff_t)DOF * lowest, *right = left + (ptrdiff_t)DOF * m->elements;
     double normal[3];
     int apart = 0 < lowest && lowest < m->elements;
     plane_between(left, right, low, across, normal);
-    for (const double *q = left; q < low; q += DOF) apart &= (beyond(q, low, normal) < 0) & (q[1] <= left[1]);
-    for (const double *q = right; q > low; q -= DOF) apart &= (beyond(q, low, normal) > 0) & (q[1] <= right[1]);
+    for (const double *q = left; q < low; q += DOF)
+        apart &= (beyond(q, low, normal) < -leg_margin(q, low, diameter, above)) & (q[1] <= left[1]);
+    for (const double *q = right; q > low; q -= DOF)
+        apart &= (beyond(q, low, normal) > leg_margin(q, low, diameter, above)) & (q[1] <= right[1]);
     return apart && least_advance(m->lengths[lowest - 1], low - DOF, low, across) > 0 &&
            least_advance(m->lengths[lowest], low, low + DOF, across) > 0;
 }
 
-LoopTurns shape_loop_turns(int nodes, const double *q, const double *s, const LoopBottom *bottom) {
+static double point_s(const Arrays *m, int point) {
+    const int element = point / PIECES;
+    return m->s[element] + m->lengths[element] * (point % PIECES) / PIECES;
+}
+
+LoopTurns shape_loop_turns(const Arrays *m, const LoopBottom *bottom) {
+    const int last = PIECES * m->elements;
     int next = 1;
-    while (next < nodes - 1 && s[next] < bottom->s) next++;
-    Climb left = {q, next - 1, 0, {0}, {0}}, right = {q, next, nodes - 1, {0}, {0}};
+    while (next < last && point_s(m, next) < bottom->s) next++;
+    Climb left = {m, next - 1, 0, {0}, {0}}, right = {m, next, last, {0}, {0}};
     memcpy(left.high, bottom->position, sizeof left.high);
     memcpy(right.high, bottom->position, sizeof right.high);
     climb_on(&left);

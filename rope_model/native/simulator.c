@@ -102,21 +102,25 @@ static void see_passages(const Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     Crossing *crossing = &state->crossing;
     state->looked_at = state->t;
-    const double line = ends_direction(&m);
-    const int bodies = shaft_nearer(&rope->scene, &m, state->t, state->nearest);
-    if (crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) {
-        double across[2];
-        heading(line, across);
-        if (bodies == 0 || shape_legs_apart(&m, across)) return;
-    }
+    shaft_nearer(&rope->scene, &m, state->t, state->nearest);
+    const double line = shape_direction(&m), above = rope->scene.layout.spacing, diameter = rope->scene.rope.diameter;
+    double across[2];
+    heading(line, across);
+    const int near = !shape_legs_apart(&m, across, diameter, above);
+    if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
     const LoopBottom bottom = shape_loop_bottom(m.nodes, m.q, m.s);
-    const double yaw = shape_nearest_turn(bottom.yaw, state->loop_yaw) - line;
-    const LoopTurns turns = shape_loop_turns(m.nodes, m.q, m.s, &bottom);
-    const double net = rint(yaw / (2 * PI) - turns.number);
-    if (net == crossing->net) return;
-    if (crossing->number == 0) crossing->since = state->t, crossing->y = turns.sharpest_y;
+    const LoopTurns turns = shape_loop_turns(&m, &bottom);
+    const double net = rint(turns_of(shape_nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
+    if (net != crossing->net && crossing->number == 0) crossing->since = state->t, crossing->y = turns.sharpest_y;
     crossing->number += fabs(net - crossing->net);
     crossing->net = net;
+    if (!near) return;
+    const LegClearance legs =
+        shape_leg_clearance(m.nodes, m.q, m.s, &bottom, loop_width(&rope->scene), diameter, above);
+    if (!(-legs.distance > crossing->overlap)) return;
+    if (crossing->overlap == 0) crossing->touched_at = state->t;
+    crossing->overlap = -legs.distance;
+    crossing->touched_y = legs.y;
 }
 
 static int start(Simulator *rope, double t, const EndMotion ends[2]) {

@@ -67,8 +67,6 @@ void commit(Simulator *rope, State *state, const Trial *trial);
 void set_powers(const Simulator *rope, State *state);
 /* energies of the state as it is; returns by how much their total changes */
 double update_energies(Simulator *rope, State *state);
-/* yaw of the line from the left to the right end */
-double ends_direction(const Arrays *m);
 double bottom_of(const Simulator *rope, const State *state, double t);
 const double *end_row(const double *x, int nodes, int side);
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,

@@ -5,6 +5,7 @@ Works on numbers, numpy arrays and CasADi expressions; vectors have their compon
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from .elementary import atan2, cos, dot, larger, sin, smaller, sqrt
@@ -46,6 +47,11 @@ def middle(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     return (*(r for r, _ in values), *(d for _, d in values))
 
 
+def place_between(part: Any, length: Any, a: Any, b: Any) -> tuple[Any, ...]:
+    """Place (3,) at ``part`` from 0 to 1 between two places of an element with their r', ``length`` (m) apart."""
+    return tuple(interpolate(part, length, a[k], a[3 + k], b[k], b[3 + k])[0] for k in range(3))
+
+
 def lowest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
     """A coordinate that is no higher than ``known`` and the cubic from ``a``, which ``known`` is not above, to ``b``.
 
@@ -78,6 +84,11 @@ def heading(yaw: Any) -> tuple[Any, Any]:
     return cos(yaw), -sin(yaw)
 
 
+def line_yaw(left: Any, right: Any) -> Any:
+    """Yaw (rad) of the line from the left to the right end."""
+    return atan2(left[2] - right[2], right[0] - left[0])
+
+
 def plane_between(left: Any, right: Any, start: Any, direction: Any) -> tuple[Any, Any, Any]:
     """Normal of the plane through ``start``, level across a horizontal ``direction`` (X, Z), that is midway between the
     ends ``left`` and ``right`` at the height of the higher one.
@@ -96,12 +107,26 @@ def beyond(point: Any, start: Any, normal: Any) -> Any:
     return dot(normal, (point[0] - start[0], point[1] - start[1], point[2] - start[2]))
 
 
+def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
+    """How far (m) from a plane between the legs ``point`` must lie for them to be apart there by a rope's diameter, on
+    the plane's either side: less where it is nearer than ``above`` (m) to the lowest point, where they join.
+    """
+    return diameter * smaller((point[1] - lowest_point[1]) / above, 1.0)
+
+
 def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:
     """By how much the cubic between two places with their r', ``length`` (m) apart, goes on in a horizontal
     ``direction`` (X, Z) per length, at least: the least of its slope's control points.
     """
     start, stop = (direction[0] * x[3] + direction[1] * x[5] for x in (a, b))
     return smaller(smaller(start, stop), 3.0 * reach(b, a, direction) / length - start - stop)
+
+
+def turns(yaw: Any, line: Any, passages: Any) -> Any:
+    """Turns of one side of the rope about the other, whose loop has yawed to ``yaw`` (rad) while the ends' line has
+    yawed to ``line`` (rad), and which has passed through the other net ``passages`` times: each takes one away.
+    """
+    return (yaw - line) / (2.0 * math.pi) - passages
 
 
 def turn(before: Any, after: Any) -> Any:

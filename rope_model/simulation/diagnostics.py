@@ -4,15 +4,34 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
 from ..physics.hermite import integral, integral_to
-from ..physics.outline import heading, place, squared_distance, turn
+from ..physics.outline import (
+    beyond,
+    heading,
+    least_advance,
+    line_yaw,
+    margin,
+    place,
+    plane_between,
+    squared_distance,
+    turn,
+)
 from .rope_system import POSITION, SLOPE, Array, arc_lengths
 from .transfer import interpolate
+
+#: straight pieces of an element, for the turns: legs that lie against each other must not seem to pass through
+PIECES = 8
+
+
+def direction(q: Array) -> float:
+    """Yaw (rad) of the line from the left to the right end."""
+    return float(line_yaw(q[0], q[-1]))
 
 
 @dataclass(frozen=True)
@@ -42,8 +61,17 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     return LoopBottom(float(at), point[POSITION], math.atan2(-d[2], d[0]))
 
 
-def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, diameter: float, above: float) -> float:
-    """Smallest free distance (m) between the two legs where both are ``above`` (m) or more over the lowest point.
+class LegClearance(NamedTuple):
+    """Smallest free distance (m) between the legs, and the height (m) of it."""
+
+    distance: float
+    y: float
+
+
+def leg_clearance(
+    q: Array, lengths: Array, bottom: LoopBottom, loop: float, diameter: float, above: float
+) -> LegClearance:
+    """Of the two legs where both are ``above`` (m) or more over the lowest point.
 
     Points of either leg against straight pieces of the other, both denser near the loop.
     """
@@ -52,8 +80,28 @@ def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, dia
     height = float(bottom.position[1]) + above
     left, right = _part_above(points[middle::-1], height), _part_above(points[middle:], height)
     if min(len(left), len(right)) < 2:
-        return math.inf
-    return min(_distance(left, right), _distance(right, left)) - diameter
+        return LegClearance(math.inf, height)
+    squared, y = min(_nearest(left, right), _nearest(right, left), key=itemgetter(0))
+    return LegClearance(math.sqrt(squared) - diameter, y)
+
+
+def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
+    """Whether the legs come nowhere near each other, and neither has turned by more than a quarter against the ends.
+
+    So it is where each leg is nowhere higher than its end and on its own side of a plane through the lowest node,
+    across the line from left to right, by a margin that keeps a ``diameter`` (m) between them ``above`` (m) or more
+    over that node, and the rope leads in that line's direction on both sides of it.  The plane leans as the legs do,
+    so that those of a loop that swings are told apart too.
+    """
+    k, rows, across = int(q[:, 1].argmin()), q.T, heading(direction(q))
+    if not 0 < k < lengths.size:
+        return False
+    low = rows[:, k]
+    side, least = beyond(rows, low, plane_between(q[0], q[-1], low, across)), margin(rows, low, diameter, above)
+    lower = np.append(rows[1, :k] <= q[0, 1], rows[1, k + 1 :] <= q[-1, 1])
+    own = np.append(side[:k] < -least[:k], side[k + 1 :] > least[k + 1 :])
+    advances = (least_advance(lengths[i], rows[:, i], rows[:, i + 1], across) for i in (k - 1, k))
+    return bool(lower.all() and own.all() and min(advances) > 0)
 
 
 class LoopTurns(NamedTuple):
@@ -71,11 +119,13 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
 
         1/(2 pi) int dpsi,    psi from the higher end down to the lowest point, where it is that of the tangent,
 
-    between the nodes, straight from one to the next; what hangs lower than rope below it is passed over.
+    between PIECES of each element, straight from one to the next; what hangs lower than rope below it is passed over.
     """
-    k = int(np.clip(np.searchsorted(arc_lengths(lengths), bottom.s), 1, lengths.size))
+    nodes = arc_lengths(lengths)
+    s = np.append((nodes[:-1, None] + lengths[:, None] * np.arange(PIECES) / PIECES).ravel(), nodes[-1])
+    k, points = int(np.clip(np.searchsorted(s, bottom.s), 1, s.size - 1)), interpolate(q, nodes, s)[:, POSITION]
     place = bottom.position[None, :]
-    legs = [_rising(np.vstack((place, leg))) for leg in (q[k - 1 :: -1, POSITION], q[k:, POSITION])]
+    legs = [_rising(np.vstack((place, leg))) for leg in (points[k - 1 :: -1], points[k:])]
     every = np.union1d(legs[0][:, 1], legs[1][:, 1])
     heights = every[1:]
     left, right = (np.array([np.interp(heights, leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
@@ -92,9 +142,13 @@ def _rising(leg: Array) -> Array:
     return higher
 
 
-def _distance(points: Array, line: Array) -> float:
-    """Smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3)."""
-    return math.sqrt(squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min())
+def _nearest(points: Array, line: Array) -> tuple[float, float]:
+    """Square (m^2) of the smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3), and the
+    height (m) of the point that has it.
+    """
+    squared = squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min(axis=1)
+    nearest = int(squared.argmin())
+    return float(squared[nearest]), float(points[nearest, 1])
 
 
 def _part_above(leg: Array, height: float) -> Array:

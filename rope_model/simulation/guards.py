@@ -7,9 +7,11 @@ import numpy as np
 from ..parameters import Scene
 from ..physics.guard import CAUSES as CAUSES
 from ..physics.guard import guarded, loop_height, off_plumb, sideways, watch
+from ..physics.outline import turns
 from ..physics.shaft import KINDS
 from ..shaft_parameters import FAR
-from .diagnostics import LoopBottom, loop_bottom, loop_turns
+from .adaptation import nearest_turn
+from .diagnostics import LoopBottom, direction, loop_bottom
 from .ends import HangingEnds
 from .rope_system import POSITION, Array
 from .shaft import nearer
@@ -39,7 +41,7 @@ def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
         rise(scene, state, bottom) if guard.rise_y <= -FAR else float(bottom.position[1]) - guard.rise_y,
         _sideways(q[:, POSITION], guard.window_y, bottom),
         min(nearest.clearance for nearest in nearer(scene, state, known)),
-        abs(loop_turns(q, lengths, bottom).number),
+        abs(turns(nearest_turn(bottom.yaw, state.loop_yaw), direction(q), state.crossing.net)),
         max(abs(ends.moment(side, state.motion.reaction)) for side in (0, 1)),
     )
     return state._replace(guard=watch(guard, state.guard, state.motion.t, seen))

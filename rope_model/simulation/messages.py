@@ -288,18 +288,20 @@ def turned_around(turns: float) -> str:
     )
 
 
-def legs_touch(clearance: float, yaw: float) -> str:
+def legs_touch(overlap: float, since: float, y: float) -> str:
     return (
-        f"the rope's legs touch (loop.clearance = {clearance:.3g} m) with the loop yawed by {yaw:.3g} rad; contact is "
-        "not computed, and a real rope would lie against itself; contact.rope_stiffness = 1e7 computes it; lower Qb, "
-        "Qc or installed_twist, free the swivels, or widen the spacing"
+        f"the rope's legs have touched each other from t = {since:.6g} s on and lain in each other by up to "
+        f"{overlap:.3g} m (loop.overlap) at y = {y:.4g} m; contact is not computed, and a real rope would lie against "
+        "itself: contact.rope_stiffness = 1e7 computes it; keep the legs taut, lower Qb, Qc or installed_twist, free "
+        "the swivels, or widen the spacing"
     )
 
 
-def legs_press(clearance: float, yaw: float) -> str:
+def legs_press(overlap: float, since: float, y: float) -> str:
     return (
-        f"the rope's legs press each other (loop.clearance = {clearance:.3g} m) with the loop yawed by {yaw:.3g} rad; "
-        "contact.rope has the force; lower Qb, Qc or installed_twist, free the swivels, or widen the spacing"
+        f"the rope's legs have pressed each other from t = {since:.6g} s on, by up to {overlap:.3g} m (loop.overlap) "
+        f"at y = {y:.4g} m; contact.rope has the force; keep the legs taut, lower Qb, Qc or installed_twist, free the "
+        "swivels, or widen the spacing"
     )
 
 

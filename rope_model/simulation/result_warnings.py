@@ -3,7 +3,7 @@
     passed_bodies       the rope has passed into bodies of its shaft: contact is not in the model
     passed_sides        the legs have passed through each other, or one through what hangs above the other
     neglected_effects   the model computes no torsion, and the rope carries torque; or it is the rigid one
-    leg_contact         the loop is turned over, or the legs touch
+    leg_contact         the loop is turned over, or the legs touch, or have touched
     yaw_at_rest         the loop hangs far out of its ends' plane at rest, by a torque that is too large for a shaft
     other_rests         the rope has more than one way to hang, and snapped over on the way to this one
     missing_loads       momentum changes otherwise than the end forces and the weight say
@@ -23,15 +23,14 @@ from collections.abc import Callable
 from functools import partial
 
 from ..parameters import Scene
-from ..physics.estimates import loop_width
 from ..physics.shaft import KINDS
 from . import messages, warning_cases
 from .bodies import may_touch
 from .cases import first_text
-from .diagnostics import leg_clearance, loop_bottom, loop_turns
+from .diagnostics import direction
 from .neglected_effects import neglected_text
 from .rope_system import ANGLE
-from .shaft import BODIES, direction
+from .shaft import BODIES
 from .state import RopeState
 
 
@@ -55,19 +54,14 @@ def passed_bodies(scene: Scene, state: RopeState) -> str:
 
 
 def leg_contact(scene: Scene, state: RopeState) -> str:
-    """'' while the legs hang free of each other; otherwise how they do not."""
-    q, lengths, yaw = state.motion.q, state.partition.lengths, _yaw(state)
-    if not warning_cases.legs_near(state, yaw):
-        return ""
-    bottom = loop_bottom(q, lengths)
-    clearance = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing)
-    return first_text(warning_cases.LEG_CONTACT, scene, yaw, loop_turns(q, lengths, bottom).number, clearance)
+    """'' while the legs hang, and have hung, free of each other; otherwise how they do not."""
+    return first_text(warning_cases.LEG_CONTACT, scene, state, _yaw(state))
 
 
 def yaw_at_rest(scene: Scene, state: RopeState) -> str:
     """'' unless the loop hangs yawed at rest; then by how much, and which datum turns it."""
     yaw = _yaw(state)
-    if not warning_cases.yawed_far_at_rest(scene, state, yaw) or leg_contact(scene, state):
+    if not warning_cases.yawed_far_at_rest(scene, state, yaw):
         return ""
     source = first_text(warning_cases.TORQUE_SOURCE, scene, _end_twist(state))
     return messages.yawed_at_rest(yaw, warning_cases.YAWED_FAR, source)

@@ -6,7 +6,8 @@ about it comes nearer to the body than the nearest place that is known, by RESOL
 wall fills no such box, so it costs no more than its nodes.  A conveyance and its head ropes are what the other leg,
 from the lowest node on, may come near: the rope's own end hangs below them.
 
-The legs pass through each other, or one of them through what hangs above the other's end, where the turns over the
+The legs lie in each other where their surfaces would overlap without contact; with it, where they press each other.
+They pass through each other, or one of them through what hangs above the other's end, where the turns over the
 height (diagnostics.loop_turns) jump by one, which the loop's yaw, counted in time, does not.
 """
 
@@ -19,12 +20,13 @@ from typing import Any
 import numpy as np
 
 from ..parameters import Scene
-from ..physics.outline import enclosing_box, middle
+from ..physics.estimates import loop_width
+from ..physics.outline import enclosing_box, middle, turns
 from ..physics.shaft import KINDS, distance, least_distance
 from .adaptation import nearest_turn
 from .bodies import Placed, bodies
-from .diagnostics import loop_bottom, loop_turns
-from .rope_system import SLOPE, Array
+from .diagnostics import LoopBottom, direction, leg_clearance, legs_apart, loop_bottom, loop_turns
+from .rope_system import SLOPE
 from .state import Crossing, Nearest, RopeState
 
 #: kinds of bodies in words
@@ -37,7 +39,7 @@ BODIES = {
 }
 #: m: by how much a clearance may be less than what is found
 RESOLUTION = 1e-3
-#: rad: while the loop has yawed by less, and no body is there, it is not looked whether legs have crossed
+#: rad: legs that are apart have crossed if the loop has yawed by more
 TURNED_FAR = 0.5 * math.pi
 #: s: in this time a rope that swings at 10 m/s moves by less than bodies are thick
 LOOK_EVERY = 0.01
@@ -120,9 +122,14 @@ def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
     return nearer(scene, state, _nearest_of(searches, NOT_NEAR))
 
 
-def direction(q: Array) -> float:
-    """Yaw (rad) of the line from the left to the right end."""
-    return math.atan2(q[0, 2] - q[-1, 2], q[-1, 0] - q[0, 0])
+def _with_overlap(scene: Scene, state: RopeState, bottom: LoopBottom, crossing: Crossing) -> Crossing:
+    """With how far the legs lie in each other at the state's instant, where that is further than before."""
+    q, lengths, layout = state.motion.q, state.partition.lengths, scene.layout
+    legs = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, layout.spacing)
+    if not -legs.distance > crossing.overlap:
+        return crossing
+    touched_at = crossing.touched_at if crossing.overlap > 0 else state.motion.t
+    return crossing._replace(overlap=-legs.distance, touched_at=touched_at, touched_y=legs.y)
 
 
 def with_passages(scene: Scene, state: RopeState) -> RopeState:
@@ -131,12 +138,14 @@ def with_passages(scene: Scene, state: RopeState) -> RopeState:
     For the end of every communication step, and after LOOK_EVERY in longer ones.
     """
     q, crossing = state.motion.q, state.crossing
-    nearest = nearer(scene, state, state.nearest)
-    if nearest != NOT_NEAR or crossing.net != 0 or abs(state.loop_yaw - direction(q)) > TURNED_FAR:
-        bottom = loop_bottom(q, state.partition.lengths)
-        turns, yaw = loop_turns(q, state.partition.lengths, bottom), nearest_turn(bottom.yaw, state.loop_yaw)
-        net = float(np.rint((yaw - direction(q)) / (2 * math.pi) - turns.number))
+    lengths, t = state.partition.lengths, state.motion.t
+    near = not legs_apart(q, lengths, scene.rope.diameter, scene.layout.spacing)
+    if near or crossing.net != 0 or abs(state.loop_yaw - direction(q)) > TURNED_FAR:
+        bottom = loop_bottom(q, lengths)
+        sides, yaw = loop_turns(q, lengths, bottom), nearest_turn(bottom.yaw, state.loop_yaw)
+        net = float(np.rint(turns(yaw, direction(q), sides.number)))
         if net != crossing.net:
-            since, y = crossing[2:] if crossing.number else (state.motion.t, turns.sharpest_y)
-            crossing = Crossing(net, crossing.number + abs(net - crossing.net), since, y)
-    return state._replace(nearest=nearest, crossing=crossing, looked_at=state.motion.t)
+            since, y = (crossing.since, crossing.y) if crossing.number else (t, sides.sharpest_y)
+            crossing = crossing._replace(net=net, number=crossing.number + abs(net - crossing.net), since=since, y=y)
+        crossing = _with_overlap(scene, state, bottom, crossing) if near else crossing
+    return state._replace(nearest=nearer(scene, state, state.nearest), crossing=crossing, looked_at=t)

@@ -12,11 +12,12 @@ from ..physics.accuracy import end_force_error, loop_error
 from ..physics.estimates import loop_width
 from ..physics.frame import conveyance_load
 from ..physics.guard import sideways
+from ..physics.outline import turns
 from ..physics.shaft import KINDS
 from ..physics.stress import material_values
 from .adaptation import nearest_turn
 from .audit import signal_values as audit_values
-from .diagnostics import LoopBottom, interpolate_midpoints, leg_clearance, loop_turns, shape, shape_places, tension
+from .diagnostics import LoopBottom, direction, interpolate_midpoints, leg_clearance, shape, shape_places, tension
 from .ends import HangingEnds, Phase
 from .fidelity import Fidelity
 from .guards import rise
@@ -93,12 +94,12 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
     state, scene = rope.state, rope.scene
     bottom = rope.loop
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
-    q, lengths = state.motion.q, state.partition.lengths
+    q, lengths, yaw = state.motion.q, state.partition.lengths, nearest_turn(bottom.yaw, state.loop_yaw)
     clearance = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing)
     return out | {
-        "loop.yaw": nearest_turn(bottom.yaw, state.loop_yaw),
-        "loop.clearance": clearance,
-        "loop.turns": loop_turns(q, lengths, bottom).number,
+        "loop.yaw": yaw,
+        "loop.clearance": clearance.distance,
+        "loop.turns": turns(yaw, direction(q), state.crossing.net),
         "loop.rise": rise(scene, state, bottom),
         "loop.sideways": float(sideways(bottom.position, q[0], q[-1])),
     }

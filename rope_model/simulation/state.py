@@ -92,12 +92,17 @@ class Nearest(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """How often one side of the rope has passed through the other; see simulation.shaft."""
+    """How often one side of the rope has passed through the other, and how far they lay in each other before that; see
+    simulation.shaft.
+    """
 
     net: float = 0.0  # those that were not undone, with their sense
     number: float = 0.0  # all
     since: float = 0.0  # s, the first
     y: float = 0.0  # m, height of the first
+    overlap: float = 0.0  # m, by which the legs lay in each other at most
+    touched_at: float = 0.0  # s, when they first did
+    touched_y: float = 0.0  # m, height of the overlap
 
 
 class RopeState(NamedTuple):

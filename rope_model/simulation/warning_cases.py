@@ -19,10 +19,9 @@ from .audit import (
 )
 from .cases import Cases
 from .fidelity_cases import carries_torque
-from .shaft import TURNED_FAR
 
-#: of the legs: the loop is turned over
-HALF_A_TURN = 0.5
+#: rad: yaw of a loop that is turned over
+HALF_A_TURN = math.pi
 #: rad: yaw at rest of a rope whose data should be looked at
 YAWED_FAR = math.pi / 6
 #: m/s: a rope with less kinetic energy than all of it has at this speed is at rest
@@ -41,15 +40,10 @@ def leaves_out(scene: Any, state: Any) -> Any:
     return either(state.fidelity == "rigid", carries_torque(scene), blown)
 
 
-def legs_near(state: Any, yaw: Any) -> Any:
-    """Whether the loop is turned so far against its ends, by ``yaw`` (rad), that its legs may touch."""
-    return both(abs(yaw) > TURNED_FAR, state.crossing.number == 0)
-
-
 def yawed_far_at_rest(scene: Any, state: Any, yaw: Any) -> Any:
-    """Whether the loop hangs out of its ends' plane, by ``yaw`` (rad), at rest."""
-    untouched = both(state.fidelity == "torsional", state.crossing.number == 0)
-    return both(untouched, rests(scene, state), abs(yaw) > YAWED_FAR)
+    """Whether the loop hangs out of its ends' plane, by ``yaw`` (rad), at rest, with nothing worse to say of it."""
+    free = both(state.crossing.number == 0, state.crossing.overlap == 0, abs(yaw) < HALF_A_TURN)
+    return both(state.fidelity == "torsional", free, rests(scene, state), abs(yaw) > YAWED_FAR)
 
 
 def _sides_passed(scene: Any, state: Any) -> tuple[Any, ...]:
@@ -62,16 +56,19 @@ def _sides_passed_in_spite(scene: Any, state: Any) -> tuple[Any, ...]:
     return crossing.number > 0, crossing.number, crossing.since, crossing.y, scene.shaft.contact.rope_stiffness
 
 
-def _turned_around(scene: Any, yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
-    return abs(turns) >= HALF_A_TURN, turns
+def _turned_around(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
+    # what has passed through nothing is turned as far over its height as its loop, and is told by its passages else
+    return both(state.crossing.number == 0, abs(yaw) >= HALF_A_TURN), yaw / (2 * math.pi)
 
 
-def _legs_touch(scene: Any, yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
-    return both(clearance <= 0, scene.shaft.contact.rope_stiffness == 0), clearance, yaw
+def _legs_touch(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
+    applies, *numbers = _legs_press(scene, state, yaw)
+    return both(applies, scene.shaft.contact.rope_stiffness == 0), *numbers
 
 
-def _legs_press(scene: Any, yaw: Any, turns: Any, clearance: Any) -> tuple[Any, ...]:
-    return clearance <= 0, clearance, yaw
+def _legs_press(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
+    x = state.crossing
+    return both(x.number == 0, x.overlap > 0), x.overlap, x.touched_at, x.touched_y
 
 
 def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:

@@ -11,7 +11,7 @@ from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.jams import told_of_jams
-from hoist_demo.recording.passages import passages
+from hoist_demo.recording.passages import PASSED, passages
 from hoist_demo.recording.slip import told_of_slip
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
 from hoist_demo.report import events
@@ -55,7 +55,7 @@ def run_report(
     """
     said = [] if result.completed else [("Stopped.", result.cause)]
     if passed := passages(result.recording):
-        through = "passed through" in passed
+        through = PASSED in passed
         after = ": nothing after that is what a real rope does." if through else "."
         said.insert(0, ("Passed through." if through else "Struck.", passed + after))
     if trip := guard_trip(result.recording):

@@ -15,6 +15,7 @@ from typing import Any
 
 import pandas as pd
 
+from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import Table
 
@@ -99,8 +100,8 @@ def _in_engineering_units(
 
 def _passed(table: pd.DataFrame) -> str:
     """A sentence about runs in which the rope passed through something; "" where there are none."""
-    runs = [k + 1 for k, text in enumerate(table[STATUS]) if "passed through" in str(text)]
-    return f"In {_listed(runs)} the rope passed through something, the status says what. " if runs else ""
+    runs = [k + 1 for k, text in enumerate(table[STATUS]) if PASSED in str(text)]
+    return f"In {_listed(runs)} the rope passed into or through something, the status says what. " if runs else ""
 
 
 def _warned(table: pd.DataFrame) -> str:
