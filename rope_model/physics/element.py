@@ -17,10 +17,10 @@ The rate of k is the one seen by an observer who turns with the cross-section, s
 nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
 leave an hourglass mode in the axial strain.
 
-A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear, and by (k l)^2 / 24
-kappa / (1 - kappa), kappa = Qs^2 / (Qa Qd), because e, which is continuous, cannot follow a tau that is not.  The
-inertia rhoJ_x = rhoJ / 12 / (1 - kappa) of theta's slope takes both away where the tension follows at once.  What is
-left is of fourth order, and some (k l)^2 / 24 kappa r / (1 - kappa), r = rho Qd / (rhoJ Qa), where it takes its time.
+A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear, and by as much and more
+where tension and torsion are coupled, because e, which is continuous, cannot follow a tau that is not.  In Rayleigh's
+quotient with a wave that is exact at the nodes both are (k l)^2 (Qd / 12 - c^2 rhoJ_x), c the wave's own speed: the
+inertia rhoJ_x = Qd / (12 c^2) of theta's slope takes them away, and leaves an error of fourth order.
 
 tau is uniform in the element: what the angles tell, the turn from node to node, over its length.  So the frame's
 reference (physics.frame) leaves energies and forces alone, but for the quadrature of that mean.
@@ -42,7 +42,7 @@ import casadi as ca
 import numpy as np
 
 from . import costello
-from .elementary import sqrt
+from .elementary import less, sqrt, where
 from .frame import FrameRate, smallest_rotation_rate
 from .hermite import PRODUCTS
 
@@ -62,7 +62,15 @@ def parameters(rope: Any, gravity: Any) -> tuple[Any, ...]:
     """Values of PARAMETERS."""
     elastic = rope.mass_per_length, gravity, rope.Qa, rope.Qs, rope.Qk, rope.Qd, rope.EI, rope.rhoJ
     damping = rope.beta_K, sqrt(rope.torsion_damping), sqrt(rope.bending_damping)
-    return *elastic, *damping, rope.Qe, rope.rhoJ / 12 / (1 - rope.Qs * rope.Qs / (rope.Qa * rope.Qd))
+    return *elastic, *damping, rope.Qe, rope.Qd / 12 * torsional_slowness(rope)
+
+
+def torsional_slowness(rope: Any) -> Any:
+    """1/c^2 (s^2/m^2) of torsional waves, mostly the slow ones: det [[Qa - rho c^2, Qs], [Qs, Qd - rhoJ c^2]] = 0."""
+    axial, torsional = rope.Qa * rope.rhoJ, rope.Qd * rope.mass_per_length
+    slower, shared = axial - torsional, rope.mass_per_length * rope.rhoJ * (rope.Qs * rope.Qs)
+    root = sqrt(slower * slower + 4 * shared)
+    return 0.5 * (axial + torsional + where(less(0.0, slower), root, -root)) / (rope.Qa * rope.Qd - rope.Qs * rope.Qs)
 
 
 #: order of the entries of an element's balance
