@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from evidence.guards import jam
 from evidence.guards.judging import EARLY, Guard, guard
+from evidence.guards.page import page
 from evidence.guards.scenes import SET, draw
 from evidence.guards.wind import COLUMNS, QUANTITIES, judge
 from evidence.rendering import DOCS
@@ -51,3 +52,20 @@ def test_the_recorded_jam_is_what_a_run_of_today_shows() -> None:
 def short() -> list:  # type: ignore[type-arg]
     """Some of the quickest that the page has."""
     return [sample for sample in draw(SET, 30) if sample.scene.rope.length < 250.0][:6]
+
+
+def test_the_page_names_what_sees_the_jam_before_the_slack_and_after_it() -> None:
+    recorded = read(DOCS / "data" / "guards")
+    jam_table = dict(recorded["jam"])
+    for times, said in (
+        (
+            [0.2, 0.05, np.nan, 0.3, 0.15],
+            "first in window**, before the head ropes are slack.\n- It shows in rise and torque",
+        ),
+        (
+            [0.2, 0.3, 0.4, 0.5, 0.15],
+            "The slack comes first.**\n- It shows in rise and window and turns and torque too",
+        ),
+    ):
+        jam_table[jam.COLUMNS[2]] = np.array(times)
+        assert said in page({**recorded, "jam": jam_table})

@@ -51,7 +51,7 @@ def page(tables: Tables) -> str:
 
 
 def _jam(t: Table) -> dict[str, object]:
-    """What saw the jam, and when; and the words of what did so first, and of the others."""
+    """What saw the jam, and when; and the guards that did so before the slack, and after it."""
     columns = zip(*(t[name] for name in JAM), strict=True)
     found, times = [], {}
     for name, threshold, seconds, peak in columns:
@@ -61,8 +61,8 @@ def _jam(t: Table) -> dict[str, object]:
         found.append((name, shown[0], when, shown[1]))
         times[name] = seconds
     seen = sorted((name for name in times if np.isfinite(times[name])), key=times.__getitem__)
-    later = seen[seen.index(SLACK) + 1 :]
-    return {"jam": found, "jam_first": seen[0], "slack": SLACK, "jam_seen": " and ".join(later).capitalize()}
+    at = seen.index(SLACK)
+    return {"jam": found, "earlier": seen[:at], "later": seen[at + 1 :]}
 
 
 def _share(t: Table, column: str) -> float:
