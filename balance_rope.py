@@ -24,7 +24,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.demo import add_demo, tail_rope
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.identify import add_identify
-    from hoist_demo.command_line.results import results_folder
+    from hoist_demo.command_line.results import named, results_folder
     from hoist_demo.command_line.ropes import add_ropes
     from hoist_demo.command_line.settings import rope_values, settings
     from hoist_demo.command_line.study import add_study
@@ -174,7 +174,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help="of the system: these ropes, trip and hoist instead of the case's one rope, see docs/ropes.md",
     )
     export.add_argument(
-        "--out", type=Path, help=f"the .fmu to write; a folder where there is one, or several are written ({BUILD}/...)"
+        "--out",
+        type=named,
+        help=f"the .fmu to write; a folder where there is one, or several are written ({BUILD}/...)",
     )
     export.set_defaults(run=_export)
 

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from balance_rope import main
+from evidence.guards.__main__ import main as guards
 
 DOCS = Path(__file__).parents[1] / "docs"
 COMMANDS = {
@@ -38,3 +39,21 @@ def test_a_study_refuses_it_too(tmp_path: Path, fmu_of: Any, capsys: pytest.Capt
     rope = fmu_of("native-2")
     path.write_text(f'study.fmu = "{rope}"\n[vary]\n"winding.speed" = [2.0, 3.0]\n', encoding="utf-8")
     refused(["study", str(path)], tmp_path, capsys)
+
+
+@pytest.mark.parametrize("name", [*COMMANDS, "study", "export"])
+def test_no_name_is_not_the_folder_one_stands_in(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main([*COMMANDS.get(name, [name]), "--out", ""])
+    assert "argument --out: '' names nothing" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("out", ["", "file/results"])
+def test_a_measurement_refuses_them_too(
+    out: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    with pytest.raises(SystemExit, match="2"):
+        guards(["--out", out])
+    assert f"argument --out: {out or repr(out)} " in capsys.readouterr().err

@@ -9,6 +9,8 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from evidence.options import add_out
+
 from .command import run
 
 DOCS, QUICK = Path("docs"), Path("out") / "chart"
@@ -17,7 +19,7 @@ DOCS, QUICK = Path("docs"), Path("out") / "chart"
 def main(arguments: Sequence[str] | None = None) -> None:
     """The command line."""
     parser = argparse.ArgumentParser("python -m evidence.chart", description=__doc__)
-    parser.add_argument("--out", type=Path, metavar="DIR", help=f"where to ({DOCS}; with --quick {QUICK})")
+    add_out(parser, None, f"{DOCS}; with --quick {QUICK}")
     parser.add_argument("--quick", action="store_true", help="a few points on 1 m of travel: a check, not a result")
     parser.add_argument("--only", metavar="FAMILY", help="measure one family, or depth, anew and keep the rest")
     options = parser.parse_args(arguments)

@@ -7,12 +7,11 @@ import os
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from pathlib import Path
 
 from tqdm import tqdm
 
+from evidence.options import add_out
 from evidence.pages import PAGES, publish
-from evidence.rendering import DOCS
 from evidence.tables import table, write
 
 from . import jam
@@ -26,7 +25,7 @@ SCENES, PROCESSES = 200, 2
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser("python -m evidence.guards", description=__doc__)
-    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (docs)")
+    add_out(parser)
     parser.add_argument("--scenes", type=int, default=SCENES, metavar="N", help=f"of each seed ({SCENES})")
     options = parser.parse_args(arguments)
     samples = [sample for seed in (SET, JUDGE) for sample in draw(seed, options.scenes)]

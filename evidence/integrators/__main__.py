@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 
 from tqdm import tqdm
 
+from evidence.options import add_out
 from evidence.pages import PAGES, publish
-from evidence.rendering import DOCS
 from evidence.tables import write
 
 from .measure import measure, scenes
@@ -20,7 +19,7 @@ PAGE = PAGES["integrators"]
 def main(arguments: Sequence[str] | None = None) -> None:
     """The command line."""
     parser = argparse.ArgumentParser("python -m evidence.integrators", description=__doc__)
-    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (docs)")
+    add_out(parser)
     parser.add_argument("--scenes", type=int, metavar="N", help="the first ones only")
     options = parser.parse_args(arguments)
     tables = measure(tqdm(scenes()[: options.scenes], desc="integrators", unit="scene", leave=False))

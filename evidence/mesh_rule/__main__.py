@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 
 from tqdm import tqdm
 
+from evidence.options import add_out
 from evidence.pages import PAGES, publish
-from evidence.rendering import DOCS
 from evidence.tables import write
 
 from . import statics, trips
@@ -29,7 +28,7 @@ TABLES = {
 def main(arguments: Sequence[str] | None = None) -> None:
     """The command line."""
     parser = argparse.ArgumentParser("python -m evidence.mesh_rule", description=__doc__)
-    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (docs)")
+    add_out(parser)
     parser.add_argument("--only", choices=[*TABLES], help="measure one table anew")
     parser.add_argument("--ropes", type=int, metavar="N", help="fewer or more ropes than the page's")
     options = parser.parse_args(arguments)

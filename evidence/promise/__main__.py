@@ -10,12 +10,11 @@ import os
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from pathlib import Path
 
 from tqdm import tqdm
 
+from evidence.options import add_out
 from evidence.pages import PAGES, publish
-from evidence.rendering import DOCS
 from evidence.tables import table, write
 
 from .judging import claims
@@ -29,7 +28,7 @@ SCENES = 200
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line; 1 where a target is missed."""
     parser = argparse.ArgumentParser("python -m evidence.promise", description=__doc__)
-    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (docs)")
+    add_out(parser)
     parser.add_argument("--scenes", type=int, default=SCENES, metavar="N", help=f"of the seed ({SCENES})")
     parser.add_argument("--seed", type=int, default=JUDGE, help=f"another one than the page's ({JUDGE})")
     options = parser.parse_args(arguments)

@@ -7,12 +7,11 @@ import os
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from pathlib import Path
 
 from tqdm import tqdm
 
+from evidence.options import add_out
 from evidence.pages import PAGES, publish
-from evidence.rendering import DOCS
 from evidence.tables import table, write
 
 from .scenes import MESHES, VARIANTS
@@ -24,7 +23,7 @@ PAGE = PAGES["tangle"]
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser("python -m evidence.tangle", description=__doc__)
-    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (docs)")
+    add_out(parser)
     options = parser.parse_args(arguments)
     variants = (*VARIANTS, *MESHES[1:])
     with ProcessPoolExecutor(os.cpu_count()) as pool:

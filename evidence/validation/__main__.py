@@ -8,10 +8,9 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
+from evidence.options import add_out
 from evidence.pages import PAGES, publish
-from evidence.rendering import DOCS
 from evidence.tables import write
 
 from .measure import measure
@@ -23,7 +22,7 @@ PAGE = PAGES["validation"]
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser("python -m evidence.validation", description=__doc__)
-    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where to (docs)")
+    add_out(parser)
     options = parser.parse_args(arguments)
     tables = measure()
     found = from_table(tables["rows"])

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip
-from hoist_demo.command_line.results import results_folder
+from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.command_line.settings import rope_values, settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
@@ -115,7 +115,7 @@ def add_demo(
     rope = demo.add_mutually_exclusive_group()
     rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 or 3.0 (%(default)s)")
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without the FMU")
-    demo.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
+    demo.add_argument("--out", type=named, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
     demo.add_argument("--step", type=float, default=Coupling().step, metavar="H", help="communication step [s] (0.01)")
     demo.add_argument(
         "--scheme",

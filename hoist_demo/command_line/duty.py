@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.results import results_folder
+from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
@@ -59,7 +59,7 @@ def add_duty(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     duty.set_defaults(run=_duty)
     duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/duty.md")
     duty.add_argument("--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's")
-    duty.add_argument("--out", type=Path, metavar="DIR", help="results (out/duty/ and the file's name)")
+    duty.add_argument("--out", type=named, metavar="DIR", help="results (out/duty/ and the file's name)")
     duty.add_argument(
         "--exposure", action="store_true", help="also count what each place in the rope goes through: exposure.csv"
     )

@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from hoist_demo.command_line.results import results_folder
+from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -50,7 +50,7 @@ def add_identify(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     identify.add_argument(
         "measured", type=Path, metavar="MEASURED.toml", help="what was measured, see docs/identify.md"
     )
-    identify.add_argument("--out", type=Path, metavar="DIR", help="results (out/identify/ and the file's name)")
+    identify.add_argument("--out", type=named, metavar="DIR", help="results (out/identify/ and the file's name)")
     identify.add_argument("--check", action="store_true", help="check only")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 from pathlib import Path
 
@@ -15,3 +16,10 @@ def results_folder(out: Path) -> Path:
     except OSError as error:
         raise ValueError(f"{out} cannot be written to ({error.strerror}): choose another --out") from error
     return out
+
+
+def named(text: str) -> Path:
+    """What --out names, for argparse: Path('') would be the folder one stands in."""
+    if not text:
+        raise argparse.ArgumentTypeError("'' names nothing: give a name, or leave --out away")
+    return Path(text)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hoist_demo.command_line.results import results_folder
+from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.time_series import write_csv
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, for_people, render
@@ -55,7 +55,7 @@ def add_ropes(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     )
     ropes.set_defaults(run=_ropes)
     ropes.add_argument("ropes", type=Path, metavar="ROPES.toml", help="the ropes, see docs/ropes.md")
-    ropes.add_argument("--out", type=Path, metavar="DIR", help="results (out/ropes/ and the file's name)")
+    ropes.add_argument("--out", type=named, metavar="DIR", help="results (out/ropes/ and the file's name)")
     ropes.add_argument("--check", action="store_true", help="check only")
 
 

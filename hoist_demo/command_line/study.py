@@ -11,7 +11,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.results import results_folder
+from hoist_demo.command_line.results import named, results_folder
 
 _DESCRIPTION = """\
 Wind many times with the rope's FMU, over parameters that a TOML file names, on all cores or on a dask cluster.
@@ -42,7 +42,7 @@ def add_study(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     study.set_defaults(run=_study)
     study.add_argument("study", type=Path, metavar="STUDY.toml", help="what to vary, see docs/study.md")
     study.add_argument("--fmu", type=Path, metavar="PATH", help="the rope, instead of the file's")
-    study.add_argument("--out", type=Path, metavar="DIR", help="results (out/study/ and the file's name)")
+    study.add_argument("--out", type=named, metavar="DIR", help="results (out/study/ and the file's name)")
     where = study.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, metavar="N", help="processes on this machine (one per core)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="a dask scheduler, e.g. tcp://host:8786")

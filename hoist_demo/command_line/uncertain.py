@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.results import results_folder
+from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -50,7 +50,7 @@ def add_uncertain(commands: argparse._SubParsersAction[argparse.ArgumentParser])
     )
     uncertain.set_defaults(run=_uncertain)
     uncertain.add_argument("scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/uncertain.md")
-    uncertain.add_argument("--out", type=Path, metavar="DIR", help="results (out/uncertain/ and the file's name)")
+    uncertain.add_argument("--out", type=named, metavar="DIR", help="results (out/uncertain/ and the file's name)")
     uncertain.add_argument("--workers", type=int, metavar="N", help="processes (one per core)")
     uncertain.add_argument("--check", action="store_true", help="check only")
 
