@@ -178,10 +178,12 @@ def test_a_stop_is_told_with_way_and_speed_of_the_slip() -> None:
     time = np.arange(5.0)
     signals = {"time": time, "drive.slip": np.array([0.0, 0.0, 0.5, 0.25, 0.25])}
     recording = Recording(signals | {"drive.slip_speed": np.array([0.0, 0.0, 0.75, -0.5, 0.0])}, {})
-    assert slip(recording) == Slip(t=1.0, way=0.75, net=0.25, speed=0.75, duration=2.0)
+    assert slip(recording) == Slip(t=1.0, way=0.75, net=0.25, speed=0.75, duration=2.0, last=0.0)
     assert told_of_slip(recording) == (
         "; the head ropes slipped 0.75 m on the sheave from t = 1 s on, at up to 0.75 m/s"
     )
+    early = Recording({name: values[:4] for name, values in recording.signals.items()}, {})
+    assert told_of_slip(early).endswith(", at up to 0.75 m/s, and still slip at 0.5 m/s when it ends")
     assert slip(Recording({"time": time, "drive.slip": 0.0 * time, "drive.slip_speed": 0.0 * time}, {})) is None
 
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -112,28 +111,31 @@ class HoistPlant:
         self._form = form
         self._holding = Integrator(_without_lining(hoist), form)
         self.state_names = self._holding.names
+        self._made: Sliding | None = None
         self._hear(hoist)
 
     def reload(self, hoist: Hoist) -> None:
         """Go on with the numbers of a hoist of the same parts: with another payload."""
         self._holding.load(_without_lining(hoist))
-        if hoist.lining is not None and "_sliding" in vars(self):
-            self._sliding.integrator.load(hoist)
+        if hoist.lining is not None and self._made is not None:
+            self._made.integrator.load(hoist)
         self._hear(hoist)
 
     def _hear(self, hoist: Hoist) -> None:
         self.hoist = hoist
         self._begins = None if hoist.lining is None else begins(hoist, self._holding)
 
-    @cached_property
+    @property
     def _sliding(self) -> Sliding:
         """Made when it is needed: many hoists with a lining never slip."""
-        return Sliding(self.hoist, self._form, self.state_names)
+        if self._made is None:
+            self._made = Sliding(self.hoist, self._form, self.state_names)
+        return self._made
 
     @property
     def evaluations(self) -> int:
         """Of the integrator's steps, so far."""
-        return self._holding.evaluations + (self._sliding.integrator.evaluations if "_sliding" in vars(self) else 0)
+        return self._holding.evaluations + (0 if self._made is None else self._made.integrator.evaluations)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.

@@ -20,6 +20,7 @@ class Slip(NamedTuple):
     net: float  # m, of the ropes on the sheave, positive as its rotation
     speed: float  # m/s, largest
     duration: float  # s, in all
+    last: float  # m/s, at the end: 0 where they hold again
 
 
 def slip(recording: Recording) -> Slip | None:
@@ -36,6 +37,7 @@ def slip(recording: Recording) -> Slip | None:
         net=float(way[-1] - way[0]),
         speed=float(np.max(np.abs(recording["drive.slip_speed"]))),
         duration=float(np.sum(np.diff(time)[slid])),
+        last=float(recording["drive.slip_speed"][-1]),
     )
 
 
@@ -51,5 +53,5 @@ def told_of_slip(recording: Recording) -> str:
         return ""
     return (
         f"; the head ropes slipped {slid.way:.3g} m on the sheave from t = {slid.t:.4g} s on, at up to "
-        f"{slid.speed:.3g} m/s"
+        f"{slid.speed:.3g} m/s" + (f", and still slip at {abs(slid.last):.3g} m/s when it ends" if slid.last else "")
     )
