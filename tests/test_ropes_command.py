@@ -5,13 +5,16 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rope_groups import Weight
 
 import balance_rope
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+from hoist_demo.recording.time_series import Recording
 from hoist_demo.ropes.definition import read_ropes
+from hoist_demo.ropes.table import outcome
 from hoist_demo.study.reading import StudyError
 
 ROPES = """
@@ -58,6 +61,27 @@ def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: p
         (pair,) = csv.DictReader(file)
     assert 0.0 < float(pair["clearance [m]"]) < 0.4 - 0.044 + 1e-9
     assert (tmp_path / "signals.csv").is_file()
+
+
+def test_the_status_tells_of_each_rope_what_it_struck_and_that_it_passed_through_itself() -> None:
+    nothing, later = np.zeros(3), np.array([0.0, 1.0, 1.0])
+    broken = np.array([0.0, 1.0, np.nan])
+    signals = {
+        "one.loop.y": nothing,
+        "one.loop.crossings": later,
+        "one.loop.crossed_at": 7.0 * later,
+        "one.loop.crossed_y": -12.0 * later,
+        "two.loop.y": broken,
+        "two.nearest.divider.clearance": 0.5 - broken,
+        "two.nearest.divider.touched_at": 6.0 * broken,
+        "two.nearest.divider.y": -13.0 * broken,
+        "two.contact.divider": 1e3 * broken,
+    }
+    assert outcome(True, Recording(signals, {}), ["one", "two"]) == (
+        "completed, but rope one passed through its other leg or what hangs above that (t = 7 s, around y = -12 m), "
+        "and rope two struck a divider (from t = 6 s on, deepest at y = -13 m)"
+    )
+    assert outcome(True, Recording({"one.loop.y": nothing, "one.loop.crossings": nothing}, {}), ["one"]) == "completed"
 
 
 def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path: Path) -> None:

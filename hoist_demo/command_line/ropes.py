@@ -127,11 +127,12 @@ def _summary(
     ropes: Ropes, result: Result, rows: dict[str, dict[str, float]], pairs: Sequence[Neighbours]
 ) -> list[SummaryRow]:
     """What of the trip and the ropes is told."""
-    from hoist_demo.report.summary import status, warnings
-    from hoist_demo.ropes.table import COLUMNS
+    from hoist_demo.report.summary import incidents, warnings
+    from hoist_demo.ropes.table import COLUMNS, outcome
 
     recording = result.recording
-    told = [SummaryRow(OUTCOME, "status", status(result.completed, recording))]
+    ended = outcome(result.completed, recording, [*rows])
+    told = [SummaryRow(OUTCOME, "status", ended + incidents(recording))]
     told += [SummaryRow(OUTCOME, WARNING, text) for text in warnings(result, ropes.hoist)]
     told += [
         SummaryRow(f"{name}, z = {rope.place.z:g} m", column, *for_people(rows[name][column], unit))

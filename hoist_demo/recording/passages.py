@@ -21,8 +21,8 @@ PASSED = "passed"
 """In what ``passages`` tells of what holds no rope: nothing after that is what a real rope does."""
 
 
-def passages(recording: Recording) -> str:
-    """What the rope has struck or passed through by the end of the record, with times and places; "" for nothing."""
+def passages(recording: Recording, rope: str = "the rope") -> str:
+    """What ``rope`` has struck or passed through by the end of the record, with times and places; "" for nothing."""
     met = [
         _met(recording, words, f"nearest.{name}.touched_at", f"nearest.{name}.y")
         for name, words in BODIES.items()
@@ -41,7 +41,7 @@ def passages(recording: Recording) -> str:
     told = [f"struck {' and '.join(struck)}"] if struck else []
     told += [f"passed into {' and '.join(into)}"] if into else []
     told += [f"passed through {' and '.join(through)}"] if through else []
-    return f"the rope {' and '.join(told)}" if told else ""
+    return f"{rope} {' and '.join(told)}" if told else ""
 
 
 def _met(recording: Recording, words: str, since: str, y: str) -> str:

@@ -10,10 +10,11 @@ import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_group import SUMS, Place
 from hoist_demo.recording.neighbours import Nearest, nearest
+from hoist_demo.recording.passages import PASSAGE_SIGNALS, outcome_of, passages
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS, Account
 
-READ = frozenset(
+READ = PASSAGE_SIGNALS.union(
     name
     for name in SIGNALS
     if name.startswith(("shape.x[", "shape.y[", "shape.z[", "loop."))
@@ -60,6 +61,19 @@ def row(recording: Recording, name: str) -> dict[str, float]:
         "torque_peak": float(np.nanmax(np.abs(torques))),
         "lowest": float(np.nanmin(recording[f"{name}.loop.y"])),
     }
+
+
+def outcome(completed: bool, recording: Recording, names: Sequence[str]) -> str:
+    """How the trip ended, and what each rope has struck or passed through, in words."""
+    told = (passages(_whole(recording, name), f"rope {name}") for name in names)
+    return outcome_of(completed, ", and ".join(filter(None, told)))
+
+
+def _whole(recording: Recording, name: str) -> Recording:
+    """The signals of a rope under their own names, until it breaks."""
+    own = {key.removeprefix(f"{name}."): x for key, x in recording.signals.items() if key.startswith(f"{name}.")}
+    unbroken = np.isfinite(own["loop.y"])
+    return Recording({key: values[unbroken] for key, values in own.items()}, {})
 
 
 def neighbours(
