@@ -19,7 +19,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from evidence.coupling.oscillator import Data, error, start
 from evidence.coupling.reading import theory
 from evidence.rendering import DOCS
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import NAMED
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_in_process
@@ -199,10 +199,10 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
     assert result.warning in caplog.text
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", NAMED)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
 def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float) -> None:
-    scene, plant = CASES[case], rope_in_process(case, level="draft")
+    scene, plant = NAMED[case], rope_in_process(case, level="draft")
     host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
     result = host.run(lambda fraction, t: False)
     assert result.warning == ""
@@ -355,7 +355,7 @@ def test_load_through_has_its_mean_and_ends() -> None:
 
 @pytest.mark.parametrize(("solver", "warned"), [(Solver(step_max=0.0025), True), (Solver(), True), (EVEN, False)])
 def test_at_40_ms_the_host_warns_where_the_rope_s_own_steps_do_not_damp_the_waves(solver: Solver, warned: bool) -> None:
-    scene = CASES["rope-120"]
+    scene = NAMED["rope-120"]
     rope = InProcessRope(rope_data(scene.rope).with_(solver=solver))
     host = Host(rope, scene.hoist, TRIP, Coupling(step=0.04, scheme="jacobi-2"))
     result = host.run(lambda fraction, t: False)

@@ -54,22 +54,29 @@ class StabilityEstimate:
 
 
 def measure_response(pair: Pair, t: float, H: float, at_rest: Motion) -> tuple[Vector, str]:
-    """Masses m_j, (MEMORY, n) [kg], of ends that hang at rest, and the cause where that fails; the rope is taken back.
+    """Masses m_j, (MEMORY, n) [kg], of ends that are held, and the cause where that fails; the rope is taken back.
 
-    All ends get their pulse at once, alternately up and down, so that the loop stays where it is.
+    All ends get their pulse at once, alternately up and down, so that the loop stays where it is. What the rope does
+    without it, as one whose swivels have just been released, is taken off.
     """
-    before, _ = pair.rope.forces()
+    sign = np.where(np.arange(at_rest.place.size) % 2 == 0, PULSE, -PULSE)
+    answer = np.zeros((2, MEMORY, sign.size))
+    for given, forces in zip((0.0 * sign, sign), answer, strict=True):
+        if cause := _pushed(pair, t, H, at_rest, given, forces):
+            return np.zeros((MEMORY, sign.size)), cause
+    return (answer[0] - answer[1]) / sign, ""
+
+
+def _pushed(pair: Pair, t: float, H: float, at_rest: Motion, pulse: Vector, forces: Vector) -> str:
+    """Put into `forces` what a rope answers to a pulse; the cause where it fails."""
     snapshot = pair.rope.save()
-    sign = np.where(np.arange(before.size) % 2 == 0, PULSE, -PULSE)
-    answer = np.zeros((MEMORY, before.size))
     try:
         for k in range(MEMORY):
-            speed, way = sign * H, sign * H * H * (k + 0.5)
-            moved = Motion(at_rest.place + way, speed, sign * (k == 0))
-            if cause := pair.rope.step(t + k * H, H, moved):
-                return answer, cause
-            answer[k] = (before - pair.rope.forces()[0]) / sign
-        return answer, ""
+            way = pulse * H * H * (k + 0.5)
+            if cause := pair.rope.step(t + k * H, H, Motion(at_rest.place + way, pulse * H, pulse * (k == 0))):
+                return cause
+            forces[k] = pair.rope.forces()[0]
+        return ""
     finally:
         pair.rope.restore(snapshot)
         pair.rope.free(snapshot)
