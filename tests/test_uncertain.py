@@ -12,9 +12,10 @@ from numpy.testing import assert_allclose
 from balance_rope import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
 from hoist_demo.recording.time_series import read_csv
+from hoist_demo.report.rows import render
 from hoist_demo.study.reading import StudyError
 from hoist_demo.uncertainty.definition import read_uncertain
-from hoist_demo.uncertainty.page import too_few
+from hoist_demo.uncertainty.page import summary, too_few
 from hoist_demo.uncertainty.spread import Spread, draw
 
 SCENE = """
@@ -90,7 +91,10 @@ def test_shares_that_a_small_sample_spoils_are_told(tmp_path: Path) -> None:
     u, v = np.arange(8.0), np.array([6.0, 7.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0])
     # against each other but for one pair, so that their sum is what little differs
     columns = dict(zip(asked.data, (u, v), strict=True)) | {"left_swivel_torque": u + v, "rope_force_ripple": u}
-    assert re.search(r"\(left_swivel_torque \d+ %\): 8 windings are too few", too_few(Spread(asked, columns)))
+    found = Spread(asked, columns)
+    assert re.search(r"told of left_swivel_torque [\d.]+: so many times .* 8 windings are too few", too_few(found))
+    assert found.causes("left_swivel_torque") == {}
+    assert "caused by" not in render([row for row in summary(found) if row.group.startswith("left_swivel_torque")])
 
 
 def test_windings_too_few_for_any_cause_are_told_with_how_many_are_needed(tmp_path: Path) -> None:
@@ -140,6 +144,8 @@ def test_why_windings_stopped_is_told_and_no_result_without_a_winding(
         (('"34x7"', '"7"'), "construction = '7' is out of range"),
         (("[known]", "[fixed]\nrope.EI = 3\n[known]"), "rope.EI follows from the properties"),
         (('construction = "34x7"', 'from = "nowhere.toml"'), r"nowhere.toml: cannot be read"),
+        (("= 7.7", "= 7700.0"), r"mass_per_length = 7700\.0 must be within 0\.755 and 77\.6 kg/m, .*: check its unit"),
+        (("= 7.7", "= { low = 0.007, high = 7.7 }"), r"mass_per_length = .* must be within 0\.755 and 77\.6 kg/m"),
         (("[known]", "[known]\ntorque_factor = 0.01\nbending_stiffness = 180.0"), "nothing varies"),
     ],
 )

@@ -33,6 +33,8 @@ _ROPE = {"construction": "word", "diameter": "number", "length": "number", "lay"
 SOUGHT = ("rope.", "air.")
 #: s: longer than any swing after a trip lasts, and a track takes its time to compute
 LONGEST = 3600.0
+#: a property that is known may lie outside of the catalogue's range, but not so many times: then its unit is wrong
+FAR_OFF = 10.0
 #: kept in the file, for commands that need no fit
 _FACTS = ("status", "source")
 
@@ -135,6 +137,12 @@ def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> Known
         elif (datum := _datum(path, data[name], content)) is None:
             problems.append(
                 f"[known] {name} = {content!r} must be a number, or {{ low, high }} in order: give it in SI"
+            )
+        elif not (data[name].low <= FAR_OFF * datum.low and datum.high <= FAR_OFF * data[name].high):
+            problems.append(
+                f"[known] {name} = {content!r} must be within {data[name].low / FAR_OFF:.3g} and "
+                f"{FAR_OFF * data[name].high:.3g} {datum.unit}, {FAR_OFF:g} times less and more than the catalogue "
+                "has: check its unit"
             )
         else:
             data[name] = datum

@@ -15,8 +15,6 @@ from hoist_demo.uncertainty.spread import QUANTILES, Spread
 
 #: share of a spread from which on a datum is named in the terminal
 NAMED = 0.05
-#: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
-SPOILED = 1.1
 
 
 def summary(found: Spread) -> list[SummaryRow]:
@@ -55,11 +53,10 @@ def _untold(found: Spread) -> str:
 
 def _spoiled(found: Spread) -> str:
     """Of which results the shares contradict one another."""
-    sums = {name: sum(found.causes(name).values()) for name in found.asked.measures}
-    spoiled = [f"{name} {100 * x:.0f} %" for name, x in sums.items() if x > SPOILED]
+    spoiled = [f"{name} {number(times)}" for name in found.asked.measures if (times := found.spoiled(name))]
     return (
-        f"the shares of what causes the spread add up to more than 100 % ({', '.join(spoiled)}): {found.asked.samples} "
-        "windings are too few to tell the causes apart; raise samples"
+        f"no causes are told of {', '.join(spoiled)}: so many times their spread the shares of the data would add up "
+        f"to, as {found.asked.samples} windings are too few to tell the data apart; raise samples"
         if spoiled
         else ""
     )

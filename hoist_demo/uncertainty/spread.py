@@ -34,6 +34,8 @@ Wound = tuple[dict[str, float], tuple[str, ...]]
 
 #: of a distribution that is told
 QUANTILES = (0.05, 0.5, 0.95)
+#: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
+SPOILED = 1.1
 
 
 @dataclass(frozen=True)
@@ -61,8 +63,17 @@ class Spread:
     def causes(self, name: str) -> dict[str, float]:
         """The share of each datum in the spread of a measure, and of what ranks do not explain.
 
-        {} without spread, or with fewer windings than are needed.
+        {} without spread, with fewer windings than are needed, or where the shares contradict one another.
         """
+        shares = self._shares(name)
+        return {} if sum(shares.values()) > SPOILED else shares
+
+    def spoiled(self, name: str) -> float:
+        """What the shares add up to where they contradict one another: how often the spread; 0 where they do not."""
+        total = sum(self._shares(name).values())
+        return total if total > SPOILED else 0.0
+
+    def _shares(self, name: str) -> dict[str, float]:
         kept = self.wound(name)
         y = self.columns[name][kept]
         if y.size < self.needed or np.ptp(y) == 0.0:
