@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import argparse
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.cases.table import CASES, find_case
+from hoist_demo.command_line.demo import _winding, add_demo
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.result import Result
@@ -39,6 +42,15 @@ def test_no_scenario_takes_the_name_of_a_case() -> None:
     assert not SCENARIOS.keys() & CASES.keys()
     with pytest.raises(ValueError, match=r"must be one of rope-120, .*caught-rope"):
         find_case("jam")
+
+
+@pytest.mark.parametrize("name", ["rope-120", *SCENARIOS])
+def test_a_quick_run_leaves_a_scenario_its_trip(name: str) -> None:
+    parser = argparse.ArgumentParser()
+    add_demo(parser.add_subparsers(), Path())
+    asked = _winding(parser.parse_args(["demo", "--quick", "--case", name]))
+    assert asked["winding.settle"] == 2.0
+    assert asked.get("winding.travel") == (None if name in SCENARIOS else 10.0)
 
 
 def test_an_overwound_loop_comes_within_4_m_of_the_end() -> None:
