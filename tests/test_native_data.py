@@ -275,18 +275,18 @@ ENDS: tuple[Ends, ...] = (
 )
 
 
-def assert_same_fidelities(native: Any, scene: Scene, ends: Ends) -> None:
+def assert_same_fidelities(native: Any, scene: Scene, ends: Ends, forces: int = 0) -> None:
     structure, c_ends = scene_structure(scene), ends_of(ends)
-    choice = choose_fidelity(scene, ends)
+    choice = choose_fidelity(scene, ends, forces)
     reason = ct.create_string_buffer(MESSAGE)
-    assert FIDELITY_NAMES[native.fidelity_choose(ct.byref(structure), c_ends, reason)] == choice.fidelity
+    assert FIDELITY_NAMES[native.fidelity_choose(ct.byref(structure), c_ends, forces, reason)] == choice.fidelity
     assert reason.value.decode() == choice.reason
-    assert FIDELITY_NAMES[native.fidelity_lowest_sufficient(ct.byref(structure), c_ends)] == lowest_sufficient(
-        scene, ends
-    )
+    lowest = FIDELITY_NAMES[native.fidelity_lowest_sufficient(ct.byref(structure), c_ends, forces)]
+    assert lowest == lowest_sufficient(scene, ends, forces)
     for fidelity in FIDELITIES:
-        ours = text_of(native.fidelity_unsupported_motion, ct.byref(structure), FIDELITY_NAMES.index(fidelity), c_ends)
-        assert ours == unsupported_motion(scene, fidelity, ends)
+        number = FIDELITY_NAMES.index(fidelity)
+        ours = text_of(native.fidelity_unsupported_motion, ct.byref(structure), number, c_ends, forces)
+        assert ours == unsupported_motion(scene, fidelity, ends, forces)
 
 
 @pytest.mark.parametrize("scene", list(scenes()))
@@ -299,7 +299,7 @@ def test_fidelity_and_its_reason_are_the_same(native: Any, scene: Scene, toleran
 @pytest.mark.parametrize("fidelity", FIDELITY_NAMES)
 def test_fidelity_by_name_is_the_same(native: Any, fidelity: FidelityChoice) -> None:
     for ends in ENDS:
-        assert_same_fidelities(native, Scene(model=Model(fidelity=fidelity, force_tolerance=0.1)), ends)
+        assert_same_fidelities(native, Scene(model=Model(fidelity=fidelity, force_tolerance=0.1)), ends, 2)
 
 
 @pytest.mark.parametrize("case", [pytest.param(case, id=case.title) for case in CASES])

@@ -163,6 +163,17 @@ def test_a_rigid_rope_refuses_forces_that_it_would_not_feel(form: Any) -> None:
     rope = hung(form, model=Model("rigid"))
     rope.apply(pushing(0.0, STEP))
     for status in (rope.advance_to(STEP, EndMotion(), EndMotion()), rope.initialize(0.0, EndMotion(), EndMotion())):
-        assert "at 4 places of the rope, which the rigid model does not feel" in status.message
+        assert "the rigid model cannot follow forces that are applied to places of the rope" in status.message
     rope.apply(NO_FORCES)
     assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_rope_that_chooses_its_model_takes_the_one_that_feels_forces(form: Any) -> None:
+    rope = hung(form, model=Model("auto", force_tolerance=1.0))
+    assert rope.fidelity == "rigid"
+    rope.apply(pushing(0.0, STEP))
+    assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid
+    assert (rope.fidelity, rope.fidelity_reason[:21]) == ("torsional", "the rigid model canno")
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    assert rope.fidelity_reason == "forces are applied to places of the rope"

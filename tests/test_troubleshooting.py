@@ -24,6 +24,8 @@ NO_ENTRY = {
     "guards watch the loop": "status.fidelity_reason",
     "the air may carry the rope along": "status.fidelity_reason",
     "the rope has a permanent curvature of": "status.fidelity_reason",
+    "forces are applied to places of the rope": "status.fidelity_reason",
+    "forces that are applied to places of the rope": "part of 'model cannot follow'",
     "no torque acts and nothing acts out of plane": "status.fidelity_reason, not a failure",
     "model errs by an estimated": "status.fidelity_reason",
     "where the rope is initialised with its swivels held": "status.fidelity_reason",

@@ -69,7 +69,6 @@ void with_loop_yaw(State *state) {
 }
 
 int rigid_state(Simulator *rope, State *state, double t, char *message) {
-    if (rope->forces.number > 0) return say_rigid_feels_no_forces(message, rope->forces.number);
     state->t = t;
     transform_if_due(rope, state);
     const Arrays m = state_arrays(state);
@@ -136,7 +135,7 @@ int raise_fidelity(Simulator *rope, State *state, const char *why, char *message
     const int was = state->fidelity;
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
     say_cannot_follow(state->fidelity_reason, fidelity_name(was), why);
-    state->fidelity = fidelity_lowest_sufficient(&rope->scene, ends);
+    state->fidelity = fidelity_lowest_sufficient(&rope->scene, ends, rope->forces.number);
     state->offsets[LEFT] = 0;
     state->offsets[RIGHT] = right_offset(m.q, end_row(m.q, m.nodes, RIGHT));
     record_event(state, RAISED, state->fidelity, 0, 0);

@@ -86,9 +86,10 @@ void swivel_relative(const State *state, int side, double t, double theta, doubl
 
 /* fidelity.c: rope_model.simulation.fidelity and rigid; ends: present motions */
 const char *fidelity_name(int fidelity);
-int fidelity_choose(const Scene *scene, const EndMotion ends[2], char *reason);
-int fidelity_lowest_sufficient(const Scene *scene, const EndMotion ends[2]);
-void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], char *what);
+/* `forces`: on so many places of the rope */
+int fidelity_choose(const Scene *scene, const EndMotion ends[2], int forces, char *reason);
+int fidelity_lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces);
+void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *what);
 
 /* rigid.c: rope_model.simulation.rigid; q, v, a, reaction (nodes x DOF); message "" when all is well */
 void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q, double *v,

@@ -134,14 +134,14 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     char why[MESSAGE];
     double points[2][3];
     if (!hold_ends(rope, state, ends, points)) return 0;
-    state->fidelity = fidelity_choose(scene, ends, state->fidelity_reason);
+    state->fidelity = fidelity_choose(scene, ends, rope->forces.number, state->fidelity_reason);
     const double bottom = bottom_of(rope, state, t);
     const Arrays m = state_arrays(state);
     mesh_partition(&rope->mesh, scene->rope.length, bottom, m.elements, &state->pattern, m.lengths);
     mesh_arc_lengths(m.elements, m.lengths, m.s);
     shape_hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
     if (message[0]) return 0;
-    fidelity_unsupported_motion(scene, state->fidelity, ends, why);
+    fidelity_unsupported_motion(scene, state->fidelity, ends, rope->forces.number, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
@@ -296,7 +296,7 @@ static int follow(Simulator *rope, State *state, double t, const EndMotion ends[
         if (rope->message[0]) return 0;
     }
     char why[MESSAGE];
-    fidelity_unsupported_motion(&rope->scene, state->fidelity, ends, why);
+    fidelity_unsupported_motion(&rope->scene, state->fidelity, ends, rope->forces.number, why);
     if (!why[0]) return 1;
     if (rope->scene.model.fidelity != AUTO_FIDELITY)
         return say_fixed_model_cannot_follow(rope->message, fidelity_name(state->fidelity), why);

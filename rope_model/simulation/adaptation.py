@@ -74,7 +74,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the next higher
     fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.
     """
-    fidelity = lowest_sufficient(model.scene, ends_at(state.paths, state.paths[0].stop))
+    fidelity = lowest_sufficient(model.scene, ends_at(state.paths, state.paths[0].stop), model.forces.s.size)
     reason = messages.cannot_follow(state.fidelity, why)
     log.info("t = %.6f s: model: %s, because %s", state.motion.t, fidelity, reason)
     event = Event(state.motion.t, f"model {fidelity}")

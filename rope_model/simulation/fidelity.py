@@ -56,40 +56,45 @@ def flexible(fidelity: Fidelity) -> ElementFidelity:
     return "planar" if fidelity == "rigid" else fidelity
 
 
-def choose_fidelity(scene: Scene, ends: Ends) -> Choice:
-    """The fidelity that the scene asks for, or the lowest that serves."""
+def choose_fidelity(scene: Scene, ends: Ends, forces: int = 0) -> Choice:
+    """The fidelity that the scene asks for, or the lowest that serves.
+
+    The host puts forces on so many of its places.
+    """
     if scene.model.fidelity != "auto":
         return Choice(scene.model.fidelity, messages.as_asked())
-    choice = _lowest(scene, ends)
+    choice = _lowest(scene, ends, forces)
     log.info("model: %s, because %s", *choice)
     return choice
 
 
-def lowest_sufficient(scene: Scene, ends: Ends) -> Fidelity:
-    """The lowest fidelity that can follow the ends."""
-    return next(fidelity for fidelity in FIDELITIES if not unsupported_motion(scene, fidelity, ends))
+def lowest_sufficient(scene: Scene, ends: Ends, forces: int = 0) -> Fidelity:
+    """The lowest fidelity that can follow the ends and forces."""
+    return next(fidelity for fidelity in FIDELITIES if not unsupported_motion(scene, fidelity, ends, forces))
 
 
-def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends) -> str:
-    """'' while ``fidelity`` can follow the ends, for 'auto' within the tolerance; otherwise what it cannot."""
+def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int = 0) -> str:
+    """'' while ``fidelity`` can follow the ends and forces, for 'auto' within the tolerance; otherwise what not."""
     if fidelity == "torsional":
         return ""
     if number := int(unsupported_input(scene, fidelity, *ends)):
         why = _input_text(ends, number)
         return messages.while_swivels_hold(why) if fidelity == "spatial" and out_of_plane(number) else why
-    return first_text(UNSUPPORTED, scene, fidelity, *ends) if scene.model.fidelity == "auto" else ""
+    if scene.model.fidelity == "auto":
+        return first_text(UNSUPPORTED, scene, fidelity, *ends, forces)
+    return messages.applied_forces() if fidelity == "rigid" and forces else ""
 
 
-def _lowest(scene: Scene, ends: Ends) -> Choice:
-    if why := first_text(COMPLETE, scene):
+def _lowest(scene: Scene, ends: Ends, forces: int) -> Choice:
+    if why := first_text(COMPLETE, scene, forces):
         return Choice("torsional", why)
     if number := int(held_input(*ends)):
         return Choice("torsional", messages.held_where_initialised(_input_text(ends, number)))
     estimated = scene.model.force_tolerance > 0
-    fidelity = lowest_sufficient(scene, ends) if estimated else "torsional"
+    fidelity = lowest_sufficient(scene, ends, forces) if estimated else "torsional"
     if why := first_text(SUFFICIENT, scene, fidelity, *ends):
         return Choice(fidelity if carries_torque(scene) or fidelity == "rigid" else "planar", why)
-    below = unsupported_motion(scene, "spatial", ends) if estimated else ""
+    below = unsupported_motion(scene, "spatial", ends, forces) if estimated else ""
     torque = first_text(TORQUE, scene)
     return Choice("torsional", messages.torque_and_more(torque, below) if below else torque)
 

@@ -100,12 +100,12 @@ def _curved(scene: Any) -> tuple[Any, ...]:
     return scene.rope.initial_curvature > 0, scene.rope.initial_curvature
 
 
-def _errs_too_much(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+def _errs_too_much(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any) -> tuple[Any, ...]:
     error, tolerance = force_error(scene, fidelity, expected_travel((left, right))), scene.model.force_tolerance
     return error > tolerance, 100 * tolerance, 100 * error
 
 
-def _would_go_slack(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+def _would_go_slack(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any) -> tuple[Any, ...]:
     tension = lowest(pull(scene.rope, scene.layout, left, right))
     return both(fidelity == "rigid", tension < 0), tension
 
@@ -122,15 +122,20 @@ def _errs_little(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any,
 
 #: why a rope carries torque
 TORQUE: Cases = {messages.coupled: _coupled, messages.twisted: _twisted}
-#: why a scene needs the complete model wherever its ends are
+#: why a scene needs the complete model wherever its ends are; ``forces`` are applied to so many places of the rope
 COMPLETE: Cases = {
-    messages.may_touch: lambda scene: (may_touch(scene.shaft),),
-    messages.may_touch_itself: lambda scene: (scene.shaft.contact.rope_stiffness > 0,),
-    messages.guards_watch: lambda scene: (guarded(scene.shaft.guard) > 0,),
-    messages.in_air: lambda scene: (scene.shaft.air.density > 0,),
-    messages.is_curved: _curved,
+    messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
+    messages.may_touch_itself: lambda scene, forces: (scene.shaft.contact.rope_stiffness > 0,),
+    messages.guards_watch: lambda scene, forces: (guarded(scene.shaft.guard) > 0,),
+    messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
+    messages.is_curved: lambda scene, forces: _curved(scene),
+    messages.is_pushed: lambda scene, forces: (forces > 0,),
 }
 #: what 'auto' does not leave to a fidelity that leaves out no input
-UNSUPPORTED: Cases = {messages.errs_too_much: _errs_too_much, messages.would_go_slack: _would_go_slack}
+UNSUPPORTED: Cases = {
+    messages.applied_forces: lambda scene, fidelity, left, right, forces: (forces > 0,),
+    messages.errs_too_much: _errs_too_much,
+    messages.would_go_slack: _would_go_slack,
+}
 #: why a fidelity below the complete one serves; without torque the planar one does, but for the rigid one
 SUFFICIENT: Cases = {messages.no_torque: _no_torque, messages.errs_little: _errs_little}

@@ -149,13 +149,6 @@ def rope_goes_slack(tension: float, t: float) -> str:
     )
 
 
-def rigid_feels_no_forces(number: int) -> str:
-    return (
-        f"forces are applied at {number} places of the rope, which the rigid model does not feel: set model.fidelity = "
-        "torsional (1), or apply none"
-    )
-
-
 # the choice of the model
 
 
@@ -169,6 +162,10 @@ def fixed_model_cannot_follow(fidelity: str, why: str) -> str:
 
 def while_swivels_hold(why: str) -> str:
     return f"{why:.300} while its swivels hold"
+
+
+def applied_forces() -> str:
+    return "forces that are applied to places of the rope"
 
 
 def errs_too_much(tolerance_percent: float, error_percent: float) -> str:
@@ -205,6 +202,10 @@ def in_air() -> str:
 
 def is_curved(curvature: float) -> str:
     return f"the rope has a permanent curvature of {curvature:g} 1/m"
+
+
+def is_pushed() -> str:
+    return "forces are applied to places of the rope"
 
 
 def no_torque() -> str:

@@ -180,12 +180,12 @@ class RopeSimulator(BalanceRope):
             if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
                 return Status(False, messages.moves_at_start(side))
         ends = np.array(suspension_points(scene.layout, left, right))
-        fidelity, reason = choose_fidelity(scene, (left, right))
+        fidelity, reason = choose_fidelity(scene, (left, right), self.model.forces.s.size)
         try:
             bottom = self.model.bottom(paths, t)
             cells = partition(self._mesh, rope.length, bottom)
             guess = hanging_guess(cells.nodes_s, *ends)
-            if why := unsupported_motion(scene, fidelity, (left, right)):
+            if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
                 return Status(False, messages.fixed_model_cannot_follow(fidelity, why))
             rest = np.zeros_like(guess)
             state = RopeState(
@@ -229,7 +229,7 @@ class RopeSimulator(BalanceRope):
             if message := refusal(target, peaks, side):
                 return Status(False, message)
         state = state._replace(paths=(aimed[0].path, aimed[1].path), events=())
-        if why := unsupported_motion(self.scene, state.fidelity, (left, right)):
+        if why := unsupported_motion(self.scene, state.fidelity, (left, right), self.model.forces.s.size):
             if self.scene.model.fidelity != "auto":
                 return Status(False, messages.fixed_model_cannot_follow(state.fidelity, why))
             try:

@@ -165,8 +165,6 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
 
 def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
     """``state`` as the rigid model has it at ``t``."""
-    if model.forces.s.size:
-        raise ValueError(messages.rigid_feels_no_forces(model.forces.s.size))
     state = transform_if_due(model, state._replace(motion=replace(state.motion, t=t)))
     rope = rigid_rope(model.scene, ends_at(state.paths, t), t, state.partition.nodes_s)
     return state._replace(
