@@ -214,8 +214,9 @@ def test_friction_that_is_used_up_beyond_the_usual_margin_warns(
 
 
 def test_a_lining_that_holds_better_while_ropes_slide_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"lining\.sliding = 1\.2 must be at most 1"):
-        Lining(sliding=1.2)
+    for sliding in (0.0, 1.2):
+        with pytest.raises(ValueError, match=rf"lining\.sliding = {sliding} must be above 0 and at most 1: give"):
+            Lining(sliding=sliding)
 
 
 def test_an_exported_drive_has_no_lining() -> None:

@@ -77,8 +77,8 @@ class Lining:
     sliding: float = quantity(0.8, "-", "friction coefficient of ropes that slide over that of ropes that hold")
 
     def __post_init__(self) -> None:
-        require_magnitudes(self, set(), "lining.")
-        require(self.sliding, self.sliding <= 1.0, "lining.sliding", "at most 1", "sliding friction is the lower one")
+        bound, cure = "above 0 and at most 1", "give a fraction, sliding friction is the lower one"
+        require(self.sliding, 0.0 < self.sliding <= 1.0, "lining.sliding", bound, cure)
 
 
 @dataclass(frozen=True)
@@ -128,5 +128,13 @@ class Jam:
     travel: float = quantity(0.01, "m", "elastic deflection of the stuck conveyance at its full force")
     damping: float = quantity(5.0e-3, "s", "of the stuck conveyance: damping over stiffness")
 
-    def __post_init__(self) -> None:
-        require_magnitudes(self, {"height", "damping"}, "jam.")
+    def require_within(self, shaft_travel: float, name: str) -> None:
+        """Raise the ValueError of numbers that cannot be; ``name`` tells which conveyance's jam it is."""
+        require_magnitudes(self, {"height", "damping"}, f"{name}.")
+        require(
+            self.height,
+            self.height <= shaft_travel,
+            f"{name}.height",
+            f"within 0 and shaft_travel = {shaft_travel:g} m",
+            "give a place that the conveyance passes",
+        )

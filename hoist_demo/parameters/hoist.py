@@ -105,13 +105,7 @@ class Hoist:
         for name in ("jam_left", "jam_right"):
             jam = getattr(self, name)
             if jam is not None:
-                require(
-                    jam.height,
-                    jam.height <= self.shaft_travel,
-                    f"{name}.height",
-                    f"within 0 and shaft_travel = {self.shaft_travel:g} m",
-                    "give a place that the conveyance passes",
-                )
+                jam.require_within(self.shaft_travel, name)
         if self.slack_tension is not None:
             lightest = GRAVITY * min(self.mass_left, self.mass_right)
             require(

@@ -323,8 +323,9 @@ def other_rests(angle: float) -> str:
 def forces_missing(force: float, bound: float) -> str:
     return (
         f"{force:.3g} N are missing between the end forces, the weight and the change of the rope's momentum "
-        f"(audit.momentum, bound {bound:.3g} N): the state was altered from outside, or the rope computes wrongly; go "
-        "back to a state that was saved before, and report it"
+        f"(audit.momentum, bound {bound:.3g} N): time steps are too long for this motion, the state was altered from "
+        "outside, or the rope computes wrongly; lower step_max, or go back to a state that was saved before, and "
+        "report what neither mends"
     )
 
 
@@ -350,11 +351,15 @@ def bend_unresolved(elements: float, bound: float) -> str:
     )
 
 
-def no_air(buffet: float, vx: float, vy: float, vz: float) -> str:
+def no_air(vx: float, vy: float, vz: float) -> str:
     return (
-        f"air.density = 0, so that air.buffet = {buffet:g} and air that moves at ({vx:g}, {vy:g}, {vz:g}) m/s do "
-        "nothing: give the density, 1.2 kg/m3 at the surface"
+        f"air.density = 0, so that air that moves at ({vx:g}, {vy:g}, {vz:g}) m/s does nothing: give the density, "
+        "1.2 kg/m3 at the surface"
     )
+
+
+def no_air_to_push(buffet: float) -> str:
+    return f"air.density = 0, so that air.buffet = {buffet:g} does nothing: give the density, 1.2 kg/m3 at the surface"
 
 
 def accuracy_given_up(steps: int, since: float, bound: int) -> str:

@@ -128,8 +128,13 @@ def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
 
 def _no_air(scene: Any, state: Any) -> tuple[Any, ...]:
     air = scene.shaft.air
-    moved = either(air.buffet > 0, air.vx != 0, air.vy != 0, air.vz != 0)
-    return both(air.density == 0, moved), air.buffet, air.vx, air.vy, air.vz
+    moved = either(air.vx != 0, air.vy != 0, air.vz != 0)
+    return both(air.density == 0, moved), air.vx, air.vy, air.vz
+
+
+def _no_air_to_push(scene: Any, state: Any) -> tuple[Any, ...]:
+    air = scene.shaft.air
+    return both(air.density == 0, air.buffet > 0), air.buffet
 
 
 def _accuracy_given_up(scene: Any, state: Any) -> tuple[Any, ...]:
@@ -156,5 +161,5 @@ OTHER_RESTS: Cases = {messages.other_rests: _other_rests}
 MISSING_LOADS: Cases = {messages.forces_missing: _forces_missing, messages.moments_missing: _moments_missing}
 UNRESOLVED_WAVES: Cases = {messages.waves_unresolved: _waves_unresolved}
 UNRESOLVED_BEND: Cases = {messages.bend_unresolved: _bend_unresolved}
-NO_AIR: Cases = {messages.no_air: _no_air}
+NO_AIR: Cases = {messages.no_air: _no_air, messages.no_air_to_push: _no_air_to_push}
 ACCURACY_GIVEN_UP: Cases = {messages.accuracy_given_up: _accuracy_given_up}
