@@ -5,7 +5,7 @@ rope        balance_rope makes a BalanceRope in a Form: auto, native or python; 
             PointForces are what a host may put on it besides; Neighbours lets several ropes press each other, Contacts
             is its state, with an Account of each two
             FIDELITIES has the fidelities of the model; neglected_effects the Effects that one of them neglects: outputs
-            that are then 0 and no results
+            that are then 0 and no results, of which neglected_text warns
 data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
             Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump; Contact is how
             they hold it, Air drags on it, Guard what trips when the loop moves too far, for one of GUARD_CAUSES.
@@ -48,7 +48,7 @@ from .shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, Hea
 from .simulation.balance_rope import BalanceRope, Snapshot, Status
 from .simulation.fidelity import FIDELITIES
 from .simulation.guards import CAUSES as GUARD_CAUSES
-from .simulation.neglected_effects import Effect, neglected_effects
+from .simulation.neglected_effects import Effect, neglected_effects, neglected_text
 from .simulation.neighbours import Account, Contacts, Neighbours
 from .simulation.paths import EndMotion
 from .simulation.point_forces import PointForces
@@ -105,6 +105,7 @@ __all__ = [
     "at_level",
     "balance_rope",
     "neglected_effects",
+    "neglected_text",
     "rope",
     "rope_120",
     "rope_240",

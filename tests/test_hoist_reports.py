@@ -29,7 +29,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark
+from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.events import marks
 from hoist_demo.report.figures import swivels
@@ -41,6 +41,7 @@ from hoist_demo.report.rows import render
 from hoist_demo.report.slip import slip_warning
 from hoist_demo.report.summary import summarize
 from hoist_demo.study.metrics import Arrival, measure
+from rope_model import neglected_text
 from rope_model.parameters import Mesh, Model, Rope, Scene, rope_120
 
 ROOT = Path(__file__).parents[1]
@@ -96,6 +97,7 @@ def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> N
     assert np.isnan(shown["loop.yaw"]).tolist() == [True, True, False]
     assert fidelities_of(shown) == ["planar", "torsional"]
     assert "ran as its planar model between t = 0 and 1 s, which" in remark(shown)
+    assert without_remarked([neglected_text("planar"), "other"], shown) == ["other"]
 
 
 def test_a_rope_that_does_not_tell_its_fidelity_is_shown_as_it_is() -> None:

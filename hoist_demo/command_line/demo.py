@@ -29,7 +29,7 @@ from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
 from hoist_demo.recording.exposure import exposure, spectra_table
-from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
+from hoist_demo.recording.fidelity import fidelities_of, mask_neglected, without_remarked
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import Recording, match_signals, shape_rows, write_csv, write_shapes
 from hoist_demo.report.provenance import told
@@ -166,6 +166,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     known = [*of_host(run, given), *of_rope(find_case(options.case), data, given)]
     exposed = exposure(result.recording, data.parameters)
     rows = summarize(result, hoist, winding, coupling) + (() if exposed is None else exposure_rows(exposed))
+    said = without_remarked(said, result.recording)
     rows += tuple(SummaryRow(OUTCOME, WARNING, text) for text in (missing, contradiction, *said) if text)
     rows += tuple(told(known))
     before = set(options.out.iterdir())

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.recording.time_series import Array, Recording
-from rope_model import CHOICES, FIDELITIES, Effect, neglected_effects
+from rope_model import CHOICES, FIDELITIES, Effect, neglected_effects, neglected_text
 
 FIDELITY = "status.fidelity"
 """Signal with the code of the fidelity that runs."""
@@ -57,6 +57,12 @@ def remark(recording: Recording) -> str:
                 "none of that is shown. Set model.fidelity = 1 (torsional), or export at the level standard"
             )
     return ""
+
+
+def without_remarked(warnings: Iterable[str], recording: Recording) -> list[str]:
+    """The warnings but those of the rope that say what `remark` does, without the time in which it holds."""
+    told = [*filter(None, map(neglected_text, FIDELITIES))] if remark(recording) else []
+    return [text for text in warnings if not any(own in text for own in told)]
 
 
 def _when(fidelity: str, recording: Recording) -> str:

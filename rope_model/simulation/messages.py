@@ -169,7 +169,7 @@ def applied_forces() -> str:
 
 
 def errs_too_much(tolerance_percent: float, error_percent: float) -> str:
-    return f"the ends within the tolerance of {tolerance_percent:.3g} %: it errs by an estimated {error_percent:.2g} %"
+    return f"the ends within the tolerance of {tolerance_percent:.3g} %: it errs by an estimated {error_percent:.3g} %"
 
 
 def would_go_slack(tension: float) -> str:
