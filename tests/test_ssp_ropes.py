@@ -133,6 +133,11 @@ def test_what_a_system_cannot_have_is_refused(
     assert said in capsys.readouterr().err
 
 
+def test_ropes_that_would_press_each_other_are_said_not_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert export(tmp_path, ROPES.replace("[fixed]", "[fixed]\ncontact.rope_stiffness = 1e6"), "--ssp") == 0
+    assert "contact.rope_stiffness lets each rope of the system press itself alone" in capsys.readouterr().err
+
+
 def test_a_hoist_whose_conveyances_have_play_takes_one_rope() -> None:
     with pytest.raises(ValueError, match=r"play = Play.* must be None where ropes hang at places of their own"):
         drive_model(CASES["monopol-1000"], [Tail("one", 8.0, 1000.0), Tail("other", 8.0, 1000.0)])
