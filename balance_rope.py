@@ -280,7 +280,7 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, Level, tuple[OneRope, ...
     if any(rope.name == DRIVE for rope in file.ropes):
         raise ValueError(f"name = '{DRIVE}' must be another: the system's hoist has it")
     if len(file.ropes) > 1 and file.touching:
-        told = "contact.rope_stiffness lets each rope of the system press itself alone: FMUs do not know their neighbours"
+        told = "contact.rope_stiffness lets each rope of the system press itself alone: FMUs know no neighbours"
         print(f"balance-rope: {told}; `balance-rope ropes {options.ropes}` has their contact", file=sys.stderr)
     case = replace(CASES[file.case], hoist=file.hoist, winding=file.run.winding, gains=file.run.gains)
     return case, file.level, file.ropes
