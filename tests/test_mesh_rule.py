@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +16,23 @@ from evidence.mesh_rule.judging import distribution
 from evidence.mesh_rule.page import off
 from evidence.mesh_rule.rule import judges, shares, slip
 from evidence.mesh_rule.scenes import FIT, JUDGE, KINDS, draw
+from evidence.promise.scenes import draw as promise_scenes
+from evidence.promise.wind import errors, wind
 from evidence.sampling import BENDING, LENGTH, MASS
 from evidence.tables import read, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Rope, Scene
+from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.mesh import fit_mesh, partition
-from rope_model.simulation.mesh_fit import LEG_GRADING, LEG_WAVES, LOCKING_SHARE, NATURAL_RADIUS
+from rope_model.simulation.mesh_fit import (
+    LEG_GRADING,
+    LEG_WAVES,
+    LOCKING_SHARE,
+    NATURAL_RADIUS,
+    PUMPED_LEG,
+    pumped_grading,
+)
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 TABLES = read(DOCS / "data" / "mesh_rule")
@@ -57,6 +68,37 @@ def test_legs_take_a_quarter_of_what_is_asked_and_after_a_stop_some_times_what_s
     assert 0.15 < LEG_GRADING * FOUND.legs.values[0] < 0.45
     steps = np.median(off(TABLES["parts"], "steps", KINDS[1]))
     assert 1.5 < LEG_WAVES * FOUND.legs_stopped.values[0] / steps < 4
+
+
+@pytest.mark.parametrize("length", [600.0, 800.0])
+def test_waves_that_an_emergency_stop_pumps_have_four_elements_on_long_ropes(length: float) -> None:
+    scene = Scene(Rope(length=length))
+    bottom = PUMPED_LEG * length
+    lengths = partition(fit_mesh(scene), length, bottom).lengths
+    middles = np.cumsum(lengths) - 0.5 * lengths
+    height = bottom - middles
+    leg = (height > 0.05 * length) & (height < 0.7 * length)
+    frequency = 0.5 * axial_frequency(scene.rope, bottom)
+    waves = 2 * math.pi * np.sqrt(scene.layout.gravity * height[leg]) / frequency
+    assert (waves / lengths[leg]).min() > 3.5
+
+
+@pytest.mark.parametrize("length", [60.0, 120.0, 200.0])
+def test_on_ropes_whose_longitudinal_waves_fade_before_that_they_need_none(length: float) -> None:
+    scene = Scene(Rope(length=length))
+    assert pumped_grading(scene) > fit_mesh(scene).grading_length
+
+
+@pytest.mark.slow
+def test_after_an_emergency_stop_pumped_waves_leave_the_end_forces_of_a_long_rope_right() -> None:
+    sample = next(s for s in promise_scenes(40, 168) if s.number == 167)
+    mesh = fit_mesh(sample.scene)
+    rule, finer, coarser = (
+        wind(sample, sample.interval, mesh=replace(mesh, grading_length=share * mesh.grading_length))
+        for share in (1.0, 0.4, 3.3)
+    )
+    assert errors(rule, finer)[0] < 0.5 * sample.scene.accuracy.end_force
+    assert errors(coarser, finer)[0] > sample.scene.accuracy.end_force
 
 
 def test_the_smallest_radius_of_a_free_loop_is_the_elastica_s() -> None:

@@ -14,9 +14,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ..physics.accuracy import length_for
+from ..physics.accuracy import BRAKED, length_for, memory
 from ..physics.elementary import ceil, larger, less, smaller, sqrt, where
-from ..physics.estimates import bending_length
+from ..physics.estimates import axial_frequency, bending_length
 
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
 #: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro
@@ -32,6 +32,10 @@ MESH_SHARE = 0.5
 #: LEG_SWAY (EI / rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are
 #: 2 pi sqrt(w y) long, and elements sqrt(grading_length y)
 LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
+#: what an emergency stop leaves of longitudinal waves pumps the legs' waves of half their frequency (pumped_grading):
+#: elements that such a wave has with a leg of PUMPED_LEG of the rope, fewer where it grows by less than
+#: exp(PUMPED_GROWTH); emergency stops of seeds 40 and 41 of `make promise`'s scenes
+PUMPED_ELEMENTS, PUMPED_LEG, PUMPED_GROWTH = 5.0, 0.75, 8.0
 #: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
 NATURAL_RADIUS = 0.912
 #: of loop_error, what the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips aside,
@@ -68,7 +72,21 @@ def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
     layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
     grading = smaller(smaller(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
+    grading = smaller(grading, pumped_grading(scene))
     return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter, grading)
+
+
+def pumped_grading(scene: Any) -> Any:
+    """Grading that resolves the waves across the legs that an emergency stop makes grow.
+
+    A tension rho g y (1 + a cos omega t) pumps waves of omega / 2 (Mathieu's equation): they grow by exp(a omega t / 8)
+    and are 4 pi sqrt(g y) / omega long.  a is BRAKED, and lasts as long as the longitudinal wave.
+    """
+    rope, g = scene.rope, scene.layout.gravity
+    omega = axial_frequency(rope, PUMPED_LEG * rope.length)
+    growth = 0.125 * BRAKED * omega * memory(rope, omega)
+    share = 4.0 * math.pi / (PUMPED_ELEMENTS * omega)
+    return g * (share * share) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
 
 def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
