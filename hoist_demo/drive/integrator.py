@@ -49,9 +49,9 @@ class Integrator:
         given, self.result = kernels.layout.given, kernels.layout.result
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
         self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
-        self._s, self._h, self._x = given["s"].start, given["h"].start, self._z[given["x"]]
-        # over a step: its length, the path and the added masses; then the free lengths
-        self._held, self._l0 = self._z[given["H"].start : given["added_mass"].stop], self._z[given["l0"]]
+        self._s, self._h, self._H, self._l0 = (given[name].start for name in ("s", "h", "H", "l0"))
+        self._x, self._path, self._added_mass = (self._z[given[name]] for name in ("x", "path", "added_mass"))
+        self._held = self._z[given["H"].start : given["added_mass"].stop]  # over a step
         self.numbers = self._z[given["p"]]
         self.load(hoist)
         self.evaluations = 0  # of `advance`, so far
@@ -64,10 +64,10 @@ class Integrator:
 
     def give(self, x: Vector, lengths: tuple[float, float], h: float, path: Vector, added_mass: Vector) -> bool:
         """Where it starts: state, free lengths, communication step, what acts in it; False where that is no number."""
-        held = self._held
-        held[0], held[1:-2], held[-2:] = h, path, added_mass
-        self._x[:], self._l0[:] = x, lengths
-        return math.isfinite(held.dot(held))
+        z, l0 = self._z, self._l0
+        z[self._H], z[l0], z[l0 + 1] = h, *lengths
+        self._x[...], self._path[...], self._added_mass[...] = x, path, added_mass
+        return math.isfinite(self._held.dot(self._held))
 
     def rates(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
         """dx/dt under the input."""
@@ -105,7 +105,7 @@ class Integrator:
                 work = work + y[result["work"]]
                 if calls == 1:
                     return y, work, size, end
-                self._x[:] = y[result["x"]]
+                self._x[...] = y[result["x"]]
                 s += CHUNK * used
             else:
                 growth = 1.0

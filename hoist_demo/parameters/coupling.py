@@ -54,7 +54,7 @@ class Coupling:
         """Samples in a communication step; 1 where it has fewer."""
         return max(1, round(self.step / self.sample_time))
 
-    @property
+    @cached_property
     def period(self) -> float:
         """Time from one recorded instant to the next, all of them ends of steps and samples [s]."""
         return max(self.step, self.sample_time)

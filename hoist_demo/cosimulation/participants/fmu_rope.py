@@ -148,10 +148,10 @@ class FmuRope:
         asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
         groups = [[v for v in asked if v.type == type_] for type_ in {v.type for v in asked if v.kind in _NUMBERS}]
         parts = [_Part.of(self._fmu.buffer("Get", variables), names) for variables in groups]
-        fidelity = [k for k, name in enumerate(names) if name == FIDELITY and FIDELITY in self._variables]
-        read_fidelity = self._fmu.text(self._variables[FIDELITY]) if fidelity else None
+        fidelity = names.index(FIDELITY) if FIDELITY in names and FIDELITY in self._variables else None
+        read_fidelity = None if fidelity is None else self._fmu.text(self._variables[FIDELITY])
         nothing = np.full(len(names), np.nan)
-        if len(parts) == 1 and not fidelity and parts[0].is_all_of(names):
+        if len(parts) == 1 and read_fidelity is None and parts[0].is_all_of(names):
             return self._whole_reader(parts[0])
 
         def read() -> NDArray[np.float64]:
@@ -266,7 +266,7 @@ class FmuRope:
             raise ValueError(f"the FMU must take {variable.name}, but: {self._explanation(error)}") from error
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
-        self._motions.values[:] = [*left, *right]
+        self._motions.values[...] = left + right
         self._motions.call()
 
     def _status(self) -> RopeStatus:
