@@ -55,6 +55,9 @@ def decode(value: Any) -> Any:
     return _READERS[kind](content)
 
 
+_NEVER_CHANGE = frozenset({type(None), bool, int, float, str, bytes})
+
+
 def private_copy(value: Any) -> Any:
     """A copy that its owner may change; the value itself where nothing can change it."""
     return value if _never_changes(value) else deepcopy(value)
@@ -62,7 +65,7 @@ def private_copy(value: Any) -> Any:
 
 def _never_changes(value: Any) -> bool:
     kind = type(value)
-    if value is None or kind in (bool, int, float, str, bytes):
+    if kind in _NEVER_CHANGE:
         return True
     if isinstance(value, tuple):
         return all(map(_never_changes, value))
