@@ -26,8 +26,13 @@ _log = logging.getLogger(__name__)
 Finished = Callable[[str, Outcome], None]
 """Called with the key and the outcome of every run as it is recorded."""
 
-_UNWATCHED = {"distributed.worker.profile.enabled": False, "distributed.admin.system-monitor.interval": "10s"}
-"""Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load."""
+_UNWATCHED = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.tick.interval": "1s",
+}
+"""Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load, nor at how
+late each part of the cluster is fifty times a second."""
 
 
 class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no types

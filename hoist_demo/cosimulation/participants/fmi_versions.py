@@ -11,7 +11,7 @@ import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from ctypes import byref, c_bool, c_char_p, c_double, c_uint32
+from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32, c_void_p
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import product
@@ -207,13 +207,16 @@ class Instance(ABC):
     def _access(self, name: str, variables: Sequence[Variable], values: Any) -> Callable[[], None]:
         """A getter or setter with its arguments."""
         references = (c_uint32 * len(variables))(*(v.reference for v in variables))
-        sizes = [len(references), *([len(values)] if self._tells_lengths else [])]
-        return self._checked(name, references, sizes[0], values, *sizes[1:])
+        length = [c_size_t(len(values))] if self._tells_lengths else []
+        return self._checked(name, references, c_size_t(len(references)), values, *length)
 
     def _checked(self, name: str, *arguments: Any) -> Callable[[], None]:
-        """A call of the library with these arguments, past FMPy's own frames; CallError where it fails."""
+        """A call of the library with these arguments, past FMPy's own frames; CallError where it fails.
+
+        The arguments have their types of C, which a function without a prototype takes as they are, in half the time.
+        """
         name = f"{self._prefix}{name}"
-        call = partial(getattr(self._fmu.dll, name), self._fmu.component, *arguments)
+        call = partial(self._fmu.dll[name], c_void_p(self._fmu.component), *arguments)
 
         def checked() -> None:
             status = call()
@@ -291,7 +294,7 @@ class _Instance2(Instance):
 
             addLoggerProxy(byref(self._callbacks))
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
-        self._do_step = self._checked("DoStep", self._t, self._h, fmpy.fmi2.fmi2True)
+        self._do_step = self._checked("DoStep", self._t, self._h, c_int(fmpy.fmi2.fmi2True))
 
     def _pass_on(self, component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
         self._hear(status, message.decode("utf-8", errors="replace"))
@@ -309,7 +312,7 @@ class _Instance3(Instance):
         self._fmu.instantiate(loggingOn=True, logMessage=self._pass_on)
         self._ended = c_bool()
         told = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
-        self._do_step = self._checked("DoStep", self._t, self._h, True, *told)
+        self._do_step = self._checked("DoStep", self._t, self._h, c_bool(True), *told)
 
     def _pass_on(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
         self._hear(status, message.decode("utf-8", errors="replace"))
