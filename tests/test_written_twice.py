@@ -68,7 +68,7 @@ ARITHMETIC = {
     "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2445, "C": 3029}
+MOST_LINES = {"Python": 2445, "C": 3004}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(

@@ -81,7 +81,6 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double squared_distance(const double point[3], const double start[3], const double along[3])": (
         outline.squared_distance
     ),
-    "double height_within(double squared, double x, double z)": outline.height_within,
     "void middle_of(double length, const double a[6], const double b[6], double middle[6])": outline.middle,
     "void place_between(double part, double length, const double a[6], const double b[6], double place[3])": (
         outline.place_between

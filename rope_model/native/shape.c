@@ -118,47 +118,19 @@ static int part_above(const double *first, int stride, double height, double par
     return n;
 }
 
-typedef struct {
-    double low[3], high[3];
-} Box;
-
-static Box box_around(int points, double point[LEG][3]) {
-    Box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-    for (int n = 0; n < points; n++)
-        for (int axis = 0; axis < 3; axis++) {
-            box.low[axis] = smaller(box.low[axis], point[n][axis]);
-            box.high[axis] = larger(box.high[axis], point[n][axis]);
-        }
-    return box;
-}
-
-static double gap(const Box *a, const Box *b, int axis) {
-    return larger(larger(a->low[axis] - b->high[axis], b->low[axis] - a->high[axis]), 0.0);
-}
-
 /* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least`, and
    the point's height; what is too high or too low for that is passed over */
 static double smallest_squared(int points, double point[LEG][3], int corners, double corner[LEG][3], double least,
                                double *height) {
-    double lowest_from[LEG + 1], highest_before[LEG + 1];
-    const Box all = box_around(points, point);
-    int first = 0;
-    lowest_from[points] = HUGE_VAL;
-    highest_before[0] = -HUGE_VAL;
-    for (int n = points - 1; n >= 0; n--) lowest_from[n] = smaller(lowest_from[n + 1], point[n][1]);
-    for (int n = 0; n < points; n++) highest_before[n + 1] = larger(highest_before[n], point[n][1]);
     for (int m = 0; m + 1 < corners; m++) {
-        double along[3];
-        const Box box = box_around(2, corner + m);
-        const double x = gap(&all, &box, 0), z = gap(&all, &box, 2);
-        double reach = height_within(least, x, z);
-        for (int axis = 0; axis < 3; axis++) along[axis] = corner[m + 1][axis] - corner[m][axis];
-        while (first > 0 && highest_before[first] > box.low[1] - reach) first--;
-        while (first < points && !(highest_before[first + 1] > box.low[1] - reach)) first++;
-        for (int n = first; n < points && lowest_from[n] < box.high[1] + reach; n++) {
-            if (!(point[n][1] > box.low[1] - reach)) continue;
-            const double found = squared_distance(point[n], corner[m], along);
-            if (found < least) least = found, reach = height_within(least, x, z), *height = point[n][1];
+        const double *start = corner[m], *stop = corner[m + 1];
+        const double low = smaller(start[1], stop[1]), high = larger(start[1], stop[1]);
+        const double along[3] = {stop[0] - start[0], stop[1] - start[1], stop[2] - start[2]};
+        for (int n = 0; n < points; n++) {
+            const double off = larger(low - point[n][1], point[n][1] - high);
+            if (off > 0 && off * off >= least) continue;
+            const double found = squared_distance(point[n], start, along);
+            if (found < least) least = found, *height = point[n][1];
         }
     }
     return least;

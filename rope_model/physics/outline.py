@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .elementary import atan2, cos, dot, larger, sin, smaller, sqrt
+from .elementary import atan2, cos, dot, larger, sin, smaller
 from .hermite import interpolate
 
 
@@ -34,11 +34,6 @@ def squared_distance(point: Any, start: Any, along: Any) -> Any:
     part = smaller(larger(dot(across, along) / dot(along, along), 0.0), 1.0)
     x, y, z = across[0] - part * along[0], across[1] - part * along[1], across[2] - part * along[2]
     return x * x + y * y + z * z
-
-
-def height_within(squared: Any, x: Any, z: Any) -> Any:
-    """How far up or down (m) a point may be, ``x`` and ``z`` (m) aside, whose squared distance is at most this."""
-    return sqrt(larger(squared - x * x - z * z, 0.0))
 
 
 def middle(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
