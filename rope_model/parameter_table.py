@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field, fields
 from typing import Any, NamedTuple, TypeVar, get_args
 
@@ -43,6 +43,15 @@ class Parameter(NamedTuple):
         lower, upper = _words(self.lower), _words(self.upper)
         unit = re.sub(r"(?<=[a-z])(\d)", r"^\1", self.unit).replace(".", " ")
         return (f"in [{lower}, {upper}]" if upper else f">= {lower}") + (f" {unit}" if unit not in ("", "1") else "")
+
+
+class Joint(NamedTuple):
+    """A check of several parameters of a data class, ``x``; native.tables makes the C of it."""
+
+    what: str
+    bound: str  # with {} or {:.4g} for a number
+    cure: str
+    formula: Callable[[Any], tuple[Any, ...]]  # x -> conditions, the value, and the number in the bound, if any
 
 
 def parameter(default: T, unit: str, description: str, **facts: Any) -> T:
@@ -95,8 +104,8 @@ def require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
         raise ValueError(f"{what} = {value!r} is out of range: it must be {bound}; {cure}")
 
 
-def require_in_bounds(data: Any) -> None:
-    """ValueError unless every field of ``data`` is finite, one of its choices, and within its bounds."""
+def require_in_bounds(data: Any, joint: Iterable[Joint] = ()) -> None:
+    """ValueError unless the fields of ``data`` are finite, of their choices, in their bounds, and ``joint`` holds."""
     order = check_order(type(data))
     for name, p in order:
         value = getattr(data, name)
@@ -113,6 +122,9 @@ def require_in_bounds(data: Any) -> None:
         if not ok:
             bound = p.bound.format(repr(getattr(data, p.other))) if p.other else p.bound
             require(False, name, value, bound, p.cure)
+    for what, bound, cure, formula in joint:
+        holds, value, *number = formula(data)
+        require(all(holds), what, value, bound.format(*number), cure)
 
 
 def _words(bound: float | str | None) -> str:

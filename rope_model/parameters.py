@@ -6,11 +6,11 @@ marked [assumed] is ours, because the source's tables are not available.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Literal
 
-from .parameter_table import choice, direction, parameter, parameters_of, require, require_in_bounds
+from .parameter_table import Joint, choice, direction, parameter, parameters_of, require, require_in_bounds
 from .shaft_parameters import Shaft
 
 SwivelMode = Literal["locked", "free", "coulomb"]
@@ -26,6 +26,60 @@ MOST_ELEMENTS = 20000
 SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
 _DATA_SHEET = "check the rope's data sheet"
+
+
+def _coupling(rope: Any) -> tuple[Any, ...]:
+    bound = (rope.Qa * rope.Qd) ** 0.5
+    return (abs(rope.Qs) < bound,), rope.Qs, bound
+
+
+def _sticking(rope: Any) -> tuple[Any, ...]:
+    return ((rope.EI_stick == 0) + (rope.EI_stick > rope.EI) > 0,), rope.EI_stick, rope.EI
+
+
+def _multiple(segment: int, mesh: Any) -> tuple[Any, ...]:
+    count, fine = mesh.counts[segment], 2 * (1 + (mesh.counts[0] > 0)) * (1 + (mesh.counts[1] > 0))
+    multiple, least = (2, 4, fine, 4, 2)[segment], fine if segment == 2 else 0
+    return (count >= least, count % multiple == 0), count, multiple
+
+
+def _pattern(mesh: Any) -> tuple[Any, ...]:
+    ii, iii, _, v, vi = (1 * (count > 0) for count in mesh.counts)
+    return (ii == vi, iii == v, ii >= iii), mesh.counts
+
+
+#: checks of several parameters at once
+_OF_ROPE = (
+    Joint(
+        "(Qb + Qc) / 2",
+        "below sqrt(Qa Qd) = {:.4g} N m in size",
+        "or the strain energy is not positive: check Qb, Qc, Qa and Qd",
+        _coupling,
+    ),
+    Joint(
+        "EI_stick",
+        "0 or above EI = {!r} N m2",
+        "use 0 for no friction between the wires; EI is that of wires that slide",
+        _sticking,
+    ),
+)
+_OF_MESH = (
+    *(
+        Joint(
+            f"element count of segment {name}",
+            f"a {'positive ' if name == 'IV' else ''}multiple of {{!r}}",
+            "a transformation moves whole coarse elements through the segment",
+            partial(_multiple, segment),
+        )
+        for segment, name in enumerate(SEGMENTS)
+    ),
+    Joint(
+        "counts",
+        "all five segments, or none in III and V, or none in II and VI too",
+        "the pattern is the same on both sides and leaves out no length",
+        _pattern,
+    ),
+)
 
 
 @dataclass(frozen=True)
@@ -142,22 +196,7 @@ class Rope:
     )
 
     def __post_init__(self) -> None:
-        require_in_bounds(self)
-        bound = math.sqrt(self.Qa * self.Qd)
-        require(
-            abs(self.Qs) < bound,
-            "(Qb + Qc) / 2",
-            self.Qs,
-            f"below sqrt(Qa Qd) = {bound:.4g} N m in size",
-            "or the strain energy is not positive: check Qb, Qc, Qa and Qd",
-        )
-        require(
-            self.EI_stick == 0 or self.EI_stick > self.EI,
-            "EI_stick",
-            self.EI_stick,
-            f"0 or above EI = {self.EI!r} N m2",
-            "use 0 for no friction between the wires; EI is that of wires that slide",
-        )
+        require_in_bounds(self, _OF_ROPE)
 
     @property
     def Qs(self) -> float:
@@ -307,26 +346,8 @@ class Mesh:
     )
 
     def __post_init__(self) -> None:
-        require_in_bounds(self)
         require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
-        ii, iii, _, v, vi = self.counts
-        fine = 2 ** (1 + (ii > 0) + (iii > 0))
-        multiples = (2, 4, fine, 4, 2)
-        for name, count, multiple in zip(SEGMENTS, self.counts, multiples, strict=True):
-            require(
-                count >= (multiple if name == "IV" else 0) and count % multiple == 0,
-                f"element count of segment {name}",
-                count,
-                f"a {'positive ' if name == 'IV' else ''}multiple of {multiple}",
-                "a transformation moves whole coarse elements through the segment",
-            )
-        require(
-            (ii > 0) == (vi > 0) and (iii > 0) == (v > 0) and (ii > 0 or iii == 0),
-            "counts",
-            self.counts,
-            "all five segments, or none in III and V, or none in II and VI too",
-            "the pattern is the same on both sides and leaves out no length",
-        )
+        require_in_bounds(self, _OF_MESH)
 
 
 @dataclass(frozen=True)
@@ -547,3 +568,6 @@ def rope_240(level: Level = "standard") -> RopeCase:
 
 
 ROPE_CASES = {"rope-120": rope_120, "rope-240": rope_240}
+
+#: by the group
+JOINT_CHECKS: dict[type[Any], tuple[Joint, ...]] = {Rope: _OF_ROPE, Mesh: _OF_MESH}

@@ -65,10 +65,9 @@ ARITHMETIC = {
     "shape_tension": (5, 1),
     "shape_leg_clearance": (0, 1),
     "shape_hanging_guess": (1, 1),
-    "check_coupling": (2, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2445, "C": 3004}
+MOST_LINES = {"Python": 2445, "C": 2972}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(

@@ -398,7 +398,7 @@ def argument_of(text: str) -> Argument:
 def symbols_of(argument: Argument) -> Any:
     """What the formula is called with: symbols with the names that the numbers have in C."""
     if argument.kind != "double":
-        return _structure(STRUCTURES[argument.kind], f"{argument.name}->")
+        return structure_at(STRUCTURES[argument.kind], f"{argument.name}->")
     return _array(argument.name, argument.shape)
 
 
@@ -408,7 +408,7 @@ def _array(name: str, shape: tuple[int, ...]) -> Any:
     return tuple(_array(f"{name}[{k}]", shape[1:]) for k in range(shape[0]))
 
 
-def _structure(kind: type[Any], prefix: str) -> Any:
+def structure_at(kind: type[Any], prefix: str) -> Any:
     """An object of ``kind``, its numbers replaced by symbols; what is no number is left out."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(kind).items():
@@ -417,7 +417,7 @@ def _structure(kind: type[Any], prefix: str) -> Any:
         elif get_origin(hint) is tuple:
             values[name] = _array(prefix + name, shape_of(hint))
         elif hint in (Rope, Layout, Accuracy):
-            values[name] = _structure(hint, f"{prefix}{name}.")
+            values[name] = structure_at(hint, f"{prefix}{name}.")
     if issubclass(kind, tuple):
         return kind(**values)
     symbolic = object.__new__(kind)  # its checks are for numbers
@@ -430,6 +430,12 @@ def _numbers(x: Any) -> list[ca.SX]:
     if isinstance(x, ca.SX | float):
         return [ca.SX(x)]
     return [number for part in (x if isinstance(x, tuple) else vars(x).values()) for number in _numbers(part)]
+
+
+def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
+    """The same as ``statements`` of expressions of symbols."""
+    expressions = [ca.SX(value) for value in values]
+    return statements(ca.Function("values", ca.symvar(ca.vertcat(*expressions)), expressions))
 
 
 def statements(f: ca.Function) -> tuple[list[str], list[str]]:

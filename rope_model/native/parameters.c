@@ -35,50 +35,15 @@ static void choice(const Check *check, const char *what, int code, int last, con
         snprintf(check->message, MESSAGE, "%s.%s = %d is none of the choices: %s", check->group, what, code, choices);
 }
 
-/* a bound with a number in it, that of another parameter */
-static const char *joined(char room[96], const char *before, double x, const char *behind) {
-    snprintf(room, 96, "%s%s%s", before, EXACT(x), behind);
+/* a bound with a number in it */
+static const char *joined(char room[96], const char *before, const char *number, const char *behind) {
+    snprintf(room, 96, "%s%s%s", before, number, behind);
     return room;
 }
 
-#define JOINED(before, x, behind) joined((char[96]){0}, before, x, behind)
+#define JOINED(before, number, behind) joined((char[96]){0}, before, number, behind)
 
-static void check_coupling(const Check *check, const Rope *rope) {
-    double Qs = 0.5 * (rope->Qb + rope->Qc), bound = sqrt(rope->Qa * rope->Qd);
-    char below[96];
-    snprintf(below, sizeof below, "below sqrt(Qa Qd) = %s N m in size", ROUNDED(bound, 4));
-    if (!(fabs(Qs) < bound))
-        refuse(check, "(Qb + Qc) / 2", EXACT(Qs), below,
-               "or the strain energy is not positive: check Qb, Qc, Qa and Qd");
-}
-
-static void check_sticking(const Check *check, const Rope *rope) {
-    if (!(rope->EI_stick == 0 || rope->EI_stick > rope->EI))
-        refuse(check, "EI_stick", EXACT(rope->EI_stick), JOINED("0 or above EI = ", rope->EI, " N m2"),
-               "use 0 for no friction between the wires; EI is that of wires that slide");
-}
-
-static void check_counts(const Check *check, const Mesh *mesh) {
-    static const char *const segments[] = {"II", "III", "IV", "V", "VI"};
-    const int *n = mesh->counts;
-    const int multiples[] = {2, 4, 2 << ((n[0] > 0) + (n[1] > 0)), 4, 2};
-    for (int i = 0; i < 5; i++) {
-        int count = n[i], multiple = multiples[i], fine = i == 2;
-        char what[40], bound[40];
-        snprintf(what, sizeof what, "element count of segment %s", segments[i]);
-        snprintf(bound, sizeof bound, "a %smultiple of %d", fine ? "positive " : "", multiple);
-        if (count < (fine ? multiple : 0) || count % multiple != 0)
-            refuse(check, what, ROUNDED(count, 10), bound,
-                   "a transformation moves whole coarse elements through the segment");
-    }
-    char given[80];
-    snprintf(given, sizeof given, "(%d, %d, %d, %d, %d)", n[0], n[1], n[2], n[3], n[4]);
-    if ((n[0] > 0) != (n[4] > 0) || (n[1] > 0) != (n[3] > 0) || (n[0] == 0 && n[1] != 0))
-        refuse(check, "counts", given, "all five segments, or none in III and V, or none in II and VI too",
-               "the pattern is the same on both sides and leaves out no length");
-}
-
-#include "parameters.inc" /* check_scene, and check_rope and so on, a function for each group: generated */
+#include "parameters.inc" /* check_scene, and check_rope and so on, functions for each group: generated */
 
 void mesh_in_bounds(const Mesh *mesh, char *message) {
     message[0] = '\0';

@@ -10,7 +10,7 @@ import casadi as ca
 
 from ..numerics.program import no_simplification
 from ..simulation.state_signals import STATE_SIGNALS
-from .formulas import statements
+from .formulas import texts_of
 from .layout import StateStructure
 from .tables import constant
 
@@ -20,7 +20,7 @@ def state_signals() -> str:
     state = members_at(StateStructure, "state->")
     values = [value(state) for value in STATE_SIGNALS.values()]
     with no_simplification():
-        lines, texts = statements(ca.Function("values", ca.symvar(ca.vertcat(*values)), values))
+        lines, texts = texts_of(values)
     lines += [f"values[{constant(name)}] = {text};" for name, text in zip(STATE_SIGNALS, texts, strict=True)]
     return (
         "/* Generated from rope_model.simulation.state_signals by rope_model.native.state_values. */\n"

@@ -7,8 +7,10 @@ import re
 from collections.abc import Iterator
 from typing import Any, get_args
 
-from ..parameter_table import Parameter, check_order, parameters_of
-from ..parameters import MOST_ELEMENTS, FidelityChoice, Mesh, Rope, Swivel
+from ..numerics.program import no_simplification
+from ..parameter_table import Joint, Parameter, check_order, parameters_of
+from ..parameters import JOINT_CHECKS, MOST_ELEMENTS, FidelityChoice, Swivel
+from ..physics.elementary import both
 from ..shaft_parameters import PARTS
 from ..simulation.fidelity import FIDELITIES
 from ..simulation.neglected_effects import neglected_text
@@ -16,13 +18,11 @@ from ..simulation.paths import HARDEST, REACH, SIDES
 from ..simulation.shaft import BODIES
 from ..simulation.signal_table import SHAPE_POINTS, SIGNALS
 from ..simulation.signals import group_of
-from .formulas import host_formulas
+from .formulas import host_formulas, structure_at, texts_of
 from .layout import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.native.tables. */\n"
-#: checks of several parameters at once, in parameters.c
-JOINT_CHECKS: dict[type[Any], tuple[str, ...]] = {Rope: ("check_coupling", "check_sticking"), Mesh: ("check_counts",)}
 #: what a code's name has behind the word where that alone would not do
 _SUFFIXES = {"mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
 
@@ -74,7 +74,7 @@ def parameter_structures() -> str:
 
 def parameter_bounds() -> str:
     """The text of parameters.inc: a function for each group that checks its parameters in their order."""
-    return _HEAD + "".join(map(_bounds, GROUPS)) + _scene_check()
+    return _HEAD + "".join(map(_bounds, GROUPS)) + "".join(map(_joint_checks, JOINT_CHECKS)) + _scene_check()
 
 
 def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -122,9 +122,42 @@ def _scene_check() -> str:
     calls = [
         f'    {check}(&(Check){{"{name}", message}}, &scene->{place});\n'
         for name, place, kind in _groups_of_scene()
-        for check in (f"check_{kind.__name__.lower()}", *JOINT_CHECKS.get(kind, ()))
+        for check in (f"check_{kind.__name__.lower()}", *((_joint_name(kind),) if kind in JOINT_CHECKS else ()))
     ]
     return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
+
+
+def _joint_name(kind: type[Any]) -> str:
+    return f"check_{kind.__name__.lower()}_jointly"
+
+
+def _joint_checks(kind: type[Any]) -> str:
+    """The checks of several parameters of a group at once."""
+    with no_simplification():
+        body = "".join(_joint(kind, joint) for joint in JOINT_CHECKS[kind])
+    return f"\nstatic void {_joint_name(kind)}(const Check *check, const {kind.__name__} *x) {{\n{body}}}\n"
+
+
+def _joint(kind: type[Any], joint: Joint) -> str:
+    """A block that refuses what does not hold; numbers from whole ones alone are written as whole ones."""
+    holds, value, *number = joint.formula(structure_at(kind, "x->"))
+    values = value if isinstance(value, tuple) else (value,)
+    lines, (condition, *numbers) = texts_of([both(*holds), *values, *number])
+    used = set(re.findall(r"x->(\w+)", "".join((*lines, condition, *numbers))))
+    whole = not any(m.real for m in members(kind) if m.name in used)
+    written = [f"ROUNDED({x}, 10)" if whole else f"EXACT({x})" for x in numbers]
+    given, bound = written[0], json.dumps(joint.bound)
+    if isinstance(value, tuple):
+        form = ", ".join("%s" for _ in value)
+        lines += ["char given[96];", f'snprintf(given, sizeof given, "({form})", {", ".join(written)});']
+        given = "given"
+    if place := re.search(r"\{(?::\.(\d)g|!r)\}", joint.bound):
+        text = f"ROUNDED({numbers[-1]}, {place[1]})" if place[1] else written[-1]
+        before, behind = json.dumps(joint.bound[: place.start()]), json.dumps(joint.bound[place.end() :])
+        bound = f"JOINED({before}, {text}, {behind})"
+    refused = f"refuse(check, {json.dumps(joint.what)}, {given}, {bound}, {json.dumps(joint.cure)})"
+    body = "".join(f"        {line}\n" for line in (*lines, f"if (!({condition})) {refused};"))
+    return f"    {{\n{body}    }}\n"
 
 
 def _groups_of_scene() -> Iterator[tuple[str, str, type[Any]]]:
@@ -154,5 +187,5 @@ def _range(name: str, p: Parameter, real: bool) -> str:
     before, _, behind = p.bound.partition("{}")
     bound = json.dumps(before)
     if p.other:
-        bound = f"JOINED({bound}, x->{p.other}, {json.dumps(behind)})"
+        bound = f"JOINED({bound}, EXACT(x->{p.other}), {json.dumps(behind)})"
     return f'{"real" if real else "whole"}(check, "{name}", x->{name}, {limits}, {bound}, {json.dumps(p.cure)})'
