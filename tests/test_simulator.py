@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from rope_model.numerics.events import locate
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
+from rope_model.simulation.events import locate
 from rope_model.simulation.paths import EndMotion, EndPath
 from rope_model.simulation.signal_table import SIGNALS
 from rope_model.simulation.simulator import RopeSimulator

@@ -10,11 +10,11 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from rope_model.numerics.events import locate
 from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends import HangingEnds, Phase, SwivelState
+from rope_model.simulation.events import locate
 from rope_model.simulation.model import RopeModel
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import Evaluation, RopeSystem

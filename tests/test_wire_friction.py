@@ -11,12 +11,12 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import EndMotion, balance_rope
-from rope_model.numerics.events import locate
 from rope_model.parameters import Mesh, Model, Rope, Scene, Solver
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions
 from rope_model.physics.wire_element import LATEST, wire_functions
 from rope_model.physics.wire_friction import MEMORY, Slid, section_at, slide, slip_curvature, wire_stiffness
 from rope_model.simulation.balance_rope import BalanceRope
+from rope_model.simulation.events import locate
 from rope_model.simulation.rope_system import parameter_vector
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.wires import carry, history, slip

@@ -43,7 +43,7 @@ from ..physics import (
     wire_friction,
 )
 from ..shaft_parameters import FAR, PARTS
-from ..simulation import audit, diagnostics, ends, mesh_fit, statics, warning_cases
+from ..simulation import audit, bracket, diagnostics, ends, mesh_fit, statics, warning_cases
 from ..simulation import shaft as shaft_search
 from ..simulation.audit import Audit
 from ..simulation.paths import EndMotion, EndPath
@@ -180,6 +180,8 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "double recentring_time(const Coefficients *method, double h, double before)": generalized_alpha.recentring_time,
     "double local_error(const Coefficients *method, double h, double change)": generalized_alpha.local_error,
+    "double trial_place(const Bracket *bracket, double width)": bracket.trial_place,
+    "Bracket narrowed(const Bracket *bracket, double x, double value)": bracket.narrowed,
     "double relaxation(double change, double last)": statics.relaxation,
     "StepLimits step_limits(const Scene *scene, const ErrorSums *sums, double bottom, double apart, "
     "double error_constant)": (accuracy.step_limits),
@@ -209,6 +211,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Flow,
     inextensible.Pull,
     hanging.Hanging,
+    bracket.Bracket,
     mesh_fit.FittedMesh,
     generalized_alpha.Coefficients,
     accuracy.StepLimits,

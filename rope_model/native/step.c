@@ -280,35 +280,14 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     audit_step(rope, state, &s, h, moved_by, forces);
 }
 
-/* numerics.events.locate */
+/* simulation.events.locate */
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
               double width) {
-    int side = 0, stalled = 0;
-    while (high - low > width) {
-        const double before = high - low;
-        double x = 0.5 * (low + high);
-        if (stalled >= 2 || !isfinite(f_low - f_high) || f_high <= f_low)
-            stalled = 0;
-        else {
-            x = low + (high - low) * f_low / (f_low - f_high);
-            x = fmin(fmax(x, low + 0.4 * width), high - 0.4 * width);
-        }
-        if (!(low < x && x < high)) x = 0.5 * (low + high);
-        if (!(low < x && x < high)) /* there is no number between them */
-            break;
-        const double value = f(with, x);
-        if (value < 0) {
-            low = x;
-            f_low = value;
-            if (side < 0) f_high *= 0.5;
-            side = -1;
-        } else {
-            high = x;
-            f_high = value;
-            if (side > 0) f_low *= 0.5;
-            side = 1;
-        }
-        stalled = high - low > 0.5 * before ? stalled + 1 : 0;
+    Bracket at = {low, high, f_low, f_high, 0, 0};
+    while (at.high - at.low > width) {
+        const double x = trial_place(&at, width);
+        if (!(at.low < x && x < at.high)) break;
+        at = narrowed(&at, x, f(with, x));
     }
-    return high;
+    return at.high;
 }

@@ -6,11 +6,11 @@ import logging
 import math
 from dataclasses import dataclass, replace
 
-from ..numerics.events import locate
 from ..numerics.generalized_alpha import StepResult
 from ..physics.accuracy import calm_needed
 from . import messages
 from .adaptation import transform_if_due, with_loop_yaw
+from .events import locate
 from .mesh import LATEST
 from .mesh_pattern import distance_to_due
 from .model import RopeModel, powers

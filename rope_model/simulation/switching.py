@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
-from ..numerics.events import locate
 from ..numerics.generalized_alpha import Motion, StepResult
 from .ends import Phase, SwivelState
+from .events import locate
 from .model import RopeModel, ends_of
 from .paths import SIDES
 from .rope_system import ANGLE, Evaluation, RopeSystem
