@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any, NamedTuple
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from itertools import repeat
+from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -15,7 +18,7 @@ from ..physics.guard import GuardState
 from ..physics.shaft import KINDS
 from ..shaft_parameters import FAR
 from .audit import Audit
-from .ends import Phase, SwivelState
+from .ends import SwivelState
 from .fidelity import Fidelity
 from .mesh import Partition
 from .paths import EndPath
@@ -136,65 +139,48 @@ class RopeState(NamedTuple):
 
     def to_bytes(self) -> bytes:
         """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
-        m = self.motion
-        arrays = {name: getattr(m, name) for name in ("q", "v", "a", "b", "a_rate", "reaction")}
-        arrays |= {"lengths": self.partition.lengths, "hysteresis": self.hysteresis}
-        arrays |= {f"path{i}": np.array(path.coefficients) for i, path in enumerate(self.paths)}
-        cells = self.partition
-        scalars: dict[str, Any] = {name: x for name, x in self._asdict().items() if name not in _IN_PARTS} | {
-            "instant": (m.t, m.h),
-            "pattern": (cells.counts, cells.coarse, cells.end_levels, cells.grading_length),
-            "phases": [(s.phase.value, s.angle, s.sign) for s in self.swivels],
-            "times": [(p.start, p.stop, p.aim) for p in self.paths],
-        }
-        scalars["shapes"] = {name: x.shape for name, x in arrays.items()}
-        head = json.dumps(scalars).encode()
-        numbers = (np.asarray(x, dtype="<f8").tobytes() for x in arrays.values())
+        arrays: list[Array] = []
+        head = json.dumps(_plain(self, arrays)).encode()
+        numbers = (x.astype("<f8").tobytes() for x in arrays)
         return b"".join((len(head).to_bytes(8, "little"), head, *numbers))
 
     @staticmethod
     def from_bytes(data: bytes) -> RopeState:
         """The state that ``to_bytes`` wrote; ValueError for anything else."""
         try:
-            place = 8 + int.from_bytes(data[:8], "little")
-            saved, x = json.loads(data[8:place]), {}
-            for name, shape in saved.pop("shapes").items():
-                x[name] = np.frombuffer(data, "<f8", math.prod(shape), place).reshape(shape).astype(np.float64)
-                place += x[name].nbytes
-            if place != len(data):
-                raise ValueError(f"{len(data) - place} of them too many")
-            s = {name: _tuples(value) for name, value in saved.items()}
-            (t, h), pattern, phases, times = (s.pop(name) for name in ("instant", "pattern", "phases", "times"))
-            coefficients = (_tuples(x[f"path{i}"].tolist()) for i in range(len(times)))
-            return RopeState(
-                **{name: _KINDS[name](*value) if name in _KINDS else value for name, value in s.items()}
-                | {
-                    "motion": Motion(t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], h, x["reaction"]),
-                    "partition": Partition(x["lengths"], *pattern),
-                    "hysteresis": x["hysteresis"],
-                    "swivels": tuple(SwivelState(Phase(phase), *rest) for phase, *rest in phases),
-                    "paths": tuple(map(EndPath, *zip(*times, strict=True), coefficients)),
-                    "events": tuple(Event(*event) for event in s["events"]),
-                }
-            )
+            start = 8 + int.from_bytes(data[:8], "little")
+            rest = np.frombuffer(data[start:], "<f8").astype(np.float64).tolist()
+            state: RopeState = _made(RopeState, json.loads(data[8:start]), rest)
+            if rest:
+                raise ValueError(f"{8 * len(rest)} of them too many")
+            return state
         except Exception as error:
             raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error
 
 
-#: parts of the state that are saved piece by piece, and structures that are saved as their numbers
-_IN_PARTS = ("motion", "partition", "swivels", "paths", "hysteresis")
-_KINDS: dict[str, Any] = {
-    "energy_balance": EnergyBalance,
-    "errors": ErrorSums,
-    "powers": Powers,
-    "counts": Counts,
-    "audit": Audit,
-    "nearest": lambda *rows: tuple(Nearest(*row) for row in rows),
-    "crossing": Crossing,
-    "guard": GuardState,
-}
+def _plain(x: Any, arrays: list[Array]) -> Any:
+    """``x`` as JSON has it: structures as lists, arrays, which are put to the others, as their shapes."""
+    if isinstance(x, np.ndarray):
+        arrays.append(x)
+        return x.shape
+    if is_dataclass(x):
+        x = tuple(getattr(x, field.name) for field in fields(x))
+    if isinstance(x, tuple):
+        return [_plain(part, arrays) for part in x]
+    return x.value if isinstance(x, Enum) else x
 
 
-def _tuples(x: Any) -> Any:
-    """As it was before JSON made lists of the tuples."""
-    return tuple(map(_tuples, x)) if isinstance(x, list) else x
+def _made(kind: Any, plain: Any, rest: list[float]) -> Any:
+    """What became ``plain``, by its type; arrays are taken from the numbers ``rest``."""
+    if get_origin(kind) is np.ndarray:
+        found = np.array(rest[: math.prod(plain)]).reshape(plain)
+        del rest[: math.prod(plain)]
+        return found
+    if get_origin(kind) is tuple:
+        parts = get_args(kind)
+        kinds = repeat(parts[0]) if Ellipsis in parts else parts
+        return tuple(_made(of, part, rest) for of, part in zip(kinds, plain, strict=Ellipsis not in parts))
+    if is_dataclass(kind) or hasattr(kind, "_fields"):
+        hints = get_type_hints(kind).values()
+        return kind(*(_made(of, part, rest) for of, part in zip(hints, plain, strict=True)))
+    return kind(plain) if isinstance(kind, type) and issubclass(kind, Enum) else plain
