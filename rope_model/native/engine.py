@@ -211,10 +211,6 @@ class NativeRope(BalanceRope):
         self._lib.rope_displacement(self._rope, byref(given[0]), found.ctypes.data)
         return found
 
-    def added_mass(self) -> tuple[float, float]:
-        left, right = self.signals(("left.added_mass", "right.added_mass")).values()
-        return left, right
-
     def warnings(self) -> dict[str, str]:
         self._require_state()
         told, text, warn = {}, self._text, self._lib.rope_warning

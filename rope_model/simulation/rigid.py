@@ -64,18 +64,13 @@ def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float
     return along
 
 
-def rigid_added_mass(scene: Scene, ends: Ends, h: float) -> tuple[float, float]:
-    """kg: how much each end's pull grows with an upward acceleration held over ``h``, by differences."""
-    size = 1e-3
-    change = {"y": 0.5 * h * h * size, "vy": h * size, "ay": size}
-    left, right = (tension_change(scene, ends, side, change)[side] / size for side in (0, 1))
-    return left, right
-
-
-def tension_change(scene: Scene, ends: Ends, side: int, change: dict[str, float]) -> Array:
-    """(2,) N: what the tensions at the ends gain by a ``change`` of one end's motion, field by field."""
-    end = replace(ends[side], **{name: getattr(ends[side], name) + d for name, d in change.items()})
-    moved = (end, ends[1]) if side == 0 else (ends[0], end)
+def tension_change(scene: Scene, ends: Ends, side: int, axis: int, change: Array) -> Array:
+    """(2,) N: what the tensions at the ends gain by a ``change`` (3,) of one end's place, speed and acceleration."""
+    names = (kind + "xyz"[axis] for kind in ("", "v", "a"))
+    moved = [*ends]
+    moved[side] = replace(
+        ends[side], **{name: getattr(ends[side], name) + d for name, d in zip(names, change, strict=True)}
+    )
     before, after = (np.array(pull(scene.rope, scene.layout, *motions).tensions) for motions in (ends, moved))
     gained: Array = after - before
     return gained

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..parameters import Rope, Scene
+from ..parameters import Rope
 from ..physics.accuracy import end_force_error, loop_error
 from ..physics.estimates import loop_width
 from ..physics.frame import conveyance_load
@@ -18,33 +18,26 @@ from ..physics.stress import material_values
 from .adaptation import nearest_turn
 from .audit import signal_values as audit_values
 from .diagnostics import LoopBottom, direction, interpolate_midpoints, leg_clearance, shape, shape_places, tension
-from .ends import HangingEnds, Phase
+from .ends import Phase
 from .fidelity import Fidelity
 from .guards import rise
 from .paths import SIDES
 from .rigid import rigid_tension
 from .rope_system import ANGLE, Array, RopeSystem, arc_lengths
+from .sensitivity import Linearised, added_mass_signals
 from .shaft import clearances
 from .signal_table import SHAPE_POINTS, SIGNALS
-from .state import RopeState
 from .state_signals import STATE_SIGNALS
 from .transfer import interpolate
 
 
-class Evaluated(Protocol):
+class Evaluated(Linearised, Protocol):
     """What the signals are computed from: simulation.simulator.RopeSimulator has it."""
 
-    @property
-    def scene(self) -> Scene: ...
-    @property
-    def state(self) -> RopeState: ...
-    @property
-    def ends(self) -> HangingEnds: ...
     @property
     def loop(self) -> LoopBottom: ...
     @property
     def system(self) -> RopeSystem: ...
-    def added_mass(self) -> tuple[float, float]: ...
 
 
 def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
@@ -81,12 +74,6 @@ def end_signals(rope: Evaluated) -> dict[str, float]:
         values = *load, *ends.relative(side, m.t, q[ANGLE], m.v[-side, ANGLE]), torque, slips
         out |= {f"{name}.{key}": float(value) for key, value in zip(_OF_AN_END, values, strict=True)}
     return out
-
-
-def added_mass_signals(rope: Evaluated) -> dict[str, float]:
-    """Added mass of both ends."""
-    left, right = rope.added_mass()
-    return {"left.added_mass": left, "right.added_mass": right}
 
 
 def loop_signals(rope: Evaluated) -> dict[str, float]:

@@ -30,10 +30,9 @@ from .guards import at_rest, with_guards
 from .hang import hang
 from .mesh import Partition, fit_mesh, partition
 from .model import RopeModel, ends_of
-from .paths import SHORTEST_AIM, SIDES, EndMotion, EndPath, aim, ends_at, path_program
+from .paths import SHORTEST_AIM, SIDES, EndMotion, EndPath, aim, path_program
 from .point_forces import PointForces, at_places, elements_at, nodal_forces
 from .result_warnings import WARNINGS
-from .rigid import rigid_added_mass
 from .rope_kernels import KernelCache
 from .rope_system import ANGLE, Array, RopeSystem
 from .shaft import LOOK_EVERY, with_passages
@@ -274,17 +273,6 @@ class RopeSimulator(BalanceRope):
             system.with_forces(part * nodal).newton_step(m.q, m.v, m.a, m.reaction, c)[0] for part in (0.0, 1.0)
         )
         return at_places(moved - alone, *elements_at(forces.s, system.lengths))
-
-    def added_mass(self) -> tuple[float, float]:
-        # one step of that length carries the change y = a h^2 / 2, v = a h
-        m, h, size = self.state.motion, self.state.last_interval, 1e-3
-        if self.state.fidelity == "rigid":
-            return rigid_added_mass(self.scene, ends_at(self.state.paths, m.t), h)
-        held, none, masses = np.array([0.5 * h * h, h, 1.0]), np.zeros(3), []
-        for side, node in enumerate((0, -1)):
-            before, after = (self.answer(side, 1, change)[1][node, 1] for change in (none, size * held))
-            masses.append(float(after - before) / size)
-        return masses[0], masses[1]
 
     def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]:
         """q and reactions when a coordinate of an end is moved by ``change`` in q, q_t, q_tt at the last step's end.
