@@ -35,15 +35,20 @@ enum {
     CONTACT_BALANCE
 };
 
+/* the rope where it was last looked at: q and lengths as they were, free: how far at least all was then, in m */
+typedef struct {
+    double free, *q, *lengths;
+} Seen;
+
 /* the bodies around the rope: where they were last looked for, their speeds, and of each element which it may touch, as
-   bits; any: whether there are such.  seen: q and lengths as they were then, longest: of these, free: how far all
-   bodies were, margin: how far at least what is not near was from all elements at the latest look, made or spared, in m
- */
+   bits; any: whether there are such.  longest: element then, margin: how far at least what is not near was from all
+   elements at the latest look, made or spared, in m */
 typedef struct {
     const Scene *scene;
     int bodies, any;
     Placed placed[MOST_BODIES];
-    double speeds[MOST_BODIES][3], free, margin, longest, *seen, *seen_lengths;
+    double speeds[MOST_BODIES][3], margin, longest;
+    Seen seen;
     unsigned *near;
 } Surroundings;
 
@@ -57,12 +62,12 @@ typedef struct {
 
 /* The rope's contact with itself: what find_rope_touches found last; boxes: of the elements,
    others: those near one, with the arc length from its end to each, and of a place of it how far they are and where in
-   them; seen: q and lengths as they were when it last looked, free: how near any two elements were at least, m;
-   scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients. */
+   them; scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients. */
 typedef struct {
     const Scene *scene;
     int number, *others;
-    double (*boxes)[6], *scratch, *seen, *seen_lengths, *ways, *distances, *where, free;
+    double (*boxes)[6], *scratch, *ways, *distances, *where;
+    Seen seen;
     RopeTouch *touches;
 } OwnContact;
 enum { OWN_SCRATCH = 4 };
@@ -121,6 +126,9 @@ enum { CONTACT_DOF = 12 };
 void look_for_bodies(const System *s, const double *q, const double *v, double margin);
 /* looks for more than were seen before Newton's corrections, the sum of whose norms is given; whether there are any */
 int see_more_bodies(const System *s, const double *q, double corrections);
+/* the rope is looked at now, and whether all is surely farther than `least` by how far it and its ends moved since */
+void see(const System *s, Seen *seen, const double *q);
+int still_free(const System *s, const Seen *seen, const double *q, double least);
 void contact_force(const System *s, int element, const double *q, const double *v, double force[CONTACT_DOF]);
 void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
                      double tangent[CONTACT_DOF][CONTACT_DOF]);

@@ -4,6 +4,22 @@
 
 #include "chain.h"
 
+void see(const System *s, Seen *seen, const double *q) {
+    memcpy(seen->q, q, sizeof(double) * DOF * (size_t)(s->elements + 1));
+    memcpy(seen->lengths, s->lengths, sizeof(double) * (size_t)s->elements);
+    seen->free = INFINITY;
+}
+
+int still_free(const System *s, const Seen *seen, const double *q, double least) {
+    const double *before = seen->q, *l = s->lengths;
+    if (!(seen->free > least) || memcmp(seen->lengths, l, sizeof(double) * (size_t)s->elements) != 0) return 0;
+    for (int node = 0; node <= s->elements; node++, q += DOF, before += DOF) {
+        const double longest = larger(l[node > 0 ? node - 1 : 0], l[node < s->elements ? node : node - 1]);
+        if (!(seen->free - largest_motion(longest, q, before) > least)) return 0; /* what is not a number is near */
+    }
+    return 1;
+}
+
 /* the bodies as the ends hold them */
 static void place_bodies(const System *s, const double *q, const double *v) {
     Surroundings *around = s->around;
@@ -34,7 +50,7 @@ static int look_at(const System *s, const double *q, int k, int first, int last,
         if (with != FIXED && (with == LEFT ? middle : total - middle) < OWN_LENGTH) continue;
         enclosing_box(s->lengths[e], x, x + DOF, box);
         const double distance = least_distance(s, k, box);
-        around->free = smaller(around->free, distance);
+        around->seen.free = smaller(around->seen.free, distance);
         if (!(distance < margin) || around->near[e] & 1u << k) continue;
         around->near[e] |= 1u << k;
         more = around->any = 1;
@@ -47,7 +63,7 @@ static int look(const System *s, const double *q, double margin, unsigned keep) 
     Surroundings *around = s->around;
     double total = 0, at = 0;
     int more = 0;
-    around->free = INFINITY;
+    see(s, &around->seen, q);
     around->longest = around->any = 0;
     for (int e = 0; e < s->elements; total += s->lengths[e++]) {
         around->longest = larger(around->longest, s->lengths[e]);
@@ -58,33 +74,17 @@ static int look(const System *s, const double *q, double margin, unsigned keep) 
         double box[6];
         last = shaft_group(s->elements, s->lengths, q, first, box);
         for (int k = 0; k < around->bodies; k++)
-            if (!(least_distance(s, k, box) >= larger(margin, around->free)))
+            if (!(least_distance(s, k, box) >= larger(margin, around->seen.free)))
                 more |= look_at(s, q, k, first, last, at, total, margin);
         for (int e = first; e < last; e++) at += s->lengths[e];
     }
-    memcpy(around->seen, q, sizeof(double) * DOF * (size_t)(s->elements + 1));
-    memcpy(around->seen_lengths, s->lengths, sizeof(double) * (size_t)s->elements);
     return more;
-}
-
-/* whether nothing can be nearer than margin, by how far the rope and its ends have moved since it was last looked at */
-static int surely_far(const System *s, const double *q, double margin) {
-    const Surroundings *around = s->around;
-    const double *before = around->seen, *l = s->lengths;
-    if (!(around->free > margin)) return 0;
-    if (memcmp(around->seen_lengths, l, sizeof(double) * (size_t)s->elements) != 0) return 0;
-    double moved = 0;
-    for (int node = 0; node <= s->elements; node++, q += DOF, before += DOF) {
-        const double longest = larger(l[node > 0 ? node - 1 : 0], l[node < s->elements ? node : node - 1]);
-        moved = larger(moved, largest_motion(longest, q, before));
-    }
-    return around->free - moved > margin;
 }
 
 void look_for_bodies(const System *s, const double *q, const double *v, double margin) {
     if (s->around == NULL) return;
     s->around->margin = margin;
-    if (!s->around->any && surely_far(s, q, margin)) return;
+    if (!s->around->any && still_free(s, &s->around->seen, q, margin)) return;
     place_bodies(s, q, v);
     look(s, q, margin, 0);
 }
@@ -92,7 +92,7 @@ void look_for_bodies(const System *s, const double *q, const double *v, double m
 int see_more_bodies(const System *s, const double *q, double corrections) {
     if (s->around == NULL || moved_by(corrections, s->around->longest, s->shortest) < s->around->margin) return 0;
     s->around->margin = 0;
-    return !surely_far(s, q, 0) && look(s, q, 0, ~0u);
+    return !still_free(s, &s->around->seen, q, 0) && look(s, q, 0, ~0u);
 }
 
 typedef struct {

@@ -22,9 +22,9 @@ OwnContact *own_contact(const Scene *scene, int elements, void *memory) {
     memset(own, 0, sizeof *own);
     own->scene = scene;
     own->scratch = (double *)(void *)(own + 1);
-    own->seen = own->scratch + OWN_SCRATCH * size;
-    own->seen_lengths = own->seen + size;
-    own->ways = own->seen_lengths + n;
+    own->seen.q = own->scratch + OWN_SCRATCH * size;
+    own->seen.lengths = own->seen.q + size;
+    own->ways = own->seen.lengths + n;
     own->distances = own->ways + n;
     own->where = own->distances + n;
     own->boxes = (double (*)[6])(void *)(own->where + n);
@@ -52,7 +52,7 @@ static double gap_of(const double a[6], const double b[6]) {
     return gap;
 }
 
-/* how many elements to the right may touch this one; own->others says which, own->free how near the nearest may be */
+/* how many elements to the right may touch this one; own->others says which, seen.free how near the nearest may be */
 static int near_elements(const System *s, int element) {
     OwnContact *own = s->own;
     const double diameter = own->scene->rope.diameter;
@@ -61,23 +61,10 @@ static int near_elements(const System *s, int element) {
     for (int e = element + 1; e < s->elements; along += s->lengths[e++]) {
         if (along < APART * diameter) continue;
         const double gap = gap_of(own->boxes[element], own->boxes[e]);
-        own->free = smaller(own->free, gap);
+        own->seen.free = smaller(own->seen.free, gap);
         if (gap < diameter) own->others[number] = e, own->ways[number++] = along;
     }
     return number;
-}
-
-/* whether nothing can touch, by how far the rope has moved since it was last looked at */
-static int surely_apart(const System *s, const double *q) {
-    const OwnContact *own = s->own;
-    const double diameter = own->scene->rope.diameter, *before = own->seen;
-    double longest = 0;
-    if (!(own->free > diameter)) return 0;
-    if (memcmp(own->seen_lengths, s->lengths, sizeof(double) * (size_t)s->elements) != 0) return 0;
-    for (int e = 0; e < s->elements; e++) longest = larger(longest, s->lengths[e]);
-    for (int node = 0; node <= s->elements; node++, q += DOF, before += DOF)
-        if (!(own->free - largest_motion(longest, q, before) > diameter)) return 0; /* what is not a number is near */
-    return 1;
 }
 
 /* where the element is nearest to the point, and how far that is from it */
@@ -163,10 +150,8 @@ int find_rope_touches(const System *s, const double *q, const double *v, double 
     OwnContact *own = s->own;
     const double c[2] = {cq, cv};
     own->number = 0;
-    if (surely_apart(s, q)) return 0;
-    own->free = INFINITY;
-    memcpy(own->seen, q, sizeof(double) * DOF * (size_t)(s->elements + 1));
-    memcpy(own->seen_lengths, s->lengths, sizeof(double) * (size_t)s->elements);
+    if (still_free(s, &own->seen, q, own->scene->rope.diameter)) return 0;
+    see(s, &own->seen, q);
     for (int e = 0; e < s->elements; e++) {
         const double *a = q + (size_t)e * DOF;
         enclosing_box(s->lengths[e], a, a + DOF, own->boxes[e]);

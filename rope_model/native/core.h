@@ -98,6 +98,15 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
 void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, const double *y,
                    double *tension);
 
+/* guards.c: rope_model.simulation.guards, what the guards of the loop see */
+/* how far the loop's lowest point is above its quasi-static place, and horizontally from midway between the ends */
+double guards_rise(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom);
+double guards_sideways(const Arrays *arrays, const LoopBottom *bottom);
+/* the rope hangs at rest */
+void guards_start(const Scene *scene, State *state);
+/* what they see at the state's instant */
+void guards_look(const Scene *scene, State *state);
+
 /* parameters.c: rope_model.parameters, the same bounds and messages with the group's name before, as in
    "rope: Qa = ..."; "" when all is well */
 void check_scene(const Scene *scene, char *message);

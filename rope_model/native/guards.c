@@ -1,6 +1,4 @@
 /* What the guards of the loop see of the present rope: the port of rope_model.simulation.guards. */
-#include "guards.h"
-
 #include <math.h>
 
 #include "shaft.h"

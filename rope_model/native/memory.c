@@ -65,9 +65,9 @@ Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, c
     if (rubs) rope->wires = (double *)(void *)at;
     if (rubs) rope->latest = (double *)(void *)(at + align(sizeof(double) * WIRE_HISTORY * wires));
     rope->around = (Surroundings *)(void *)(at += wire_bytes);
-    rope->around->seen = (double *)(void *)(at + align(sizeof(Surroundings)));
-    rope->around->seen_lengths = rope->around->seen + size;
-    rope->around->near = (unsigned *)(void *)(rope->around->seen_lengths + elements);
+    rope->around->seen.q = (double *)(void *)(at + align(sizeof(Surroundings)));
+    rope->around->seen.lengths = rope->around->seen.q + size;
+    rope->around->near = (unsigned *)(void *)(rope->around->seen.lengths + elements);
     at += align(sizeof(Surroundings)) +
           align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements);
     if (own_bytes > 0) rope->own = own_contact(&rope->scene, elements, at);

@@ -1,10 +1,7 @@
 /* Values of the output signals: the port of rope_model.simulation.signals. */
-#include "signals.h"
-
 #include <math.h>
 #include <string.h>
 
-#include "guards.h"
 #include "simulator.h"
 #include "state_signals.h" /* state_signals: generated */
 

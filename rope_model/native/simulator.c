@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "guards.h"
 #include "cases.h"
 #include "simulator.h"
 

@@ -5,7 +5,7 @@
 #include "chain.h"
 #include "core.h"
 #include "shaft.h"
-#include "signals.h"
+#include "signal_numbers.h" /* generated */
 
 /* A step that nobody has accepted yet, as numerics.generalized_alpha.StepResult; its arrays are the simulator's. */
 typedef struct {
@@ -48,6 +48,14 @@ struct Simulator {
 
 /* memory.c: a simulator of the scene, all its other memory zero; NULL and a message when there is none */
 Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, char *message);
+
+/* response.c: the loop's lowest point, kept while the state stays */
+const LoopBottom *bottom_now(Simulator *rope);
+/* those of the state, into rope->strains */
+void compute_strains(Simulator *rope);
+/* groups that are computed where the equations are, at their numbers in values (SIGNALS) */
+void added_mass_signals(Simulator *rope, double *values);
+void contact_signals(Simulator *rope, double *values);
 
 /* state.c */
 /* whether what was read from elsewhere can be a state of this rope; trial is scratch */
