@@ -58,6 +58,7 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     mesh_pattern.distance_to_due,
     mesh_pattern.transformation_due,
     swivel_phases.frictionless,
+    swivel_phases.released_at,
     swivel_phases.swivel_friction,
     swivel_phases.moment_of_swivel,
     swivel_phases.swivel_excess,

@@ -17,7 +17,7 @@ import casadi as ca
 
 from ..numerics import coupled_newton, generalized_alpha, newton
 from ..numerics.program import no_simplification
-from ..parameters import Accuracy, Layout, Rope, Scene
+from ..parameters import Accuracy, Layout, Rope, Scene, Solver
 from ..physics import (
     accuracy,
     air,
@@ -188,7 +188,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "ErrorSums add_errors(const Scene *scene, const ErrorSums *sums, double bottom, double apart, double h, "
     "const double strains[2], double place, double force)": accuracy.add_errors,
     "double step_error(const StepLimits *limits, double h, double place, double strain)": accuracy.step_error,
-    "double calm_needed(double h, double step_next)": accuracy.calm_needed,
+    "NextStep next_step(const Solver *solver, double h, double step_next, double error, double rejected, double t, "
+    "double calm_since)": accuracy.next_step,
+    "double parts_of(double way, double step_next, double left)": accuracy.parts_of,
     "double end_force_error(const Rope *rope, const ErrorSums *sums)": accuracy.end_force_error,
     "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length)": (
         accuracy.loop_error
@@ -215,6 +217,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     mesh_fit.FittedMesh,
     generalized_alpha.Coefficients,
     accuracy.StepLimits,
+    accuracy.NextStep,
     shaft.Body,
     air.AirLaw,
     contact.Touch,
@@ -224,13 +227,14 @@ DEFINED_HERE: tuple[type[Any], ...] = (
 STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
-        *(Rope, Layout, Scene, *PARTS.values(), EndMotion),
+        *(Rope, Layout, Scene, Solver, *PARTS.values(), EndMotion),
         *(EnergyBalance, accuracy.ErrorSums, Audit, guard.GuardState),
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
 #: numbers of the formulas that switches look at
 CONSTANTS: dict[str, float | tuple[float, ...]] = {
+    "ACCEPT_BELOW": accuracy.ACCEPT_BELOW,
     "FADE_ERROR": mesh_fit.FADE_ERROR,
     "MESH_SHARE": mesh_fit.MESH_SHARE,
     "DUE": mesh_fit.DUE,

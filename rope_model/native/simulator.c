@@ -6,8 +6,6 @@
 #include "cases.h"
 #include "simulator.h"
 
-#define ACCEPT_BELOW 2.
-#define GROW_BELOW 0.05
 #define FARTHEST_START 1e10
 enum { MOST_STEPS = 20000 };
 
@@ -207,9 +205,8 @@ static int64_t steps_left(const Simulator *rope, const State *state) {
 static int accepted_step(Simulator *rope, State *state, double stop, Trial *trial, double *step_next, int *reaches,
                          char *message) {
     const Solver *solver = &rope->scene.solver;
-    double next = fmin(state->step_next, solver->step_max), parts = fmax(ceil((stop - state->t) / next - 1e-9), 1);
-    /* the work that is left may take longer ones, but Newton's method need not converge in much longer ones */
-    parts = fmin(parts, fmax((double)steps_left(rope, state), ceil(0.5 * parts)));
+    double next = fmin(state->step_next, solver->step_max);
+    double parts = parts_of(stop - state->t, next, (double)steps_left(rope, state));
     double h = (stop - state->t) / parts;
     int rejected = 0;
     for (;;) {
@@ -232,16 +229,10 @@ static int accepted_step(Simulator *rope, State *state, double stop, Trial *tria
         parts = 2;
         next = h;
     }
-    const int given_up = trial->error > ACCEPT_BELOW * solver->tolerance;
-    if (rejected || trial->error > GROW_BELOW * solver->tolerance) state->calm_since = trial->t;
-    if (!given_up && trial->error > solver->tolerance)
-        next = fmax(0.5 * h, solver->step_min);
-    else if (trial->t - state->calm_since > calm_needed(h, next) && next < solver->step_max) {
-        next = fmin(2 * next, solver->step_max);
-        state->calm_since = trial->t;
-    }
-    state->counts.given_up += given_up || h > solver->step_max * (1 + 1e-9);
-    *step_next = next;
+    const NextStep then = next_step(solver, h, next, trial->error, rejected, trial->t, state->calm_since);
+    state->calm_since = then.calm_since;
+    state->counts.given_up += (int64_t)then.given_up;
+    *step_next = then.length;
     *reaches = parts == 1;
     return 1;
 }

@@ -30,7 +30,7 @@ void release_swivels(Simulator *rope, State *state) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &rope->scene.swivels[side];
         SwivelState *now = &state->swivels[side];
-        if (swivel->mode != LOCKED_MODE && state->t >= swivel->release_time && now->phase == LOCKED) {
+        if (state->t >= released_at(swivel, now)) {
             now->phase = frictionless(swivel) ? SLIP : STICK;
             now->sign = 1;
             changed = 1;
@@ -43,13 +43,8 @@ void release_swivels(Simulator *rope, State *state) {
 }
 
 double next_release(const Simulator *rope, const State *state) {
-    double next = INFINITY;
-    for (int side = LEFT; side <= RIGHT; side++) {
-        const Swivel *swivel = &rope->scene.swivels[side];
-        if (state->swivels[side].phase == LOCKED && swivel->mode != LOCKED_MODE && swivel->release_time > state->t)
-            next = fmin(next, swivel->release_time);
-    }
-    return next;
+    const Swivel *of = rope->scene.swivels;
+    return fmin(released_at(&of[LEFT], &state->swivels[LEFT]), released_at(&of[RIGHT], &state->swivels[RIGHT]));
 }
 
 typedef struct {

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .elementary import cos, larger, less, sin, smaller, sqrt, where
+from .elementary import both, ceil, cos, either, larger, less, sin, smaller, sqrt, where
 from .estimates import axial_frequency, bending_length
 
 #: of what is asked, what a step may leave: `make promise` on the seed that tunes
@@ -39,6 +39,10 @@ RUBBED_PLACE, RUBBED_STRAIN = 2.0, 4.0
 #: s, and steps: after so much of small errors steps grow.  The loop's place errs by a part that goes with the step's
 #: length, and every change of that sends a wave along the rope, which is the smaller the shorter the step
 CALM, CALM_STEPS = 0.2, 100.0
+#: a step that errs by more than what is allowed makes the next one half as long, and this many times that is rejected
+ACCEPT_BELOW = 2.0
+#: the step grows after errors that were below this part of what is allowed for as long as calm_needed says
+GROW_BELOW = 0.05
 TINY = 1e-300
 #: part of the share that is left when all is used up
 LEAST_LEFT = 0.1
@@ -169,3 +173,38 @@ def calm_needed(h: Any, step_next: Any) -> Any:
     """How long errors have been small (s) at the end of a step ``h`` after which those of ``step_next`` may grow."""
     # half a step early: where a whole number of steps takes as long, rounding would decide
     return smaller(CALM_STEPS * step_next, CALM) - 0.5 * h
+
+
+class NextStep(NamedTuple):
+    """Length (s) of the step to try next, since when (s) errors are small, and 1 where accuracy was given up."""
+
+    length: float
+    calm_since: float
+    given_up: float
+
+
+def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t: Any, calm_since: Any) -> NextStep:
+    """After a step ``h`` to ``t`` with this ``error``, over what is allowed; where that is too large, work ran out.
+
+    ``rejected``: whether longer ones were before.  An error above the tolerance halves the next step, small ones for as
+    long as calm_needed says double it.
+    """
+    calm_since = where(either(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
+    given_up = error > ACCEPT_BELOW * solver.tolerance
+    as_asked = either(given_up, error <= solver.tolerance)
+    grows = both(as_asked, t - calm_since > calm_needed(h, step_next), step_next < solver.step_max)
+    longer = where(grows, smaller(2.0 * step_next, solver.step_max), step_next)
+    return NextStep(
+        where(as_asked, longer, larger(0.5 * h, solver.step_min)),
+        where(grows, t, calm_since),
+        where(either(given_up, h > solver.step_max * (1.0 + 1e-9)), 1.0, 0.0),
+    )
+
+
+def parts_of(way: Any, step_next: Any, left: Any) -> Any:
+    """Number of steps into which the ``way`` (s) is divided where the work that is left allows for so many.
+
+    It may take longer ones than ``step_next``, but Newton's method need not converge in much longer ones.
+    """
+    parts = larger(ceil(way / step_next - 1e-9), 1.0)
+    return smaller(parts, larger(left, ceil(0.5 * parts)))

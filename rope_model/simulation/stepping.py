@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import logging
-import math
 from dataclasses import dataclass, replace
 
 from ..numerics.generalized_alpha import StepResult
-from ..physics.accuracy import calm_needed
+from ..physics.accuracy import ACCEPT_BELOW, next_step, parts_of
 from . import messages
 from .adaptation import transform_if_due, with_loop_yaw
 from .events import locate
@@ -23,10 +22,6 @@ from .switching import chatters, next_release, release_swivels, switch_swivels, 
 
 log = logging.getLogger(__name__)
 
-#: a step that errs by more than what is allowed makes the next one half as long, and this many times that is rejected
-ACCEPT_BELOW = 2.0
-#: the step grows after errors that were below this part of what is allowed for as long as calm_needed says
-GROW_BELOW = 0.05
 #: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
 STEP_WORK = 12
 
@@ -109,9 +104,7 @@ def _accepted_step(
     solver, t = model.scene.solver, state.motion.t
     step_next, cause = min(state.step_next, solver.step_max), ""
     iterations = rejections = 0
-    parts = max(math.ceil((stop - t) / step_next - 1e-9), 1)
-    # the work that is left may take longer ones, but Newton's method need not converge in much longer ones
-    parts = min(parts, max(_steps_left(work_end - state.counts.newton), math.ceil(0.5 * parts)))
+    parts = parts_of(stop - t, step_next, float(_steps_left(work_end - state.counts.newton)))
     h = (stop - t) / parts
     while True:
         result = model.trial(system, state.motion, h)
@@ -132,15 +125,9 @@ def _accepted_step(
             return messages.step_fails(h, solver.step_min, cause)
         h = max(0.5 * h, solver.step_min)
         parts, step_next = 2, h
-    calm_since = t + h if cause or error > GROW_BELOW * solver.tolerance else state.calm_since
-    given_up = error > ACCEPT_BELOW * solver.tolerance
-    if not given_up and error > solver.tolerance:
-        step_next = max(0.5 * h, solver.step_min)
-    elif t + h - calm_since > calm_needed(h, step_next) and step_next < solver.step_max:
-        step_next, calm_since = min(2.0 * step_next, solver.step_max), t + h
-    given_up |= h > solver.step_max * (1.0 + 1e-9)
-    counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=int(given_up))
-    return _Accepted(result, step_next, calm_since, counts, parts == 1)
+    then = next_step(solver, h, step_next, error, bool(cause), t + h, state.calm_since)
+    counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=int(then.given_up))
+    return _Accepted(result, then.length, then.calm_since, counts, parts == 1)
 
 
 def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:

@@ -19,7 +19,7 @@ from .model import RopeModel, ends_of
 from .paths import SIDES
 from .rope_system import ANGLE, Evaluation, RopeSystem
 from .state import Event, RopeState
-from .swivel_phases import frictionless, swivel_excess
+from .swivel_phases import frictionless, released_at, swivel_excess
 
 log = logging.getLogger(__name__)
 
@@ -33,10 +33,9 @@ def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
     """Swivels whose release time has come begin to stick or slip."""
     swivels = list(state.swivels)
     for side, swivel in enumerate((model.scene.left, model.scene.right)):
-        due = swivel.mode != "locked" and state.motion.t >= swivel.release_time
-        if due and state.swivels[side].phase is Phase.LOCKED:
+        if state.motion.t >= released_at(swivel, swivels[side]):
             phase = Phase.SLIP if frictionless(swivel) else Phase.STICK
-            swivels[side] = SwivelState(phase, state.swivels[side].angle, 1.0)
+            swivels[side] = SwivelState(phase, swivels[side].angle, 1.0)
     if swivels == list(state.swivels):
         return state
     state = model.restart(state._replace(swivels=(swivels[0], swivels[1])))
@@ -45,12 +44,7 @@ def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
 
 def next_release(model: RopeModel, state: RopeState) -> float:
     """The next instant at which a locked swivel is released; infinity without one."""
-    times = [
-        swivel.release_time
-        for swivel, now in zip((model.scene.left, model.scene.right), state.swivels, strict=True)
-        if now.phase is Phase.LOCKED and swivel.mode != "locked" and swivel.release_time > state.motion.t
-    ]
-    return min(times, default=np.inf)
+    return float(min(map(released_at, (model.scene.left, model.scene.right), state.swivels)))
 
 
 def excess(system: RopeSystem, motion: Motion) -> float:

@@ -38,6 +38,12 @@ def frictionless(swivel: Any) -> Any:
     return either(swivel.mode == "free", both(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0))
 
 
+def released_at(swivel: Any, now: Any) -> Any:
+    """The instant (s) at which its lock ends; infinite where it is not locked, or for ever."""
+    waits = both(now.phase == Phase.LOCKED, swivel.mode != "locked")
+    return where(waits, swivel.release_time, math.inf)
+
+
 def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
     """Largest moment (N m) of its friction with this coefficient."""
     return where(swivel.mode == "free", 0.0, friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension))
