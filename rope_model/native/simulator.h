@@ -75,6 +75,9 @@ void commit(Simulator *rope, State *state, const Trial *trial);
 void set_powers(const Simulator *rope, State *state);
 /* energies of the state as it is; returns by how much their total changes */
 double update_energies(Simulator *rope, State *state);
+/* the largest of the numbers x (nodes x DOF) where the rope is free, those of r' times `slopes`; infinite when one is
+   no number */
+double largest_of(const System *s, const double *x, double slopes);
 double bottom_of(const Simulator *rope, const State *state, double t);
 const double *end_row(const double *x, int nodes, int side);
 double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,

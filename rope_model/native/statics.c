@@ -25,27 +25,9 @@ static double work_along(const System *s, const double *R, const double *x) {
     return work;
 }
 
-/* largest unbalanced force (N); infinite when one is not a number */
+/* largest unbalanced force, N */
 static double imbalance(const System *s, const double *R) {
-    double largest = 0;
-    for (int node = 0; node <= s->elements; node++, R += DOF)
-        for (int dof = 0; dof < DOF; dof++) {
-            if ((node == 0 || node == s->elements) && !s->free[node != 0][dof]) continue;
-            if (!isfinite(R[dof])) return INFINITY;
-            largest = fmax(largest, fabs(R[dof]) * (dof >= SLOPE && dof < ANGLE ? 1. / s->shortest : 1.));
-        }
-    return largest;
-}
-
-/* of a correction: the largest displacement or turn, and the norm; 0 when a number is not finite */
-static int measure(const System *s, const double *x, double *move, double *norm) {
-    *move = *norm = 0;
-    for (size_t i = 0; i < (size_t)(s->elements + 1) * DOF; i++) {
-        if (!isfinite(x[i])) return 0;
-        *move = fmax(*move, fabs(x[i]));
-        *norm = fmax(*norm, fabs(x[i]) * (i % DOF >= SLOPE && i % DOF < ANGLE ? s->shortest : 1.));
-    }
-    return 1;
+    return largest_of(s, R, 1. / s->shortest);
 }
 
 int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message) {
@@ -63,10 +45,10 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
     refer(rope, state, m.q);
     for (int k = 1; k <= MAX_ITERATIONS && tau >= 1e-7; k++) {
         const double c[3] = {1, 0, pow(tau, -2)};
-        double move, norm;
         chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, now);
         previous = imbalance(&s, now);
-        if (!measure(&s, x, &move, &norm)) {
+        const double move = largest_of(&s, x, 1), norm = largest_of(&s, x, s.shortest); /* x is 0 where it is held */
+        if (!isfinite(move)) {
             tau *= 0.1;
             continue;
         }

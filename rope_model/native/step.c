@@ -99,14 +99,14 @@ static const double *resolved_change(Simulator *rope, const Chain *chain, const 
     return rope->x;
 }
 
-/* the largest change of a free acceleration, m/s^2 */
-static double largest_change(const System *s, const double *change) {
+double largest_of(const System *s, const double *x, double slopes) {
     double largest = 0;
-    for (int k = 0; k <= s->elements; k++, change += DOF) {
-        const int *held = k == 0 ? s->free[LEFT] : k == s->elements ? s->free[RIGHT] : NULL;
+    for (int k = 0; k <= s->elements; k++, x += DOF) {
+        const int *free = k == 0 ? s->free[LEFT] : k == s->elements ? s->free[RIGHT] : NULL;
         for (int dof = 0; dof < DOF; dof++) {
-            const double size = fabs(change[dof]) * (dof >= SLOPE && dof < ANGLE ? s->shortest : 1.);
-            if (size > largest && (held == NULL || held[dof])) largest = size;
+            if (free != NULL && !free[dof]) continue;
+            if (!isfinite(x[dof])) return INFINITY;
+            largest = fmax(largest, fabs(x[dof]) * (dof >= SLOPE && dof < ANGLE ? slopes : 1.));
         }
     }
     return largest;
@@ -159,7 +159,7 @@ Trial trial_step(Simulator *rope, State *state, double h) {
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
     const double *change = resolved_change(rope, chain, &s, c[2], old.a);
-    trial.place = local_error(&method, h, largest_change(&s, change));
+    trial.place = local_error(&method, h, largest_of(&s, change, s.shortest));
     double largest = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const size_t at = (side ? size - DOF : 0) + SLOPE + 1;
