@@ -13,12 +13,12 @@ from benchmarks.kinematic import fixed_steps
 from evidence.choice.scenes import smooth_step
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Stations
 from rope_model.physics.estimates import loop_width, natural_width
+from rope_model.physics.stress import material_values
 from rope_model.simulation.diagnostics import interpolate_midpoints, shape, shape_places
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.signal_table import SHAPE_POINTS, SIGNALS
-from rope_model.simulation.signals import nominal_stresses
 from rope_model.simulation.simulator import RopeSimulator
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
@@ -99,7 +99,7 @@ def test_torsion_at_rest_is_that_of_the_torque_all_along() -> None:
 
 def test_stress_in_the_middle_of_an_element_is_that_of_the_element() -> None:
     rope = move(SHORT, 130)
-    bending, _ = nominal_stresses(SHORT.rope, rope.system.strains(rope.state.motion.q), "torsional")
+    bending, *_ = material_values(SHORT.rope, 1.0, rope.system.strains(rope.state.motion.q).T)
     lengths = rope.state.partition.lengths
     middles = arc_lengths(lengths)[1:] - 0.5 * lengths
     assert_allclose(interpolate_midpoints(bending, lengths, middles), bending, rtol=1e-9)

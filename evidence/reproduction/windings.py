@@ -14,9 +14,9 @@ from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, rope_120
+from rope_model.physics.stress import material_values
 from rope_model.simulation.mesh import fit_mesh
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.signals import nominal_stresses
 
 Array = NDArray[np.float64]
 
@@ -58,8 +58,8 @@ class Stresses:
         python.restore(state)
         self.bottom.append(python.loop.s)
         self.nodes.append(arc_lengths(state.partition.lengths))
-        strains = python.system.strains(state.motion.q)
-        self.values.append((*nominal_stresses(rope.scene.rope, strains, state.fidelity), np.abs(strains[:, 1])))
+        strains, torsional = python.system.strains(state.motion.q), float(state.fidelity == "torsional")
+        self.values.append((*material_values(rope.scene.rope, torsional, strains.T)[:2], np.abs(strains[:, 1])))
 
 
 def follow(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding:

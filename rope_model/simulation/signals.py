@@ -7,7 +7,6 @@ from typing import Protocol
 
 import numpy as np
 
-from ..parameters import Rope
 from ..physics.accuracy import end_force_error, loop_error
 from ..physics.estimates import loop_width
 from ..physics.frame import conveyance_load
@@ -19,7 +18,6 @@ from .adaptation import nearest_turn
 from .audit import signal_values as audit_values
 from .diagnostics import LoopBottom, direction, interpolate_midpoints, leg_clearance, shape, shape_places, tension
 from .ends import Phase
-from .fidelity import Fidelity
 from .guards import rise
 from .paths import SIDES
 from .rigid import rigid_tension
@@ -100,8 +98,7 @@ def clearance_signals(rope: Evaluated) -> dict[str, float]:
 
 def stress_signals(rope: Evaluated) -> dict[str, float]:
     """Largest stress norms, and twist."""
-    strains = rope.system.strains(rope.state.motion.q)
-    (bending, torsion), tau = nominal_stresses(rope.scene.rope, strains, rope.state.fidelity), strains[:, 1]
+    bending, torsion, _, _, tau = _material(rope)
     at_bottom = int(np.searchsorted(np.cumsum(rope.state.partition.lengths), rope.loop.s))
     return {
         "left.twist": float(tau[0]),
@@ -145,10 +142,9 @@ def shape_signals(rope: Evaluated) -> dict[str, float]:
 
 def along_signals(rope: Evaluated) -> dict[str, float]:
     """Places, tension and stresses at the points of the shape."""
-    state, lengths = rope.state, rope.state.partition.lengths
+    lengths = rope.state.partition.lengths
     s = shape_places(lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
-    stresses = nominal_stresses(rope.scene.rope, rope.system.strains(state.motion.q), state.fidelity)
-    bending, torsion = (interpolate_midpoints(stress, lengths, s) for stress in stresses)
+    bending, torsion = (interpolate_midpoints(stress, lengths, s) for stress in _material(rope)[:2])
     return _rows("shape", {"s": s, "tension": pull_at(rope, s), "bending": bending, "torsion": torsion})
 
 
@@ -156,19 +152,14 @@ def station_signals(rope: Evaluated) -> dict[str, float]:
     """Tension, curvature and torque at places that stay in the rope."""
     where, lengths = rope.scene.station, rope.state.partition.lengths
     s = float(np.sum(lengths)) * np.linspace(where.first, where.last, SHAPE_POINTS)
-    values = _along(rope.scene.rope, rope.system.strains(rope.state.motion.q), rope.state.fidelity)[2:]
-    curvature, torque = (interpolate_midpoints(of_elements, lengths, s) for of_elements in values)
+    curvature, torque = (interpolate_midpoints(values, lengths, s) for values in _material(rope)[2:4])
     return _rows("station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque})
 
 
 def pull_at(rope: Evaluated, s: Array) -> Array:
     """Tension (N) at arc lengths ``s`` (m)."""
-    m, lengths, rho, gravity = (
-        rope.state.motion,
-        rope.state.partition.lengths,
-        rope.scene.rope.mass_per_length,
-        rope.scene.layout.gravity,
-    )
+    m, lengths = rope.state.motion, rope.state.partition.lengths
+    rho, gravity = rope.scene.rope.mass_per_length, rope.scene.layout.gravity
     if rope.state.fidelity == "rigid":
         y = interpolate(m.q, arc_lengths(lengths), s)[:, 1]
         return rigid_tension(m, s, y, rho, gravity)
@@ -179,15 +170,10 @@ def _rows(of: str, rows: dict[str, Array]) -> dict[str, float]:
     return {f"{of}.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
 
 
-def nominal_stresses(data: Rope, strains: Array, fidelity: Fidelity) -> tuple[Array, Array]:
-    """Bending and torsional stress norm (Pa) of each element as in a solid round bar.
+def _material(rope: Evaluated) -> tuple[Array, ...]:
+    """Bending and torsional stress norm (Pa), curvature (1/m), torque (N m) and twist (rad/m) of each element.
 
-    Bending is root mean square along the element; ``strains`` (elements, 3) are those of RopeSystem.strains.
-    Without torsion there is no torque.
+    Stresses as in a solid round bar; bending is root mean square along it.  Without torsion there is no torque.
     """
-    bending, torsion, _, _ = _along(data, strains, fidelity)
-    return bending, torsion
-
-
-def _along(data: Rope, strains: Array, fidelity: Fidelity) -> tuple[Array, ...]:
-    return material_values(data, float(fidelity == "torsional"), strains.T)
+    strains = rope.system.strains(rope.state.motion.q)
+    return *material_values(rope.scene.rope, float(rope.state.fidelity == "torsional"), strains.T), strains[:, 1]
