@@ -7,12 +7,6 @@
 #include "cases.h"
 #include "simulator.h"
 
-#define RELAXATION_TIME 0.1
-/* rigid */
-#define SETTLING_TIME 0.1
-#define SETTLING_TOLERANCE 1e-7
-#define DIFFERENCE 2e-3
-
 /* a transformed rope with its energy change in the energy_balance */
 static void record_energy_change(Simulator *rope, State *state) {
     const double kinetic = state->energy_balance.kinetic, change = update_energies(rope, state);

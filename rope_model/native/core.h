@@ -11,8 +11,6 @@ static const char *const SIDE_NAMES[2] = {"left", "right"};
 
 /* mesh.c; messages have room for MESSAGE bytes and are "" when all is well.  `bottom` is the arc length of the loop's
    lowest point by the ends' heights. */
-/* a step does not carry the loop further than this many l past a transformation that is due */
-#define MESH_LATEST 0.25
 /* of the elements at the loop, m */
 double mesh_fine_length(const Pattern *pattern, const double *lengths);
 Mesh mesh_fit(const Scene *scene);

@@ -10,7 +10,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
-from itertools import product
+from itertools import accumulate, product
 from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import casadi as ca
@@ -43,7 +43,22 @@ from ..physics import (
     wire_friction,
 )
 from ..shaft_parameters import FAR, PARTS
-from ..simulation import audit, bracket, diagnostics, ends, mesh_fit, statics, warning_cases
+from ..simulation import (
+    adaptation,
+    audit,
+    bracket,
+    diagnostics,
+    ends,
+    hang,
+    mesh,
+    mesh_fit,
+    rigid,
+    simulator,
+    statics,
+    stepping,
+    switching,
+    warning_cases,
+)
 from ..simulation import shaft as shaft_search
 from ..simulation.audit import Audit
 from ..simulation.paths import EndMotion, EndPath
@@ -232,8 +247,28 @@ STRUCTURES: dict[str, type[Any]] = {
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
-#: numbers of the formulas that switches look at
+#: numbers of the formulas and of the control flow
 CONSTANTS: dict[str, float | tuple[float, ...]] = {
+    "FARTHEST_START": simulator.FARTHEST_START,
+    "MOST_STEPS": simulator.MOST_STEPS,
+    "STEP_WORK": stepping.STEP_WORK,
+    "LARGEST_GROWTH": generalized_alpha.LARGEST_GROWTH,
+    "EVENT_WIDTH": switching.EVENT_WIDTH,
+    "CHATTER_TIME": switching.CHATTER[1],
+    "MESH_LATEST": mesh.LATEST,
+    "LEG_LENGTHS": mesh.LEG_LENGTHS,
+    "GRADING": mesh.GRADING,
+    "RELAXATION_TIME": adaptation.RELAXATION_TIME,
+    "SETTLING_TIME": rigid.SETTLING_TIME,
+    "SETTLING_TOLERANCE": rigid.NEWTON_TOLERANCE,
+    "DIFFERENCE": rigid.DIFFERENCE,
+    "SETTLED": statics.SETTLED,
+    "BALANCED": statics.BALANCED,
+    "CURVATURE_STEPS": hang.CURVATURE_STEPS,
+    "TWIST_STEP": hang.TWIST_STEP,
+    "LEAST_TWIST_STEP": hang.LEAST_TWIST_STEP,
+    "MOST_TURN": hang.MOST_TURN,
+    "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
     "ACCEPT_BELOW": accuracy.ACCEPT_BELOW,
     "FADE_ERROR": mesh_fit.FADE_ERROR,
     "MESH_SHARE": mesh_fit.MESH_SHARE,

@@ -5,11 +5,6 @@
 #include "messages.h"
 #include "simulator.h"
 
-#define TWIST_STEP 1.
-#define LEAST_TWIST_STEP 0.01
-#define MOST_TURN 2.
-enum { CURVATURE_STEPS = 8 };
-
 /* the state at rest in equilibrium */
 static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn, char *message) {
     const Arrays m = state_arrays(state);

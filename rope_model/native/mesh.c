@@ -5,8 +5,8 @@
 
 #include "cases.h"
 
-enum { GRADING = 2, LENGTHS = 11 };
-static const int LEG_LENGTHS[LENGTHS] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
+static const int LONGER[] = LEG_LENGTHS;
+enum { LENGTHS = sizeof LONGER / sizeof *LONGER };
 
 static int as_int(double x) {
     return x < INT_MAX ? (int)x : INT_MAX;
@@ -41,7 +41,7 @@ static int fill_leg(int units, double growth, double *lengths, int stride) {
     for (int at = 0, size; at < units; at += size, count++) {
         size = 1;
         for (int k = 0; growth > 0 && k < LENGTHS; k++) {
-            int longer = LEG_LENGTHS[k], gap = units - (at + longer);
+            int longer = LONGER[k], gap = units - (at + longer);
             if (longer > at || gap < GRADING * (longer - 1) || gap * growth < (double)(longer * longer)) break;
             if (at % longer == 0) size = longer;
         }

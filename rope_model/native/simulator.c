@@ -6,9 +6,6 @@
 #include "cases.h"
 #include "simulator.h"
 
-#define FARTHEST_START 1e10
-enum { MOST_STEPS = 20000 };
-
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) {
     message[0] = '\0';
     check_scene(scene, message);

@@ -14,9 +14,6 @@ typedef struct {
     Progress newton;
 } Trial;
 
-/* Newton iterations that a step is reckoned to take where they are bounded */
-enum { STEP_WORK = 12 };
-
 struct Simulator {
     Scene scene;
     Memory memory;

@@ -12,12 +12,6 @@ enum { MAX_ITERATIONS = 10000 };
 /* m, or rad */
 #define LARGEST_MOVE 0.3
 
-/* s */
-#define SETTLED 1e3
-
-/* corrections with forces balanced to rounding, after which what still moves costs no energy */
-enum { BALANCED = 200 };
-
 /* what the residual R does along x, which is zero where the rope is held */
 static double work_along(const System *s, const double *R, const double *x) {
     double work = 0;

@@ -5,8 +5,6 @@
 
 #include "simulator.h"
 
-/* a rate of change of the acceleration taken over a step this much shorter than the next is mostly noise */
-#define LARGEST_GROWTH 5.
 const double *end_row(const double *x, int nodes, int side) {
     return x + (side ? (size_t)(nodes - 1) * DOF : 0);
 }

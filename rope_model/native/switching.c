@@ -6,11 +6,6 @@
 #include "cases.h"
 #include "simulator.h"
 
-/* s: width to which events are located */
-#define EVENT_WIDTH 1e-9
-/* CHATTER_EVENTS switchings within so many s are no motion of a rope */
-#define CHATTER_TIME 1e-3
-
 /* event function of one swivel */
 static double excess_of(const Simulator *rope, const State *state, int side, double t, const Arrays *m) {
     const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);

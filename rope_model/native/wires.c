@@ -5,13 +5,8 @@
 
 #include "simulator.h"
 
-/* where in the element the length of rope begins that a point stands for: the first sum of weights, in parts of 1 */
-static double cell_begin(int point) {
-    static const double weights[] = WIRE_WEIGHTS;
-    double sum = 0;
-    for (int k = 0; k < point; k++) sum += weights[k];
-    return sum;
-}
+/* where in the element the length of rope begins and ends that a point stands for, in parts of 1 */
+static const double CELLS[] = WIRE_CELLS;
 
 static double *memory_of(const Simulator *rope, int element) {
     return rope->wires + (ptrdiff_t)element * WIRE_HISTORY;
@@ -73,7 +68,7 @@ static void mean_between(const double *z, const double *s, int elements, double 
     memset(mean, 0, 3 * sizeof *mean);
     for (int e = 0; e < elements && s[e] < to; e++)
         for (int k = 0; s[e + 1] > from && k < WIRE_POINTS; k++) {
-            const double l = s[e + 1] - s[e], begin = s[e] + l * cell_begin(k), end = s[e] + l * cell_begin(k + 1);
+            const double l = s[e + 1] - s[e], begin = s[e] + l * CELLS[k], end = s[e] + l * CELLS[k + 1];
             const double *own = z + (ptrdiff_t)e * WIRE_Z + 3 * k;
             const double part = (fmin(end, to) - fmax(begin, from)) / (to - from);
             if (fabs(begin - from) <= close && fabs(end - to) <= close) {
@@ -91,6 +86,6 @@ void carry_wires(Simulator *rope, State *state, const double *old_s) {
     memcpy(before, m.z, sizeof(double) * WIRE_Z * (size_t)m.elements);
     for (int e = 0; e < m.elements; e++)
         for (int k = 0; k < WIRE_POINTS; k++)
-            mean_between(before, old_s, m.elements, m.s[e] + m.lengths[e] * cell_begin(k),
-                         m.s[e] + m.lengths[e] * cell_begin(k + 1), m.z + (ptrdiff_t)e * WIRE_Z + 3 * k);
+            mean_between(before, old_s, m.elements, m.s[e] + m.lengths[e] * CELLS[k],
+                         m.s[e] + m.lengths[e] * CELLS[k + 1], m.z + (ptrdiff_t)e * WIRE_Z + 3 * k);
 }
