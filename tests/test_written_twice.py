@@ -183,15 +183,24 @@ def test_no_formula_is_defined_by_hand_as_well() -> None:
     assert not generated & set(count_arithmetic())
 
 
-def c_lines() -> int:
-    """Of code, by hand, that Python has too."""
+def lines_of_c() -> dict[str, int]:
+    """Of code, by hand, that Python has too, by file."""
     files = [path for path in c_files() if not path.name.startswith(CHAIN) and path.name not in C_ALONE]
-    return sum(bool(line.strip()) for path in files for line in without_comments(path.read_text("utf-8")).splitlines())
+    texts = {path.name: without_comments(path.read_text("utf-8")) for path in files}
+    return {name: sum(bool(line.strip()) for line in text.splitlines()) for name, text in texts.items()}
+
+
+def lines_of_python() -> dict[str, int]:
+    """Of code, by hand, that C has too, by module."""
+    return {Path(name).name: code_lines((ROPE / name).read_text(encoding="utf-8")) for name in TWICE}
+
+
+def c_lines() -> int:
+    return sum(lines_of_c().values())
 
 
 def python_lines() -> int:
-    """Of code, by hand, that C has too."""
-    return sum(code_lines((ROPE / name).read_text(encoding="utf-8")) for name in TWICE)
+    return sum(lines_of_python().values())
 
 
 def code_lines(text: str) -> int:
@@ -222,3 +231,14 @@ def test_the_page_on_architecture_has_these_numbers() -> None:
     }.items():
         (line,) = [line for line in page.splitlines() if line.startswith(f"| {row}")]
         assert f"| {now}" in line, row
+
+
+def test_the_page_on_architecture_tells_every_module_by_kind() -> None:
+    page = (ROPE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    table = page[page.index("| kind | in C | lines |") :].splitlines()[2:]
+    rows = [[cell.strip() for cell in row.split("|")[1:-1]] for row in table]
+    for column, lines in ((1, lines_of_c()), (3, lines_of_python())):
+        names = [re.findall(r"`(.+?)`", row[column]) for row in rows]
+        assert sorted(name for kind in names for name in kind) == sorted(lines)
+        now = {row[0]: str(sum(lines[name] for name in kind)) for row, kind in zip(rows, names, strict=True)}
+        assert {row[0]: row[column + 1] for row in rows} == now
