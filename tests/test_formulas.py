@@ -126,8 +126,9 @@ def test_c_computes_the_formula_to_the_bit(compiled: Any, prototype: str) -> Non
     else:
         taker = arguments.pop()
     own_hypot = "hypot" in function_code(prototype, formula)
+    symbols = [symbols_of(argument) for argument in arguments]
     for _ in range(200):
-        values = [with_numbers(symbols_of(argument), chance) for argument in arguments]
+        values = [with_numbers(symbol, chance) for symbol in symbols]
         expected = flat(formula(*values))
         given = [in_c(value, argument.kind) for value, argument in zip(values, arguments, strict=True)]
         if result == "void":

@@ -19,9 +19,10 @@ def largest_miss(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarr
     for h in steps:
         given = EndMotion(y=jerk * t**3 / 6, vy=jerk * t**2 / 2, ay=jerk * t)
         path, last = path.to(t + h, given.extrapolate(h), last), h
-        for s in t + h * np.linspace(0, 1, 21):
-            truth = np.array([jerk * s**3 / 6, jerk * s**2 / 2, jerk * s])
-            largest = np.maximum(largest, np.abs(np.array(path.motion(s))[:, 1] - truth))
+        s = t + h * np.linspace(0, 1, 21)
+        truth = np.array([jerk * s**3 / 6, jerk * s**2 / 2, jerk * s])
+        along = np.array([motion[1] for motion in path.motion(s)])
+        largest = np.maximum(largest, np.abs(along - truth).max(axis=1))
         t += h
     return largest
 

@@ -183,7 +183,7 @@ def test_a_whole_life_with_failed_calls_is_clean(checker: str, tmp_path: Path) -
     needed = ("cc", "valgrind") if checker == "valgrind" else ("cc",)
     if not LINUX or (missing := [x for x in needed if not shutil.which(x)]):
         pytest.skip(f"needs Linux and {', '.join(needed if not LINUX else missing)}")
-    flags = ["-g", "-O0" if checker == "malloc" else "-O1"]
+    flags = ["-O0"] if checker == "malloc" else ["-g", "-O1"]
     flags += ["-fsanitize=address,undefined", "-fno-sanitize-recover"] if checker == "sanitizers" else []
     compile_sources(
         tmp_path, rope_sources() | own_sources(2), *flags, "-fPIC", "-shared", "-fvisibility=hidden", "-o", "rope.so"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ BRAKED = Hoist(brake=Brake(torque=3e5))
 WINDOW = 0.6
 
 
+@cache
 def wound(law: EmergencyLaw = "drive", window: float = WINDOW, **run: Path) -> Result:
     rope = rope_in_process("rope-120", level="draft", parameters={"guard.window": window, "model.fidelity": 1})
     return Host(rope, BRAKED, replace(WINDING, emergency_law=law), Coupling()).run(**run)  # type: ignore[arg-type]
