@@ -87,7 +87,7 @@ def bounce(t: float) -> tuple[EndMotion, EndMotion]:
 SWIVEL = Swivel(mode="coulomb", release_time=0.5)
 SHORT = Rope(length=60.0, installed_twist=1.5)
 #: a correction about as large as the tolerance may be the last one in one form and not in the other
-CLOSE = Solver(step_max=0.04, newton_tolerance=1e-9)
+CLOSE = Solver(step_max=0.04, newton_tolerance=1e-10)
 CASES: dict[str, tuple[Scene, Motions, float, float]] = {
     "winding": (rope_120().scene, winding(90.0, 8.0), 5.0, 0.01),
     "coarse levels": (rope_120("draft").scene, winding(90.0, 8.0), 6.0, 0.02),
