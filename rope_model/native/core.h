@@ -60,9 +60,9 @@ void shape_places(double total, double bottom_s, double loop, int points, double
 void shape_points(int nodes, const double *q, const double *s, int points, const double *at, double *xyz);
 /* tension (points) at the places, which ascend, by the balance of momentum to the left of them */
 void shape_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, double *tension);
-/* the last element whose middle is not right of `at`, or the first one; what has `value` in the middle of this element
+/* from k on the last element whose middle is not right of `at`, or k; what has `value` in the middle of this element
    k and `next` in that of the following one, linear in between and constant beyond the outermost: numpy.interp */
-int shape_middle_before(int nodes, const double *s, double at);
+int shape_middle_before(int nodes, const double *s, int k, double at);
 double shape_interpolate_midpoints(int nodes, const double *s, int k, double at, double value, double next);
 /* q (nodes x DOF); message "" when all is well */
 void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,

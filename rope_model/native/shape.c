@@ -93,8 +93,7 @@ void shape_tension(const Arrays *arrays, double rho, double gravity, int points,
     }
 }
 
-int shape_middle_before(int nodes, const double *s, double at) {
-    int k = 0;
+int shape_middle_before(int nodes, const double *s, int k, double at) {
     while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at) k++;
     return k;
 }
@@ -231,7 +230,7 @@ LoopTurns shape_loop_turns(const Arrays *m, const LoopBottom *bottom) {
 
 /* length of the elements at arc length `at`, interpolated between their middles */
 static double cell_at(int nodes, const double *s, double at) {
-    int k = shape_middle_before(nodes, s, at);
+    int k = shape_middle_before(nodes, s, 0, at);
     return shape_interpolate_midpoints(nodes, s, k, at, s[k + 1] - s[k], k < nodes - 2 ? s[k + 2] - s[k + 1] : 0.0);
 }
 

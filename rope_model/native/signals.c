@@ -88,11 +88,12 @@ static void shape_signals(Simulator *rope, double *values) {
         for (int axis = 0; axis < 3; axis++) values[SIGNAL_SHAPE_X_1 + SHAPE_POINTS * axis + i] = xyz[i][axis];
 }
 
-/* a value of the material at arc lengths `at`, linear between the middles of the elements */
+/* a value of the material at arc lengths `at`, which ascend, linear between the middles of the elements */
 static void along(const Simulator *rope, const double *at, int which, double *values) {
     const Arrays m = state_arrays(rope->state);
-    for (int i = 0; i < SHAPE_POINTS; i++) {
-        const int k = shape_middle_before(m.nodes, m.s, at[i]), next = k < m.nodes - 2 ? k + 1 : k;
+    for (int i = 0, k = 0; i < SHAPE_POINTS; i++) {
+        k = shape_middle_before(m.nodes, m.s, k, at[i]);
+        const int next = k < m.nodes - 2 ? k + 1 : k;
         values[i] = shape_interpolate_midpoints(m.nodes, m.s, k, at[i], material_value(rope, k, which),
                                                 material_value(rope, next, which));
     }
