@@ -153,13 +153,13 @@ def test_a_nonlinear_pendulum_is_integrated_with_order_two(pattern: tuple[float,
 @cache
 def rope_reference() -> Motion:
     system, start = soft_rope()
-    return integrate(system, start, 0.8, 2560, CONSTANT, 1.0)
+    return integrate(system, start, 0.8, 3840, CONSTANT, 1.0)
 
 
 def rope_errors(pattern: tuple[float, ...], rho: float, recentre: bool = True) -> list[Array]:
     system, start = soft_rope()
     exact, errors = rope_reference(), []
-    for steps in (160, 320):
+    for steps in (240, 480):
         m = integrate(system, start, 0.8, steps, pattern, rho, recentre)
         difference = m.q - exact.q, m.v - exact.v, (m.reaction - exact.reaction)[[0, -1]]
         errors.append(np.array([np.linalg.norm(x) for x in difference]))
