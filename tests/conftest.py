@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,6 +37,17 @@ if os.name == "posix" and "OPTIMISING_CC" not in os.environ and len(compiler := 
 # examples are bounded by their number: a busy machine is no failure
 settings.register_profile("seeded", deadline=None, derandomize=True)  # the same examples every time
 settings.load_profile("seeded")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Collects the tests without searching for garbage, a fifth of its time, and searches what is there no more."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
 
 
 @pytest.fixture(scope="session")
