@@ -117,17 +117,33 @@ static int part_above(const double *first, int stride, double height, double par
     return n;
 }
 
+static int rises(int points, double point[LEG][3]) {
+    int rising = 1;
+    for (int n = 1; n < points; n++) rising &= point[n][1] >= point[n - 1][1];
+    return rising;
+}
+
+/* whether what is this far off, or further, is no nearer than the root of `least` */
+static int out_of_reach(double off, double least) {
+    return off > 0 && off * off >= least;
+}
+
 /* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least`, and
-   the point's height; what is too high or too low for that is passed over */
+   the point's height; what is too high or too low for that is passed over, and on legs that rise all along all that is
+   below the one or above the other */
 static double smallest_squared(int points, double point[LEG][3], int corners, double corner[LEG][3], double least,
                                double *height) {
+    const int rising = rises(points, point) && rises(corners, corner);
+    int first = 0;
     for (int m = 0; m + 1 < corners; m++) {
         const double *start = corner[m], *stop = corner[m + 1];
         const double low = smaller(start[1], stop[1]), high = larger(start[1], stop[1]);
         const double along[3] = {stop[0] - start[0], stop[1] - start[1], stop[2] - start[2]};
-        for (int n = 0; n < points; n++) {
-            const double off = larger(low - point[n][1], point[n][1] - high);
-            if (off > 0 && off * off >= least) continue;
+        while (rising && first < points && out_of_reach(low - point[first][1], least)) first++;
+        for (int n = first; n < points; n++) {
+            const double above = point[n][1] - high;
+            if (rising && out_of_reach(above, least)) break;
+            if (out_of_reach(larger(low - point[n][1], above), least)) continue;
             const double found = squared_distance(point[n], start, along);
             if (found < least) least = found, *height = point[n][1];
         }
