@@ -14,8 +14,8 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Layout, Rope, Scene, Swivel, SwivelMode
 
-#: seeds; scenes of 31 showed what short waves on the legs ask of the mesh, one of 32 what torsional waves ask of it
-TUNE, JUDGE = 30, 33
+#: seeds; scenes of 31 and 33 showed what waves on the legs ask of the mesh, one of 32 what torsional waves ask of it
+TUNE, JUDGE = 30, 34
 #: of steel wire ropes: d^2 (m^2) per mass per length; Qd (N m^2) over EA d^2
 SECTION, TORSION = 2.42e-4, (0.008, 0.02)
 #: Qb and Qc over EA d, at most as published; and over sqrt(EA Qd), beyond which the energy is not positive
