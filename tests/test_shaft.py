@@ -29,6 +29,7 @@ from rope_model import (
     HeadRopes,
     Lining,
     Mesh,
+    Model,
     Rope,
     RopeSimulator,
     Scene,
@@ -278,6 +279,15 @@ def test_legs_that_pass_through_each_other_without_any_yaw_are_counted() -> None
         counted.append((abs(seen.crossing.net), seen.crossing.number))
     assert counted == [(0.0, 0.0), (1.0, 1.0), (0.0, 2.0)]
     assert abs(seen.loop_yaw) < 0.1
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+@pytest.mark.parametrize("fidelity", ["planar", "rigid"])
+def test_a_rope_whose_right_end_hangs_left_of_its_left_end_has_passed_through_nothing(form: Any, fidelity: Any) -> None:
+    rope = balance_rope(Scene(Rope(length=15.0, Qb=0.0, Qc=0.0), model=Model(fidelity)), form)
+    assert rope.initialize(0.0, EndMotion(x=4.0), EndMotion()).valid
+    seen = rope.signals(("loop.yaw", "loop.turns", "loop.crossings"))
+    assert [*seen.values()] == [math.pi, 0.0, 0.0]
 
 
 @cache

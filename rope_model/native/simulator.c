@@ -141,6 +141,7 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
     state->calm_since = t;
+    state->loop_yaw = shape_direction(&m);
     if (!(state->fidelity == RIGID ? rigid_state(rope, state, t, message) : hang(rope, state, message))) return 0;
     begin_rubbing(rope, state);
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
@@ -341,9 +342,7 @@ void rope_save(const Simulator *rope, void *to) {
 
 int rope_restore(Simulator *rope, const void *from, size_t bytes) {
     State *state = rope->next;
-    if (bytes != rope->state_bytes) {
-        return say_wrong_number_of_bytes(rope->message, (int)bytes, (int)rope->state_bytes);
-    }
+    if (bytes != rope->state_bytes) return say_wrong_number_of_bytes(rope->message, (int)bytes, (int)rope->state_bytes);
     memcpy(state, from, bytes);
     if (!state_plausible(rope, state)) return say_bytes_are_no_state(rope->message);
     refer(rope, state, state_arrays(state).q);

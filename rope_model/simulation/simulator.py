@@ -23,7 +23,7 @@ from ..physics.outline import suspension_points
 from . import messages
 from .adaptation import raise_fidelity
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
-from .diagnostics import LoopBottom, loop_bottom
+from .diagnostics import LoopBottom, direction, loop_bottom
 from .ends import HangingEnds, Phase, SwivelState, refusal, right_offset
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
 from .guards import at_rest, with_guards
@@ -197,7 +197,7 @@ class RopeSimulator(BalanceRope):
                 last_interval=scene.solver.step_max,
                 force_mean=(0.0, 0.0),
                 calm_since=t,
-                loop_yaw=0.0,
+                loop_yaw=direction(guess),
                 fidelity=fidelity,
                 fidelity_reason=reason,
             )
