@@ -41,16 +41,19 @@ int shape_lowest_node(int nodes, const double *q);
 /* yaw of the line from the left to the right end */
 double shape_direction(const Arrays *m);
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s);
-/* scratch: 3 * 161 doubles and more are on the stack */
+/* smallest free distance of the legs `above` or more over the lowest point, and the height of it */
 typedef struct {
     double distance, y;
 } LegClearance;
+/* scratch: some 10 kB on the stack */
 LegClearance shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                                  double diameter, double above);
 /* turns of one side of the rope about the other, over the height, and the height around which they change most */
 typedef struct {
     double number, sharpest_y;
 } LoopTurns;
+/* whether neither leg comes near the other, nor has turned by more than a quarter against the line `across`, which
+   leads from left to right: diagnostics.legs_apart */
 int shape_legs_apart(const Arrays *m, const double across[2], double diameter, double above);
 LoopTurns shape_loop_turns(const Arrays *m, const LoopBottom *bottom);
 /* at (points): arc lengths from end to end, denser around the loop's lowest point; total: length of the rope;

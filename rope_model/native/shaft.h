@@ -13,7 +13,7 @@ typedef struct {
 int shaft_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies);
 /* where the rope is nearest to the bodies of each kind now */
 void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
-/* the same where that is nearer than `nearest` says; the number of bodies */
+/* the same where that is nearer than `nearest` says */
 void shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
 /* the box around some elements from first on, as body_least_distance takes it; the element behind the last of them */
 int shaft_group(int elements, const double *lengths, const double *q, int first, double box[6]);

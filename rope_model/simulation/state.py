@@ -95,7 +95,7 @@ class Nearest(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """How often one side of the rope has passed through the other, and how far they lay in each other before that; see
+    """How often one side of the rope has passed through the other, and how far the legs lay in each other; see
     simulation.shaft.
     """
 
