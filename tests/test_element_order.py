@@ -67,8 +67,8 @@ def test_with_torsion_in_space_they_do_so_but_for_the_coupling(coupling: float, 
     np.testing.assert_allclose(orders[-1], order, atol=0.2)
 
 
-def torsional_wave(P: Array, l: float, k: float) -> float:
-    """Frequency (rad/s) of the slowest wave of wave number ``k`` (1/m) along equal straight elements."""
+def waves(P: Array, l: float, k: float) -> Array:
+    """Frequencies (rad/s) of the waves of wave number ``k`` (1/m) along equal straight elements, slowest first."""
     q, none = np.zeros(14), np.zeros(14)
     q[[3, 7, 10]] = 1.0, l, 1.0
     F = np.asarray(ELEMENT.reference(q, l)).ravel()
@@ -77,7 +77,7 @@ def torsional_wave(P: Array, l: float, k: float) -> float:
     wave = np.zeros((14, 3), complex)
     wave[along], wave[[7 + i for i in along]] = np.eye(3), np.exp(1j * k * l) * np.eye(3)
     K, M = (wave.conj().T @ matrix @ wave for matrix in (K, M))
-    return float(np.sqrt(np.linalg.eigvals(np.linalg.solve(M, K)).real.min()))
+    return np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
@@ -87,11 +87,25 @@ def test_torsional_waves_run_with_an_error_of_the_fourth_order(share: float) -> 
     stiffness, inertia = [[rope.Qa, rope.Qs], [rope.Qs, rope.Qd]], [rope.mass_per_length, rope.rhoJ]
     speed = math.sqrt(np.linalg.eigvals(np.array(stiffness) / np.array(inertia)[:, None]).real.min())
     P = np.array(element.parameters(rope, 0.0))
-    errors = np.array([torsional_wave(P, l, k) for l in x / k]) / (k * speed) - 1
+    errors = np.array([waves(P, l, k)[0] for l in x / k]) / (k * speed) - 1
     np.testing.assert_allclose(np.diff(np.log(np.abs(errors))) / math.log(2), 4.0, atol=0.1)
     if share == 0:
         # the next term of the series, of sixth order, is below 6 % of this one
         np.testing.assert_allclose(errors, -(x**4) / 480, rtol=0.06)
+
+
+def test_what_that_costs_the_longitudinal_wave_is_what_rayleigh_s_quotient_says() -> None:
+    rope, k, x = Rope(), 0.1, 0.2
+    P = np.array(element.parameters(rope, 0.0))
+    stiffness = np.array([[rope.Qa, rope.Qs], [rope.Qs, rope.Qd]])
+    square = np.linalg.eigvals(stiffness / np.array([rope.mass_per_length, rope.rhoJ])[:, None]).real.max()
+    strains = np.array([1.0, rope.Qs / (rope.rhoJ * square - rope.Qd)])
+    too_much = square * P[PARAMETERS.index("rhoJ_x")] - rope.Qd / 12
+    expected = -0.5 * x**2 * too_much * strains[1] ** 2 / (strains @ stiffness @ strains)
+    found = waves(P, x / k, k) / (k * math.sqrt(square)) - 1
+    # the next term is of the fourth order
+    np.testing.assert_allclose(found[np.abs(found).argmin()], expected, rtol=0.01)
+    np.testing.assert_allclose(expected, -8e-4 * x**2, rtol=0.06)
 
 
 def test_the_inertia_of_the_slope_is_that_of_the_torsional_wave_where_it_is_the_faster_too() -> None:
