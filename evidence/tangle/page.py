@@ -35,6 +35,10 @@ def page(tables: Tables) -> str:
         "divider": DIVIDER,
         "variants": [_row(trips[v.name]) for v in VARIANTS],
         "meshes": [_mesh(trips[m.name], exact, "default" if m is SEIZED else m.name) for m in MESHES],
+        "equal": _apart(seized, trips[MESHES[3].name]),
+        "finest": _apart(seized, exact),
+        "fine": _apart(trips[MESHES[1].name], exact),
+        "common": _apart(trips[MESHES[2].name], exact),
         "seized": seized,
         "exact": exact,
         "guard": trips[VARIANTS[-1].name],
@@ -48,6 +52,12 @@ def page(tables: Tables) -> str:
 
 def _trip(t: Table, name: str) -> dict[str, Any]:
     return {key: column[0].item() for key, column in rows(t, variant=name).items()}
+
+
+def _apart(trip: dict[str, Any], other: dict[str, Any]) -> tuple[float, float]:
+    """By how many seconds head ropes are struck later, and what part of the force is missing."""
+    times, forces = ([x[f"head_ropes, {key}"] for x in (trip, other)] for key in ("first at [s]", "mean [N]"))
+    return times[0] - times[1], 1.0 - forces[0] / forces[1]
 
 
 def _row(trip: dict[str, Any]) -> tuple[str, ...]:
