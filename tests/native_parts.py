@@ -44,10 +44,6 @@ PARTS = (
 MESSAGE, ROUNDING = 512, 1e-12
 
 
-class CLegClearance(ct.Structure):
-    _fields_ = (("distance", ct.c_double), ("y", ct.c_double))
-
-
 class CLoopBottom(ct.Structure):
     _fields_ = (("s", ct.c_double), ("position", ct.c_double * 3), ("yaw", ct.c_double))
 
@@ -162,7 +158,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "transfer_fields": (None, n, p, p, n, p, p),
         "shape_nearest_turn": (x, x, x),
         "shape_loop_bottom": (CLoopBottom, n, p, p),
-        "shape_leg_clearance": (CLegClearance, n, p, p, p, x, x, x),
+        "shape_leg_clearance": (x, n, p, p, p, x, x, x),
         "shape_legs_apart": (n, p, p, x, x),
         "shape_places": (None, x, x, x, n, p),
         "shape_points": (None, n, p, p, n, p, p),

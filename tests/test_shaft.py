@@ -261,7 +261,7 @@ def test_legs_that_have_touched_without_any_yaw_are_told_ever_after(form: Any, s
     assert 0.3 * scene.rope.diameter < seen["loop.overlap"] < 0.7 * scene.rope.diameter
     assert seen["loop.touched_at"] == 0.0
     told = rope.warnings()["leg_contact"]
-    assert ("pressed" if stiffness else "touched") + " each other from t = " in told
+    assert ("pressed" if stiffness else "touched") + " each other, first at t = " in told
     record = Recording({name: np.array([value]) for name, value in seen.items()}, {})
     assert "its other leg (from t = " in passages(record)
 

@@ -62,11 +62,13 @@ typedef struct {
 
 /* The rope's contact with itself: what find_rope_touches found last; boxes: of the elements,
    others: those near one, with the arc length from its end to each, and of a place of it how far they are and where in
-   them; scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients. */
+   them; scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients.  nearest: how far two places are that touch,
+   the least, and at which height.  presses: whether touches act; they have no room where they do not. */
 typedef struct {
     const Scene *scene;
     int number, *others;
-    double (*boxes)[6], *scratch, *ways, *distances, *where;
+    double (*boxes)[6], *scratch, *ways, *distances, *where, nearest[2];
+    int presses;
     Seen seen;
     RopeTouch *touches;
 } OwnContact;
@@ -75,7 +77,7 @@ enum { OWN_SCRATCH = 4 };
 /* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
    newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
    elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies,
-   own: NULL where the rope does not touch itself.  forces, at `time`: NULL where there are none.
+   own: NULL where the rope does not press itself.  forces, at `time`: NULL where there are none.
    air: the numbers of physics.air.AirLaw, the first 0 where there is none.  wires: physics.wire_element.HISTORY of each
    element, NULL where no wires rub; latest: WIRE_LATEST of each, where their latest tangent was, scratch as frames are.
    curved: physics.curved_element.CURVED numbers of each element, NULL of a rope without permanent curvature. */
@@ -143,11 +145,10 @@ void add_point_balance(const System *s, const double *q, const double *v, double
 /* chain_self.c: rope_model.simulation.self_contact */
 /* r (or its speed) at a place of an element */
 void place_on(const double *x, int element, const double shares[4], double y[3]);
-/* what it takes in this scene: 0 where the rope does not touch itself; and that in as much memory, aligned to 64 bytes
- */
+/* what it takes in this scene, and that in as much memory, aligned to 64 bytes */
 size_t own_contact_bytes(const Scene *scene, int elements);
 OwnContact *own_contact(const Scene *scene, int elements, void *memory);
-/* where the rope presses itself, with tangents along (cq, cv) of q and v: how often */
+/* where the rope touches itself, and how often it presses there, with tangents along (cq, cv) of q and v */
 int find_rope_touches(const System *s, const double *q, const double *v, double cq, double cv);
 /* to R, and the product of the tangent with x to y */
 void add_rope_force(const OwnContact *own, double *R);

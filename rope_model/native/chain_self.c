@@ -6,12 +6,12 @@
 
 /* even of strands that lie in each other */
 static size_t most_touches(const Scene *scene, int elements) {
+    if (!(scene->shaft.contact.rope_stiffness > 0)) return 0;
     return MOST_STRANDS * (size_t)most_places(scene->rope.length, elements, scene->rope.diameter);
 }
 
 size_t own_contact_bytes(const Scene *scene, int elements) {
     const size_t n = (size_t)elements, size = (n + 1) * DOF;
-    if (!(scene->shaft.contact.rope_stiffness > 0)) return 0;
     return sizeof(OwnContact) + sizeof(double) * (10 * n + (OWN_SCRATCH + 1) * size) +
            sizeof(RopeTouch) * most_touches(scene, elements) + sizeof(int) * (n + n % 2);
 }
@@ -21,6 +21,7 @@ OwnContact *own_contact(const Scene *scene, int elements, void *memory) {
     OwnContact *own = memory;
     memset(own, 0, sizeof *own);
     own->scene = scene;
+    own->presses = scene->shaft.contact.rope_stiffness > 0;
     own->scratch = (double *)(void *)(own + 1);
     own->seen.q = own->scratch + OWN_SCRATCH * size;
     own->seen.lengths = own->seen.q + size;
@@ -84,7 +85,7 @@ static double nearest_place(const System *s, const double *q, int element, const
     return length_between(place, point);
 }
 
-/* what a place of an element and one of another do to each other is noted */
+/* what a place of an element and one of another do to each other is noted, where they press each other */
 static void note(const System *s, const double *q, const double *v, const double c[2], const double shares[4],
                  RopeTouch touch) {
     OwnContact *own = s->own;
@@ -134,7 +135,8 @@ static void look_along(const System *s, const double *q, const double *v, const 
             own->distances[n] = nearest_place(s, q, own->others[n], point, own->where + n);
             if (own->distances[n] < least) least = own->distances[n];
         }
-        for (int strand = 0; least < diameter && strand < MOST_STRANDS; strand++) {
+        if (least < own->nearest[0]) own->nearest[0] = least, own->nearest[1] = point[1];
+        for (int strand = 0; own->presses && least < diameter && strand < MOST_STRANDS; strand++) {
             const int n = next_strand(s, others);
             if (n < 0) break;
             touch.elements[1] = own->others[n];
@@ -150,6 +152,7 @@ int find_rope_touches(const System *s, const double *q, const double *v, double 
     OwnContact *own = s->own;
     const double c[2] = {cq, cv};
     own->number = 0;
+    own->nearest[0] = own->scene->rope.diameter;
     if (still_free(s, &own->seen, q, own->scene->rope.diameter)) return 0;
     see(s, &own->seen, q);
     for (int e = 0; e < s->elements; e++) {

@@ -42,12 +42,9 @@ int shape_lowest_node(int nodes, const double *q);
 double shape_direction(const Arrays *m);
 LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s);
 /* smallest free distance of the legs `above` or more over the lowest point, and the height of it */
-typedef struct {
-    double distance, y;
-} LegClearance;
 /* scratch: some 10 kB on the stack */
-LegClearance shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
-                                 double diameter, double above);
+double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
+                           double diameter, double above);
 /* turns of one side of the rope about the other, over the height, and the height around which they change most */
 typedef struct {
     double number, sharpest_y;

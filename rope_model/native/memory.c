@@ -70,7 +70,7 @@ Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, c
     rope->around->near = (unsigned *)(void *)(rope->around->seen.lengths + elements);
     at += align(sizeof(Surroundings)) +
           align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements);
-    if (own_bytes > 0) rope->own = own_contact(&rope->scene, elements, at);
+    rope->own = own_contact(&rope->scene, elements, at);
     return rope;
 }
 

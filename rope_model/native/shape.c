@@ -128,11 +128,10 @@ static int out_of_reach(double off, double least) {
     return off > 0 && off * off >= least;
 }
 
-/* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least`, and
-   the point's height; what is too high or too low for that is passed over, and on legs that rise all along all that is
+/* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least`; what
+   is too high or too low for that is passed over, and on legs that rise all along all that is
    below the one or above the other */
-static double smallest_squared(int points, double point[LEG][3], int corners, double corner[LEG][3], double least,
-                               double *height) {
+static double smallest_squared(int points, double point[LEG][3], int corners, double corner[LEG][3], double least) {
     const int rising = rises(points, point) && rises(corners, corner);
     int first = 0;
     for (int m = 0; m + 1 < corners; m++) {
@@ -144,24 +143,22 @@ static double smallest_squared(int points, double point[LEG][3], int corners, do
             const double above = point[n][1] - high;
             if (rising && out_of_reach(above, least)) break;
             if (out_of_reach(larger(low - point[n][1], above), least)) continue;
-            const double found = squared_distance(point[n], start, along);
-            if (found < least) least = found, *height = point[n][1];
+            least = smaller(least, squared_distance(point[n], start, along));
         }
     }
     return least;
 }
 
-LegClearance shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
-                                 double diameter, double above) {
+double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
+                           double diameter, double above) {
     double at[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
     shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, at);
     shape_points(nodes, q, s, OUTLINE, at, outline[0]);
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
-    if (lefts < 2 || rights < 2) return (LegClearance){HUGE_VAL, height};
-    const double least = smallest_squared(lefts, left, rights, right, HUGE_VAL, &height);
-    const double squared = smallest_squared(rights, right, lefts, left, least, &height);
-    return (LegClearance){sqrt(squared) - diameter, height};
+    if (lefts < 2 || rights < 2) return HUGE_VAL;
+    const double least = smallest_squared(lefts, left, rights, right, HUGE_VAL);
+    return sqrt(smallest_squared(rights, right, lefts, left, least)) - diameter;
 }
 
 /* A leg on the way up, in PIECES of each element: the last of its points that is higher than all before it, and the

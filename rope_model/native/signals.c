@@ -27,8 +27,7 @@ static void loop_signals(Simulator *rope, double *values) {
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
     values[SIGNAL_LOOP_YAW] = shape_nearest_turn(bottom->yaw, state->loop_yaw);
     values[SIGNAL_LOOP_CLEARANCE] =
-        shape_leg_clearance(m.nodes, m.q, m.s, bottom, loop_width(scene), scene->rope.diameter, scene->layout.spacing)
-            .distance;
+        shape_leg_clearance(m.nodes, m.q, m.s, bottom, loop_width(scene), scene->rope.diameter, scene->layout.spacing);
     values[SIGNAL_LOOP_TURNS] = turns_of(values[SIGNAL_LOOP_YAW], shape_direction(&m), state->crossing.net);
     values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, &m, bottom);
     values[SIGNAL_LOOP_SIDEWAYS] = guards_sideways(&m, bottom);

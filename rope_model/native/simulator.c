@@ -91,6 +91,20 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
     return 1;
 }
 
+/* how far the rope lies in itself, where that is further than before */
+static void see_overlap(const Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    const double *nearest = rope->own->nearest, diameter = rope->scene.rope.diameter;
+    Crossing *crossing = &state->crossing;
+    System s = system_of(rope, state);
+    s.own = rope->own;
+    find_rope_touches(&s, m.q, m.v, 0, 0);
+    if (!(diameter - nearest[0] > crossing->overlap)) return;
+    if (crossing->overlap == 0) crossing->touched_at = state->t;
+    crossing->overlap = diameter - nearest[0];
+    crossing->touched_y = nearest[1];
+}
+
 /* what the rope came near to, and passed through, at the state's instant */
 static void see_passages(const Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
@@ -101,6 +115,7 @@ static void see_passages(const Simulator *rope, State *state) {
     double across[2];
     heading(line, across);
     const int near = !shape_legs_apart(&m, across, diameter, above);
+    if (near || rope->own->presses) see_overlap(rope, state);
     if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
     const LoopBottom bottom = shape_loop_bottom(m.nodes, m.q, m.s);
     const LoopTurns turns = shape_loop_turns(&m, &bottom);
@@ -108,13 +123,6 @@ static void see_passages(const Simulator *rope, State *state) {
     if (net != crossing->net && crossing->number == 0) crossing->since = state->t, crossing->y = turns.sharpest_y;
     crossing->number += fabs(net - crossing->net);
     crossing->net = net;
-    if (!near) return;
-    const LegClearance legs =
-        shape_leg_clearance(m.nodes, m.q, m.s, &bottom, loop_width(&rope->scene), diameter, above);
-    if (!(-legs.distance > crossing->overlap)) return;
-    if (crossing->overlap == 0) crossing->touched_at = state->t;
-    crossing->overlap = -legs.distance;
-    crossing->touched_y = legs.y;
 }
 
 static int start(Simulator *rope, double t, const EndMotion ends[2]) {

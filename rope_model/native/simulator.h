@@ -33,7 +33,7 @@ struct Simulator {
     double *latest;             /* of the system, where there are such */
     void *work;                 /* of the chain */
     Surroundings *around;
-    OwnContact *own; /* NULL where the rope does not touch itself */
+    OwnContact *own;
     PointForces forces;
     double values[SIGNALS];
     unsigned known; /* bit g: the values of group g are those of the state */

@@ -20,7 +20,7 @@ System system_of(const Simulator *rope, State *state) {
                 .lengths = x.lengths,
                 .frames = rope->frames,
                 .around = rope->around->bodies > 0 ? rope->around : NULL,
-                .own = rope->own,
+                .own = rope->own->presses ? rope->own : NULL,
                 .forces = rope->forces.number > 0 ? &rope->forces : NULL,
                 .time = state->t,
                 .wires = state->rubs ? rope->wires : NULL,

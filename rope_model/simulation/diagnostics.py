@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -61,17 +60,8 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     return LoopBottom(float(at), point[POSITION], math.atan2(-d[2], d[0]))
 
 
-class LegClearance(NamedTuple):
-    """Smallest free distance (m) between the legs, and the height (m) of it."""
-
-    distance: float
-    y: float
-
-
-def leg_clearance(
-    q: Array, lengths: Array, bottom: LoopBottom, loop: float, diameter: float, above: float
-) -> LegClearance:
-    """Of the two legs where both are ``above`` (m) or more over the lowest point.
+def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, diameter: float, above: float) -> float:
+    """Smallest free distance (m) between the two legs where both are ``above`` (m) or more over the lowest point.
 
     Points of either leg against straight pieces of the other, both denser near the loop.
     """
@@ -80,9 +70,8 @@ def leg_clearance(
     height = float(bottom.position[1]) + above
     left, right = _part_above(points[middle::-1], height), _part_above(points[middle:], height)
     if min(len(left), len(right)) < 2:
-        return LegClearance(math.inf, height)
-    squared, y = min(_nearest(left, right), _nearest(right, left), key=itemgetter(0))
-    return LegClearance(math.sqrt(squared) - diameter, y)
+        return math.inf
+    return min(_distance(left, right), _distance(right, left)) - diameter
 
 
 def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
@@ -142,13 +131,9 @@ def _rising(leg: Array) -> Array:
     return higher
 
 
-def _nearest(points: Array, line: Array) -> tuple[float, float]:
-    """Square (m^2) of the smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3), and the
-    height (m) of the point that has it.
-    """
-    squared = squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min(axis=1)
-    nearest = int(squared.argmin())
-    return float(squared[nearest]), float(points[nearest, 1])
+def _distance(points: Array, line: Array) -> float:
+    """Smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3)."""
+    return math.sqrt(squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min())
 
 
 def _part_above(leg: Array, height: float) -> Array:

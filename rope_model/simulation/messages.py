@@ -291,18 +291,18 @@ def turned_around(turns: float) -> str:
 
 def legs_touch(overlap: float, since: float, y: float) -> str:
     return (
-        f"the rope's legs have touched each other from t = {since:.6g} s on and lain in each other by up to "
-        f"{overlap:.3g} m (loop.overlap) at y = {y:.4g} m; contact is not computed, and a real rope would lie against "
-        "itself: contact.rope_stiffness = 1e7 computes it; keep the legs taut, lower Qb, Qc or installed_twist, free "
+        f"the rope's legs have touched each other, first at t = {since:.6g} s, and lain in each other by up to "
+        f"{overlap:.3g} m (loop.overlap) around y = {y:.4g} m; contact is not computed, and a real rope would lie "
+        "against itself: contact.rope_stiffness = 1e7 computes it; keep the legs taut, lower Qb, Qc or installed_twist, free "
         "the swivels, or widen the spacing"
     )
 
 
 def legs_press(overlap: float, since: float, y: float) -> str:
     return (
-        f"the rope's legs have pressed each other from t = {since:.6g} s on, by up to {overlap:.3g} m (loop.overlap) "
-        f"at y = {y:.4g} m; contact.rope has the force; keep the legs taut, lower Qb, Qc or installed_twist, free the "
-        "swivels, or widen the spacing"
+        f"the rope's legs have pressed each other, first at t = {since:.6g} s, by up to {overlap:.3g} m (loop.overlap) "
+        f"around y = {y:.4g} m; contact.rope has the force; keep the legs taut, lower Qb, Qc or installed_twist, free "
+        "the swivels, or widen the spacing"
     )
 
 

@@ -7,7 +7,8 @@ is then a few looks.  Nothing is remembered: the state has no part in it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -75,26 +76,40 @@ class RopeTouches:
 
 def touches_of(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: float) -> RopeTouches:
     """Where a rope in elements of these ``lengths`` presses itself, with the tangent along (cq, cv) of q and v."""
-    rows = np.concatenate((q[:, : SLOPE.stop], v[:, : SLOPE.stop]), axis=1).tolist()
-    diameter, law, l, found = scene.rope.diameter, scene.shaft.contact, lengths.tolist(), []
+    rows, speeds, found = _rows(q), _rows(v), []
+    diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
+    for e, shares, weight, point, touching in _touching(q, rows, lengths, diameter):
+        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], APART * diameter):
+            _, other, xi = touching[n]
+            partner = hermite.shares(xi, l[other])
+            apart = _difference(point, _at(rows, other, partner))
+            speed = _difference(_at(speeds, e, shares), _at(speeds, other, partner))
+            one = rope_touch(law, diameter, apart, speed, cq, cv)
+            found.append(RopeTouch((e, other), (*shares, *(-share for share in partner)), weight, one))
+    return RopeTouches(found)
+
+
+def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]:
+    """By how much (m) the rope lies in itself, at most, and at which height (m); 0 and no height where it does not."""
+    found = _touching(q, _rows(q), lengths, diameter)
+    return max(((diameter - near[0][0], point[1]) for *_, point, near in found if near), default=(0.0, math.nan))
+
+
+def _touching(
+    q: Array, rows: list[list[float]], lengths: Array, diameter: float
+) -> Iterator[tuple[int, tuple[float, ...], float, tuple[float, float, float], list[tuple[float, int, float]]]]:
+    """Places of elements whose boxes touch: element, shares, length, place, and what is near: distance, element, xi."""
+    l = lengths.tolist()
     for e, others in _near(q, lengths, diameter):
         number, k = int(places(l[e], diameter)), 0
         weight = l[e] / number
         while k < number:
             shares = hermite.shares((k + 0.5) / number, l[e])
-            point = _at(rows, e, shares, 0)
+            point = _at(rows, e, shares)
             near = sorted(_nearest(rows, l[o], o, point) for o in others)
-            touching = [(o, xi) for distance, o, xi in near if distance < diameter]
-            for n in strands([start[o] + xi * l[o] for o, xi in touching], APART * diameter):
-                other, xi = touching[n]
-                partner = hermite.shares(xi, l[other])
-                apart = _difference(point, _at(rows, other, partner, 0))
-                speed = _difference(_at(rows, e, shares, 6), _at(rows, other, partner, 6))
-                one = rope_touch(law, diameter, apart, speed, cq, cv)
-                found.append(RopeTouch((e, other), (*shares, *(-share for share in partner)), weight, one))
+            yield e, shares, weight, point, [x for x in near if x[0] < diameter]
             k += 1 + max(int((near[0][0] - diameter) / (STRETCH * weight)), 0)
-    return RopeTouches(found)
 
 
 class SelfTouchingRope(RopeSystem):
@@ -165,13 +180,16 @@ def strands(s: list[float], reach: float) -> list[int]:
     return taken
 
 
-def _at(rows: list[list[float]], element: int, shares: tuple[float, ...], first: int) -> tuple[float, float, float]:
-    """Place of an element, or with ``first`` = 6 its speed."""
+def _rows(x: Array) -> list[list[float]]:
+    """r and r' of the nodes, or their speeds."""
+    rows: list[list[float]] = x[:, : SLOPE.stop].tolist()
+    return rows
+
+
+def _at(rows: list[list[float]], element: int, shares: tuple[float, ...]) -> tuple[float, float, float]:
+    """Place of an element, or its speed."""
     a, b = rows[element], rows[element + 1]
-    x, y, z = (
-        shares[0] * a[k] + shares[1] * a[k + 3] + shares[2] * b[k] + shares[3] * b[k + 3]
-        for k in range(first, first + 3)
-    )
+    x, y, z = (shares[0] * a[k] + shares[1] * a[k + 3] + shares[2] * b[k] + shares[3] * b[k + 3] for k in range(3))
     return x, y, z
 
 
@@ -183,7 +201,7 @@ def _nearest(rows: list[list[float]], l: float, element: int, point: tuple[float
     """Distance (m) of the element from ``point``, the element, and where in it."""
 
     def distance(xi: float) -> float:
-        return float(np.linalg.norm(_difference(_at(rows, element, hermite.shares(xi, l), 0), point)))
+        return float(np.linalg.norm(_difference(_at(rows, element, hermite.shares(xi, l)), point)))
 
     xi = min(PROBES, key=distance)
     for _ in range(CORRECTIONS):

@@ -6,9 +6,9 @@ about it comes nearer to the body than the nearest place that is known, by RESOL
 wall fills no such box, so it costs no more than its nodes.  A conveyance and its head ropes are what the other leg,
 from the lowest node on, may come near: the rope's own end hangs below them.
 
-The legs lie in each other where their surfaces would overlap without contact; with it, where they press each other.
-They pass through each other, or one of them through what hangs above the other's end, where the turns over the
-height (diagnostics.loop_turns) jump by one, which the loop's yaw, counted in time, does not.
+The rope lies in itself where contact would press it, or presses it (self_contact).  The legs pass through each other,
+or one of them through what hangs above the other's end, where the turns over the height (diagnostics.loop_turns) jump
+by one, which the loop's yaw, counted in time, does not.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from typing import Any
 import numpy as np
 
 from ..parameters import Scene
-from ..physics.estimates import loop_width
 from ..physics.outline import enclosing_box, middle, turns
 from ..physics.shaft import KINDS, distance, least_distance
 from .adaptation import nearest_turn
 from .bodies import Placed, bodies
-from .diagnostics import LoopBottom, direction, leg_clearance, legs_apart, loop_bottom, loop_turns
+from .diagnostics import direction, legs_apart, loop_bottom, loop_turns
 from .rope_system import SLOPE
+from .self_contact import overlap_of
 from .state import Crossing, Nearest, RopeState
 
 #: kinds of bodies in words
@@ -122,14 +122,14 @@ def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
     return nearer(scene, state, _nearest_of(searches, NOT_NEAR))
 
 
-def _with_overlap(scene: Scene, state: RopeState, bottom: LoopBottom, crossing: Crossing) -> Crossing:
-    """With how far the legs lie in each other at the state's instant, where that is further than before."""
-    q, lengths, layout = state.motion.q, state.partition.lengths, scene.layout
-    legs = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, layout.spacing)
-    if not -legs.distance > crossing.overlap:
+def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
+    """With how far the rope lies in itself at the state's instant, where that is further than before."""
+    crossing = state.crossing
+    overlap, y = overlap_of(state.motion.q, state.partition.lengths, scene.rope.diameter)
+    if not overlap > crossing.overlap:
         return crossing
     touched_at = crossing.touched_at if crossing.overlap > 0 else state.motion.t
-    return crossing._replace(overlap=-legs.distance, touched_at=touched_at, touched_y=legs.y)
+    return crossing._replace(overlap=overlap, touched_at=touched_at, touched_y=y)
 
 
 def with_passages(scene: Scene, state: RopeState) -> RopeState:
@@ -137,9 +137,9 @@ def with_passages(scene: Scene, state: RopeState) -> RopeState:
 
     For the end of every communication step, and after LOOK_EVERY in longer ones.
     """
-    q, crossing = state.motion.q, state.crossing
-    lengths, t = state.partition.lengths, state.motion.t
+    q, lengths, t = state.motion.q, state.partition.lengths, state.motion.t
     near = not legs_apart(q, lengths, scene.rope.diameter, scene.layout.spacing)
+    crossing = _with_overlap(scene, state) if near or scene.shaft.contact.rope_stiffness > 0 else state.crossing
     if near or crossing.net != 0 or abs(state.loop_yaw - direction(q)) > TURNED_FAR:
         bottom = loop_bottom(q, lengths)
         sides, yaw = loop_turns(q, lengths, bottom), nearest_turn(bottom.yaw, state.loop_yaw)
@@ -147,5 +147,4 @@ def with_passages(scene: Scene, state: RopeState) -> RopeState:
         if net != crossing.net:
             since, y = (crossing.since, crossing.y) if crossing.number else (t, sides.sharpest_y)
             crossing = crossing._replace(net=net, number=crossing.number + abs(net - crossing.net), since=since, y=y)
-        crossing = _with_overlap(scene, state, bottom, crossing) if near else crossing
     return state._replace(nearest=nearer(scene, state, state.nearest), crossing=crossing, looked_at=t)

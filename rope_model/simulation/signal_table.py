@@ -54,8 +54,11 @@ def _table() -> Iterator[tuple[str, Signal]]:
     yield "loop.crossings", Signal("1", "times so far that one side of the rope has passed through the other")
     yield "loop.crossed_at", Signal("s", "time at which it first did; 0 before")
     yield "loop.crossed_y", Signal("m", "height at which it first did; 0 before")
-    yield "loop.overlap", Signal("m", "by how much the legs lay in each other at most so far: -loop.clearance")
-    yield "loop.touched_at", Signal("s", "time at which they first touched; 0 before")
+    yield "loop.overlap", Signal("m", "by how much the rope lay in itself at most so far, leg in leg or coil in coil")
+    yield (
+        "loop.touched_at",
+        Signal("s", "time at which it first touched itself; 0 before, and where it passed between two looks"),
+    )
     yield "loop.touched_y", Signal("m", "height of loop.overlap")
     yield "loop.rise", Signal("m", "height of the rope's lowest point over its quasi-static place")
     yield "loop.sideways", Signal("m", "horizontal distance of the rope's lowest point from midway between the ends")

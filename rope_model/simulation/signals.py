@@ -83,7 +83,7 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
     clearance = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing)
     return out | {
         "loop.yaw": yaw,
-        "loop.clearance": clearance.distance,
+        "loop.clearance": clearance,
         "loop.turns": turns(yaw, direction(q), state.crossing.net),
         "loop.rise": rise(scene, state, bottom),
         "loop.sideways": float(sideways(bottom.position, q[0], q[-1])),

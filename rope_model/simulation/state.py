@@ -103,8 +103,8 @@ class Crossing(NamedTuple):
     number: float = 0.0  # all
     since: float = 0.0  # s, the first
     y: float = 0.0  # m, height of the first
-    overlap: float = 0.0  # m, by which the legs lay in each other at most
-    touched_at: float = 0.0  # s, when they first did
+    overlap: float = 0.0  # m, by which the rope lay in itself at most
+    touched_at: float = 0.0  # s, when it first did
     touched_y: float = 0.0  # m, height of the overlap
 
 
