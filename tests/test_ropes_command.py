@@ -67,6 +67,7 @@ def test_the_status_tells_of_each_rope_what_it_struck_and_that_it_passed_through
     nothing, later = np.zeros(3), np.array([0.0, 1.0, 1.0])
     broken = np.array([0.0, 1.0, np.nan])
     signals = {
+        "time": np.arange(3.0),
         "one.loop.y": nothing,
         "one.loop.crossings": later,
         "one.loop.crossed_at": 7.0 * later,
@@ -81,7 +82,8 @@ def test_the_status_tells_of_each_rope_what_it_struck_and_that_it_passed_through
         "completed, but rope one passed through its other leg or what hangs above that (t = 7 s, around y = -12 m), "
         "and rope two struck a divider (from t = 6 s on, deepest at y = -13 m)"
     )
-    assert outcome(True, Recording({"one.loop.y": nothing, "one.loop.crossings": nothing}, {}), ["one"]) == "completed"
+    idle = {name: signals[name] for name in ("time", "one.loop.y")} | {"one.loop.crossings": nothing}
+    assert outcome(True, Recording(idle, {}), ["one"]) == "completed"
 
 
 def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path: Path) -> None:

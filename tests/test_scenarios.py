@@ -74,6 +74,7 @@ def test_a_rope_braked_harder_than_gravity_goes_slack() -> None:
     assert pressed > 0
     assert run["loop.overlap"][-1] > 0.0
     assert run["loop.touched_at"][-1] <= run.time[pressed]
+    assert passages(run).startswith("the rope struck its other leg (from t = ")
 
 
 @pytest.mark.slow

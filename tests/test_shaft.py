@@ -324,6 +324,23 @@ def test_no_run_is_completed_without_the_word() -> None:
     assert outcome_of(True, passages(Recording({}, {}))) == "completed"
 
 
+@pytest.mark.parametrize(
+    ("seen", "told"),
+    [
+        # by less than the clearance errs by, or where none is measured
+        ({"contact.rope": [0, 9, 0], "energy.dissipated_contact": [0, 1, 2]}, "struck itself (from t = 1 s on)"),
+        # between two rows
+        ({"contact.rope": [0, 0, 0], "energy.dissipated_contact": [0, 0, 2]}, "struck itself (from t = 2 s on)"),
+        ({"nearest.divider.clearance": [9, 9, -1], "energy.dissipated_contact": [0, 0, 2]}, "struck a divider"),
+        ({"nearest.divider.clearance": [9, 9, -1], "energy.dissipated_contact": [0, 0, 0]}, "passed into a divider"),
+        ({"contact.divider": [0, 9, 0], "energy.dissipated_contact": [0, 1, 1]}, "struck a divider (from t = 1 s on)"),
+    ],
+)
+def test_contact_is_told_by_its_force_and_by_what_it_dissipated(seen: dict[str, list[float]], told: str) -> None:
+    signals = {"time": np.arange(3.0)} | {name: np.array(values, dtype=float) for name, values in seen.items()}
+    assert passages(Recording(signals, {})).removeprefix("the rope ").startswith(told)
+
+
 def test_bodies_that_are_not_there_are_left_out_of_a_record() -> None:
     names = ("clearance.divider", "clearance.floor", "nearest.floor.y", "loop.turns")
     values = {name: np.array([value]) for name, value in struck().signals(names).items()}

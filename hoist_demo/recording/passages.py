@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +11,13 @@ from hoist_demo.recording.time_series import Recording
 from rope_model import BODIES as BODIES
 from rope_model import FAR as FAR
 
+_DISSIPATED = "energy.dissipated_contact"
+
 PASSAGE_SIGNALS = frozenset(
     {"loop.crossings", "loop.crossed_at", "loop.crossed_y", "loop.overlap", "loop.touched_at", "loop.touched_y"}
     | {f"nearest.{name}.{key}" for name in BODIES for key in ("clearance", "touched_at", "y")}
     | {f"contact.{name}" for name in (*BODIES, "rope")}
+    | {_DISSIPATED}
 )
 """Outputs of the rope that tell it."""
 
@@ -25,10 +29,15 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
     """What ``rope`` has struck or passed through by the end of the record, with times and places; "" for nothing."""
     met = [
         _met(recording, words, f"nearest.{name}.touched_at", f"nearest.{name}.y")
-        for name, words in BODIES.items()
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0
+        else _briefly(recording, words, [f"contact.{name}"])
+        for name, words in BODIES.items()
+        if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0 or _pressed(recording, name)
     ]
-    held = any(_pressed(recording, name) for name in BODIES)
+    # what presses for a moment between two rows leaves what it dissipated
+    itself, dissipated = _pressed(recording, "rope"), _last(recording, _DISSIPATED) > 0.0
+    held = any(_pressed(recording, name) for name in BODIES) or (dissipated and not itself and bool(met))
+    itself |= dissipated and not held
     struck, into, through = (met, [], []) if held else ([], met, [])
     if _last(recording, "loop.crossings") > 0.0:
         through.append(
@@ -37,7 +46,9 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
         )
     if _last(recording, "loop.overlap") > 0.0:
         legs = _met(recording, "its other leg", "loop.touched_at", "loop.touched_y")
-        (struck if _pressed(recording, "rope") else into).append(legs)
+        (struck if itself else into).append(legs)
+    elif itself:
+        struck.append(_briefly(recording, "itself", ["contact.rope", *([] if held else [_DISSIPATED])]))
     told = [f"struck {' and '.join(struck)}"] if struck else []
     told += [f"passed into {' and '.join(into)}"] if into else []
     told += [f"passed through {' and '.join(through)}"] if through else []
@@ -46,6 +57,12 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
 
 def _met(recording: Recording, words: str, since: str, y: str) -> str:
     return f"{words} (from t = {_last(recording, since):.4g} s on, deepest at y = {_last(recording, y):.4g} m)"
+
+
+def _briefly(recording: Recording, words: str, names: Sequence[str]) -> str:
+    """What was pressed by less than clearances err by, or where none is measured: from the first row that shows it."""
+    shown = [recording[name] > 0.0 for name in names if name in recording]
+    return f"{words} (from t = {recording.time[np.argmax(np.any(shown, axis=0))]:.4g} s on)"
 
 
 def _pressed(recording: Recording, name: str) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from hoist_demo.cosimulation.participants.rope_group import SUMS, Place
 from hoist_demo.recording.neighbours import Nearest, nearest
 from hoist_demo.recording.passages import PASSAGE_SIGNALS, outcome_of, passages
-from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.recording.time_series import TIME, Array, Recording
 from rope_model import SIGNALS, Account
 
 READ = PASSAGE_SIGNALS.union(
@@ -72,6 +72,7 @@ def outcome(completed: bool, recording: Recording, names: Sequence[str]) -> str:
 def _whole(recording: Recording, name: str) -> Recording:
     """The signals of a rope under their own names, until it breaks."""
     own = {key.removeprefix(f"{name}."): x for key, x in recording.signals.items() if key.startswith(f"{name}.")}
+    own[TIME] = recording.time
     unbroken = np.isfinite(own["loop.y"])
     return Recording({key: values[unbroken] for key, values in own.items()}, {})
 
