@@ -2,6 +2,7 @@
 
 const BAND = 5; // height of a band of slip at the top of a plot, in pixels
 const MARGIN = { left: 52, right: 12, top: 19, bottom: 22 }; // names of marks stand on top
+const LETTER = 5.5; // width of one in them
 
 class TimePlot {
   // lines: [{label, style, values}]; values are in the panel's unit, one per entry of times
@@ -129,20 +130,27 @@ class TimePlot {
   // names of the marks, above curves, ticks and bands
   drawNames(group) {
     if (!(this.panel.named ?? true)) return;
-    const groups = [];
+    const groups = [], names = [];
     for (const mark of DATA.marks) {
       const x = this.x(mark.t), group = groups.at(-1);
       // lines that lie on one another share a name; the text above the plots has them all
       if (group && x - group.x < 8) group.more += 1;
       else groups.push({ x, label: mark.label, more: 0 });
     }
+    let free = MARGIN.left; // from here on no name stands
     groups.forEach(({ x, label, more }, k) => {
-      const next = k + 1 < groups.length ? groups[k + 1].x : this.width;
-      // the name goes where no other mark is
-      const before = next - x < 100 && x > MARGIN.left + 90;
+      const width = LETTER * (label.length + 1), next = k + 1 < groups.length ? groups[k + 1].x : this.width;
+      // the name goes where no other one and no other mark is; where there is no such place, the last one counts it
+      const before = (next - x <= width || x < free) && x - width > free;
+      const fits = before || (next - x > width && x >= free) || !names.length;
+      if (fits) names.push({ x, label, more, before });
+      else names.at(-1).more += 1 + more;
+      free = Math.max(free, fits && !before ? x + width : x);
+    });
+    for (const { x, label, before, more } of names) {
       const place = { x: x + (before ? -4 : 4), y: MARGIN.top - 5, "text-anchor": before ? "end" : "start" };
       add(group, "text", { class: "mark-label", ...place }, more ? `${label} +${more}` : label);
-    });
+    }
   }
 
   drawContent(group, first, last) {
