@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
 from hoist_demo.report.events import Mark
+from hoist_demo.report.summary import ELSEWHERE, loses
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
 DASHES: dict[str, Any] = {"left": "-", "right": (0, (4, 2.5))}
@@ -62,7 +63,7 @@ _ROPE_ENERGIES = {
     "energy.total": "total",
     "energy.work_ends": "work at the ends",
 }
-_ROPE_LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"}
+_ROPE_LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"} | ELSEWHERE
 _RESIDUALS = {"drive.energy_residual": "drive", "energy.residual": "balance rope"}
 
 
@@ -273,7 +274,7 @@ def energies(recording: Recording, hoist: Hoist) -> Figure | None:
     shown = [panel for panel in panels if any(name in recording for name in panel[3])]
     figure, axes = _stack(recording, [panel[0] for panel in shown])
     for ax, (_, label, factor, names) in zip(axes, shown, strict=True):
-        present = {name: text for name, text in names.items() if name in recording}
+        present = {name: text for name, text in names.items() if name in recording and loses(recording, name)}
         for (name, text), colour in zip(present.items(), (*ACCENTS, "black"), strict=False):
             values = factor * (recording[name] - recording[name][0])
             ax.plot(recording.time, values, color=colour, ls="--" if colour == "black" else "-", label=text)

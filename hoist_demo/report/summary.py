@@ -27,6 +27,13 @@ SWING_WINDOW = 5.0
 """Length of the record's tail over which the residual swing is judged [s]."""
 
 
+ELSEWHERE = {
+    "energy.dissipated_contact": "dissipated in contact",
+    "energy.dissipated_wires": "dissipated between its wires",
+    "energy.given_to_air": "given to the air",
+}
+"""What the rope loses only where its scene has that, in words."""
+
 AT_REST = 0.01
 """Speed of the sheave's rim that counts as standstill [m/s]."""
 
@@ -285,9 +292,10 @@ def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
         ("energy.work_ends", "work on the balance rope at its ends"),
         ("energy.dissipated_material", "dissipated in the balance rope"),
         ("energy.dissipated_swivel", "dissipated in the swivels"),
+        *ELSEWHERE.items(),
     ):
         # what the fidelity leaves out is NaN throughout
-        if name in recording and math.isfinite(recording[name][-1]):
+        if name in recording and math.isfinite(recording[name][-1]) and loses(recording, name):
             rows.append(SummaryRow(group, f"{quantity}{of_one}", 1e-3 * float(recording[name][-1]), "kJ"))
     if recording.has("energy.residual", "energy.kinetic"):
         residual, kinetic = _furthest(recording["energy.residual"]), float(np.max(recording["energy.kinetic"]))
@@ -300,6 +308,11 @@ def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
         defect = exchange_energy(recording, hoist)
         rows.append(SummaryRow(group, "energy that the coupling's delay makes up, largest", _largest(defect), "J"))
     return rows
+
+
+def loses(recording: Recording, name: str) -> bool:
+    """Whether a loss of energy is to be shown: one of ELSEWHERE where there is some."""
+    return name not in ELSEWHERE or bool(np.any(recording[name]))
 
 
 def _all_ropes(hoist: Hoist) -> str:

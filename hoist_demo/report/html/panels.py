@@ -11,6 +11,7 @@ from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.passages import BODIES
 from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.report.summary import ELSEWHERE, loses
 
 LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"
 """Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css."""
@@ -77,7 +78,7 @@ def panels(recording: Recording, hoist: Hoist) -> list[Panel]:
     """All panels of which at least one line can be drawn, with those lines only."""
     # what a fidelity leaves out is NaN throughout
     shown_at_all = {name for name, values in recording.signals.items() if bool(np.isfinite(values).any())}
-    known = shown_at_all | set(derived_signals(recording, hoist))
+    known = {name for name in shown_at_all if loses(recording, name)} | set(derived_signals(recording, hoist))
     shown: list[Panel] = []
     for panel in _all(hoist):
         lines = tuple(line for line in panel.lines if line.signal in known)
@@ -247,7 +248,10 @@ def _energy() -> tuple[Panel, ...]:
             "Energy",
             "Balance rope, dissipated",
             "J",
-            _energies({"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"}, 1.0),
+            _energies(
+                {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"} | ELSEWHERE,
+                1.0,
+            ),
         ),
         Panel(
             "Energy",
