@@ -128,7 +128,13 @@ def test_readme_s_fmu_code_ends_with_the_weights_of_the_legs(folder: Path, tmp_p
     assert code is not None
     script = tmp_path / "readme_fmu.py"
     script.write_text(code[1], encoding="utf-8")
-    *_, left, right, yaw = (float(x) for x in re.findall(r"-?\d[\d.e-]*", lines_of(script, folder)[-1]))
+    *_, left, right, yaw = found = [float(x) for x in re.findall(r"-?\d[\d.e-]*", lines_of(script, folder)[-1])]
+    # digits that README shows, the rest cut off
+    told = re.search(r"`\((8\.0, .*)\)`", section)
+    assert told is not None
+    assert [f"{x}"[: len(shown)] for x, shown in zip(found, told[1].replace("...", "").split(", "), strict=True)] == (
+        told[1].replace("...", "").split(", ")
+    )
     # 10 m up and 10 m down: 25 m and 95 m of 8 kg/m; waves still run
     assert [left, right] == pytest.approx([-25 * 8 * 9.81, -95 * 8 * 9.81], abs=40.0)
     assert abs(yaw) < 0.2
