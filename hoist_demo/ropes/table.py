@@ -64,9 +64,17 @@ def row(recording: Recording, name: str) -> dict[str, float]:
 
 
 def outcome(completed: bool, recording: Recording, names: Sequence[str]) -> str:
-    """How the trip ended, and what each rope has struck or passed through, in words."""
+    """How the trip ended, what each rope has struck or passed through, and which have broken, in words."""
     told = (passages(_whole(recording, name), f"rope {name}") for name in names)
-    return outcome_of(completed, ", and ".join(filter(None, told)))
+    return outcome_of(completed, ", and ".join(filter(None, told))) + "".join(_broken(recording, n) for n in names)
+
+
+def _broken(recording: Recording, name: str) -> str:
+    """The break of a rope as the end of a sentence; "" for none."""
+    gone = ~np.isfinite(recording[f"{name}.loop.y"])
+    if not bool(gone.any()):
+        return ""
+    return f"; rope {name} broke by t = {recording.time[np.argmax(gone)]:.4g} s; of its loop, torques and clearances what was before is told"
 
 
 def _whole(recording: Recording, name: str) -> Recording:
