@@ -80,8 +80,8 @@ def test_the_status_tells_of_each_rope_what_it_struck_and_that_it_passed_through
     }
     assert outcome(True, Recording(signals, {}), ["one", "two"]) == (
         "completed, but rope one passed through its other leg or what hangs above that (t = 7 s, around y = -12 m), "
-        "and rope two struck a divider (from t = 6 s on, deepest at y = -13 m); rope two broke by t = 2 s; of its loop, "
-        "torques and clearances what was before is told"
+        "and rope two struck a divider (from t = 6 s on, deepest at y = -13 m); rope two broke by t = 2 s; of its "
+        "loop, torques and clearances what was before is told"
     )
     idle = {name: signals[name] for name in ("time", "one.loop.y")} | {"one.loop.crossings": nothing}
     assert outcome(True, Recording(idle, {}), ["one"]) == "completed"

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hoist_demo.recording.time_series import Recording
 from rope_model import BODIES as BODIES
@@ -35,7 +36,8 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0 or _pressed(recording, name)
     ]
     # what presses for a moment between two rows leaves what it dissipated
-    itself, dissipated = _pressed(recording, "rope"), _last(recording, _DISSIPATED) > 0.0
+    itself = _pressed(recording, "rope")
+    dissipated = _DISSIPATED in recording and bool(np.any(_shows(recording, _DISSIPATED)))
     held = any(_pressed(recording, name) for name in BODIES) or (dissipated and not itself and bool(met))
     itself |= dissipated and not held
     struck, into, through = (met, [], []) if held else ([], met, [])
@@ -61,8 +63,14 @@ def _met(recording: Recording, words: str, since: str, y: str) -> str:
 
 def _briefly(recording: Recording, words: str, names: Sequence[str]) -> str:
     """What was pressed by less than clearances err by, or where none is measured: from the first row that shows it."""
-    shown = [recording[name] > 0.0 for name in names if name in recording]
+    shown = [_shows(recording, name) for name in names if name in recording]
     return f"{words} (from t = {recording.time[np.argmax(np.any(shown, axis=0))]:.4g} s on)"
+
+
+def _shows(recording: Recording, name: str) -> NDArray[np.bool_]:
+    """The rows that show contact; what was dissipated before the record, as in earlier trips, is none."""
+    values = recording[name]
+    return values > (values[:1] if name == _DISSIPATED else 0.0)
 
 
 def _pressed(recording: Recording, name: str) -> bool:

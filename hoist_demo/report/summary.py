@@ -209,7 +209,8 @@ def _rope(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
     for end in ("left", "right"):
         # one that hangs only pulls; slack, a real one gives way to the sides sooner than elements of some length
         if (push := _pull(-recording[f"{end}.fy"])) > 0.0:
-            rows.append(SummaryRow(group, f"slack, it pushes the {end} conveyance up by (a real one gives way)", push, "kN"))
+            quantity = f"slack, it pushes the {end} conveyance up by (a real one gives way)"
+            rows.append(SummaryRow(group, quantity, push, "kN"))
     extremes: tuple[tuple[str, str, float, str, Any], ...] = (
         ("loop.y", "lowest point of the loop", 1.0, "m", np.nanmin),
         ("loop.clearance", "smallest clearance between the legs", 1.0, "m", np.nanmin),

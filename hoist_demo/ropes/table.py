@@ -74,7 +74,10 @@ def _broken(recording: Recording, name: str) -> str:
     gone = ~np.isfinite(recording[f"{name}.loop.y"])
     if not bool(gone.any()):
         return ""
-    return f"; rope {name} broke by t = {recording.time[np.argmax(gone)]:.4g} s; of its loop, torques and clearances what was before is told"
+    return (
+        f"; rope {name} broke by t = {recording.time[np.argmax(gone)]:.4g} s; of its loop, torques and clearances what "
+        "was before is told"
+    )
 
 
 def _whole(recording: Recording, name: str) -> Recording:
