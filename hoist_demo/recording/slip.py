@@ -11,6 +11,9 @@ from hoist_demo.recording.time_series import Recording
 SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})
 """Signals that tell it."""
 
+ALIKE = "make the two sides more alike in weight"
+"""What gives friction more room."""
+
 
 class Slip(NamedTuple):
     """All that the head ropes slid in a run."""
@@ -54,4 +57,20 @@ def told_of_slip(recording: Recording) -> str:
     return (
         f"; the head ropes slipped {slid.way:.3g} m on the sheave from t = {slid.t:.4g} s on, at up to "
         f"{slid.speed:.3g} m/s" + (f", and still slip at {abs(slid.last):.3g} m/s when it ends" if slid.last else "")
+    )
+
+
+def held_in_spite(recording: Recording, limit: float) -> str:
+    """When real head ropes would have begun to slip, at this tension ratio, if the model lets them hold; "" for never."""
+    if "drive.tension_ratio" not in recording:
+        return ""
+    ratio = recording["drive.tension_ratio"]
+    beyond = ratio > limit
+    if not bool(beyond.any()):
+        return ""
+    return (
+        f"the head ropes would slip at t = {recording.time[beyond][0]:.5g} s (tension ratio up to {np.max(ratio):.5g}, "
+        f"limit {limit:.5g}); the model lets them hold, so nothing after that instant is a prediction. Let them slip "
+        "(hoist.lining.sliding = 0.8), brake or accelerate more gently (winding.emergency_deceleration, "
+        f"winding.acceleration), or {ALIKE}"
     )

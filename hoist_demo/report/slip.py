@@ -6,30 +6,23 @@ import numpy as np
 
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.jams import jams, slack_ropes
+from hoist_demo.recording.slip import ALIKE, held_in_spite
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number
 
 AT_REST, MOVING = 1.75, 1.25
 """Slip safeties that design rules of friction hoists ask for, of the hoist at rest and of normal winding [assumed]."""
 
-_ALIKE = "make the two sides more alike in weight"
-_GENTLER = f"accelerate more gently (winding.acceleration), or {_ALIKE}"
+_GENTLER = f"accelerate more gently (winding.acceleration), or {ALIKE}"
 
 
 def slip_warning(recording: Recording, hoist: Hoist, winding: Winding) -> str:
     """When real head ropes begin to slip, or how little friction is left; "" while it holds them as is asked for."""
     if "drive.tension_ratio" not in recording:
         return ""
-    ratio, limit = recording["drive.tension_ratio"], hoist.tension_ratio_limit
-    beyond = ratio > limit
-    if hoist.lining is None and bool(beyond.any()):
-        return (
-            f"the head ropes would slip at t = {number(float(recording.time[beyond][0]))} s (tension ratio up to "
-            f"{number(float(np.max(ratio)))}, limit {number(limit)}); the model lets them hold, so nothing after that "
-            "instant is a prediction. Let them slip (hoist.lining.sliding = 0.8), brake or accelerate more gently "
-            f"(winding.emergency_deceleration, winding.acceleration), or {_ALIKE}"
-        )
-    return _margin_warning(recording.time, ratio, _normal_until(recording, winding), hoist)
+    ratio = recording["drive.tension_ratio"]
+    margin = _margin_warning(recording.time, ratio, _normal_until(recording, winding), hoist)
+    return (held_in_spite(recording, hoist.tension_ratio_limit) if hoist.lining is None else "") or margin
 
 
 def _normal_until(recording: Recording, winding: Winding) -> float:
@@ -43,7 +36,7 @@ def _normal_until(recording: Recording, winding: Winding) -> float:
 def _margin_warning(time: Array, ratio: Array, until: float, hoist: Hoist) -> str:
     """Where the friction is used up to more than the rules leave; the first sample is one at rest."""
     largest = int(np.argmax(np.where(time <= until, ratio, 0.0)))
-    for asked, k, words, cure in ((AT_REST, 0, "at rest", _ALIKE), (MOVING, largest, "in normal winding", _GENTLER)):
+    for asked, k, words, cure in ((AT_REST, 0, "at rest", ALIKE), (MOVING, largest, "in normal winding", _GENTLER)):
         safety = hoist.slip_safety(float(ratio[k]))
         if safety < asked:
             return (

@@ -31,6 +31,7 @@ from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
+from hoist_demo.recording.slip import held_in_spite
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
@@ -131,7 +132,7 @@ def execute(run: RunData, fmu: Path) -> Outcome:
     """Design, wind and measure; whatever goes wrong is an outcome, with its cause."""
     with warnings_of("hoist_demo") as warnings:
         outcome = _outcome(run, fmu)
-    return replace(outcome, warnings=tuple(warnings))
+    return replace(outcome, warnings=(*warnings, *outcome.warnings))
 
 
 def _outcome(run: RunData, fmu: Path) -> Outcome:
@@ -157,8 +158,9 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     units, fidelity = {name: result.recording.units[name] for name in kept}, ", ".join(fidelities_of(result.recording))
     status = "completed" if result.completed else "stopped"
     clock |= {"all": time.perf_counter() - begin, "processor": time.process_time() - worked}
-    passed = passages(result.recording)
-    return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, passed=passed)
+    passed, held = passages(result.recording), held_in_spite(result.recording, run.hoist.tension_ratio_limit)
+    warned = (held,) if held and run.hoist.lining is None else ()
+    return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, warned, passed)
 
 
 def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:

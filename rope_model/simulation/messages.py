@@ -293,8 +293,8 @@ def legs_touch(overlap: float, since: float, y: float) -> str:
     return (
         f"the rope's legs have touched each other, first at t = {since:.6g} s, and lain in each other by up to "
         f"{overlap:.3g} m (loop.overlap) around y = {y:.4g} m; contact is not computed, and a real rope would lie "
-        "against itself: contact.rope_stiffness = 1e7 computes it; keep the legs taut, lower Qb, Qc or installed_twist, free "
-        "the swivels, or widen the spacing"
+        "against itself: contact.rope_stiffness = 1e7 computes it; keep the legs taut, lower Qb, Qc or "
+        "installed_twist, free the swivels, or widen the spacing"
     )
 
 
@@ -347,7 +347,8 @@ def waves_unresolved(change: float, steps: float, bound: float, step: float) -> 
 def bend_unresolved(elements: float, bound: float) -> str:
     return (
         f"the rope's sharpest bend has {elements:.3g} elements in half a turn (bound {bound:.3g}): they are too "
-        "long for it; set mesh.kind = auto, or lower coarse_length"
+        "long for it; set mesh.kind = auto, or lower coarse_length; where auto's are too long, a leg has gone slack: "
+        "keep it taut, or take mesh.kind = eem with more elements"
     )
 
 
