@@ -61,7 +61,7 @@ def told_of_slip(recording: Recording) -> str:
 
 
 def held_in_spite(recording: Recording, limit: float) -> str:
-    """When real head ropes would have begun to slip, at this tension ratio, if the model lets them hold; "" for never."""
+    """When real head ropes would have slipped, at this tension ratio, if the model lets them hold; "" for never."""
     if "drive.tension_ratio" not in recording:
         return ""
     ratio = recording["drive.tension_ratio"]
