@@ -49,6 +49,11 @@ def verdict(yes: bool) -> str:
     return "reached" if yes else "not reached"
 
 
+def listed(words: Sequence[str]) -> str:
+    """A list in a sentence: "a", "a and b", "a, b and c"."""
+    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
+
+
 def links(names: Iterable[str], folder: str) -> str:
     """Links to the tables of these names in docs/data/``folder``, for a page in docs."""
     return ", ".join(f"[{name}.csv](data/{folder}/{name}.csv)" for name in names)
@@ -64,7 +69,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters.update(number=number, quantity=quantity, table=markdown, verdict=verdict, links=links)
+    made.filters.update(number=number, quantity=quantity, table=markdown, verdict=verdict, listed=listed, links=links)
     return made
 
 
