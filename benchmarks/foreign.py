@@ -7,13 +7,13 @@ the C library of Debian's libc6-arm64-cross, Windows under wine. A platform with
 
 from __future__ import annotations
 
+import argparse
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -120,10 +120,12 @@ def difference(found: Run, expected: Run) -> float:
     return float((np.abs(found.values - expected.values) / scale).max())
 
 
-def main(arguments: Sequence[str]) -> int:
+def main() -> int:
     """A line for each FMU and platform; 1 when a library failed."""
+    parser = argparse.ArgumentParser("python -m benchmarks.foreign", description=__doc__)
+    parser.add_argument("fmus", type=Path, nargs="+", metavar="FMU")
     failed = False
-    for path in map(Path, arguments):
+    for path in parser.parse_args().fmus:
         expected = run(path, host_platform())
         for platform in PLATFORMS:
             found = expected if platform == host_platform() else run(path, platform)
@@ -136,4 +138,4 @@ def main(arguments: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

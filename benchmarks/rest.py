@@ -8,6 +8,7 @@ an operand of a step was denormal).  Elsewhere than on Linux on x86-64 only the 
 
 from __future__ import annotations
 
+import argparse
 import ctypes
 import platform
 from collections.abc import Callable
@@ -143,5 +144,6 @@ def measure() -> list[Rested]:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser("python -m benchmarks.rest", description=__doc__).parse_args()
     for found in measure():
         print(found)

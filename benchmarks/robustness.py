@@ -5,6 +5,7 @@ Prints a line per run and the count of valid and failed ones; a failed run shows
 
 from __future__ import annotations
 
+import argparse
 import itertools
 from collections import Counter
 from dataclasses import replace
@@ -48,6 +49,7 @@ def trip(kind: str, speed: float) -> object:
 
 def main() -> None:
     """Run them all."""
+    argparse.ArgumentParser("python -m benchmarks.robustness", description=__doc__).parse_args()
     counts: Counter[tuple[str, bool]] = Counter()
     cases = itertools.product((50.0, 300.0, 1000.0), (1.5, 2.0, 3.0), (4.0, 8.0, 16.0))
     for (EI, spacing, speed), kind in itertools.product(cases, ("full", "reversal", "emergency stop")):

@@ -12,6 +12,7 @@ body without a word, or a number is not finite.
 
 from __future__ import annotations
 
+import argparse
 import math
 import sys
 from collections import Counter
@@ -147,11 +148,13 @@ def run(case: Case) -> tuple[str, list[str], float]:
     return ending if done.status.valid else f"stopped: {done.status.message}", through, deepest
 
 
-def main(count: int) -> int:
+def main() -> int:
     """Wind them all; 1 where one came through something without a word."""
+    parser = argparse.ArgumentParser("python -m benchmarks.shafts", description=__doc__)
+    parser.add_argument("scenes", type=int, nargs="?", default=SCENES, metavar="N", help="how many (%(default)s)")
     counts: Counter[str] = Counter()
     silent = 0
-    for seed in range(count):
+    for seed in range(parser.parse_args().scenes):
         case = draw(seed)
         ending, through, deepest = run(case)
         counts[ending.partition(":")[0]] += 1
@@ -166,4 +169,4 @@ def main(count: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else SCENES))
+    sys.exit(main())

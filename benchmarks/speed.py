@@ -9,6 +9,7 @@ A real-time factor is simulated time over processor time.
 
 from __future__ import annotations
 
+import argparse
 import json
 import resource
 import shutil
@@ -158,8 +159,11 @@ def instantiation(path: Path) -> tuple[float, float]:
     return statistics.median(instantiated), statistics.median(initialised)
 
 
-def main(scene: str = SCENE) -> None:
+def main() -> None:
     """Run the rounds and print medians, ratios and percentiles."""
+    parser = argparse.ArgumentParser("python -m benchmarks.speed", description=__doc__)
+    parser.add_argument("scene", nargs="?", default=SCENE, help="a case of the hoist (%(default)s)")
+    scene: str = parser.parse_args().scene
     cases = [case for case in CASES if scene == SCENE or case[1] == "native"]
     found: dict[tuple[str, str], list[Measured]] = {case: [] for case in cases}
     with tempfile.TemporaryDirectory() as folder:
@@ -201,4 +205,4 @@ if __name__ == "__main__":
     if len(sys.argv) == 5:
         print(json.dumps(measure(sys.argv[1], sys.argv[2], Path(sys.argv[3]), sys.argv[4])))
     else:
-        main(*sys.argv[1:])
+        main()

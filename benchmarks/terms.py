@@ -7,6 +7,7 @@ time of the steps over that of the run without, by medians of runs that take tur
 
 from __future__ import annotations
 
+import argparse
 import statistics
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -90,6 +91,7 @@ def lines(case: str) -> Iterator[str]:
 
 
 def main() -> None:
+    argparse.ArgumentParser("python -m benchmarks.terms", description=__doc__).parse_args()
     for case in CASES:
         print(f"\n{case + ': changes by at most':<54}{'loop':>12}{'end force':>12}{'yaw':>12}{'time':>8}")
         for line in lines(case):

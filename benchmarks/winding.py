@@ -5,6 +5,7 @@ Prints one table; the source's figures stand beside ours.  Takes a few minutes: 
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import replace
 
 import numpy as np
@@ -88,6 +89,7 @@ def compare(coupling: str) -> tuple[list[tuple[str, str]], list[str]]:
 
 def main() -> None:
     """Print both tables."""
+    argparse.ArgumentParser("python -m benchmarks.winding", description=__doc__).parse_args()
     for coupling in ("uncoupled", "coupled"):
         rows, lines = compare(coupling)
         print(f"\n120 m winding, 90 m at up to 8 m/s, {coupling}")

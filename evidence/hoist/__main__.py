@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+
 import matplotlib
 import numpy as np
 
@@ -21,6 +23,7 @@ LAWS: tuple[EmergencyLaw, ...] = ("deceleration", "torque", "two-stage")
 
 def main() -> None:
     """Measure, write, and print the stops."""
+    argparse.ArgumentParser("python -m evidence.hoist", description=__doc__).parse_args()
     data, images = DOCS / "data" / "hoist", DOCS / "images" / "hoist"
     images.mkdir(parents=True, exist_ok=True)
     runs = {name: wind(case.hoist, case.winding, case.gains) for name, case in INSTALLED.items()}

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
 from tqdm import tqdm
 
+from evidence.options import add_out
 from evidence.pages import PAGES, publish
-from evidence.rendering import DOCS
 from evidence.tables import Table, Tables, table, write
 
 from .cases import OPTIONS, OPTIONS_AT, REFERENCE_OURS, REFERENCE_PEER, SPACE, planar_cases, space_cases
@@ -18,14 +19,19 @@ from .page import PLANAR, PYTHON, SPATIAL, SYMBOLIC
 from .runs import UNCOUPLED, Error, Run, error, exudyn, measure_times, ours
 from .statics import MODES, Frequencies, Yaw, frequencies, yaws
 
+PAGE = PAGES["peer"]
 ROUNDS, SHORT = 3, 3.0  # s
 NAN = float("nan")
 
 
-def main() -> None:
-    """Compute, and write."""
-    write(compute(), DOCS / "data" / "peer")
-    publish(PAGES["peer"])
+def main(arguments: Sequence[str] | None = None) -> None:
+    """The command line."""
+    parser = argparse.ArgumentParser("python -m evidence.peer", description=__doc__)
+    add_out(parser)
+    options = parser.parse_args(arguments)
+    write(compute(), options.out / "data" / PAGE.data)
+    for path in publish(PAGE, options.out):
+        print(path)
 
 
 def compute() -> Tables:

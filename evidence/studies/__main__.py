@@ -7,6 +7,7 @@ docs/study.md.
 
 from __future__ import annotations
 
+import argparse
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -33,6 +34,7 @@ COMPLETE = Path("build") / "standard.fmu"
 
 def main() -> None:
     """Write everything; a study that has not been run stops with the command that runs it."""
+    argparse.ArgumentParser("python -m evidence.studies", description=__doc__).parse_args()
     if not COMPLETE.is_file():
         raise SystemExit(f"{COMPLETE} is missing: run `balance-rope export --native --platform host --out {COMPLETE}`")
     for folder in (figures.IMAGES, DATA):
