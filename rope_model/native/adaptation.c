@@ -52,7 +52,7 @@ static void on_partition(Simulator *rope, State *state, int direction) {
 
 void transform_if_due(Simulator *rope, State *state) {
     int direction;
-    while ((direction = (int)transformation_due(&state->pattern, bottom_of(rope, state, state->t), 1e-7)))
+    while ((direction = (int)transformation_due(&state->pattern, bottom_of(rope, state, state->t), DUE_EARLY)))
         on_partition(rope, state, direction);
 }
 

@@ -9,7 +9,6 @@
 #include "shaft.h"
 
 enum {
-    PARAMETERS = 13,
     BALANCE = 9,
     FRAME = 21,
     STRAINS = 3,

@@ -52,6 +52,8 @@ from ..simulation import (
     hang,
     mesh,
     mesh_fit,
+    mesh_pattern,
+    paths,
     rigid,
     simulator,
     statics,
@@ -161,7 +163,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void material_values(const Rope *rope, double torsional, const double strains[3], double values[4])": (
         stress.material_values
     ),
-    "void element_parameters(const Rope *rope, double gravity, double P[13])": element.parameters,
+    f"void element_parameters(const Rope *rope, double gravity, double P[{len(element.PARAMETERS)}])": (
+        element.parameters
+    ),
     "EnergyBalance with_energies(const EnergyBalance *energy_balance, const double balance[9], double contact)": (
         energy_balance.with_energies
     ),
@@ -249,13 +253,16 @@ STRUCTURES: dict[str, type[Any]] = {
 } | {"Path": EndPath}
 #: numbers of the formulas and of the control flow
 CONSTANTS: dict[str, float | tuple[float, ...]] = {
+    "PARAMETERS": len(element.PARAMETERS),
     "FARTHEST_START": simulator.FARTHEST_START,
     "MOST_STEPS": simulator.MOST_STEPS,
     "STEP_WORK": stepping.STEP_WORK,
     "LARGEST_GROWTH": generalized_alpha.LARGEST_GROWTH,
     "EVENT_WIDTH": switching.EVENT_WIDTH,
     "CHATTER_TIME": switching.CHATTER[1],
+    "RESTS_BELOW": paths.RESTS_BELOW,
     "MESH_LATEST": mesh.LATEST,
+    "DUE_EARLY": mesh_pattern.DUE_EARLY,
     "LEG_LENGTHS": mesh.LEG_LENGTHS,
     "GRADING": mesh.GRADING,
     "RELAXATION_TIME": adaptation.RELAXATION_TIME,
@@ -278,6 +285,8 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "RESOLUTION": shaft_search.RESOLUTION,
     "TURNED_FAR": shaft_search.TURNED_FAR,
     "PIECES": diagnostics.PIECES,
+    "FINE": diagnostics.FINE,
+    "OUTLINE": diagnostics.OUTLINE,
     "LOOK_EVERY": shaft_search.LOOK_EVERY,
     "YAWED_FAR": warning_cases.YAWED_FAR,
     "LOOK_AHEAD": contact.LOOK_AHEAD,

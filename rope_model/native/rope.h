@@ -34,8 +34,6 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
 /* less than ROPE_SHORTEST_INTERVAL ahead nothing moves, and the time is not lost: the next step begins where this one
    did.  What the paths of the ends miss of the motion is made good in the step, or where that is short for it `within`
    at most so many seconds: ROPE_SHORTEST_AIM, or the length of the step before for motions that are extrapolated */
-#define ROPE_SHORTEST_INTERVAL 1e-9
-#define ROPE_SHORTEST_AIM 1e-5
 int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within);
 
 /* go on with other solver tolerances or swivel friction; nothing else of the scene may differ */

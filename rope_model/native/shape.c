@@ -6,8 +6,8 @@
 #include "formulas.h"
 #include "messages.h"
 
-/* points between two elements' ends, of the shape for the clearance, and of one leg of that */
-enum { FINE = 41, OUTLINE = 161, LEG = OUTLINE / 2 + 1 };
+/* points of one leg of the shape for the clearance */
+enum { LEG = OUTLINE / 2 + 1 };
 
 static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);

@@ -85,7 +85,7 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
         if (rope->message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
         for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
-        if (fastest > 1e-6) return say_moves_at_start(rope->message, SIDE_NAMES[side]);
+        if (fastest > RESTS_BELOW) return say_moves_at_start(rope->message, SIDE_NAMES[side]);
     }
     suspension_points(&rope->scene.layout, &ends[LEFT], &ends[RIGHT], points);
     return 1;
@@ -195,7 +195,7 @@ static double next_stop(const Simulator *rope, const State *state, double t_end)
     for (int k = 0; k < 2; k++) {
         const double then = due_at(&at, times[k]);
         if (0 > at_start && then >= MESH_LATEST * state->pattern.coarse)
-            return fmin(locate(due_at, &at, t, times[k], at_start, then, 1e-9), stop);
+            return fmin(locate(due_at, &at, t, times[k], at_start, then, EVENT_WIDTH), stop);
     }
     return stop;
 }

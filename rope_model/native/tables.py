@@ -14,10 +14,11 @@ from ..physics.elementary import both
 from ..shaft_parameters import PARTS
 from ..simulation.fidelity import FIDELITIES
 from ..simulation.neglected_effects import neglected_text
-from ..simulation.paths import HARDEST, REACH, SIDES
+from ..simulation.paths import HARDEST, REACH, SHORTEST_AIM, SIDES
 from ..simulation.shaft import BODIES
 from ..simulation.signal_table import SHAPE_POINTS, SIGNALS
 from ..simulation.signals import group_of
+from ..simulation.simulator import SHORTEST_INTERVAL
 from .formulas import host_formulas, structure_at, texts_of
 from .layout import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
@@ -63,6 +64,10 @@ def parameter_structures() -> str:
     parts.append(
         "/* of the values of an EndMotion: names, largest sizes, and the largest acceleration within a step */\n"
         f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n#define HARDEST {HARDEST}\n"
+    )
+    parts.append(
+        "/* s, of rope_advance */\n"
+        f"#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n#define ROPE_SHORTEST_AIM {SHORTEST_AIM}\n"
     )
     parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
     groups = {structure: kind.__name__ for kind, structure in GROUPS.items()}

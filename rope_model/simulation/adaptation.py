@@ -15,7 +15,7 @@ from .ends import right_offset
 from .fidelity import lowest_sufficient
 from .fidelity_cases import carries_torque
 from .mesh import Partition, transform
-from .mesh_pattern import transformation_due
+from .mesh_pattern import DUE_EARLY, transformation_due
 from .model import RopeModel, ends_of, energies, with_angles_along
 from .paths import ends_at
 from .rigid import flexible_start, with_elastic_strain
@@ -31,8 +31,8 @@ RELAXATION_TIME = 0.1
 
 
 def transform_if_due(model: RopeModel, state: RopeState) -> RopeState:
-    """The state on the transformed mesh when the loop has travelled far enough (by a hair less, for rounding)."""
-    while direction := transformation_due(state.partition, model.bottom(state.paths, state.motion.t), 1e-7):
+    """The state on the transformed mesh when the loop has travelled far enough."""
+    while direction := transformation_due(state.partition, model.bottom(state.paths, state.motion.t), DUE_EARLY):
         state = _on_partition(model, state, transform(state.partition, direction))
     return state
 

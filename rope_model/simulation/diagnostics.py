@@ -26,6 +26,8 @@ from .transfer import interpolate
 
 #: straight pieces of an element, for the turns: legs that lie against each other must not seem to pass through
 PIECES = 8
+#: points between two elements' ends, and of the shape for the clearance
+FINE, OUTLINE = 41, 161
 
 
 def direction(q: Array) -> float:
@@ -49,9 +51,9 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     """Lowest point of the interpolated centre line."""
     s = arc_lengths(lengths)
     i = int(np.clip(np.argmin(q[:, 1]), 1, s.size - 2))
-    fine = np.linspace(s[i - 1], s[i + 1], 41)
+    fine = np.linspace(s[i - 1], s[i + 1], FINE)
     y = interpolate(q, s, fine)[:, 1]
-    j = int(np.clip(np.argmin(y), 1, 39))
+    j = int(np.clip(np.argmin(y), 1, FINE - 2))
     bend = y[j - 1] - 2 * y[j] + y[j + 1]
     shift = 0.5 * (y[j - 1] - y[j + 1]) / bend if bend > 0 else 0.0
     at = fine[j] + min(max(shift, -1.0), 1.0) * (fine[1] - fine[0])
@@ -65,7 +67,7 @@ def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, dia
 
     Points of either leg against straight pieces of the other, both denser near the loop.
     """
-    points = shape(q, lengths, bottom.s, loop, 161)
+    points = shape(q, lengths, bottom.s, loop, OUTLINE)
     middle = points.shape[0] // 2
     height = float(bottom.position[1]) + above
     left, right = _part_above(points[middle::-1], height), _part_above(points[middle:], height)

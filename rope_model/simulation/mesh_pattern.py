@@ -12,6 +12,9 @@ from typing import Any
 from ..physics.elementary import either, floor, less, where
 from .mesh_fit import DUE
 
+#: m, for rounding: a transformation is made where it is due by this less
+DUE_EARLY = 1e-7
+
 
 def fine_share(counts: Any) -> Any:
     """Length of the elements of IV: half of their neighbours."""

@@ -32,6 +32,8 @@ LEAST_JERK = 0.1
 #: steps that differ by less than this part of themselves are alike
 ALIKE = 1e-6
 
+#: m/s and rad/s: an end that moves no faster is at rest
+RESTS_BELOW = 1e-6
 
 #: m and rad, m/s and rad/s, m/s^2 and rad/s^2: motions beyond are refused
 FARTHEST, FASTEST, HARDEST = 1e4, 60.0, 100.0

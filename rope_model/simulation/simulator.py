@@ -1,9 +1,10 @@
 """The rope in time: physics and methods married.
 
 ``RopeSimulator`` advances a ``RopeState`` from one instant of the host to the next.  In between it chooses its own
-steps, which end on the instants where something changes: a transformation of the mesh, the release of a swivel, a
-change between stick and slip.  A step that does not converge or errs too much is rejected, halved and tried again;
-when the smallest step fails too, the run reports why and keeps the state of the host's last instant.
+steps, which end on the instants where a swivel is released or changes between stick and slip.  A transformation of the
+mesh waits for a step's end, unless the step would carry the loop mesh.LATEST l past where it is due.  A step that does
+not converge or errs too much is rejected, halved and tried again; when the smallest step fails too, the run reports why
+and keeps the state of the host's last instant.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from .guards import at_rest, with_guards
 from .hang import hang
 from .mesh import Partition, fit_mesh, partition
 from .model import RopeModel, ends_of
-from .paths import SHORTEST_AIM, SIDES, EndMotion, EndPath, aim, path_program
+from .paths import RESTS_BELOW, SHORTEST_AIM, SIDES, EndMotion, EndPath, aim, path_program
 from .point_forces import PointForces, at_places, elements_at, nodal_forces
 from .result_warnings import WARNINGS
 from .rope_kernels import KernelCache
@@ -176,7 +177,7 @@ class RopeSimulator(BalanceRope):
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
             if message := refusal(target, path.peak_accelerations(), side):
                 return Status(False, message)
-            if max(map(abs, (*target.velocity, target.yaw_rate))) > 1e-6:
+            if max(map(abs, (*target.velocity, target.yaw_rate))) > RESTS_BELOW:
                 return Status(False, messages.moves_at_start(side))
         ends = np.array(suspension_points(scene.layout, left, right))
         fidelity, reason = choose_fidelity(scene, (left, right), self.model.forces.s.size)

@@ -18,7 +18,7 @@ from .rigid import rigid_rope
 from .rope_system import Evaluation, RopeSystem
 from .state import Counts, RopeState
 from .statics import StaticsError
-from .switching import chatters, next_release, release_swivels, switch_swivels, switching_step
+from .switching import EVENT_WIDTH, chatters, next_release, release_swivels, switch_swivels, switching_step
 
 log = logging.getLogger(__name__)
 
@@ -146,7 +146,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     at_start = due(t)
     for time in (0.5 * (t + ahead), ahead):
         if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
-            return min(locate(due, t, time, at_start, at_time, 1e-9), stop)
+            return min(locate(due, t, time, at_start, at_time, EVENT_WIDTH), stop)
     return stop
 
 
