@@ -40,7 +40,8 @@ Directional derivatives do not contradict this: they are those of the function t
 with. During initialisation all outputs follow all inputs and parameters at once.
 
 A tolerance that the host hands over at set-up is not used: it is a relative one, and the rope's error control knows
-lengths and angles. The parameter `solver.tolerance` has its place, and DefaultExperiment states its start value.
+lengths and angles. The parameter `solver.tolerance` has its place. DefaultExperiment states the start value of
+`accuracy.end_force`, in newtons.
 """
 _ALONG = """\
 `shape.tension` follows from the balance of momentum between the left end and the point, so it meets the end forces and

@@ -14,7 +14,7 @@ from .interface import Variable
 
 #: group of outputs -> what it holds
 GROUPS = {
-    "ends": "forces and moments on the conveyances, mean vertical forces, added masses",
+    "ends": "forces and moments on the conveyances, mean vertical forces, added masses; `contact.*` and `audit.*`",
     "swivels": "angle, rate and torque of the swivels, and whether they slip",
     "loop": "place, yaw and clearance of the loop, turns of the legs about each other",
     "stress": "largest nominal stresses; twist at the ends and in the loop",
