@@ -95,8 +95,8 @@ class Nearest(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """How often one side of the rope has passed through the other, and how far the rope lay in itself, before a passage or
-    after; see simulation.shaft.
+    """How often one side of the rope has passed through the other, and how far the rope lay in itself, before a
+    passage or after; see simulation.shaft.
     """
 
     net: float = 0.0  # those that were not undone, with their sense
