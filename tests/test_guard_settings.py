@@ -64,7 +64,7 @@ def test_the_page_names_what_sees_the_jam_before_the_slack_and_after_it() -> Non
         ),
         (
             [0.2, 0.3, 0.4, 0.5, 0.15],
-            "The slack comes first.**\n- It shows in rise and window and turns and torque too",
+            "The slack comes first.**\n- It shows in rise, window, turns and torque too",
         ),
     ):
         jam_table[jam.COLUMNS[2]] = np.array(times)
