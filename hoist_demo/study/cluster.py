@@ -83,9 +83,9 @@ def run_samples(
     if not waiting:
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
-    futures = {
-        client.submit(_work, run, study.fmu_hash, key=f"run-{key}", pure=False): key for key, run in waiting.items()
-    }
+    names = [f"run-{key}" for key in waiting]
+    submitted = client.map(_work, [*waiting.values()], fmu_hash=study.fmu_hash, key=names, pure=False)
+    futures = dict(zip(submitted, waiting, strict=True))
     for future in as_completed(list(futures)):
         key = futures.pop(future)
         outcome, worker = _result_of(future)

@@ -63,9 +63,12 @@ void shape_places(double total, double bottom_s, double loop, int points, double
 }
 
 void shape_points(int nodes, const double *q, const double *s, int points, const double *at, double *xyz) {
-    double rows[OUTLINE][DOF];
-    transfer_interpolate(nodes, q, s, points, at, rows[0]);
-    for (int k = 0; k < points; k++) memcpy(xyz + (ptrdiff_t)3 * k, rows[k], 3 * sizeof *xyz);
+    /* the places ascend */
+    for (int k = 0, i = 0; k < points; k++, xyz += 3) {
+        while (i < nodes - 2 && s[i + 1] < at[k]) i++;
+        const double l = s[i + 1] - s[i], *a = q + (ptrdiff_t)DOF * i;
+        place_between((at[k] - s[i]) / l, l, a, a + DOF, xyz);
+    }
 }
 
 void shape_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, double *tension) {
