@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import product
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, NoReturn
+from weakref import WeakKeyDictionary
 
 import fmpy
 import fmpy.fmi2
@@ -129,8 +130,19 @@ class Buffer(NamedTuple):
     values: NDArray[Any]
 
 
+def _refuse() -> NoReturn:
+    raise RuntimeError("the FMU is closed, its memory is gone: read from it before close(), or load it anew")
+
+
+class _Closed:
+    """What stands for FMPy's instance once that is freed."""
+
+    def __getattr__(self, name: str) -> NoReturn:
+        _refuse()
+
+
 class Instance(ABC):
-    """One instance for co-simulation."""
+    """One instance for co-simulation. After `close` each call but that one raises RuntimeError."""
 
     def __init__(self, directory: Path, description: Any, hear: Hear) -> None:
         """Load from the FMU's files and instantiate; RuntimeError when that fails."""
@@ -138,6 +150,8 @@ class Instance(ABC):
         self._fmu: Any = None
         self._spare: Any = None
         self._t, self._h = c_double(), c_double()  # of the next step
+        # of each call that is still held, what makes it refuse: asked once, on close, and not in every call
+        self._ends = WeakKeyDictionary[Callable[[], None], Callable[[], None]]()
         try:
             self._fmu = self._fmpy_class(
                 guid=description.guid,
@@ -216,13 +230,18 @@ class Instance(ABC):
         The arguments have their types of C, which a function without a prototype takes as they are, in half the time.
         """
         name = f"{self._prefix}{name}"
-        call = partial(self._fmu.dll[name], c_void_p(self._fmu.component), *arguments)
+        call: Callable[[], int] = partial(self._fmu.dll[name], c_void_p(self._fmu.component), *arguments)
 
         def checked() -> None:
             status = call()
             if status > WARNING:
                 raise CallError(name, status)
 
+        def end() -> None:
+            nonlocal call
+            call = _refuse
+
+        self._ends[checked] = end
         return checked
 
     def set(self, variables: Sequence[Variable], values: Sequence[Value]) -> None:
@@ -251,8 +270,9 @@ class Instance(ABC):
 
     def free(self, snapshot: Any) -> None:
         """Give a handle back; the last one is kept for the next state."""
+        give_back = self._fmu.freeFMUState
         if self._spare is not None:
-            self._fmu.freeFMUState(self._spare)
+            give_back(self._spare)
         self._spare = snapshot
 
     def to_bytes(self, snapshot: Any) -> bytes:
@@ -265,12 +285,15 @@ class Instance(ABC):
 
     def close(self) -> None:
         """Free the instance; may be called more than once."""
-        fmu, self._fmu = self._fmu, None
-        if fmu is not None:
-            if self._spare is not None:
-                with suppress(CallError):
-                    fmu.freeFMUState(self._spare)
-            fmu.freeInstance()
+        if isinstance(self._fmu, _Closed):
+            return
+        fmu, self._fmu = self._fmu, _Closed()
+        for end in self._ends.values():
+            end()
+        if self._spare is not None:
+            with suppress(CallError):
+                fmu.freeFMUState(self._spare)
+        fmu.freeInstance()
 
     def _function(self, what: str, variables: Sequence[Variable]) -> Callable[..., Any]:
         kind = variables[0].type
