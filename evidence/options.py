@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from evidence.rendering import DOCS
-from hoist_demo.command_line.results import named, results_folder
+from hoist_demo.command_line.results import named, writable
 
 
 def add_out(parser: argparse.ArgumentParser, default: Path | None = DOCS, words: str = "docs") -> None:
@@ -16,6 +16,6 @@ def add_out(parser: argparse.ArgumentParser, default: Path | None = DOCS, words:
 
 def _folder(text: str) -> Path:
     try:
-        return results_folder(named(text))
+        return writable(named(text))
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error

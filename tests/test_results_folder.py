@@ -57,3 +57,9 @@ def test_a_measurement_refuses_them_too(
     with pytest.raises(SystemExit, match="2"):
         guards(["--out", out])
     assert f"argument --out: {out or repr(out)} " in capsys.readouterr().err
+
+
+def test_a_measurement_makes_no_folder_before_it_has_something_to_write(tmp_path: Path) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        guards(["--out", str(tmp_path / "a" / "b"), "--scenes", "many"])
+    assert not any(tmp_path.iterdir())

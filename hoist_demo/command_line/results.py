@@ -8,10 +8,16 @@ from pathlib import Path
 
 
 def results_folder(out: Path) -> Path:
-    """``out``, made where it is not there; ValueError, before anything is computed, where it cannot be written to."""
+    """``out``, made where it is not there; ValueError as by `writable`."""
+    writable(out).mkdir(parents=True, exist_ok=True)
+    return out
+
+
+def writable(out: Path) -> Path:
+    """``out``; ValueError, before anything is computed, where it cannot be made or written to."""
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=out):
+        there = next(path for path in (out, *out.absolute().parents) if path.exists())
+        with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as error:
         raise ValueError(f"{out} cannot be written to ({error.strerror}): choose another --out") from error
