@@ -198,6 +198,15 @@ def test_the_schedules_of_the_documents_can_be_wound(name: str, count: int) -> N
     assert read_schedule(path, rope_parameters()).count == count
 
 
+def test_a_duty_says_what_its_rope_s_model_does_not_compute(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    schedule_of(tmp_path, fidelity="planar", settle=0.5, travel=2.0)
+    assert balance_rope.main(["duty", str(tmp_path / "duty.toml"), "--out", str(tmp_path)]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "warning: the rope ran as its planar model, which does not compute yaw and all else out of the plane" in told
+    assert ("loop_yaw" in told, "sway " in told) == (False, True)
+    assert np.isnan(read_csv(tmp_path / "trips.csv")["loop_yaw"]).all()
+
+
 def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     schedule_of(tmp_path, settle=2.0, travel=5.0)
     arguments = ["duty", str(tmp_path / "duty.toml"), "--out", str(tmp_path / "out")]

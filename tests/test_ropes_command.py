@@ -12,9 +12,10 @@ from rope_groups import Weight
 import balance_rope
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
-from hoist_demo.recording.time_series import Recording
+from hoist_demo.recording.fidelity import code_of
+from hoist_demo.recording.time_series import Recording, read_csv
 from hoist_demo.ropes.definition import read_ropes
-from hoist_demo.ropes.table import outcome
+from hoist_demo.ropes.table import outcome, without_neglected
 from hoist_demo.study.reading import StudyError
 
 ROPES = """
@@ -61,6 +62,42 @@ def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: p
         (pair,) = csv.DictReader(file)
     assert 0.0 < float(pair["clearance [m]"]) < 0.4 - 0.044 + 1e-9
     assert (tmp_path / "signals.csv").is_file()
+
+
+def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, planar = tmp_path / "ropes.toml", 'name = "two"\nmodel.fidelity = "planar"'
+    path.write_text(ROPES.replace('name = "two"', planar), encoding="utf-8")
+    assert balance_rope.main(["ropes", str(path), "--out", str(tmp_path)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "warning: rope two ran as its planar model, which does not compute yaw and all else out of the plane" in said
+    assert "rope one ran as" not in said
+    one, two = said.split(" two, z = 0.2 m ")
+    assert ("yaw_peak" in one, "torque_peak" in one) == (True, True)
+    # sums of which a part is not computed are no results either, nor is a clearance of what keeps to its plane
+    for words in ("yaw_peak", "torque_peak", "tilt about X", "moment about Y", "Smallest clearances"):
+        assert words not in two
+    assert "tilt about Z" in two
+    with (tmp_path / "ropes.csv").open(encoding="utf-8") as file:
+        rows = {row["rope"]: row for row in csv.DictReader(file)}
+    assert (rows["two"]["yaw_peak [rad]"], rows["two"]["torque_peak [N.m]"]) == ("nan", "nan")
+    assert float(rows["one"]["yaw_peak [rad]"]) > 0.01
+    with (tmp_path / "neighbours.csv").open(encoding="utf-8") as file:
+        assert [row["clearance [m]"] for row in csv.DictReader(file)] == ["nan"]
+    signals = read_csv(tmp_path / "signals.csv")
+    for name in ("two.loop.yaw", "two.left.my", "left.my", "right.mx", "left.fz"):
+        assert np.isnan(signals[name]).all(), name
+    for name in ("one.loop.yaw", "one.left.my", "two.left.fy", "left.mz", "left.fy"):
+        assert np.isfinite(signals[name]).all(), name
+
+
+def test_a_plane_rope_without_torque_has_no_yaw_as_a_result() -> None:
+    nothing = np.zeros(2)
+    signals = {"time": np.arange(2.0), "left.my": nothing + 5.0, "one.left.my": nothing, "one.loop.yaw": nothing}
+    signals["one.status.fidelity"] = np.full(2, code_of("planar"))
+    recording = Recording(signals, {})
+    assert not np.isnan(without_neglected(recording, {"one": True})["one.loop.yaw"]).any()
+    masked = without_neglected(recording, {"one": False})
+    assert all(np.isnan(masked[name]).all() for name in ("left.my", "one.left.my", "one.loop.yaw"))
 
 
 def test_the_status_tells_of_each_rope_what_it_struck_and_that_it_passed_through_itself() -> None:

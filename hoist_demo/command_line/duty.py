@@ -16,9 +16,10 @@ from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
+from hoist_demo.recording.fidelity import remark
 from hoist_demo.recording.time_series import Recording, write_csv
 from hoist_demo.report.html.page import number
-from hoist_demo.report.rows import SummaryRow, for_people, render
+from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, for_people, render
 from hoist_demo.report.summary import exposure_rows, incidents, status
 
 if TYPE_CHECKING:
@@ -148,9 +149,10 @@ def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow
     if last is not None:
         recording = last.result.recording
         rows += [
-            SummaryRow("Outcome", "status of the last trip", status(last.result.completed, recording)),
-            SummaryRow("Outcome", "simulated time", float(recording.time[-1]), "s"),
+            SummaryRow(OUTCOME, "status of the last trip", status(last.result.completed, recording)),
+            SummaryRow(OUTCOME, "simulated time", float(recording.time[-1]), "s"),
         ]
+        rows += [SummaryRow(OUTCOME, WARNING, text) for text in [remark(recording)] if text]
     steady, count = steady_from(trips, cycle), trips["trip"].size
     group = f"Steady cycle: each trip as the one {cycle} before, within {100.0 * STEADY:g} %"
     rows.append(SummaryRow(group, "from trip", f"{steady}" if steady else f"none of {count}"))

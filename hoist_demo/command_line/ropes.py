@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import math
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -65,7 +66,7 @@ def _ropes(options: argparse.Namespace) -> int:
     from hoist_demo.report.figures import write_ropes_figure
     from hoist_demo.report.provenance import told
     from hoist_demo.ropes.definition import read_ropes
-    from hoist_demo.ropes.table import COLUMNS, neighbours, row
+    from hoist_demo.ropes.table import COLUMNS, neighbours, row, without_neglected
     from hoist_demo.study.provenance import write_data
     from hoist_demo.study.run import wind
 
@@ -80,6 +81,8 @@ def _ropes(options: argparse.Namespace) -> int:
     if not recording.signals:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
         return 1
+    recording = without_neglected(recording, {rope.name: rope.torque_free for rope in ropes.ropes})
+    result = replace(result, recording=recording)
     names = [rope.name for rope in ropes.ropes]
     rows = {name: row(recording, name) for name in names}
     placed = [(rope.name, rope.place, rope.scene.rope.diameter) for rope in ropes.ropes]
@@ -128,23 +131,24 @@ def _summary(
 ) -> list[SummaryRow]:
     """What of the trip and the ropes is told."""
     from hoist_demo.report.summary import incidents, warnings
-    from hoist_demo.ropes.table import COLUMNS, outcome
+    from hoist_demo.ropes.table import COLUMNS, outcome, remarks
 
     recording = result.recording
     ended = outcome(result.completed, recording, [*rows])
     told = [SummaryRow(OUTCOME, "status", ended + incidents(recording))]
-    told += [SummaryRow(OUTCOME, WARNING, text) for text in warnings(result, ropes.hoist)]
+    told += [SummaryRow(OUTCOME, WARNING, t) for t in (*warnings(result, ropes.hoist), *remarks(recording, [*rows]))]
     told += [
         SummaryRow(f"{name}, z = {rope.place.z:g} m", column, *for_people(rows[name][column], unit))
         for rope in ropes.ropes
         for name in [rope.name]
         for column, (unit, _) in COLUMNS.items()
+        if math.isfinite(rows[name][column])
     ]
     for end in ("left", "right"):
         for name, (words, unit) in _SUMS.items():
-            peak = float(np.max(np.abs(recording[f"{end}.{name}"])))
-            told.append(SummaryRow(f"All ropes on the {end} conveyance, about its centre", words, peak, unit))
-    for pair in pairs:
+            if math.isfinite(peak := float(np.max(np.abs(recording[f"{end}.{name}"])))):
+                told.append(SummaryRow(f"All ropes on the {end} conveyance, about its centre", words, peak, unit))
+    for pair in (one for one in pairs if math.isfinite(one.nearest.clearance)):
         near, (x, y, z) = pair.nearest, pair.nearest.place
         text = f"{near.clearance:.4g} m at t = {near.t:.4g} s, x = {x:.3g} m, y = {y:.4g} m, z = {z:.3g} m"
         text += ": they touch, and each went on as if alone" if near.clearance <= 0.0 and pair.account is None else ""

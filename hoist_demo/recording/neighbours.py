@@ -23,6 +23,10 @@ class Nearest:
     place: tuple[float, float, float]  # m, half-way between both
 
 
+NEVER = Nearest(np.nan, np.nan, (np.nan, np.nan, np.nan))
+"""Of ropes that have no shapes to compare."""
+
+
 def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
     """Of two ropes whose points are (instants, points, 3) [m], with the sum of their radii [m]."""
     found = Nearest(np.inf, float(times[0]), (np.nan, np.nan, np.nan))

@@ -103,28 +103,35 @@ def write_duty_figure(trips: Recording, path: Path) -> Path:
         ("Smallest clearance between the legs", "[m]", 1.0, {"clearance": ""}),
         ("Change against the trip a cycle before", "[%]", 100.0, {"difference": ""}),
     )
+    shown = [panel for panel in panels if any(_shows(trips, name) for name in panel[-1])]
     with matplotlib.rc_context(STYLE):
-        figure, axes = stacked_panels([title for title, *_ in panels])
-        for ax, (_, label, factor, curves) in zip(axes, panels, strict=True):
+        figure, axes = stacked_panels([title for title, *_ in shown])
+        for ax, (_, label, factor, curves) in zip(axes, shown, strict=True):
             for (name, words), colour in zip(curves.items(), ACCENTS, strict=False):
-                ax.plot(trips["trip"], factor * trips[name], ".-", ms=3.0, color=colour, label=words)
+                if _shows(trips, name):
+                    ax.plot(trips["trip"], factor * trips[name], ".-", ms=3.0, color=colour, label=words)
             ax.set_ylabel(label)
             if len(curves) > 1:
                 legend(ax)
-        axes[-1].set_yscale("log")
+            if "difference" in curves:
+                ax.set_yscale("log")
         axes[-1].set_xlabel("trip")
         return save_figure(figure, path)
 
 
 def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -> Path:
     """Pulls and yaw of several ropes, by the names under which a group of ropes records them."""
+    panels = (
+        ("Pull on the left conveyance", "$-f_y$ [kN]", -1e-3, "left.fy"),
+        ("Pull on the right one", "$-f_y$ [kN]", -1e-3, "right.fy"),
+        ("Yaw of the loop", "yaw [deg]", 180.0 / math.pi, "loop.yaw"),
+    )
+    shown = [panel for panel in panels if any(_shows(recording, f"{name}.{panel[-1]}") for name in names)]
     with matplotlib.rc_context(STYLE):
-        figure, axes = _stack(recording, ("Pull on the left conveyance", "Pull on the right one", "Yaw of the loop"))
-        for name in names:
-            for ax, end in zip(axes, ("left", "right"), strict=False):
-                ax.plot(recording.time, -1e-3 * recording[f"{name}.{end}.fy"], label=name)
-            axes[2].plot(recording.time, 180.0 / math.pi * recording[f"{name}.loop.yaw"], label=name)
-        for ax, label in zip(axes, ("$-f_y$ [kN]", "$-f_y$ [kN]", "yaw [deg]"), strict=True):
+        figure, axes = _stack(recording, [title for title, *_ in shown])
+        for ax, (_, label, factor, signal) in zip(axes, shown, strict=True):
+            for name in names:
+                ax.plot(recording.time, factor * recording[f"{name}.{signal}"], label=name)
             ax.set_ylabel(label)
         legend(axes[0])
         return save_figure(figure, path)

@@ -47,6 +47,11 @@ class OneRope:
     breaks: Break | None
     given: Mapping[str, str]  # where each value that is set comes from, by name
 
+    @property
+    def torque_free(self) -> bool:
+        """Whether it carries no torque."""
+        return scene_parameters(self.scene).torque_free
+
     def plant(self) -> WholeRope:
         """The rope to be wound."""
         rope, data = InProcessRope(self.scene, READ), self.scene.rope

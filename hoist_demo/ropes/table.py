@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.rope_group import SUMS, Place
-from hoist_demo.recording.neighbours import Nearest, nearest
+from hoist_demo.recording.fidelity import mask_neglected, remark
+from hoist_demo.recording.neighbours import NEVER, Nearest, nearest
 from hoist_demo.recording.passages import PASSAGE_SIGNALS, outcome_of, passages
 from hoist_demo.recording.time_series import TIME, Array, Recording
 from rope_model import SIGNALS, Account
@@ -34,7 +38,7 @@ COLUMNS = {
     "torque_peak": ("N.m", "largest magnitude of a swivel's torque"),
     "lowest": ("m", "height of the loop's lowest point, the smallest"),
 }
-"""Columns of the ropes' table, each with unit and meaning."""
+"""Columns of the ropes' table, each with unit and meaning; NaN for what a rope's model does not compute."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,28 @@ class Neighbours:
     account: Account | None
 
 
+def without_neglected(recording: Recording, torque_free: Mapping[str, bool]) -> Recording:
+    """The recording with NaN for what the fidelity of each rope leaves out, and for sums of which that is a part.
+
+    `torque_free` is by the ropes' names whether one carries no torque.
+    """
+    signals = dict(recording.signals)
+    for name, free in torque_free.items():
+        before = _own(recording, name)
+        for key, values in mask_neglected(before, free).signals.items():
+            if key != TIME:
+                signals[f"{name}.{key}"] = values
+            if key in SUMS and key in signals:
+                signals[key] = np.where(np.isnan(values) & np.isfinite(before[key]), np.nan, signals[key])
+    return Recording(signals, recording.units)
+
+
+def remarks(recording: Recording, names: Sequence[str]) -> list[str]:
+    """What a recording from `without_neglected` does not show of each rope because of its fidelity."""
+    told = ((name, remark(_whole(recording, name))) for name in names)
+    return [text.replace("the rope", f"rope {name}", 1) for name, text in told if text]
+
+
 def row(recording: Recording, name: str) -> dict[str, float]:
     """The row of a rope; without numbers from a break on."""
     pulls = np.array([recording[f"{name}.{end}.fy"] for end in ("left", "right")])
@@ -57,10 +83,16 @@ def row(recording: Recording, name: str) -> dict[str, float]:
         "share_least": float(share.min()),
         "share_most": float(share.max()),
         "pull_peak": float(-pulls.min()),
-        "yaw_peak": float(np.nanmax(np.abs(recording[f"{name}.loop.yaw"]))),
-        "torque_peak": float(np.nanmax(np.abs(torques))),
+        "yaw_peak": _largest(recording[f"{name}.loop.yaw"]),
+        "torque_peak": _largest(torques),
         "lowest": float(np.nanmin(recording[f"{name}.loop.y"])),
     }
+
+
+def _largest(values: Array) -> float:
+    """The largest magnitude; NaN where nothing was computed."""
+    known = values[np.isfinite(values)]
+    return float(np.max(np.abs(known))) if known.size else math.nan
 
 
 def outcome(completed: bool, recording: Recording, names: Sequence[str]) -> str:
@@ -82,28 +114,45 @@ def _broken(recording: Recording, name: str) -> str:
 
 def _whole(recording: Recording, name: str) -> Recording:
     """The signals of a rope under their own names, until it breaks."""
-    own = {key.removeprefix(f"{name}."): x for key, x in recording.signals.items() if key.startswith(f"{name}.")}
-    own[TIME] = recording.time
+    own = _own(recording, name)
     unbroken = np.isfinite(own["loop.y"])
-    return Recording({key: values[unbroken] for key, values in own.items()}, {})
+    return Recording({key: values[unbroken] for key, values in own.signals.items()}, {})
+
+
+def _own(recording: Recording, name: str) -> Recording:
+    """The signals of a rope under their own names."""
+    own = {key.removeprefix(f"{name}."): x for key, x in recording.signals.items() if key.startswith(f"{name}.")}
+    return Recording({TIME: recording.time, **own}, {})
 
 
 def neighbours(
     recording: Recording, ropes: Sequence[tuple[str, Place, float]], accounts: Mapping[tuple[str, str], Account]
 ) -> list[Neighbours]:
-    """All pairs of ropes with name, place and diameter [m]; a broken rope has no shape any more."""
+    """All pairs of ropes with name, place and diameter [m], at the times at which both have a shape.
+
+    A broken rope has none any more, and one whose model leaves out what leads it out of its plane has none either.
+    """
     every = max(1, round(LOOKED_AT / (recording.time[1] - recording.time[0]))) if recording.time.size > 1 else 1
     times = recording.time[::every]
-    shapes = {name: _shape(recording, name, place)[::every] for name, place, _ in ropes}
+    shapes = {name: _shape(recording, name, place, every) for name, place, _ in ropes}
     found = []
     for (one, _, thick), (other, _, thin) in combinations(ropes, 2):
-        whole = np.isfinite(shapes[one]).all(axis=(1, 2)) & np.isfinite(shapes[other]).all(axis=(1, 2))
-        near = nearest(times[whole], shapes[one][whole], shapes[other][whole], 0.5 * (thick + thin))
+        shown = shapes[one].computed & shapes[other].computed
+        points = shapes[one].points[shown], shapes[other].points[shown]
+        near = nearest(times[shown], *points, 0.5 * (thick + thin)) if bool(shown.any()) else NEVER
         found.append(Neighbours(one, other, near, accounts.get((one, other))))
     return found
 
 
-def _shape(recording: Recording, name: str, place: Place) -> Array:
-    """Points of a rope in the shaft, (rows, points, 3) [m]; x from half-way between the conveyances' centres."""
+class _Shapes(NamedTuple):
+    """A rope in the shaft, at some instants."""
+
+    points: Array  # (instants, points, 3) [m]; x from half-way between the conveyances' centres
+    computed: NDArray[np.bool_]  # (instants,)
+
+
+def _shape(recording: Recording, name: str, place: Place, every: int) -> _Shapes:
     axes = [np.array([recording[f"{name}.shape.{axis}[{i + 1}]"] for i in range(POINTS)]).T for axis in "xyz"]
-    return np.stack(axes, axis=-1) + place.origin
+    points = np.stack(axes, axis=-1)[::every] + place.origin
+    across = recording[f"{name}.loop.z"][::every]
+    return _Shapes(points, np.isfinite(across) & np.isfinite(points).all(axis=(1, 2)))
