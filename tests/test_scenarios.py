@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import GRAVITY, Coupling
-from hoist_demo.parameters.components import Jam
+from hoist_demo.parameters.components import Jam, Lining
 from hoist_demo.recording.jams import jams, slack_ropes
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.slip import slip
@@ -75,6 +76,20 @@ def test_a_rope_braked_harder_than_gravity_goes_slack() -> None:
     assert run["loop.overlap"][-1] > 0.0
     assert run["loop.touched_at"][-1] <= run.time[pressed]
     assert passages(run).startswith("the rope struck its other leg (from t = ")
+
+
+@pytest.mark.slow
+def test_head_ropes_that_slip_keep_the_rope_taut_under_the_same_brake() -> None:
+    case = find_case("slack-rope")
+    hoist = replace(case.hoist, lining=Lining())
+    run = Host(rope_in_process("slack-rope"), hoist, case.winding, Coupling(), case.gains).run().recording
+    slid = slip(run)
+    assert slid is not None
+    assert slid.way == pytest.approx(2.0, abs=0.05)
+    assert np.min(run["conveyance.left.ay"]) > -GRAVITY
+    assert max(np.max(run["left.fy"]), np.max(run["right.fy"])) < 0.0
+    assert not slack_ropes(run)
+    assert passages(run) == ""
 
 
 @pytest.mark.slow

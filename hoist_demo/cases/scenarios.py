@@ -1,8 +1,10 @@
 """What goes wrong in a shaft, by name: trips of the published hoists that end in an emergency, or begin with a fault.
 
 overwind        the trip ends so far above its landing that the loop comes within 4 m of the rope's end
-slack-rope      the brake grips at once with its full torque, harder than gravity: the rope under the rising conveyance
-                goes slack, and jerks when it falls back; its legs hold each other where they meet
+slack-rope      the brake grips at once with its full torque, harder than gravity, and the head ropes hold, as if they
+                were clamped: the rope under the rising conveyance goes slack, and jerks when it falls back; its legs
+                hold each other where they meet. Where friction alone holds the head ropes (hoist.lining) both their
+                sides keep some tension, no conveyance slows down harder than gravity, and nothing goes slack
 seized-swivel   one of two swivels does not turn
 jammed-conveyance
                 the descending conveyance catches in its guides; its head ropes go slack, which opens the safety
