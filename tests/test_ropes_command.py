@@ -147,7 +147,11 @@ def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path
             "contact.rope_stiffness = 1e6",
             r"two: contact.rope_stiffness must be the same for all",
         ),
-        ('"torsional"', '"planar"\ncontact.rope_stiffness = 1e6', r"must be torsional or spatial"),
+        (
+            '"torsional"',
+            '"planar"\ncontact.rope_stiffness = 1e6',
+            r"one: model.fidelity = 'planar' must be torsional or spatial with contact.rope_stiffness = 1e\+06, for",
+        ),
         ("rope.length = 118.8", "rope.lenght = 118.8", r"did you mean rope.length"),
         ("rope.length = 118.8", "rope.length = -1", r"two: rope"),
         ("rope.length = 118.8", "guard.torque = 5", r"guard.torque = 5 must be left out"),
@@ -160,6 +164,17 @@ def test_ropes_that_cannot_be_are_refused_with_the_cure(tmp_path: Path, wrong: s
     path.write_text(ROPES.replace(wrong, right), encoding="utf-8")
     with pytest.raises(StudyError, match=told):
         read_ropes(path, rope_parameters())
+
+
+def test_contact_that_the_case_has_set_is_named_as_the_case_s(tmp_path: Path) -> None:
+    path = tmp_path / "ropes.toml"
+    auto = ROPES.replace("rope-120", "slack-rope").replace("torsional", "auto").replace("travel = 4", "travel = 90")
+    path.write_text(auto, encoding="utf-8")
+    told = r"with contact.rope_stiffness = 1e\+07, of the case slack-rope, for .* or set contact.rope_stiffness = 0 in"
+    with pytest.raises(StudyError, match=told):
+        read_ropes(path, rope_parameters())
+    path.write_text(auto.replace("[fixed]", "[fixed]\ncontact.rope_stiffness = 0"), encoding="utf-8")
+    assert not read_ropes(path, rope_parameters()).touching
 
 
 def test_a_break_beyond_the_rope_is_refused() -> None:

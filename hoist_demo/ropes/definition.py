@@ -34,6 +34,7 @@ from rope_model import Level, Neighbours, Scene
 _TABLES = {"ropes": dict, "fixed": dict, "rope": list}
 _PLACE = ("x_left", "x_right", "z")
 _BREAK = ("breaks_at", "breaks_s")
+_PRESSED = "contact.rope_stiffness"
 
 
 @dataclass(frozen=True)
@@ -130,17 +131,19 @@ def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
     names = [rope.name for rope in found]
     problems += [f"name = {name!r} must be given once: name each rope" for name in {*names} if names.count(name) > 1]
     if found and found[0].scene.shaft.contact.rope_stiffness > 0.0:
-        problems += _obstacles_to_contact(found)
+        whose = "" if _PRESSED in fixed else f", of the case {head['case']}"
+        problems += _obstacles_to_contact(found, f"{_PRESSED} = {found[0].scene.shaft.contact.rope_stiffness:g}{whose}")
     if problems:
         raise StudyError(path, problems)
     return Ropes(run=run, ropes=found, given=given, **head)
 
 
-def _obstacles_to_contact(ropes: Sequence[OneRope]) -> list[str]:
-    """Why ropes cannot press each other."""
+def _obstacles_to_contact(ropes: Sequence[OneRope], pressed: str) -> list[str]:
+    """Why ropes cannot press each other; `pressed` is the stiffness that asks for it."""
+    alone = f"or set {_PRESSED} = 0 in [fixed]: each rope is then alone"
     found = [
-        f"{rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with "
-        f"contact.rope_stiffness > 0: choose one, ropes press each other out of plane"
+        f"{rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with {pressed}, for "
+        f"ropes press each other out of plane: choose one, {alone}"
         for rope in ropes
         if rope.scene.model.fidelity not in ("torsional", "spatial")
     ]
@@ -149,7 +152,7 @@ def _obstacles_to_contact(ropes: Sequence[OneRope]) -> list[str]:
         if apart < (least := 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)):
             found.append(
                 f"{other.name}: an end that is {apart:g} m from that of {one.name} must be at least {least:g} m away "
-                "with contact.rope_stiffness > 0, or they touch where they hang: move it by z or x_left and x_right"
+                f"with {pressed}, or they touch where they hang: move it by z or x_left and x_right, {alone}"
             )
     return found
 
