@@ -6,7 +6,7 @@ import argparse
 import math
 import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip
 from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.command_line.settings import rope_values, settings
@@ -28,18 +29,15 @@ from hoist_demo.cosimulation.progress import listen, progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
-from hoist_demo.recording.exposure import exposure, spectra_table
-from hoist_demo.recording.fidelity import fidelities_of, mask_neglected, without_remarked
+from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
-from hoist_demo.recording.time_series import Recording, match_signals, shape_rows, write_csv, write_shapes
-from hoist_demo.report.provenance import told
-from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow, render
+from hoist_demo.recording.time_series import match_signals
+from hoist_demo.report.rows import CAUSE, WARNING, render
 from hoist_demo.report.slip import slip_warning
-from hoist_demo.report.summary import exposure_rows, summarize
 from hoist_demo.study.catalogue import Catalogue, Value
 from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe
-from hoist_demo.study.provenance import Known, of_host, of_rope, statuses, write_data
+from hoist_demo.study.provenance import of_host, of_rope
 from hoist_demo.study.reading import GIVEN, file_statuses
 from hoist_demo.study.run import RunData, build_trip, fmu_part
 
@@ -48,16 +46,6 @@ if TYPE_CHECKING:
 
 LAST_GOOD = "last_good.npz"
 """File in the output folder with the last good state of a run that stopped."""
-
-_DRAWN = {
-    "shape.": "3-D rope, shapes.png and stress along the rope",
-    "station.": "exposure.png",
-    "loop.": "loop.png",
-    "stress.": "largest stresses",
-    "energy.": "energies of the rope",
-    "left.swivel.": "swivels.png",
-}
-"""Outputs that an FMU may have been exported without, and what the reports then lack."""
 
 SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
 """Parameters of the rope of which the hoist has a copy for its controller, and their unit."""
@@ -148,34 +136,29 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     run = build_trip(options.case, _winding(options) | chosen)
     results_folder(options.out)
     rope, signals = _rope(options, run, bool(fmu_part(chosen)))
-    hoist, winding, coupling = run.hoist, run.winding, run.coupling
-    missing = _missing_outputs(rope.units())
+    missing = missing_outputs(rope.units())
     _tell(missing)
     try:
         with listen("hoist_demo") as said:
-            result = _run(Host(rope, hoist, winding, coupling, run.gains), options.out / LAST_GOOD, resume)
+            result = _run(Host(rope, run.hoist, run.winding, run.coupling, run.gains), options.out / LAST_GOOD, resume)
         data = rope.data()
     finally:
         rope.close()
     result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
-    winding, run = result.winding, replace(run, winding=result.winding)
-    contradiction = contradictions(hoist, data.parameters)
-    for text in (contradiction, slip_warning(result.recording, hoist, winding)):
+    run = replace(run, winding=result.winding)
+    contradiction = contradictions(run.hoist, data.parameters)
+    for text in (contradiction, slip_warning(result.recording, run.hoist, run.winding)):
         _tell(text)
     given = (file_statuses(options.rope) if options.rope else {}) | dict.fromkeys(own, GIVEN)
     known = [*of_host(run, given), *of_rope(find_case(options.case), data, given)]
-    exposed = exposure(result.recording, data.parameters)
-    rows = summarize(result, hoist, winding, coupling) + (() if exposed is None else exposure_rows(exposed))
-    said = without_remarked(said, result.recording)
-    rows += tuple(SummaryRow(OUTCOME, WARNING, text) for text in (missing, contradiction, *said) if text)
-    rows += tuple(told(known))
+    warned = [*filter(None, (missing, contradiction)), *said]
+    wound = WoundRun(_title(options, run, data), run, result, data, data.level(levels()), known, warned)
     before = set(options.out.iterdir())
     with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
-        title = _title(options, run, data)
-        written = _write(options, title, result, rows, run, (data, data.level(levels())), known, exposed, signals)
-    print(f"{title}\n")
+        written = write(wound, options.out, signals)
+    print(f"{wound.title}\n")
     # warnings have been told when they arose, and the cause is told last
-    print(render([row for row in rows if row.quantity not in (WARNING, CAUSE)]))
+    print(render([row for row in wound.rows if row.quantity not in (WARNING, CAUSE)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if replaced := before.intersection(written):
@@ -211,18 +194,6 @@ def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
 def _tell(warning: str) -> None:
     if warning:
         print(f"balance-rope: {warning}", file=sys.stderr)
-
-
-def _missing_outputs(units: Mapping[str, str]) -> str:
-    """What a rope with these outputs leaves out of the reports, "" for nothing."""
-    groups = [group for group in _DRAWN if not any(name.startswith(group) for name in units)]
-    if not groups:
-        return ""
-    outputs, lacking = ", ".join(f"{group}*" for group in groups), ", no ".join(_DRAWN[group] for group in groups)
-    return (
-        f"the FMU was exported without the outputs {outputs}, so the report has no {lacking}; "
-        "`balance-rope export --outputs all` has them"
-    )
 
 
 def _case_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
@@ -338,68 +309,3 @@ def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:
     stop = "" if at is None else f", emergency stop at {at:g} s"
     trip = f"Winding {run.winding.travel:g} m{stop}: case {options.case}, balance rope {kind}"
     return ", ".join([trip, *options.set])
-
-
-def _write(
-    options: argparse.Namespace,
-    title: str,
-    result: Result,
-    rows: Sequence[SummaryRow],
-    run: RunData,
-    rope: tuple[RopeData, str],
-    known: Sequence[Known],
-    exposed: Recording | None,
-    signals: Sequence[str],
-) -> list[Path]:
-    """All files of a run, report.html last; a run that stopped before its first row leaves the reports only."""
-    # matplotlib loads slowly and is needed here only
-    from hoist_demo.report.events import marks
-    from hoist_demo.report.exposure_figures import write_exposure_figure, write_spectra_figure
-    from hoist_demo.report.figures import write_figures
-    from hoist_demo.report.html.parameter_tables import rope_tables, tables
-    from hoist_demo.report.html.run import run_report
-    from hoist_demo.report.markdown import write_report
-
-    hoist, winding, status = run.hoist, run.winding, statuses(known)
-    host = {"Hoist": hoist, "Winding": winding, "Coupling": run.coupling, "Gains": run.gains}
-    given = [*tables(host, status), *rope_tables(*rope, fidelities_of(result.recording), status)]
-    directory: Path = options.out
-    directory.mkdir(parents=True, exist_ok=True)
-    data = write_data(known, directory / "data.csv")
-    written: list[Path] = []
-    pictures: list[Path] = []
-    exposures: dict[str, Path] = {}
-    if result.recording.signals:
-        written = [directory / "signals.csv"]
-        write_csv(result.recording, written[0], signals)
-        if result.recording.shape_at(0) is not None:
-            written.append(directory / "shapes.csv")
-            write_shapes(result.recording, shape_rows(result.recording), written[1])
-        pictures = write_figures(result.recording, hoist, directory, marks(result, winding), rope[0].locked)
-    if exposed is not None:
-        written.append(directory / "exposure.csv")
-        write_csv(exposed, written[-1])
-        picture = write_exposure_figure(exposed, directory / "exposure.png")
-        exposures = {"What each place in the rope went through": picture}
-        spectra = spectra_table(result.recording)
-        if (vibrations := write_spectra_figure(spectra, exposed["s"], directory / "spectra.png")) is not None:
-            exposures["How it vibrates there"] = vibrations
-            written.append(directory / "spectra.csv")
-            write_csv(spectra, written[-1])
-        pictures += exposures.values()
-    reports = [
-        write_report(directory / "report.md", title, rows, pictures, given),
-        run_report(
-            result,
-            hoist,
-            winding,
-            rows,
-            title,
-            directory / "report.html",
-            given,
-            rope[0].locked,
-            rope[0].parameters,
-            exposures,
-        ),
-    ]
-    return [*written, data, *pictures, *reports]
