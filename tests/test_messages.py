@@ -11,12 +11,14 @@ from pathlib import Path
 import pytest
 
 from rope_model.native.build import generate
+from rope_model.native.messages import SPOKEN
 from rope_model.numerics.kernels import find_compiler
-from rope_model.simulation import messages
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared")
-TEXTS: dict[str, Callable[..., str]] = dict(inspect.getmembers(messages, inspect.isfunction))
+TEXTS: dict[str, Callable[..., str]] = {
+    name: text for module in SPOKEN for name, text in inspect.getmembers(module, inspect.isfunction)
+}
 TYPES = {"float": ("double", ct.c_double), "int": ("int", ct.c_int), "str": ("const char *", ct.c_char_p)}
 #: numbers that are written in full, rounded, with an exponent, and not at all
 SAMPLES = {

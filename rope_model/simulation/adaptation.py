@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.generalized_alpha import Solution
-from . import messages
+from . import fidelity_messages
 from .ends import right_offset
 from .fidelity import lowest_sufficient
 from .fidelity_cases import carries_torque
@@ -75,7 +75,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.
     """
     fidelity = lowest_sufficient(model.scene, ends_at(state.paths, state.paths[0].stop), model.forces.s.size)
-    reason = messages.cannot_follow(state.fidelity, why)
+    reason = fidelity_messages.cannot_follow(state.fidelity, why)
     log.info("t = %.6f s: model: %s, because %s", state.motion.t, fidelity, reason)
     event = Event(state.motion.t, f"model {fidelity}")
     ends = state.motion.q[[0, -1], POSITION].tolist()

@@ -20,7 +20,7 @@ from typing import Literal, NamedTuple
 
 from ..parameters import Scene
 from ..physics.element import ElementFidelity
-from . import messages
+from . import fidelity_messages, messages
 from .cases import first_text
 from .fidelity_cases import (
     COMPLETE,
@@ -62,7 +62,7 @@ def choose_fidelity(scene: Scene, ends: Ends, forces: int = 0) -> Choice:
     The host puts forces on so many of its places.
     """
     if scene.model.fidelity != "auto":
-        return Choice(scene.model.fidelity, messages.as_asked())
+        return Choice(scene.model.fidelity, fidelity_messages.as_asked())
     choice = _lowest(scene, ends, forces)
     log.info("model: %s, because %s", *choice)
     return choice
@@ -79,24 +79,24 @@ def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int
         return ""
     if number := int(unsupported_input(scene, fidelity, *ends)):
         why = _input_text(ends, number)
-        return messages.while_swivels_hold(why) if fidelity == "spatial" and out_of_plane(number) else why
+        return fidelity_messages.while_swivels_hold(why) if fidelity == "spatial" and out_of_plane(number) else why
     if scene.model.fidelity == "auto":
         return first_text(UNSUPPORTED, scene, fidelity, *ends, forces)
-    return messages.applied_forces() if fidelity == "rigid" and forces else ""
+    return fidelity_messages.applied_forces() if fidelity == "rigid" and forces else ""
 
 
 def _lowest(scene: Scene, ends: Ends, forces: int) -> Choice:
     if why := first_text(COMPLETE, scene, forces):
         return Choice("torsional", why)
     if number := int(held_input(*ends)):
-        return Choice("torsional", messages.held_where_initialised(_input_text(ends, number)))
+        return Choice("torsional", fidelity_messages.held_where_initialised(_input_text(ends, number)))
     estimated = scene.model.force_tolerance > 0
     fidelity = lowest_sufficient(scene, ends, forces) if estimated else "torsional"
     if why := first_text(SUFFICIENT, scene, fidelity, *ends):
         return Choice(fidelity if carries_torque(scene) or fidelity == "rigid" else "planar", why)
     below = unsupported_motion(scene, "spatial", ends, forces) if estimated else ""
     torque = first_text(TORQUE, scene)
-    return Choice("torsional", messages.torque_and_more(torque, below) if below else torque)
+    return Choice("torsional", fidelity_messages.torque_and_more(torque, below) if below else torque)
 
 
 def _input_text(ends: Ends, number: int) -> str:

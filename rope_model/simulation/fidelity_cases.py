@@ -20,7 +20,7 @@ from ..physics.estimates import (
 )
 from ..physics.guard import guarded
 from ..physics.inextensible import lowest, pull
-from . import messages
+from . import fidelity_messages
 from .bodies import may_touch
 from .cases import Cases
 from .paths import EndMotion
@@ -121,21 +121,21 @@ def _errs_little(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any,
 
 
 #: why a rope carries torque
-TORQUE: Cases = {messages.coupled: _coupled, messages.twisted: _twisted}
+TORQUE: Cases = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted: _twisted}
 #: why a scene needs the complete model wherever its ends are; ``forces`` are applied to so many places of the rope
 COMPLETE: Cases = {
-    messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
-    messages.may_touch_itself: lambda scene, forces: (scene.shaft.contact.rope_stiffness > 0,),
-    messages.guards_watch: lambda scene, forces: (guarded(scene.shaft.guard) > 0,),
-    messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
-    messages.is_curved: lambda scene, forces: _curved(scene),
-    messages.is_pushed: lambda scene, forces: (forces > 0,),
+    fidelity_messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
+    fidelity_messages.may_touch_itself: lambda scene, forces: (scene.shaft.contact.rope_stiffness > 0,),
+    fidelity_messages.guards_watch: lambda scene, forces: (guarded(scene.shaft.guard) > 0,),
+    fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
+    fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
+    fidelity_messages.is_pushed: lambda scene, forces: (forces > 0,),
 }
 #: what 'auto' does not leave to a fidelity that leaves out no input
 UNSUPPORTED: Cases = {
-    messages.applied_forces: lambda scene, fidelity, left, right, forces: (forces > 0,),
-    messages.errs_too_much: _errs_too_much,
-    messages.would_go_slack: _would_go_slack,
+    fidelity_messages.applied_forces: lambda scene, fidelity, left, right, forces: (forces > 0,),
+    fidelity_messages.errs_too_much: _errs_too_much,
+    fidelity_messages.would_go_slack: _would_go_slack,
 }
 #: why a fidelity below the complete one serves; without torque the planar one does, but for the rigid one
-SUFFICIENT: Cases = {messages.no_torque: _no_torque, messages.errs_little: _errs_little}
+SUFFICIENT: Cases = {fidelity_messages.no_torque: _no_torque, fidelity_messages.errs_little: _errs_little}

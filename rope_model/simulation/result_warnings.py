@@ -24,7 +24,7 @@ from functools import partial
 
 from ..parameters import Scene
 from ..physics.shaft import KINDS
-from . import messages, warning_cases
+from . import warning_cases, warning_messages
 from .bodies import may_touch
 from .cases import first_text
 from .diagnostics import direction
@@ -44,13 +44,13 @@ def passed_bodies(scene: Scene, state: RopeState) -> str:
     told = ""
     for name, x in zip(KINDS, state.nearest, strict=True):
         if x.clearance <= 0:
-            passed = messages.passed_into(BODIES[name], x.touched_at, -x.clearance, x.time, x.s, x.y)
-            told = messages.and_another(told, passed) if told else passed
+            passed = warning_messages.passed_into(BODIES[name], x.touched_at, -x.clearance, x.time, x.s, x.y)
+            told = warning_messages.and_another(told, passed) if told else passed
     if not told or not may_touch(scene.shaft):
-        return messages.rope_passed_into(told) if told else ""
+        return warning_messages.rope_passed_into(told) if told else ""
     if min(x.clearance for x in state.nearest) > -scene.rope.diameter:
-        return messages.rope_struck(told)
-    return messages.rope_pressed_into(told, scene.shaft.contact.stiffness)
+        return warning_messages.rope_struck(told)
+    return warning_messages.rope_pressed_into(told, scene.shaft.contact.stiffness)
 
 
 def leg_contact(scene: Scene, state: RopeState) -> str:
@@ -64,7 +64,7 @@ def yaw_at_rest(scene: Scene, state: RopeState) -> str:
     if not warning_cases.yawed_far_at_rest(scene, state, yaw):
         return ""
     source = first_text(warning_cases.TORQUE_SOURCE, scene, _end_twist(state))
-    return messages.yawed_at_rest(yaw, warning_cases.YAWED_FAR, source)
+    return warning_messages.yawed_at_rest(yaw, warning_cases.YAWED_FAR, source)
 
 
 def _yaw(state: RopeState) -> float:

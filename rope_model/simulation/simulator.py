@@ -21,7 +21,7 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
 from ..physics.outline import suspension_points
-from . import messages
+from . import fidelity_messages, messages
 from .adaptation import raise_fidelity
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
 from .diagnostics import LoopBottom, direction, loop_bottom
@@ -186,7 +186,7 @@ class RopeSimulator(BalanceRope):
             cells = partition(self._mesh, rope.length, bottom)
             guess = hanging_guess(cells.nodes_s, *ends)
             if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
-                return Status(False, messages.fixed_model_cannot_follow(fidelity, why))
+                return Status(False, fidelity_messages.fixed_model_cannot_follow(fidelity, why))
             rest = np.zeros_like(guess)
             state = RopeState(
                 motion=Motion(t, guess, rest, rest, rest, rest, 0.0, rest),
@@ -231,7 +231,7 @@ class RopeSimulator(BalanceRope):
         state = state._replace(paths=(aimed[0].path, aimed[1].path), events=())
         if why := unsupported_motion(self.scene, state.fidelity, (left, right), self.model.forces.s.size):
             if self.scene.model.fidelity != "auto":
-                return Status(False, messages.fixed_model_cannot_follow(state.fidelity, why))
+                return Status(False, fidelity_messages.fixed_model_cannot_follow(state.fidelity, why))
             try:
                 state = self.model.audit_begun(raise_fidelity(self.model, state, why))
             except StaticsError as error:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..physics.elementary import both, either
 from ..physics.estimates import coupling_torque, curvature_torque, twist_torque
-from . import messages
+from . import warning_messages
 from .audit import (
     FEWEST_ELEMENTS,
     FEWEST_STEPS,
@@ -143,23 +143,26 @@ def _accuracy_given_up(scene: Any, state: Any) -> tuple[Any, ...]:
 
 
 PASSED_SIDES: Cases = {
-    messages.sides_passed: _sides_passed,
-    messages.sides_passed_in_spite: _sides_passed_in_spite,
+    warning_messages.sides_passed: _sides_passed,
+    warning_messages.sides_passed_in_spite: _sides_passed_in_spite,
 }
 LEG_CONTACT: Cases = {
-    messages.turned_around: _turned_around,
-    messages.legs_touch: _legs_touch,
-    messages.legs_press: _legs_press,
+    warning_messages.turned_around: _turned_around,
+    warning_messages.legs_touch: _legs_touch,
+    warning_messages.legs_press: _legs_press,
 }
 TORQUE_SOURCE: Cases = {
-    messages.torque_of_coupling: _torque_of_coupling,
-    messages.torque_of_curvature: _torque_of_curvature,
-    messages.torque_of_twist: _torque_of_twist,
-    messages.torque_of_ends: _torque_of_ends,
+    warning_messages.torque_of_coupling: _torque_of_coupling,
+    warning_messages.torque_of_curvature: _torque_of_curvature,
+    warning_messages.torque_of_twist: _torque_of_twist,
+    warning_messages.torque_of_ends: _torque_of_ends,
 }
-OTHER_RESTS: Cases = {messages.other_rests: _other_rests}
-MISSING_LOADS: Cases = {messages.forces_missing: _forces_missing, messages.moments_missing: _moments_missing}
-UNRESOLVED_WAVES: Cases = {messages.waves_unresolved: _waves_unresolved}
-UNRESOLVED_BEND: Cases = {messages.bend_unresolved: _bend_unresolved}
-NO_AIR: Cases = {messages.no_air: _no_air, messages.no_air_to_push: _no_air_to_push}
-ACCURACY_GIVEN_UP: Cases = {messages.accuracy_given_up: _accuracy_given_up}
+OTHER_RESTS: Cases = {warning_messages.other_rests: _other_rests}
+MISSING_LOADS: Cases = {
+    warning_messages.forces_missing: _forces_missing,
+    warning_messages.moments_missing: _moments_missing,
+}
+UNRESOLVED_WAVES: Cases = {warning_messages.waves_unresolved: _waves_unresolved}
+UNRESOLVED_BEND: Cases = {warning_messages.bend_unresolved: _bend_unresolved}
+NO_AIR: Cases = {warning_messages.no_air: _no_air, warning_messages.no_air_to_push: _no_air_to_push}
+ACCURACY_GIVEN_UP: Cases = {warning_messages.accuracy_given_up: _accuracy_given_up}

@@ -1,0 +1,156 @@
+"""Warnings of results that are valid: texts of both forms, as in messages."""
+
+from __future__ import annotations
+
+
+def passed_into(body: str, touched: float, depth: float, t: float, s: float, y: float) -> str:
+    return (
+        f"{body} from t = {touched:.6g} s on (deepest by {depth:.3g} m at {t:.6g} s, {s:.4g} m along it, at y = "
+        f"{y:.4g} m)"
+    )
+
+
+def and_another(before: str, passed: str) -> str:
+    return f"{before:.380} and {passed:.120}"
+
+
+def rope_struck(what: str) -> str:
+    return f"the rope has struck {what:.430}; the outputs contact.* have the forces"
+
+
+def rope_pressed_into(what: str, stiffness: float) -> str:
+    return (
+        f"the rope was pressed into {what:.330}, by more than its diameter: contact.stiffness = {stiffness:g} is too "
+        "soft for it"
+    )
+
+
+def rope_passed_into(what: str) -> str:
+    return f"the rope has passed into {what:.400}; contact is not computed: nothing after that is what a real rope does"
+
+
+def sides_passed(number: float, since: float, y: float) -> str:
+    return (
+        "the rope's legs have passed through each other, or one of them through the conveyance and head ropes above "
+        f"the other: {number:g} times (loop.crossings), the first at t = {since:.6g} s around y = {y:.4g} m; contact "
+        "is not computed: nothing after that is what a real rope does; contact.rope_stiffness = 1e7 computes that of "
+        "the legs; lower Qb, Qc or installed_twist, free the swivels, or widen the spacing"
+    )
+
+
+def sides_passed_in_spite(number: float, since: float, y: float, stiffness: float) -> str:
+    return (
+        "one side of the rope has passed through the other, the conveyance and head ropes above its end where the "
+        f"scene has none, or the leg where contact.rope_stiffness = {stiffness:g} is too soft for it: {number:g} times "
+        f"(loop.crossings), the first at t = {since:.6g} s around y = {y:.4g} m; nothing after that is what a real "
+        "rope does; give conveyance and head_ropes, raise contact.rope_stiffness, lower Qb, Qc or installed_twist, or "
+        "free the swivels"
+    )
+
+
+def turned_around(turns: float) -> str:
+    return (
+        f"the rope is turned around itself: one leg has swung {turns:.3g} turns about the other and the conveyance and "
+        "head ropes above it (loop.turns); half a turn is a loop turned over; lower Qb, Qc or installed_twist, free "
+        "the swivels, or widen the spacing"
+    )
+
+
+def legs_touch(overlap: float, since: float, y: float) -> str:
+    return (
+        f"the rope's legs have touched each other, first at t = {since:.6g} s, and lain in each other by up to "
+        f"{overlap:.3g} m (loop.overlap) around y = {y:.4g} m; contact is not computed, and a real rope would lie "
+        "against itself: contact.rope_stiffness = 1e7 computes it; keep the legs taut, lower Qb, Qc or "
+        "installed_twist, free the swivels, or widen the spacing"
+    )
+
+
+def legs_press(overlap: float, since: float, y: float) -> str:
+    return (
+        f"the rope's legs have pressed each other, first at t = {since:.6g} s, by up to {overlap:.3g} m (loop.overlap) "
+        f"around y = {y:.4g} m; contact.rope has the force; keep the legs taut, lower Qb, Qc or installed_twist, free "
+        "the swivels, or widen the spacing"
+    )
+
+
+def yawed_at_rest(yaw: float, bound: float, source: str) -> str:
+    return (
+        f"the loop hangs yawed by {yaw:.3g} rad against its ends at rest (bound {bound:.3g} rad), turned mostly by "
+        f"{source:.300}, or widen the spacing"
+    )
+
+
+def other_rests(angle: float) -> str:
+    return (
+        f"the rope has more than one way to hang: turned in slowly it snapped over at {angle:.3g} rad of twist, and "
+        "hangs as it came to rest after that; use less twist (installed_twist, yaw of the ends), or free the swivels"
+    )
+
+
+def forces_missing(force: float, bound: float) -> str:
+    return (
+        f"{force:.3g} N are missing between the end forces, the weight and the change of the rope's momentum "
+        f"(audit.momentum, bound {bound:.3g} N): time steps are too long for this motion, the state was altered from "
+        "outside, or the rope computes wrongly; lower step_max, or go back to a state that was saved before, and "
+        "report what neither mends"
+    )
+
+
+def moments_missing(moment: float, bound: float) -> str:
+    return (
+        f"{moment:.3g} N m are missing between what acts on the rope and the change of its angular momentum "
+        f"(audit.moment, bound {bound:.3g} N m): time steps are too long for this motion, or the state was altered "
+        "from outside; lower step_max, or go back to a state that was saved before"
+    )
+
+
+def waves_unresolved(change: float, steps: float, bound: float, step: float) -> str:
+    return (
+        f"an end force changes by {change:.3g} N in one time step, of which an axial period of the rope's longer leg "
+        f"has {steps:.3g} (bound {bound:.3g}): its waves are not resolved; lower step_max to {step:.2g} s"
+    )
+
+
+def bend_unresolved(elements: float, bound: float) -> str:
+    return (
+        f"the rope's sharpest bend has {elements:.3g} elements in half a turn (bound {bound:.3g}): they are too "
+        "long for it; set mesh.kind = auto, or lower coarse_length; where auto's are too long, a leg has gone slack: "
+        "keep it taut, or take mesh.kind = eem with more elements"
+    )
+
+
+def no_air(vx: float, vy: float, vz: float) -> str:
+    return (
+        f"air.density = 0, so that air that moves at ({vx:g}, {vy:g}, {vz:g}) m/s does nothing: give the density, "
+        "1.2 kg/m3 at the surface"
+    )
+
+
+def no_air_to_push(buffet: float) -> str:
+    return f"air.density = 0, so that air.buffet = {buffet:g} does nothing: give the density, 1.2 kg/m3 at the surface"
+
+
+def accuracy_given_up(steps: int, since: float, bound: int) -> str:
+    return (
+        f"accuracy was given up in {steps} steps since t = {since:.6g} s: they wanted more Newton iterations than "
+        f"work_max = {bound} allows a communication step; raise it, or communicate more often"
+    )
+
+
+def torque_of_coupling(Qb: float, Qc: float) -> str:
+    return f"the coupling Qb = {Qb:g}, Qc = {Qc:g} N m: give what was measured on this very rope, free the swivels"
+
+
+def torque_of_twist(angle: float) -> str:
+    return f"installed_twist = {angle:g} rad: lower it, free the swivels"
+
+
+def torque_of_curvature(curvature: float, angle: float) -> str:
+    return (
+        f"initial_curvature = {curvature:g} 1/m, which lies at {angle:g} rad: lower it, or turn it to 0 rad, as the "
+        "loop bends"
+    )
+
+
+def torque_of_ends(angle: float) -> str:
+    return f"the ends, which twist the rope by {angle:g} rad: turn them back"
