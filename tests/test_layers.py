@@ -125,6 +125,7 @@ MAY_IMPORT = {
         "hoist_demo.cases",
         "hoist_demo.parameters",
         "hoist_demo.recording",
+        "hoist_demo.cosimulation",
         "hoist_demo.cosimulation.participants",
         "hoist_demo.study",
         "rope_model",

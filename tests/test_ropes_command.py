@@ -65,12 +65,13 @@ def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: p
 
 
 def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path, planar = tmp_path / "ropes.toml", 'name = "two"\nmodel.fidelity = "planar"'
+    path, planar = tmp_path / "ropes.toml", 'name = "two"\nmodel.fidelity = "planar"\nbreaks_at = 99\nbreaks_s = 30'
     path.write_text(ROPES.replace('name = "two"', planar), encoding="utf-8")
     assert balance_rope.main(["ropes", str(path), "--out", str(tmp_path)]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "warning: rope two ran as its planar model, which does not compute yaw and all else out of the plane" in said
     assert "rope one ran as" not in said
+    assert "warning: rope two was to break at breaks_at = 99 s, and did not: the run ended at " in said
     one, two = said.split(" two, z = 0.2 m ")
     assert ("yaw_peak" in one, "torque_peak" in one) == (True, True)
     # sums of which a part is not computed are no results either, nor is a clearance of what keeps to its plane
@@ -139,6 +140,8 @@ def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path
     ("wrong", "right", "told"),
     [
         ('name = "two"', 'name = "one"', "name = 'one' must be given once"),
+        ('name = "two"', 'name = "left"', "name = 'left' must be another: .*, and left, right, .*drive.* are taken"),
+        ('name = "two"', 'name = "one.b"', r"name = 'one\.b' must be another: .* names with a point"),
         ("rope.length = 118.8", "winding.travel = 3", r"two: winding.travel must be the same for all ropes"),
         ("z = 0.2", "breaks_at = 3.0", r"breaks_at and breaks_s must stand together"),
         ("z = 0.2", 'z = "left"', r"two: z = 'left' must be a number"),

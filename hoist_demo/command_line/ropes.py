@@ -131,12 +131,14 @@ def _summary(
 ) -> list[SummaryRow]:
     """What of the trip and the ropes is told."""
     from hoist_demo.report.summary import incidents, warnings
-    from hoist_demo.ropes.table import COLUMNS, outcome, remarks
+    from hoist_demo.ropes.table import COLUMNS, outcome, remarks, unbroken
 
     recording = result.recording
     ended = outcome(result.completed, recording, [*rows])
     told = [SummaryRow(OUTCOME, "status", ended + incidents(recording))]
-    told += [SummaryRow(OUTCOME, WARNING, t) for t in (*warnings(result, ropes.hoist), *remarks(recording, [*rows]))]
+    breaks = {rope.name: rope.breaks.t for rope in ropes.ropes if rope.breaks is not None}
+    warned = *warnings(result, ropes.hoist), *remarks(recording, [*rows]), *unbroken(recording, breaks)
+    told += [SummaryRow(OUTCOME, WARNING, text) for text in warned]
     told += [
         SummaryRow(f"{name}, z = {rope.place.z:g} m", column, *for_people(rows[name][column], unit))
         for rope in ropes.ropes

@@ -17,11 +17,12 @@ from pathlib import Path
 from typing import Any
 
 from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, scene_parameters
 from hoist_demo.cosimulation.participants.partners import ENDS
-from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
+from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.parameters import Hoist
 from hoist_demo.ropes.table import READ
@@ -35,6 +36,8 @@ _TABLES = {"ropes": dict, "fixed": dict, "rope": list}
 _PLACE = ("x_left", "x_right", "z")
 _BREAK = ("breaks_at", "breaks_s")
 _PRESSED = "contact.rope_stiffness"
+_TAKEN = tuple(dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CONTACT_ENERGIES, *DRIVE_UNITS)))
+"""With what other signals begin, as a rope's begin with its name."""
 
 
 @dataclass(frozen=True)
@@ -130,6 +133,12 @@ def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
     found = tuple(rope for rope in ropes if rope is not None)
     names = [rope.name for rope in found]
     problems += [f"name = {name!r} must be given once: name each rope" for name in {*names} if names.count(name) > 1]
+    problems += [
+        f"name = {name!r} must be another: signals of the rope begin with its name, and {', '.join(_TAKEN)} are taken, "
+        "as are names with a point"
+        for name in names
+        if not name or "." in name or name in _TAKEN
+    ]
     if found and found[0].scene.shaft.contact.rope_stiffness > 0.0:
         whose = "" if _PRESSED in fixed else f", of the case {head['case']}"
         problems += _obstacles_to_contact(found, f"{_PRESSED} = {found[0].scene.shaft.contact.rope_stiffness:g}{whose}")

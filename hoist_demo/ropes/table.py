@@ -101,6 +101,16 @@ def outcome(completed: bool, recording: Recording, names: Sequence[str]) -> str:
     return outcome_of(completed, ", and ".join(filter(None, told))) + "".join(_broken(recording, n) for n in names)
 
 
+def unbroken(recording: Recording, breaks: Mapping[str, float]) -> list[str]:
+    """What is to be known of ropes that were to break at these times [s] by name, and did not."""
+    end = float(recording.time[-1])
+    return [
+        f"rope {name} was to break at breaks_at = {t:g} s, and did not: the run ended at {end:.4g} s; break it earlier"
+        for name, t in breaks.items()
+        if math.isfinite(recording[f"{name}.loop.y"][-1])
+    ]
+
+
 def _broken(recording: Recording, name: str) -> str:
     """The break of a rope as the end of a sentence; "" for none."""
     gone = ~np.isfinite(recording[f"{name}.loop.y"])
