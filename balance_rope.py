@@ -20,8 +20,8 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Component, export_ssp
     from hoist_demo.cases.case import Case
-    from hoist_demo.cases.table import CASES
-    from hoist_demo.command_line.demo import add_demo, tail_rope
+    from hoist_demo.cases.table import CASES, find_case
+    from hoist_demo.command_line.demo import add_demo
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.identify import add_identify
     from hoist_demo.command_line.results import named, results_folder
@@ -32,6 +32,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.drive_fmu.description import drive_model, duration
     from hoist_demo.drive_fmu.interface import Tail
     from hoist_demo.study.catalogue import Catalogue
+    from hoist_demo.study.shared import tail_rope
     from rope_model import __version__
     from rope_model.parameters import LEVELS, Level, rope_120
 
@@ -277,12 +278,10 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, Level, tuple[OneRope, ...
     file = read_ropes(options.ropes, rope_parameters())
     if broken := [rope.name for rope in file.ropes if rope.breaks]:
         raise ValueError(f"breaks_at of {', '.join(broken)} must be left out: the rope of an FMU does not break")
-    if any(rope.name == DRIVE for rope in file.ropes):
-        raise ValueError(f"name = '{DRIVE}' must be another: the system's hoist has it")
     if len(file.ropes) > 1 and file.touching:
         told = "contact.rope_stiffness lets each rope of the system press itself alone: FMUs know no neighbours"
         print(f"balance-rope: {told}; `balance-rope ropes {options.ropes}` has their contact", file=sys.stderr)
-    case = replace(CASES[file.case], hoist=file.hoist, winding=file.run.winding, gains=file.run.gains)
+    case = replace(find_case(file.case), hoist=file.hoist, winding=file.run.winding, gains=file.run.gains)
     return case, file.level, file.ropes
 
 

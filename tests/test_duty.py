@@ -200,10 +200,14 @@ def test_the_schedules_of_the_documents_can_be_wound(name: str, count: int) -> N
 
 def test_a_duty_says_what_its_rope_s_model_does_not_compute(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     schedule_of(tmp_path, fidelity="planar", settle=0.5, travel=2.0)
+    path = tmp_path / "duty.toml"
+    heavy = path.read_text(encoding="utf-8").replace("[fixed]", "[fixed]\nrope.mass_per_length = 12")
+    path.write_text(heavy, encoding="utf-8")
     assert balance_rope.main(["duty", str(tmp_path / "duty.toml"), "--out", str(tmp_path)]) == 0
     told = " ".join(capsys.readouterr().out.split())
     assert "warning: the rope ran as its planar model, which does not compute yaw and all else out of the plane" in told
     assert ("loop_yaw" in told, "sway " in told) == (False, True)
+    assert "warning: rope.mass_per_length = 12 kg/m and hoist.tail_rope_mass = 8 kg/m contradict each other" in told
     assert np.isnan(read_csv(tmp_path / "trips.csv")["loop_yaw"]).all()
 
 

@@ -13,7 +13,6 @@ import pytest
 
 from balance_rope import main
 from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.demo import contradictions
 from hoist_demo.command_line.settings import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
@@ -22,6 +21,7 @@ from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals, read_csv
 from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.study.shared import contradictions
 from rope_model.numerics import kernels
 
 ROOT = Path(__file__).parents[1]

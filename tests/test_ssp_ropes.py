@@ -124,6 +124,7 @@ def test_tool_winds_the_ropes_as_a_loop_over_what_fmpy_read(ssp: Path, tool: str
         ("z = 0.2", "z = 0.2\nbreaks_at = 3.0\nbreaks_s = 30.0", ["--ssp"], "breaks_at of short must be left out"),
         ('"short"', '"drive"', ["--ssp"], "name = 'drive' must be another"),
         ("z = 0.2", "z = 0.2", [], "is for systems, and an FMU has one rope: add --ssp"),
+        ('"rope-120"', '"caught-rope"', ["--ssp"], "emergency_at = 12 s must be None: export a trip without a stop"),
     ],
 )
 def test_what_a_system_cannot_have_is_refused(

@@ -29,7 +29,7 @@ from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study
 from hoist_demo.study.metrics import UNITS, Arrival, measure
 from hoist_demo.study.perform import perform, write_what_is_there
-from hoist_demo.study.run import Outcome, build
+from hoist_demo.study.run import Outcome, build, execute
 from hoist_demo.study.store import Store, read_results
 
 SHORT = """
@@ -44,6 +44,14 @@ arrival.window = 0.2
 @pytest.fixture
 def read(tmp_path: Path, fmu_of: Callable[[str], Path]) -> Read:
     return reader(tmp_path, fmu_of("draft"))
+
+
+def test_a_drive_that_takes_the_rope_for_another_is_warned_of(read: Read, fmu_of: Callable[[str], Path]) -> None:
+    (sample,) = read(SHORT + "rope.mass_per_length = 12\n").samples
+    outcome = execute(sample.data, fmu_of("draft"))
+    assert (outcome.status, outcome.cause) == ("completed", "")
+    told = "rope.mass_per_length = 12 kg/m and hoist.tail_rope_mass = 8 kg/m contradict each other"
+    assert [text.startswith(told) for text in outcome.warnings if "tail_rope" in text] == [True]
 
 
 # metrics

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -28,7 +27,7 @@ from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import listen, progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
-from hoist_demo.parameters import ASSUMED_DATA, Coupling, Hoist
+from hoist_demo.parameters import ASSUMED_DATA, Coupling
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals
@@ -40,15 +39,13 @@ from hoist_demo.study.probe import Probe
 from hoist_demo.study.provenance import of_host, of_rope
 from hoist_demo.study.reading import GIVEN, file_statuses
 from hoist_demo.study.run import RunData, build_trip, fmu_part
+from hoist_demo.study.shared import contradictions, tail_rope
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 
 LAST_GOOD = "last_good.npz"
 """File in the output folder with the last good state of a run that stopped."""
-
-SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
-"""Parameters of the rope of which the hoist has a copy for its controller, and their unit."""
 
 _CASE = "rope-120"
 
@@ -171,24 +168,6 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
             print(f"balance-rope: the last good state is in {result.saved}; see --resume", file=sys.stderr)
         return 1
     return 130 if interrupted() else 0
-
-
-def tail_rope(values: Mapping[str, Value]) -> dict[str, Value]:
-    """Fields of the hoist by which its drive takes the balance rope for the one with these parameters."""
-    return {field: values[name] for name, field, _ in SHARED if name in values}
-
-
-def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
-    """What the drive takes the balance rope for, where the rope is something else; "" where they agree."""
-    told = []
-    for name, field, unit in SHARED:
-        computed, assumed = rope.get(name), getattr(hoist, field)
-        if isinstance(computed, int | float) and not math.isclose(computed, assumed, rel_tol=1e-3):
-            told.append(
-                f"{name} = {computed:g} {unit} and hoist.{field} = {assumed:g} {unit} contradict each other: "
-                f"the drive holds and accelerates by its own number; set both, --set hoist.{field}={computed:g}"
-            )
-    return "; ".join(told)
 
 
 def _tell(warning: str) -> None:

@@ -74,6 +74,7 @@ def _duty(options: argparse.Namespace) -> int:
     from hoist_demo.duty.table import READ
     from hoist_demo.report.provenance import told
     from hoist_demo.study.provenance import of_host, of_rope, write_data
+    from hoist_demo.study.shared import contradictions
 
     schedule = read_schedule(options.schedule, rope_parameters(), options.repeat)
     if options.check:
@@ -96,7 +97,8 @@ def _duty(options: argparse.Namespace) -> int:
     written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
     print(f"{schedule.title}: case {schedule.case}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows(exposed) if exposed else ()
-    print(render([*_summary(trips, last, len(schedule.pattern)), *exposures, *told(known)]))
+    contradiction = contradictions(run.hoist, rope.data().parameters)
+    print(render([*_summary(trips, last, len(schedule.pattern), contradiction), *exposures, *told(known)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if interrupted():
@@ -141,8 +143,8 @@ def _wind(
     return (table(rows, cycle) if rows else None), last
 
 
-def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow]:
-    """What of a duty is told."""
+def _summary(trips: Recording, last: Trip | None, cycle: int, contradiction: str) -> list[SummaryRow]:
+    """What of a duty is told, with the `contradiction` of its data, if any."""
     from hoist_demo.duty.table import STEADY, UNITS, steady_from, worst
 
     rows = []
@@ -152,7 +154,8 @@ def _summary(trips: Recording, last: Trip | None, cycle: int) -> list[SummaryRow
             SummaryRow(OUTCOME, "status of the last trip", status(last.result.completed, recording)),
             SummaryRow(OUTCOME, "simulated time", float(recording.time[-1]), "s"),
         ]
-        rows += [SummaryRow(OUTCOME, WARNING, text) for text in [remark(recording)] if text]
+    warned = [contradiction, "" if last is None else remark(last.result.recording)]
+    rows += [SummaryRow(OUTCOME, WARNING, text) for text in warned if text]
     steady, count = steady_from(trips, cycle), trips["trip"].size
     group = f"Steady cycle: each trip as the one {cycle} before, within {100.0 * STEADY:g} %"
     rows.append(SummaryRow(group, "from trip", f"{steady}" if steady else f"none of {count}"))

@@ -36,6 +36,7 @@ from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.catalogue import SECTIONS, Value
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
 from hoist_demo.study.nested import with_values
+from hoist_demo.study.shared import contradictions
 
 FINISHED = ("completed", "stopped")
 """States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause."""
@@ -142,10 +143,10 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
         rope = FmuRope(fmu, run.fmu, not_read=[name for name in read_outputs(fmu) if name not in wanted])
         try:
             result, design_time = wind(run, rope)
-            torque_free = rope.data().torque_free
+            data = rope.data()
         finally:
             rope.close()
-        result = replace(result, recording=mask_neglected(result.recording, torque_free))
+        result = replace(result, recording=mask_neglected(result.recording, data.torque_free))
         metrics = measure(result, run.hoist, result.winding, run.arrival)
     except Exception as error:  # recorded, so that the other runs go on
         where = traceback.extract_tb(error.__traceback__)[-1]
@@ -159,8 +160,8 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     status = "completed" if result.completed else "stopped"
     clock |= {"all": time.perf_counter() - begin, "processor": time.process_time() - worked}
     passed, held = passages(result.recording), held_in_spite(result.recording, run.hoist.tension_ratio_limit)
-    warned = (held,) if held and run.hoist.lining is None else ()
-    return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, warned, passed)
+    warned = held if run.hoist.lining is None else "", contradictions(run.hoist, data.parameters)
+    return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, tuple(filter(None, warned)), passed)
 
 
 def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:
