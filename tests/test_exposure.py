@@ -24,6 +24,7 @@ from hoist_demo.recording.exposure import (
 )
 from hoist_demo.recording.spectra import spectra, strongest
 from hoist_demo.recording.time_series import TIME, Recording
+from hoist_demo.report.summary import exposure_rows
 from hoist_demo.study.run import build
 
 WHERE = {"station.first": 0.0, "station.last": 1.0, "rope.length": 120.0}
@@ -121,6 +122,12 @@ def test_a_run_too_short_for_a_spectrum_leaves_the_other_results(tmp_path: Path)
     found = {path.name for path in tmp_path.iterdir()}
     assert {"exposure.csv", "exposure.png", "report.html"} <= found
     assert not {"spectra.csv", "spectra.png"} & found
+
+
+def test_the_places_that_went_through_most_are_told_in_units_for_people() -> None:
+    told = {row.quantity: row.text for row in exposure_rows(exposure(record([0.0, 1.0, 0.0], [0.0, 3.0, 0.0]), WHERE))}
+    assert told["largest range of torque in a cycle"] == "3 N m at 120 m"
+    assert told["longest time in the bend"] == "1 s at 120 m"
 
 
 def test_a_table_survives_as_one_row() -> None:

@@ -122,6 +122,8 @@ BAD = {
         "m/s",
     ),
     "unknown metric of the best run": ("study.minimise = 'speed'", "speed", "cycle_time"),
+    "a list of metrics of the best run": ("study.minimise = ['sway']", "['sway']", "cycle_time"),
+    "a list of cases": ("study.case = ['rope-120']", "['rope-120']", "rope-240"),
     "two best runs": ("study.minimise = 'cycle_time'\nstudy.maximise = 'slip_safety'", "cycle_time", "keep one"),
     "unknown signal": ("study.signals = ['loop.jaw']", "loop.jaw", "loop.yaw"),
     "a jam out of the way": (

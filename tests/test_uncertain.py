@@ -139,6 +139,7 @@ def test_why_windings_stopped_is_told_and_no_result_without_a_winding(
     [
         (("samples = 8", "samples = 100"), "samples = 100 must be a power of two from 8 on"),
         (("samples = 8", 'samples = 8\nbearing = "air"'), "bearing = 'air' must be one of rolling, plain"),
+        (("samples = 8", 'samples = 8\nbearing = ["plain"]'), r"bearing = \['plain'\] must be one of rolling, plain"),
         (("left_swivel_torque", "yaw"), "'yaw' is not a metric: choose of cycle_time"),
         (('"rope-120"', '"rope"'), "case = 'rope' must be one of rope-120"),
         (('"34x7"', '"7"'), "construction = '7' is out of range"),

@@ -29,12 +29,14 @@ def add_trip(demo: argparse.ArgumentParser) -> None:
         "--estop-at",
         type=float,
         metavar="T",
-        help="emergency stop from time T [s], at 5 m/s^2 with rope-120 and rope-240, else 2 m/s^2",
+        help="emergency stop from time T [s], at the case's winding.emergency_deceleration: 2 m/s^2 for hoists of "
+        "installed size, else 5 m/s^2",
     )
     demo.add_argument(
         "--estop-law",
         choices=get_args(EmergencyLaw),
-        help="who stops: the drive (the default), or the brake of an installed hoist, regulated or by its torque",
+        help="who stops: the drive, along its reference; or the brake of a case that has one: at a regulated "
+        "deceleration, with its full torque, or in two stages, a part of it first (that of the case)",
     )
 
 
@@ -44,7 +46,8 @@ def add_data(demo: argparse.ArgumentParser) -> None:
         "--kernels",
         choices=KERNELS,
         default="auto",
-        help="rope's computing kernels: compiled C, CasADi's virtual machine, or what is there (default: %(default)s)",
+        help="the rope computes by compiled C, portably, which is slow, by CasADi's virtual machine, or auto: "
+        "compiled where that can be had (%(default)s)",
     )
     demo.add_argument(
         "--level",

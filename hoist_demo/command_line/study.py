@@ -59,6 +59,7 @@ def _study(options: argparse.Namespace) -> int:
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
     from hoist_demo.cosimulation.participants.fmu_parameters import fmi_version
+    from hoist_demo.report.html.page import unit_text
     from hoist_demo.report.provenance import table as data_table
     from hoist_demo.report.provenance import told
     from hoist_demo.report.rows import render
@@ -106,8 +107,8 @@ def _study(options: argparse.Namespace) -> int:
         f"{performed.runs - len(performed.causes)} of {performed.runs} runs wound to the end{passed}: {performed.table}"
     )
     if performed.best is not None:
-        units = study.units
-        print("best: " + ", ".join(f"{key} = {value:.6g} {units[key]}" for key, value in performed.best.items()))
+        best = (f"{key} = {value:.6g} {unit_text(study.units[key])}".rstrip() for key, value in performed.best.items())
+        print("best: " + ", ".join(best))
     if performed.nearest:
         print(f"search: {performed.nearest}", file=sys.stderr)
     results = read_results(performed.table)

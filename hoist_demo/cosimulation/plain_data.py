@@ -46,7 +46,7 @@ def encode(value: Any, name: str) -> Any:
 
 
 def decode(value: Any) -> Any:
-    """What `encoded` was given."""
+    """What `encode` was given."""
     if isinstance(value, list):
         return [decode(x) for x in value]
     if not isinstance(value, dict):

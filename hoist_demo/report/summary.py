@@ -19,7 +19,7 @@ from hoist_demo.recording.jams import jams, slack_ropes, told_of_jams
 from hoist_demo.recording.passages import BODIES, outcome_of, passages
 from hoist_demo.recording.slip import largest_ratio, slip, told_of_slip
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.html.page import number
+from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow
 from hoist_demo.report.slip import slip_warning
 
@@ -75,7 +75,9 @@ def exposure_rows(exposed: Recording) -> tuple[SummaryRow, ...]:
         if bool(np.isfinite(exposed[name]).all()) and bool(np.any(exposed[name])):
             k = int(np.argmax(exposed[name]))
             parts = [(name, ""), ("s", " at "), *([(f"{name.partition('.')[0]}.{beside}", ", ")] if beside else [])]
-            text = "".join(f"{join}{number(float(exposed[key][k]))} {exposed.units[key]}" for key, join in parts)
+            text = "".join(
+                f"{join}{number(float(exposed[key][k]))} {unit_text(exposed.units[key])}" for key, join in parts
+            )
             rows.append(SummaryRow("Places in the rope, from its left end", words, text))
     return tuple(rows)
 

@@ -126,7 +126,7 @@ class _Reader:
             with self._collect("[tune]"):
                 tuning = read_tuning(self.raw.get("tune", {}), len(vary))
         drawn = self._draw(vary, tuning)
-        if case not in NAMED:
+        if str(case) not in NAMED:
             raise StudyError(self.path, self.problems)
         samples = self._accepted_samples(
             case, signals, Probe(fmu) if self.fmu_is_there else None, variants, progress(drawn)
@@ -212,7 +212,7 @@ class _Reader:
         name, metric = next(iter(given.items()))
         if len(given) == 2 or "tune" in self.raw:
             raise ValueError(f"{name} = {metric!r} must be the only word on what is best: keep one, or [tune] minimise")
-        if metric not in UNITS:
+        if metric not in tuple(UNITS):
             raise ValueError(f"{name} = {metric!r} is not a metric: choose of {', '.join(UNITS)}")
         return {"metric": metric, "sense": senses[name]}
 

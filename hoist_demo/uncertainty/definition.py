@@ -142,11 +142,11 @@ def _check(head: Mapping[str, Any], problems: list[str]) -> None:
         problems.append(f"[uncertain] samples = {samples!r} must be a power of two from 8 on: 64 suits a first look")
     if type(seed) is not int or seed < 0:
         problems.append(f"[uncertain] seed = {seed!r} must be a whole number from 0 on: take 1")
-    if bearing and bearing not in BEARINGS:
+    if bearing and bearing not in tuple(BEARINGS):
         problems.append(f"[uncertain] bearing = {bearing!r} must be one of {', '.join(BEARINGS)}: choose one")
     if not isinstance(head["measures"], list) or not head["measures"]:
         problems.append(f"[uncertain] measures = {head['measures']!r} must be a list: write {list(MEASURES)}")
         return
     for name in head["measures"]:
-        if name not in UNITS:
+        if name not in tuple(UNITS):
             problems.append(f"[uncertain] measures: {name!r} is not a metric: choose of {', '.join(UNITS)}")

@@ -1,6 +1,6 @@
 """The balance rope in this process: the same RopePlant as the FMU, without the FMU.
 
-The only module of the host that knows rope_model; it stands in for the FMU in comparisons and for debugging.
+It stands in for the FMU in comparisons and for debugging, and winds what one FMU cannot: duties, and several ropes.
 """
 
 from __future__ import annotations

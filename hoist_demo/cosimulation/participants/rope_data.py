@@ -36,7 +36,7 @@ def stamp(state: bytes, parameters: Mapping[str, Value]) -> bytes:
 
 
 def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
-    """The state that `stamped` was given; ValueError where it belongs to other parameters."""
+    """The state that `stamp` was given; ValueError where it belongs to other parameters."""
     stamp, _, state = data.partition(b"\n")
     try:
         there = json.loads(stamp)
