@@ -78,7 +78,7 @@ MAY_IMPORT = {
         "hoist_demo.control",
         "hoist_demo.cases",
     },
-    "hoist_demo.cases": {"hoist_demo.parameters", "hoist_demo.control"},
+    "hoist_demo.cases": {"hoist_demo.parameters", "hoist_demo.control", "rope_model.parameters"},
     "hoist_demo.cosimulation.schemes": set(),
     "hoist_demo.cosimulation.participants": {
         "hoist_demo.parameters",

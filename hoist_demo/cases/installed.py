@@ -19,6 +19,7 @@ from hoist_demo.cases.case import LOCKED, Case, swivels
 from hoist_demo.control.controller import Gains
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
 from hoist_demo.parameters.components import Brake, Guides, Play, Shaft
+from rope_model.parameters import Rope
 
 _KIRUNA = (
     "ABB, 'LKAB Kiruna's new haulage level: ABB mine hoist upgrade for production increase', table of hoist data; "
@@ -53,17 +54,18 @@ def round_rope(length: float, mass_per_length: float, spacing: float, coupling: 
     `coupling` is the share of the similar rope's Qb and Qc that this one has [-]: 1 keeps them, COUPLING suits deep
     shafts, 0 makes a rope without torque. The yaw at rest grows with it and with the length.
     """
-    s = math.sqrt(mass_per_length / 8.0)
+    known = Rope()
+    s = math.sqrt(mass_per_length / known.mass_per_length)
     return {
         "rope.length": length,
         "rope.mass_per_length": mass_per_length,
-        "rope.Qa": 1.2e8 * s**2,
-        "rope.Qb": coupling * 2.336e5 * s**3,
-        "rope.Qc": coupling * 2.336e5 * s**3,
-        "rope.Qd": 3.3e3 * s**4,
-        "rope.EI": 300.0 * s**4,
-        "rope.rhoJ": 1.94e-3 * s**4,
-        "rope.diameter": 0.044 * s,
+        "rope.Qa": known.Qa * s**2,
+        "rope.Qb": coupling * known.Qb * s**3,
+        "rope.Qc": coupling * known.Qc * s**3,
+        "rope.Qd": known.Qd * s**4,
+        "rope.EI": known.EI * s**4,
+        "rope.rhoJ": known.rhoJ * s**4,
+        "rope.diameter": known.diameter * s,
         "layout.spacing": spacing,
     }
 

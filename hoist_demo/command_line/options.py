@@ -6,12 +6,12 @@ import argparse
 from pathlib import Path
 from typing import get_args
 
+from hoist_demo.cosimulation.participants.rope_data import words_of
 from hoist_demo.parameters import EmergencyLaw
+from hoist_demo.study.reading import LEVELS
 
-KERNELS = ("auto", "compiled", "portable")
-"""Choices of the FMU's integer parameter `solver.kernels`, in the order of its codes."""
-
-LEVELS = ("draft", "standard", "reference")
+KERNELS = words_of("solver.kernels")
+"""Choices of the FMU's integer parameter, in the order of its codes."""
 
 
 def add_trip(demo: argparse.ArgumentParser) -> None:

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
 from hoist_demo.report.events import Mark
-from hoist_demo.report.summary import ELSEWHERE, loses
+from hoist_demo.report.summary import LOSSES, loses
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
 DASHES: dict[str, Any] = {"left": "-", "right": (0, (4, 2.5))}
@@ -63,7 +63,6 @@ _ROPE_ENERGIES = {
     "energy.total": "total",
     "energy.work_ends": "work at the ends",
 }
-_ROPE_LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"} | ELSEWHERE
 _RESIDUALS = {"drive.energy_residual": "drive", "energy.residual": "balance rope"}
 
 
@@ -275,7 +274,7 @@ def energies(recording: Recording, hoist: Hoist) -> Figure | None:
     panels: list[tuple[str, str, float, dict[str, str]]] = [
         ("Drive: work and energy since the start", "energy [kJ]", 1e-3, _DRIVE_ENERGIES),
         ("Balance rope: work and energy since the start", "energy [kJ]", 1e-3, _ROPE_ENERGIES),
-        ("Balance rope: dissipated energy", "energy [J]", 1.0, _ROPE_LOSSES),
+        ("Balance rope: dissipated energy", "energy [J]", 1.0, LOSSES),
         ("What the energy balances leave over", "residual [J]", 1.0, _RESIDUALS),
     ]
     shown = [panel for panel in panels if any(name in recording for name in panel[3])]

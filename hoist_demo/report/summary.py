@@ -34,6 +34,9 @@ ELSEWHERE = {
 }
 """What the rope loses only where its scene has that, in words."""
 
+LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"} | ELSEWHERE
+"""All that the rope loses, in words for a figure."""
+
 AT_REST = 0.01
 """Speed of the sheave's rim that counts as standstill [m/s]."""
 

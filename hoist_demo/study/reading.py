@@ -12,6 +12,9 @@ from hoist_demo.parameters.units import fmi_unit
 from hoist_demo.study.catalogue import Catalogue, Parameter, Value
 from rope_model import DatumStatus, Level
 
+LEVELS = get_args(Level)
+"""Levels of accuracy of a rope in this process."""
+
 _SPECIFICATION = {"value", "values", "low", "high", "unit", "scale", "status"}
 
 
@@ -115,8 +118,8 @@ def read_head(
     for key in table.keys() - defaults.keys():
         problems.append(f"[{name}] {key} = {table[key]!r} is not a key: it has {', '.join(defaults)}")
     head = {key: table.get(key, default) for key, default in defaults.items()}
-    if head["level"] not in get_args(Level):
-        problems.append(f"[{name}] level = {head['level']!r} must be one of {', '.join(get_args(Level))}: choose one")
+    if head["level"] not in LEVELS:
+        problems.append(f"[{name}] level = {head['level']!r} must be one of {', '.join(LEVELS)}: choose one")
     try:
         find_case(str(head["case"]))
     except ValueError as error:

@@ -11,7 +11,7 @@ from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.passages import BODIES
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.summary import ELSEWHERE, loses
+from hoist_demo.report.summary import LOSSES, loses
 
 LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"
 """Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css."""
@@ -248,10 +248,7 @@ def _energy() -> tuple[Panel, ...]:
             "Energy",
             "Balance rope, dissipated",
             "J",
-            _energies(
-                {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"} | ELSEWHERE,
-                1.0,
-            ),
+            _energies(LOSSES, 1.0),
         ),
         Panel(
             "Energy",
