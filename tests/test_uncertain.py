@@ -123,6 +123,18 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "bending stiffness" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+def test_what_the_rope_s_model_does_not_compute_is_no_result(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path, SCENE + TRIP + 'model.fidelity = "planar"\n')
+    assert main(["uncertain", str(path), "--workers", "1", "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr()
+    assert "8 of 8" in said.out
+    assert ("left_swivel_torque" in said.out, "rope_force_ripple" in said.out) == (False, True)
+    assert "no winding shows left_swivel_torque: the rope's model does not compute it" in said.err
+    assert np.isnan(read_csv(tmp_path / "windings.csv")["left_swivel_torque"]).all()
+
+
 def test_why_windings_stopped_is_told_and_no_result_without_a_winding(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

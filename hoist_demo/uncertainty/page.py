@@ -19,7 +19,7 @@ NAMED = 0.05
 
 def summary(found: Spread) -> list[SummaryRow]:
     """What is printed."""
-    rows = [SummaryRow("Windings", "wound to the end", f"{_completed(found)} of {found.asked.samples}")]
+    rows = [SummaryRow("Windings", "wound to the end", f"{found.completed} of {found.asked.samples}")]
     for name in _measured(found):
         low, middle, high = (number(x) for x in found.quantiles(name))
         group = f"{name}, {METRICS[name][1]}"
@@ -35,14 +35,26 @@ def summary(found: Spread) -> list[SummaryRow]:
 
 
 def too_few(found: Spread) -> str:
-    """A warning where the windings are too few to tell causes apart; '' where they are not."""
-    return "; ".join(filter(None, (_untold(found), _spoiled(found))))
+    """A warning of what no winding shows, and where they are too few to tell causes apart; '' for neither."""
+    return "; ".join(filter(None, (_unshown(found), _untold(found), _spoiled(found))))
+
+
+def _unshown(found: Spread) -> str:
+    """Which results no winding has, though they ended."""
+    none = [name for name in found.asked.measures if found.completed and not found.wound(name).any()]
+    return (
+        f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = torsional), "
+        "or what it tells did not happen"
+        if none
+        else ""
+    )
 
 
 def _untold(found: Spread) -> str:
     """Of which results the windings that have them are fewer than a regression needs."""
     need = found.needed
-    few = [f"{name} {found.wound(name).sum()}" for name in found.asked.measures if found.wound(name).sum() < need]
+    counts = {name: int(found.wound(name).sum()) for name in found.asked.measures}
+    few = [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]
     return (
         f"no causes are told of {', '.join(few)}: {len(found.asked.data)} data that vary need {need} windings that end "
         f"and 64 for a first look; raise samples = {found.asked.samples}"
@@ -92,7 +104,7 @@ def write_page(found: Spread, path: Path) -> Path:
         (name, f"{number(datum.low)} to {number(datum.high)}", unit_text(datum.unit), datum.status, datum.source)
         for name, datum in asked.data.items()
     ]
-    wound = f"{_completed(found)} of {asked.samples} windings wound to the end: case {asked.case}, level {asked.level}."
+    wound = f"{found.completed} of {asked.samples} windings wound to the end: case {asked.case}, level {asked.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
     title, rows = data_table(asked.provenance())
     parts = [
@@ -114,10 +126,6 @@ _TICKS = [(x / 4, f"{25 * x} %") for x in range(5)]
 def _measured(found: Spread) -> list[str]:
     """The results that at least one winding has."""
     return [name for name in found.asked.measures if found.wound(name).any()]
-
-
-def _completed(found: Spread) -> int:
-    return max(int(found.wound(name).sum()) for name in found.asked.measures)
 
 
 def _sorted(found: Spread, name: str) -> list[tuple[str, float]]:

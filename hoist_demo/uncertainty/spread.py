@@ -15,7 +15,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from multiprocessing import get_context
 
 import numpy as np
@@ -24,6 +24,7 @@ from scipy.stats import qmc, rankdata
 
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.progress import warnings_of
+from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.study.metrics import ROPE_SIGNALS, measure
 from hoist_demo.study.run import wind
 from hoist_demo.uncertainty.definition import Uncertain
@@ -36,11 +37,16 @@ Wound = tuple[dict[str, float], tuple[str, ...]]
 QUANTILES = (0.05, 0.5, 0.95)
 #: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
 SPOILED = 1.1
+#: before the cause of a winding's stop
+STOPPED = "stopped: "
 
 
 @dataclass(frozen=True)
 class Spread:
-    """A row per winding: what varied and what was measured, NaN where the winding has stopped before."""
+    """A row per winding: what varied and what was measured.
+
+    NaN where the winding has stopped before, or shows no such thing: the rope's model may not compute it.
+    """
 
     asked: Uncertain
     columns: Mapping[str, Array]
@@ -54,6 +60,11 @@ class Spread:
         """Of a measure, QUANTILES."""
         values = self.columns[name][self.wound(name)]
         return tuple(float(x) for x in np.quantile(values, QUANTILES)) if values.size else (math.nan,) * len(QUANTILES)
+
+    @property
+    def completed(self) -> int:
+        """How many windings have come to their end."""
+        return self.asked.samples - sum(count for text, count in self.remarks.items() if text.startswith(STOPPED))
 
     @property
     def needed(self) -> int:
@@ -114,8 +125,9 @@ def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
     with warnings_of("hoist_demo") as warnings:
         rope = InProcessRope(rope_data(run.fmu, asked.level), ROPE_SIGNALS)
         result, _ = wind(run, rope)
+    result = replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
     found = measure(result, run.hoist, run.winding, run.arrival)
-    remarks = [f"warning: {text}" for text in warnings] + ([] if result.completed else [f"stopped: {result.cause}"])
+    remarks = [f"warning: {text}" for text in warnings] + ([] if result.completed else [f"{STOPPED}{result.cause}"])
     return {name: found[name] if result.completed else math.nan for name in asked.measures}, tuple(remarks)
 
 
