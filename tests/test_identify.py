@@ -271,6 +271,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
         (ROPE + WIDTH.replace("sigma", "sgima"), "sigma is missing"),
         (ROPE.replace("0.046", '"46 mm"') + WIDTH, "diameter = '46 mm' must be a number"),
         (ROPE.replace("120.0", "-400") + WIDTH, "length = -400 is out of range: it must be above 0"),
+        (ROPE + '[[measured]]\nwhat = "mass"\nvalue = [8, -8]\nsigma = 1\n', "value = -8 must be above 0"),
         (ROPE + '[[measured]]\nwhat = "sample extension"\nload = -5.0\nlength = 10\n', "load = -5 must be above 0"),
         (ROPE + '[[measured]]\nwhat = "swing"\nnumber = 0\n', "number = 0 must be a whole number from 1 on"),
         ("measured = [1]\n" + ROPE, r"measured = \[1\] must be tables: write \[\[measured\]\] above each"),

@@ -20,7 +20,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any, TypeGuard
 
-from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, PLANES, Bench, Measurement
+from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, MAGNITUDES, PLANES, Bench, Measurement
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.study.catalogue import Catalogue
@@ -183,6 +183,8 @@ def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> 
     for key in table.keys() - allowed:
         problems.append(f"{where}: {key} = {table[key]!r} is not a key of {what}: it has {', '.join(sorted(allowed))}")
     values = _numbers(where, "value", table.get("value"), "", problems)
+    if what in MAGNITUDES:
+        problems += [f"{where}: value = {x:g} must be above 0: give its magnitude" for x in values if x <= 0.0]
     numbers = {}
     for name, unit in kind.numbers.items():
         numbers[name] = _numbers(where, name, table.get(name, DEFAULTS.get(name)), unit, problems)
