@@ -95,6 +95,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
         hermite.integral_to
     ),
     "double place_on_rope(double bottom, double reach, double part, double loop)": outline.place,
+    "double least_squared_distance(const double a[6], const double b[6])": (outline.least_squared_distance),
     "double squared_distance(const double point[3], const double start[3], const double along[3])": (
         outline.squared_distance
     ),

@@ -6,8 +6,8 @@
 #include "formulas.h"
 #include "messages.h"
 
-/* points of one leg of the shape for the clearance */
-enum { LEG = OUTLINE / 2 + 1 };
+/* points of one leg of the shape for the clearance, and how many of them are passed over together */
+enum { LEG = OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
 
 static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
@@ -120,35 +120,48 @@ static int part_above(const double *first, int stride, double height, double par
     return n;
 }
 
-static int rises(int points, double point[LEG][3]) {
-    int rising = 1;
-    for (int n = 1; n < points; n++) rising &= point[n][1] >= point[n - 1][1];
-    return rising;
-}
-
-/* whether what is this far off, or further, is no nearer than the root of `least` */
-static int out_of_reach(double off, double least) {
-    return off > 0 && off * off >= least;
-}
-
-/* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least`; what
-   is too high or too low for that is passed over, and on legs that rise all along all that is
-   below the one or above the other */
-static double smallest_squared(int points, double point[LEG][3], int corners, double corner[LEG][3], double least) {
-    const int rising = rises(points, point) && rises(corners, corner);
-    int first = 0;
-    for (int m = 0; m + 1 < corners; m++) {
-        const double *start = corner[m], *stop = corner[m + 1];
-        const double low = smaller(start[1], stop[1]), high = larger(start[1], stop[1]);
-        const double along[3] = {stop[0] - start[0], stop[1] - start[1], stop[2] - start[2]};
-        while (rising && first < points && out_of_reach(low - point[first][1], least)) first++;
-        for (int n = first; n < points; n++) {
-            const double above = point[n][1] - high;
-            if (rising && out_of_reach(above, least)) break;
-            if (out_of_reach(larger(low - point[n][1], above), least)) continue;
-            least = smaller(least, squared_distance(point[n], start, along));
+/* the lowest and the highest coordinates of some points */
+static void bounds_of(int points, double point[][3], double bounds[6]) {
+    for (int axis = 0; axis < 3; axis++) {
+        bounds[axis] = bounds[3 + axis] = point[0][axis];
+        for (int n = 1; n < points; n++) {
+            bounds[axis] = smaller(bounds[axis], point[n][axis]);
+            bounds[3 + axis] = larger(bounds[3 + axis], point[n][axis]);
         }
     }
+}
+
+static int at_most(int number, int most) {
+    return number < most ? number : most;
+}
+
+/* The points of a leg in blocks, each with the first point of the next: their bounds. */
+static void blocks_of(int points, double point[LEG][3], double bounds[BLOCKS][6]) {
+    for (int n = 0; n < points; n += BLOCK) bounds_of(at_most(points - n, BLOCK + 1), point + n, bounds[n / BLOCK]);
+}
+
+/* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least` */
+static double nearest_squared(int points, double point[][3], int pieces, double corner[][3], double least) {
+    for (int m = 0; m < pieces; m++) {
+        const double *a = corner[m], *b = corner[m + 1], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+        for (int n = 0; n < points; n++) least = smaller(least, squared_distance(point[n], a, along));
+    }
+    return least;
+}
+
+/* square of the smallest distance of either leg's points from the straight pieces between those of the other */
+static double smallest_squared(int lefts, double left[LEG][3], int rights, double right[LEG][3]) {
+    double of_left[BLOCKS][6], of_right[BLOCKS][6], least = HUGE_VAL;
+    blocks_of(lefts, left, of_left), blocks_of(rights, right, of_right);
+    /* from the top, where legs are mostly nearest: what is found first spares the rest */
+    for (int m = (lefts - 1) / BLOCK; m >= 0; m--)
+        for (int n = (rights - 1) / BLOCK; n >= 0; n--) {
+            if (!(least_squared_distance(of_left[m], of_right[n]) < least)) continue;
+            const int i = m * BLOCK, k = n * BLOCK, some = at_most(lefts - i, BLOCK),
+                      others = at_most(rights - k, BLOCK);
+            least = nearest_squared(some, left + i, at_most(rights - 1 - k, BLOCK), right + k, least);
+            least = nearest_squared(others, right + k, at_most(lefts - 1 - i, BLOCK), left + i, least);
+        }
     return least;
 }
 
@@ -160,8 +173,7 @@ double shape_leg_clearance(int nodes, const double *q, const double *s, const Lo
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
     if (lefts < 2 || rights < 2) return HUGE_VAL;
-    const double least = smallest_squared(lefts, left, rights, right, HUGE_VAL);
-    return sqrt(smallest_squared(rights, right, lefts, left, least)) - diameter;
+    return sqrt(smallest_squared(lefts, left, rights, right)) - diameter;
 }
 
 /* A leg on the way up, in PIECES of each element: the last of its points that is higher than all before it, and the

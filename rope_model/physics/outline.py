@@ -36,6 +36,12 @@ def squared_distance(point: Any, start: Any, along: Any) -> Any:
     return x * x + y * y + z * z
 
 
+def least_squared_distance(a: Any, b: Any) -> Any:
+    """Square (m^2) that no ``squared_distance`` between boxes (lowest, highest coordinates) is below, even rounded."""
+    x, y, z = (larger(larger(a[k] - b[3 + k], b[k] - a[3 + k]), 0.0) for k in range(3))
+    return (1.0 - 1e-9) * (x * x + y * y + z * z)
+
+
 def middle(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     """Place and r' (6,) midway between two places of an element with theirs, ``length`` (m) apart along the rope."""
     values = [interpolate(0.5, length, a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
