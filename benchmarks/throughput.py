@@ -37,7 +37,6 @@ from hoist_demo.study.store import Store
 FMUS = tuple(Path("build") / f"{level}.fmu" for level in ("draft", "standard"))
 STUDY = Path("docs") / "studies" / "throughput.toml"
 ROUNDS = (1, 2, 2, 1)
-LEAST = 40  # runs of a round: with fewer, a worker that waits for the other's last one counts for much
 STEPS, FINE = (0.02, 0.01), 0.0025  # s
 COMPARED = 6  # runs
 
@@ -56,7 +55,7 @@ def main() -> None:
             study = read_study(file, fmu)
             print(f"{fmu.stem}:", flush=True)
             communication(study)
-            efficiency(study, min(LEAST, len(study.samples)), Path(folder) / fmu.stem)
+            efficiency(study, Path(folder) / fmu.stem)
         interruption(file, read_study(file), Path(folder) / "whole")
 
 
@@ -91,16 +90,16 @@ def force_errors(given: Recording, reference: Recording) -> tuple[float, float]:
     return float(np.sqrt(np.mean(missed**2, axis=1)).max()) / over, float(np.max(missed)) / over
 
 
-def efficiency(study: Study, count: int, folder: Path) -> None:
-    """Rates of one and of two workers, each after a run that warms every worker."""
+def efficiency(study: Study, folder: Path) -> None:
+    """Rates of one and of two workers over the whole study, each after a run that warms every worker."""
+    count = len(study.samples)
     rates: dict[int, list[float]] = {1: [], 2: []}
     for number, workers in enumerate(ROUNDS):
         with cluster(workers, None) as client:
-            warm, timed = study.samples[-workers:], study.samples[:count]
-            run_samples(client, study, warm, Store(folder / f"warm{number}"))
+            run_samples(client, study, study.samples[-workers:], Store(folder / f"warm{number}"))
             begin = time.perf_counter()
             store = Store(folder / f"timed{number}")
-            keys = run_samples(client, study, timed, store)
+            keys = run_samples(client, study, study.samples, store)
             rates[workers].append(60.0 * count / (time.perf_counter() - begin))
         records = [record for key in keys if (record := store.read(key))]
         worked = statistics.median(record["clock"]["processor"] for record in records)
