@@ -95,21 +95,22 @@ class SpeedController:
     ) -> Command:
         """Torque command for the step of length h [s] that begins now."""
         state = ControllerState() if state is None else state
-        if reference.braking is not None:
-            return self._brake(reference.braking, measured, state, h)
-        k_v = self._gains.speed
-        error = reference.speed + self._gains.position * (reference.position - measured.travel) - measured.speed
-        ahead = self._mass * reference.acceleration + self._imbalance_rate * reference.position
-        ahead += self._loss(reference.speed)
-        force = self._gains.feed_forward * ahead + k_v * error + state.integral
+        position, speed, acceleration, _, braking = reference
+        if braking is not None:
+            return self._brake(braking, measured, state, h)
+        gains, (travel, moved) = self._gains, measured
+        error = speed + gains.position * (position - travel) - moved
+        ahead = self._mass * acceleration + self._imbalance_rate * position
+        ahead += self._loss(speed)
+        force = gains.feed_forward * ahead + gains.speed * error + state.integral
         wanted = self._holding_torque + self._radius * force
-        limit = self._hoist.torque_available(measured.speed / self._radius)
+        limit = self._hoist.torque_available(moved / self._radius)
         torque = min(max(wanted, -limit), limit)
         limited = torque != wanted
         # anti-windup: integrate unless that would push further into the limit
         if limited and error * wanted > 0.0:
             return Command(torque, limited, state)
-        return Command(torque, limited, ControllerState(state.integral + h * k_v * error / self._gains.integral_time))
+        return Command(torque, limited, ControllerState(state.integral + h * gains.speed * error / gains.integral_time))
 
     def _brake(self, braking: Braking, measured: Measurement, state: ControllerState, h: float) -> Command:
         """Motor off, brake after its law."""

@@ -1,14 +1,17 @@
-"""What is recorded of drive and exchange at each sample: names, units and values."""
+"""What is recorded of drive and exchange at each sample: names, units and values.
+
+A row keeps the numbers as they come; what follows from them is computed once, for all rows, when the run has ended.
+"""
 
 from __future__ import annotations
 
-from operator import itemgetter
+import numpy as np
 
 from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.partners import HoistParticipant
-from hoist_demo.cosimulation.schemes.interface import Memory
-from hoist_demo.drive.equations import LOSS_NAMES
+from hoist_demo.cosimulation.schemes.interface import Memory, Vector
+from hoist_demo.drive.equations import LOSS_NAMES, SIDES, WORK_NAMES
 from hoist_demo.drive.outputs import SHOWN, PlantOutput, tension_ratio
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import TIME, Array, Recording
@@ -57,67 +60,66 @@ DRIVE_UNITS = {
 }
 
 
-def drive_signals(
-    t: float,
-    reference: TrajectoryPoint,
-    command: Command,
-    drive: HoistParticipant,
-    at_rest: PlantOutput,
-    memory: Memory,
-) -> list[float]:
-    """The drive's part of a row, in the order of DRIVE_UNITS; `at_rest` is what it showed at the start."""
-    shown = drive.outputs.tolist()
-    motor, losses, ropes, left, right = drive.state.work.tolist()
-    tensions, torque = (shown[_LEFT], shown[_RIGHT]), shown[_TORQUE]
-    ratio = tension_ratio(*tensions)
-    gained = shown[_KINETIC] + shown[_POTENTIAL] - at_rest.energy_kinetic - at_rest.energy_potential
-    return [
-        t,
-        reference.position,
-        reference.speed,
-        reference.acceleration,
-        reference.jerk,
-        *_motion_of(shown),
-        command.torque,
-        torque,
-        float(command.limited),
-        torque * shown[_MOTOR_RATE],
-        shown[_BRAKE],
-        *tensions,
-        ratio,
-        drive.plant.hoist.slip_safety(ratio),
-        drive.state.slide.way,
-        drive.state.slide.speed,
-        *shown[_HEAD_ROPES],
-        motor,
-        losses,
-        drive.state.losses.item(_LINING),
-        ropes,
-        left + right,
-        shown[_KINETIC],
-        shown[_POTENTIAL],
-        motor + left + right - losses - ropes - gained,
-        memory.residual,
-        float(memory.exchanges),
-    ]
-
-
-_MOTION = [f"{name}_{side}" for side in ("left", "right") for name in "yva"]
-_motion_of = itemgetter(*(SHOWN[name] for name in (*_MOTION, "angle", "rate")))
-_LINING = LOSS_NAMES.index("lining")
-_HEAD_ROPES = slice(SHOWN["pull_left"], SHOWN["jam_right"] + 1)
-_TORQUE, _MOTOR_RATE, _BRAKE, _LEFT, _RIGHT, _KINETIC, _POTENTIAL = (
-    SHOWN[name]
-    for name in (
-        "torque",
-        "motor_rate",
-        "brake_torque",
-        "tension_left",
-        "tension_right",
-        "energy_kinetic",
-        "energy_potential",
-    )
+_MOTION = {"y": "y", "v": "vy", "a": "ay"}
+_SHOWN_AS = {
+    **{f"{name}_{side}": f"conveyance.{side}.{spelt}" for side in SIDES for name, spelt in _MOTION.items()},
+    **{f"{name}_{side}": f"drive.{name}_{side}" for side in SIDES for name in ("tension", "pull", "slack", "jam")},
+    **{
+        name: f"drive.{name}"
+        for name in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")
+    },
+}
+"""Signals that are numbers of PlantOutput."""
+_BESIDE = "beside."
+"""Before the names of what a row has beside them."""
+ROW = (
+    TIME,
+    *(f"reference.{name}" for name in ("position", "speed", "acceleration", "jerk")),
+    "drive.torque_command",
+    "drive.torque_limited",
+    "drive.slip",
+    "drive.slip_speed",
+    "coupling.energy",
+    "coupling.exchanges",
+    *(_SHOWN_AS.get(name, _BESIDE + name) for name in SHOWN),
+    *(f"{_BESIDE}work_{name}" for name in WORK_NAMES),
+    *(f"{_BESIDE}losses_{name}" for name in LOSS_NAMES),
 )
+"""What `drive_row` gives, by name."""
+
+
+def drive_row(
+    t: float, reference: TrajectoryPoint, command: Command, drive: HoistParticipant, memory: Memory
+) -> tuple[tuple[float, ...], Vector, Vector]:
+    """What a run keeps of the drive at a sample, in parts; `with_drive_signals` computes what follows from it."""
+    state, (position, speed, acceleration, jerk, _) = drive.state, reference
+    slide = state.slide
+    numbers = (t, position, speed, acceleration, jerk, command.torque, command.limited, slide.way, slide.speed)
+    return (*numbers, memory.residual, memory.exchanges), drive.outputs, state.works
+
+
+def with_drive_signals(rows: Recording, at_rest: PlantOutput, hoist: Hoist) -> Recording:
+    """The signals of DRIVE_UNITS and of the rope, from a table of ROW and of the rope's; `at_rest` is the start's."""
+    kept = rows.signals
+    motor, losses, ropes, left, right = (kept[f"{_BESIDE}work_{name}"] for name in WORK_NAMES)
+    tensions = kept["drive.tension_left"], kept["drive.tension_right"]
+    ratio = np.array([tension_ratio(*pair) for pair in zip(*(side.tolist() for side in tensions), strict=True)])
+    kinetic, potential = kept["drive.energy_kinetic"], kept["drive.energy_potential"]
+    gained = kinetic + potential - at_rest.energy_kinetic - at_rest.energy_potential
+    computed = {
+        "drive.motor_power": kept["drive.torque"] * kept[f"{_BESIDE}motor_rate"],
+        "drive.tension_ratio": ratio,
+        "drive.slip_safety": np.array([hoist.slip_safety(value) for value in ratio.tolist()]),
+        "drive.work_motor": motor,
+        "drive.work_losses": losses,
+        "drive.work_slip": kept[f"{_BESIDE}losses_lining"],
+        "drive.work_rope_damping": ropes,
+        "drive.work_from_balance_rope": left + right,
+        "drive.energy_residual": motor + left + right - losses - ropes - gained,
+    }
+    drive = {name: computed[name] if name in computed else kept[name] for name in DRIVE_UNITS}
+    rope = {name: values for name, values in kept.items() if name not in ROW}
+    return Recording(drive | rope, {name: DRIVE_UNITS.get(name, "") or rows.units[name] for name in drive | rope})
 
 
 def exchange_energy(recording: Recording, hoist: Hoist) -> Array:

@@ -25,7 +25,7 @@ from hoist_demo.control.controller import Command, Controller, Gains, Measuremen
 from hoist_demo.control.safety import Course
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
-from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, drive_signals
+from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, ROW, drive_row, with_drive_signals
 from hoist_demo.cosimulation.participants.partners import HoistParticipant, NextCommand, RopeParticipant, Stopwatch
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
 from hoist_demo.cosimulation.plain_data import encode, private_copy
@@ -39,7 +39,7 @@ from hoist_demo.drive.equations import FORCES, INPUT_NAMES
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant, PlantState
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
-from hoist_demo.recording.time_series import Array, Recorder
+from hoist_demo.recording.time_series import Array, Recorder, Recording
 
 _log = logging.getLogger(__name__)
 
@@ -138,7 +138,7 @@ class Host:
         """
         run = self._start(resume)
         if isinstance(run, str):
-            return self._result(Recorder((), {}), 0, run, self._course)
+            return self._result(Recording({}, {}), 0, run, self._course)
         cause = self._wind(run, progress, save_to)
         start, T = self.coupling.start, self.coupling.period
         checkpoint = run.checkpoint(start, T, self.data, cause) if cause else None
@@ -150,7 +150,8 @@ class Host:
                 saved = save_to
             except ValueError as error:  # the record of the run is worth more
                 cause += f"; {save_to} is not written: {error}"
-        result = replace(self._result(run.recorder, run.steps, cause, run.course), checkpoint=checkpoint, saved=saved)
+        recording = with_drive_signals(run.recorder.recording(), run.at_rest, self.hoist)
+        result = replace(self._result(recording, run.steps, cause, run.course), checkpoint=checkpoint, saved=saved)
         landing = self._start_height + self.trajectory.points[-1].position
         if cause or run.course != self._course:
             return result
@@ -205,7 +206,7 @@ class Host:
         names = [name for name in self.rope.signals() if name not in DRIVE_UNITS]
         self._read_signals, self._read_sides = self.rope.reader(names), self.rope.reader(SIDE_FORCES)
         self._guard = tuple(names.index(name) for name in _GUARD if name in names)
-        return Recorder([*DRIVE_UNITS, *names], units | DRIVE_UNITS)
+        return Recorder([*ROW, *names], units | DRIVE_UNITS)
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
         """Sample and exchange until the end; the cause when that is not reached."""
@@ -256,7 +257,7 @@ class Host:
         """The controller's command at t [s]; it and all signals are recorded."""
         point = run.course.trajectory.at(t - self.coupling.start)
         command = self._command(controller, point, run.drive.outputs, run.controller)
-        run.recorder.add(drive_signals(t, point, command, run.drive, run.at_rest, run.memory), signals)
+        run.recorder.add(*drive_row(t, point, command, run.drive, run.memory), signals)
         return command
 
     def _command(self, controller: Controller, point: TrajectoryPoint, shown: Vector, state: Any) -> Command:
@@ -315,13 +316,13 @@ class Host:
             right = now.payload_right + part * (then.payload_right - now.payload_right)
             self.plant.reload(replace(now, payload_left=left, payload_right=right))
 
-    def _result(self, recorder: Recorder, steps: int, cause: str, course: Course) -> Result:
+    def _result(self, recording: Recording, steps: int, cause: str, course: Course) -> Result:
         if cause:
             planned = self.samples * self.coupling.per_sample
             _log.info("co-simulation stopped after %d of %d steps: %s", steps, planned, cause)
         seen = self.stability
         return Result(
-            recording=recorder.recording(),
+            recording=recording,
             completed=not cause,
             cause=cause,
             steps=steps,

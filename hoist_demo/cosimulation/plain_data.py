@@ -68,7 +68,7 @@ def _never_changes(value: Any) -> bool:
     if kind in _NEVER_CHANGE:
         return True
     if isinstance(value, tuple):
-        return all(map(_never_changes, value))
+        return _NEVER_CHANGE.issuperset(map(type, value)) or all(map(_never_changes, value))
     frozen = getattr(getattr(kind, "__dataclass_params__", None), "frozen", False)
     return frozen and all(map(_never_changes, vars(value).values()))
 

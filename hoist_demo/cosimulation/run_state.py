@@ -44,8 +44,7 @@ class TripEnd:
 
     def books_closed(self) -> TripEnd:
         """The same with work and exchanges counted anew."""
-        none = np.zeros_like(self.plant.work), np.zeros_like(self.plant.losses)
-        plant = self.plant._replace(work=none[0], losses=none[1], slide=self.plant.slide._replace(way=0.0))
+        plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=self.plant.slide._replace(way=0.0))
         return replace(self, plant=plant, memory=self.memory._replace(exchanges=0, taken_back=0, residual=0.0))
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.drive.equations import equations, numbers_of, parts_of, state_names
-from hoist_demo.drive.kernels import CHUNK, WORKS, drive_kernels
+from hoist_demo.drive.kernels import CHUNK, drive_kernels
 from hoist_demo.drive.runge_kutta import ORDER
 from hoist_demo.parameters import Hoist
 from rope_model.numerics.kernels import Kernel, KernelForm
@@ -34,8 +34,8 @@ LOCATED = 1e-9
 """How long before the end of the steps what is watched may have become positive [s]."""
 
 
-Reached = tuple[Vector, Vector, float, float]
-"""Where steps have ended: all that `advance` of kernels.py gives there, work of all [J], size of the next one, s."""
+Reached = tuple[Vector, float, float]
+"""Where steps have ended: all that `advance` of kernels.py gives there, size of the next one, s."""
 
 
 class Integrator:
@@ -47,11 +47,13 @@ class Integrator:
         self.equations = equations(parts)
         kernels = drive_kernels(parts, form)
         given, self.result = kernels.layout.given, kernels.layout.result
+        self._error, self._reached = self.result["error"].start, slice(0, self.result["works"].stop)
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
         self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
         self._s, self._h, self._H, self._l0 = (given[name].start for name in ("s", "h", "H", "l0"))
-        self._x, self._path, self._added_mass = (self._z[given[name]] for name in ("x", "path", "added_mass"))
-        self._held = self._z[given["H"].start : given["added_mass"].stop]  # over a step
+        self._x, self._works, self._path = (self._z[given[name]] for name in ("x", "works", "path"))
+        self._added_mass = self._z[given["added_mass"]]
+        self._start = self._z[self._reached]
         self.numbers = self._z[given["p"]]
         self.load(hoist)
         self.evaluations = 0  # of `advance`, so far
@@ -62,12 +64,13 @@ class Integrator:
         """Go on with the numbers of a hoist of the same parts."""
         self.numbers[:] = numbers_of(hoist)
 
-    def give(self, x: Vector, lengths: tuple[float, float], h: float, path: Vector, added_mass: Vector) -> bool:
-        """Where it starts: state, free lengths, communication step, what acts in it; False where that is no number."""
+    def give(
+        self, x: Vector, works: Vector, lengths: tuple[float, float], h: float, path: Vector, added_mass: Vector
+    ) -> None:
+        """Where it starts: state, work so far, free lengths, communication step, what acts in it."""
         z, l0 = self._z, self._l0
         z[self._H], z[l0], z[l0 + 1] = h, *lengths
-        self._x[...], self._path[...], self._added_mass[...] = x, path, added_mass
-        return math.isfinite(self._held.dot(self._held))
+        self._x[...], self._works[...], self._path[...], self._added_mass[...] = x, works, path, added_mass
 
     def rates(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
         """dx/dt under the input."""
@@ -90,22 +93,20 @@ class Integrator:
 
         Begins with steps of this size, a share of h [s].
         """
-        result, error_at = self.result, self.result["error"].start
-        work, growth = _NO_WORK, GROWS
+        growth = GROWS
         while size * h > SHORTEST:
             calls = max(1, math.ceil((end - s) / (CHUNK * size) - 1e-9))
             used = (end - s) / (CHUNK * calls)
             y = self._evaluated(s, used)
-            error = y.item(error_at)
+            error = y.item(self._error)
             size = min(used * _change(error), size * growth)
-            if error <= 1.0 and math.isfinite(y.dot(y)):
+            if error <= 1.0:
                 if watch is not None and watch(y) > 0.0:
                     y, used = self._first(y, s, used, h, watch)
-                    return y, work + y[result["work"]], size, s + CHUNK * used
-                work = work + y[result["work"]]
+                    return y, size, s + CHUNK * used
                 if calls == 1:
-                    return y, work, size, end
-                self._x[...] = y[result["x"]]
+                    return y, size, end
+                self._start[...] = y[self._reached]
                 s += CHUNK * used
             else:
                 growth = 1.0
@@ -129,9 +130,6 @@ class Integrator:
             else:
                 low = middle
         return y, used
-
-
-_NO_WORK = np.zeros(WORKS)
 
 
 def _change(error: float) -> float:

@@ -4,8 +4,9 @@
 
     dx/ds = H rates(x, u(s)) ,   dW/ds = H powers(x, u(s)) ,
 
-and shows the drive at their end: state, work of these steps, largest error over tolerance (1 + |y| + |dy/ds|) of any
-of them, input that acts there, outputs. With H = 0 it shows the drive as it is.
+and shows the drive at their end: state, work so far, these steps' included, largest error over tolerance
+(1 + |y| + |dy/ds|) of any of them (infinite where anything is not finite), input that acts there, outputs. With H = 0
+it shows the drive as it is.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from hoist_demo.drive.runge_kutta import runge_kutta_step
 from hoist_demo.parameters import Hoist
 from rope_model.numerics.kernels import KernelForm, build_library, cache_folder, prepare
 
-CHUNK = 4
+CHUNK = 3
 """Steps in one call."""
 
 TOLERANCE = 1e-9
@@ -42,13 +43,14 @@ class Layout:
     @property
     def given(self) -> dict[str, slice]:
         """Parts of the argument."""
-        sizes = {"x": self.states, "s": 1, "h": 1, "H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": self.numbers}
-        return _slices(sizes)
+        held = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": self.numbers}
+        return _slices({"x": self.states, "works": WORKS, "s": 1, "h": 1, **held})
 
     @property
     def result(self) -> dict[str, slice]:
         """Parts of the result."""
-        return _slices({"x": self.states, "work": WORKS, "error": 1, "acting": len(INPUT_NAMES), "shown": self.outputs})
+        shown = {"error": 1, "acting": len(INPUT_NAMES), "shown": self.outputs}
+        return _slices({"x": self.states, "works": WORKS, **shown})
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,9 @@ def _advance(of: Equations, layout: Layout) -> Any:
         y, k, missed = step(s + j * h, y, k, h, held)
         error = ca.fmax(error, missed)
     acting, shown = _loads_and_outputs(of, layout)(y[:n], s + CHUNK * h, held)
-    return ca.Function("advance", [z], [ca.vertcat(y, error, acting, shown)])
+    # what is not finite anywhere passes as no step; a comparison with NaN is false
+    error = ca.if_else(ca.norm_1(ca.vertcat(y, error, acting, shown)) < ca.inf, error, ca.inf)
+    return ca.Function("advance", [z], [ca.vertcat(y[:n], z[given["works"]] + y[n:], error, acting, shown)])
 
 
 def _step(slope: Any, size: int, numbers: int) -> Any:

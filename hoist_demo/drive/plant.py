@@ -25,6 +25,7 @@ from hoist_demo.drive.equations import (
     WORK_NAMES,
 )
 from hoist_demo.drive.integrator import Integrator, Watch
+from hoist_demo.drive.kernels import WORKS
 from hoist_demo.drive.outputs import PlantOutput
 from hoist_demo.drive.sliding import Slide, Sliding, begins, sense_of
 from hoist_demo.parameters import GRAVITY, Hoist
@@ -53,19 +54,27 @@ SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", 
 MOST_SWITCHES = 200
 """Within one step of the drive, between head ropes that hold and head ropes that slide."""
 
-_NO_LOSSES = np.zeros(len(LOSS_NAMES))
-_HELD, _WORKS = Slide(), len(WORK_NAMES)
+_HELD = Slide()
 
 
 class PlantState(NamedTuple):
     """State x = (M [N m], phi [rad], y_L, y_R [m], phi' [rad/s], v_L, v_R [m/s], ...), work and free lengths."""
 
     x: Vector  # in the order of HoistPlant.state_names, which begin with STATE_NAMES
-    work: Vector  # J, (5,): by the motor, into losses, into rope damping, by all balance ropes' left, right ends
+    works: Vector  # J, (10,): `work` and `losses`
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
-    losses: Vector = _NO_LOSSES  # J, the parts of work[1]
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
     slide: Slide = _HELD  # of the head ropes on the sheave
+
+    @property
+    def work(self) -> Vector:
+        """By the motor, into losses, into rope damping, by all balance ropes' left, right ends, (5,) [J]."""
+        return self.works[: len(WORK_NAMES)]
+
+    @property
+    def losses(self) -> Vector:
+        """The parts of work[1], in the order of LOSS_NAMES [J]."""
+        return self.works[len(WORK_NAMES) :]
 
 
 @dataclass(frozen=True)
@@ -168,7 +177,7 @@ class HoistPlant:
         x[0] = float(self._holding.equations.hold(x, lengths, self._holding.numbers))
         if hoist.shaft is not None:
             x[self.state_names.index("twist")] = x[0] / hoist.shaft.stiffness
-        return PlantState(x=x, work=np.zeros(len(WORK_NAMES)), free_lengths=lengths)
+        return PlantState(x, np.zeros(WORKS), lengths)
 
     def step(self, state: PlantState, h: float, u: PlantInput | PlantInputPath) -> PlantStep:
         """State h [s] later under the input, held or along its path; a failure is a status."""
@@ -181,15 +190,14 @@ class HoistPlant:
         old, size = state, (state.step_next or h) / h
         for _ in range(MOST_SWITCHES):
             integrator, x, watch = self._at(state)
-            if not integrator.give(x, state.free_lengths, h, path, added_mass):
-                return PlantStep(False, f"drive: input is not finite: {_not_finite(path)}", old)
+            integrator.give(x, state.works, state.free_lengths, h, path, added_mass)
             found = integrator.integrate(h, size, begin, end, watch)
             if found is None:
-                return PlantStep(False, "drive: state is not finite: check rope forces and torque command", old)
-            (y, work, fits, begin), result = found, integrator.result
+                return PlantStep(False, f"drive: {_not_finite(path, h, added_mass)}", old)
+            (y, fits, begin), result = found, integrator.result
             # the rest of a step behind a switch may be as short as it likes, and says nothing of what fits
             size = fits if state is old else max(size, fits)
-            state = self._reached(state, y[result["x"]], work, size * h)
+            state = self._reached(state, y[result["x"]], y[result["works"]], size * h)
             if (free := min(free_lengths_at(self.hoist, state))) <= 0.1:
                 return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", old)
             if begin >= end:
@@ -205,12 +213,12 @@ class HoistPlant:
             return self._holding, state.x, self._begins
         return self._sliding.integrator, self._sliding.state(state.x, slide), self._sliding.ends(slide.sense)
 
-    def _reached(self, state: PlantState, x: Vector, done: Vector, step_next: float) -> PlantState:
-        """The state where the integrator has ended, there in x, with the work done."""
-        _, work, lengths, losses, _, slide = state
+    def _reached(self, state: PlantState, x: Vector, works: Vector, step_next: float) -> PlantState:
+        """The state where the integrator has ended, there in x."""
+        slide = state.slide
         if slide.sense != 0.0:
             x, slide = self._sliding.parts(x, slide)
-        return PlantState(x, work + done[:_WORKS], lengths, losses + done[_WORKS:], step_next, slide)
+        return PlantState(x, works, state.free_lengths, step_next, slide)
 
     def mobility(self, state: PlantState) -> Vector:
         """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]; exact, they are linear."""
@@ -228,7 +236,7 @@ class HoistPlant:
     def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
         """The input that acts at s, and what PlantOutput has, as numbers."""
         integrator, x, _ = self._at(state)
-        integrator.give(x, state.free_lengths, 0.0, path, added_mass)
+        integrator.give(x, state.works, state.free_lengths, 0.0, path, added_mass)
         y, result = integrator.at(s), integrator.result
         return y[result["acting"]], y[result["shown"]]
 
@@ -287,11 +295,15 @@ def unpack(u: Vector) -> PlantInput:
     return PlantInput(**dict(zip(INPUT_NAMES, u.tolist(), strict=True)))
 
 
-def _not_finite(path: Vector) -> str:
-    """Names of the inputs of a path that are no numbers, now or later in the step."""
+def _not_finite(path: Vector, h: float, added_mass: Vector) -> str:
+    """Which inputs are no numbers, now or later in a step that cannot be integrated; else what may be behind it."""
     numbers = path.reshape(3, -1).T.tolist()
     bad = [name for name, moving in zip(INPUT_NAMES, numbers, strict=True) if not all(map(math.isfinite, moving))]
-    return ", ".join(bad) or "step or added mass"
+    if not (math.isfinite(h) and np.isfinite(added_mass).all()):
+        bad.append("step or added mass")
+    if bad:
+        return f"input is not finite: {', '.join(bad)}"
+    return "state is not finite: check rope forces and torque command"
 
 
 _NO_CHANGE = (0.0,) * (2 * len(INPUT_NAMES))

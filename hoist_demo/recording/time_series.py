@@ -11,6 +11,7 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -66,15 +67,18 @@ class Recorder:
     def __init__(self, names: Sequence[str], units: Mapping[str, str]) -> None:
         self._names, self._units = tuple(names), dict(units)
         self._table, self._rows = np.empty((256, len(self._names))), 0
+        self._places: list[slice] = []  # of the parts in a row
 
     def add(self, *parts: Sequence[float] | Array) -> None:
-        """Append one row, given in parts one after the other."""
+        """Append one row, given in parts one after the other, in every row of the same lengths."""
         if self._rows == len(self._table):
             self._table = np.concatenate([self._table, np.empty_like(self._table)])
-        row, start = self._table[self._rows], 0
-        for part in parts:
-            row[start : start + len(part)] = part
-            start += len(part)
+        if not self._places:
+            ends = np.cumsum([0, *map(len, parts)]).tolist()
+            self._places = [slice(*pair) for pair in pairwise(ends)]
+        row = self._table[self._rows]
+        for place, part in zip(self._places, parts, strict=True):
+            row[place] = part
         self._rows += 1
 
     def resume(self, recording: Recording, rows: int) -> None:

@@ -150,12 +150,11 @@ class FmuRope:
         parts = [_Part.of(self._fmu.buffer("Get", variables), names) for variables in groups]
         fidelity = names.index(FIDELITY) if FIDELITY in names and FIDELITY in self._variables else None
         read_fidelity = None if fidelity is None else self._fmu.text(self._variables[FIDELITY])
-        nothing = np.full(len(names), np.nan)
+        found = np.full(len(names), np.nan)
         if len(parts) == 1 and read_fidelity is None and parts[0].is_all_of(names):
             return self._whole_reader(parts[0])
 
         def read() -> NDArray[np.float64]:
-            found = nothing.copy()
             try:
                 for get, values, there, here in parts:
                     get()
@@ -164,7 +163,7 @@ class FmuRope:
                     found[fidelity] = code_of(read_fidelity())
             except CallError as error:
                 raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
-            return found
+            return found.copy()
 
         return read
 

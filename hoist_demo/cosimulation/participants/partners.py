@@ -43,10 +43,13 @@ class Stopwatch:
         self.wall += perf_counter() - self._since
 
 
-def end_motions(motion: Motion, beside: tuple[EndMotion, EndMotion]) -> tuple[EndMotion, EndMotion]:
-    """The coupling's motion as that of the rope's two ends; what it does not hold is that of ``beside``."""
+def end_motions(motion: Motion, beside: tuple[EndMotion, EndMotion] | None) -> tuple[EndMotion, EndMotion]:
+    """The coupling's motion as that of the rope's two ends; what it does not hold is that of ``beside``, or rests."""
     (y_left, y_right), (v_left, v_right) = motion.place.tolist(), motion.speed.tolist()
     a_left, a_right = motion.acceleration.tolist()
+    if beside is None:
+        left = EndMotion(0.0, y_left, 0.0, 0.0, v_left, 0.0, 0.0, a_left)
+        return left, EndMotion(0.0, y_right, 0.0, 0.0, v_right, 0.0, 0.0, a_right)
     left, right = beside
     return _raise_end(left, y_left, v_left, a_left), _raise_end(right, y_right, v_right, a_right)
 
@@ -54,14 +57,6 @@ def end_motions(motion: Motion, beside: tuple[EndMotion, EndMotion]) -> tuple[En
 def _raise_end(end: EndMotion, y: float, vy: float, ay: float) -> EndMotion:
     x, _, z, vx, _, vz, ax, _, az, yaw, yaw_rate = end
     return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
-
-
-def mid_guide_motions() -> tuple[EndMotion, EndMotion]:
-    """Ends that hang in the middle of their guides."""
-    return _CENTRED, _CENTRED
-
-
-_CENTRED = EndMotion()
 
 
 NextCommand = Callable[[int, float, Vector], tuple[float, float]]
@@ -145,8 +140,8 @@ class HoistParticipant:
 
     def work(self) -> float:
         """Work of one balance rope's forces on the hoist [J]."""
-        work = self.state.work
-        return (work.item(_LEFT_WORK) + work.item(_RIGHT_WORK)) / self.plant.hoist.tail_rope_number
+        works = self.state.works
+        return (works.item(_LEFT_WORK) + works.item(_RIGHT_WORK)) / self.plant.hoist.tail_rope_number
 
     def ends(self) -> tuple[EndMotion, EndMotion]:
         """Motion of the conveyances now, lateral and yaw too."""
@@ -178,7 +173,7 @@ class RopeParticipant:
 
     def __init__(self, rope: RopePlant, clock: Stopwatch) -> None:
         self.rope = rope
-        self.beside: Callable[[], tuple[EndMotion, EndMotion]] = mid_guide_motions  # lateral motion of the conveyances
+        self.beside: Callable[[], tuple[EndMotion, EndMotion]] | None = None  # lateral motion of conveyances with play
         self._clock = clock
         self._read, self._read_added_masses = rope.reader(ROPE_FORCES), rope.reader(ADDED_MASSES)
         self._forces: Vector | None = None
@@ -192,7 +187,8 @@ class RopeParticipant:
     def step(self, t: float, h: float, motion: Motion) -> str:
         """One step of the rope, and its forces."""
         with self._clock:
-            status = self.rope.step(t, h, *end_motions(motion, self.beside()))
+            beside = None if self.beside is None else self.beside()
+            status = self.rope.step(t, h, *end_motions(motion, beside))
             return self._problem(status, t)
 
     def forces(self) -> tuple[Vector, Vector]:

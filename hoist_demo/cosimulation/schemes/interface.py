@@ -5,7 +5,7 @@ load of a step      F(s) = start + rise s + bend s^2 - m_a a ,     a: accelerati
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -168,22 +168,17 @@ class Pair:
         return self.drive.step(t, h, load) or self.rope.step(t, h, self.drive.motion(load, 1.0))
 
 
-@dataclass
 class ExchangeBalance:
     """Energy that the exchange makes up in one step: what the drive got, less what the rope gave."""
 
-    pair: Pair
-    load: Load
-    work: float = field(init=False)
-    place: Vector = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.work, self.place = self.pair.drive.work(), self.pair.drive.place()
+    def __init__(self, pair: Pair, load: Load) -> None:
+        self._drive, self._load = pair.drive, load
+        self._work, self._place = pair.drive.work(), pair.drive.place()
 
     def residual(self, mean: Vector) -> float:
         """The step's residual [J]; the rope gave its mean force times the way, to the third order in h."""
-        way = self.pair.drive.motion(self.load, 1.0).place - self.place
-        return self.pair.drive.work() - self.work - float(mean.dot(way))
+        way = self._drive.motion(self._load, 1.0).place - self._place
+        return self._drive.work() - self._work - float(mean.dot(way))
 
 
 class Scheme(Protocol):
