@@ -28,17 +28,16 @@ from fmu_src.profile import Profile
 from fmu_src.steps import advance_with_extrapolation
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import Status
+from rope_model.simulation.cases import first_text
 from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.result_warnings import WARNINGS
 from rope_model.simulation.sensitivity import LOADS, load_derivative
 from rope_model.simulation.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
+from rope_model.simulation.warning_cases import LONG_EXTRAPOLATION
 
 log = logging.getLogger(__name__)
-
-#: s: steps beyond it are too long for extrapolated inputs
-LONGEST_EXTRAPOLATION = 0.02
 
 P = ParamSpec("P")
 
@@ -147,20 +146,10 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     def warning(self, number: int) -> str:
         """The warning ``number``, or '' where it does not apply now."""
-        if number == len(WARNINGS):
-            return self._long_step()
-        return [*WARNINGS.values()][number](self._rope.scene, self._rope.state)
-
-    def _long_step(self) -> str:
-        state = self._rope.state
-        h, moved = state.last_interval, state.counts.steps > 0
-        if self._at_step_end() or not moved or h <= LONGEST_EXTRAPOLATION * (1 + 1e-9):
-            return ""
-        return (
-            f"a communication step of {h:.6g} s is too long for inputs that are extrapolated: forces err by percents "
-            f"beyond {LONGEST_EXTRAPOLATION:.6g} s; communicate more often, or set inputs_at_step_end = true and give "
-            "the motion at the end of each step"
-        )
+        facts = self._rope.scene, self._rope.state
+        if number < len(WARNINGS):
+            return [*WARNINGS.values()][number](*facts)
+        return "" if self._at_step_end() else first_text(LONG_EXTRAPOLATION, *facts)
 
     @_report_failure
     def derive(self, scalar: int, seed: float) -> None:

@@ -40,6 +40,7 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
     ),
     "planar without torque": ({"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}, (0.01,)),
     "long steps": ({}, (0.05, 0.05)),
+    "steps of the bound": ({}, (0.02, 0.02)),
     "a long step, then a short one": ({}, (0.05, 0.01)),
     "long steps, motion at their end": ({"inputs_at_step_end": True}, (0.05, 0.05)),
     "large step_max, no step yet": ({"solver.step_max": 0.04}, ()),

@@ -7,9 +7,6 @@
 #include "rope.h"
 #include "rope_table.h"
 
-/* s: steps beyond it are too long for extrapolated inputs */
-#define LONGEST_EXTRAPOLATION 0.02
-
 enum { INPUTS_OF_END = sizeof(EndMotion) / sizeof(double), FORCES = 12 };
 
 struct ModelInstance {
@@ -18,7 +15,7 @@ struct ModelInstance {
     Scene scene;
     double interval; /* length of the last step */
     int at_step_end; /* the reading of the inputs */
-    char warning[(ROPE_WARNINGS + 1) * (MODEL_MESSAGE + 2)];
+    char warning[(ROPE_EXTRAPOLATION + 1) * (MODEL_MESSAGE + 2)];
 };
 
 static void *field(void *structure, size_t offset) {
@@ -114,18 +111,9 @@ int model_output(ModelInstance *model, size_t scalar, double *value, char *messa
 }
 
 int model_warning(ModelInstance *model, int number, char *message) {
-    if (number < ROPE_WARNINGS) {
-        rope_warning(model->rope, number, message);
-        return 1;
-    }
     message[0] = '\0';
-    if (number > ROPE_WARNINGS) return 0;
-    if (!model->at_step_end && rope_has_moved(model->rope) && model->interval > LONGEST_EXTRAPOLATION * (1 + 1e-9))
-        snprintf(message, MODEL_MESSAGE,
-                 "a communication step of %.6g s is too long for inputs that are extrapolated: forces err by percents "
-                 "beyond %.6g s; communicate more often, or set inputs_at_step_end = true and give the motion at the "
-                 "end of each step",
-                 model->interval, LONGEST_EXTRAPOLATION);
+    if (number > ROPE_EXTRAPOLATION) return 0;
+    if (number < ROPE_EXTRAPOLATION || !model->at_step_end) rope_warning(model->rope, number, message);
     return 1;
 }
 

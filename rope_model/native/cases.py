@@ -34,6 +34,7 @@ from .tables import code_name
 
 #: tables behind warnings, and others, by what they are called in C behind tell_: each gives whether a case applied
 BY_NUMBERS = {name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)}
+BY_NUMBERS["extrapolation"] = warning_cases.LONG_EXTRAPOLATION
 TABLES: dict[str, Cases] = BY_NUMBERS | {
     "touching_legs": warning_cases.LEG_CONTACT,
     "torque_source": warning_cases.TORQUE_SOURCE,
@@ -120,7 +121,7 @@ def cases_code() -> str:
 
 def _warnings() -> str:
     """The numbers of the warnings, and a function for those that are tables."""
-    names = ", ".join(name.upper() for name in WARNINGS)
+    names = ", ".join(name.upper() for name in WARNINGS | BY_NUMBERS)
     cases = "".join(
         f"    case {name.upper()}:\n        return tell_{name}(scene, state, message);\n" for name in BY_NUMBERS
     )

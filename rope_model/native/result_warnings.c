@@ -61,10 +61,10 @@ static void yaw_at_rest(Simulator *rope, char *message) {
 }
 
 void rope_warning(Simulator *rope, int number, char *message) {
-    static void (*const by_shape[ROPE_WARNINGS])(Simulator *, char *) = {[PASSED_BODIES] = passed_bodies,
-                                                                         [NEGLECTED_EFFECTS] = neglected_effects,
-                                                                         [LEG_CONTACT] = leg_contact,
-                                                                         [YAW_AT_REST] = yaw_at_rest};
+    static void (*const by_shape[EXTRAPOLATION + 1])(Simulator *, char *) = {[PASSED_BODIES] = passed_bodies,
+                                                                             [NEGLECTED_EFFECTS] = neglected_effects,
+                                                                             [LEG_CONTACT] = leg_contact,
+                                                                             [YAW_AT_REST] = yaw_at_rest};
     message[0] = '\0';
     if (!rope->initialized) return;
     if (by_shape[number])

@@ -24,6 +24,8 @@ from .fidelity_cases import carries_torque
 HALF_A_TURN = math.pi
 #: rad: yaw at rest of a rope whose data should be looked at
 YAWED_FAR = math.pi / 6
+#: s: steps beyond it are too long for motions that are extrapolated: in a winding the end forces were 8 % off at 50 ms
+LONGEST_EXTRAPOLATION = 0.02
 #: m/s: a rope with less kinetic energy than all of it has at this speed is at rest
 REST_SPEED = 1e-3
 
@@ -126,6 +128,12 @@ def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     return both(state.audit.bend > 0, elements < FEWEST_ELEMENTS), elements, FEWEST_ELEMENTS
 
 
+def _extrapolated_too_far(scene: Any, state: Any) -> tuple[Any, ...]:
+    h = state.last_interval
+    applies = both(state.counts.steps > 0, h > LONGEST_EXTRAPOLATION * (1 + 1e-9))
+    return applies, h, LONGEST_EXTRAPOLATION
+
+
 def _no_air(scene: Any, state: Any) -> tuple[Any, ...]:
     air = scene.shaft.air
     moved = either(air.vx != 0, air.vy != 0, air.vz != 0)
@@ -164,5 +172,6 @@ MISSING_LOADS: Cases = {
 }
 UNRESOLVED_WAVES: Cases = {warning_messages.waves_unresolved: _waves_unresolved}
 UNRESOLVED_BEND: Cases = {warning_messages.bend_unresolved: _bend_unresolved}
+LONG_EXTRAPOLATION: Cases = {warning_messages.extrapolated_too_far: _extrapolated_too_far}
 NO_AIR: Cases = {warning_messages.no_air: _no_air, warning_messages.no_air_to_push: _no_air_to_push}
 ACCURACY_GIVEN_UP: Cases = {warning_messages.accuracy_given_up: _accuracy_given_up}

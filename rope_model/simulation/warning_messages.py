@@ -130,6 +130,14 @@ def no_air_to_push(buffet: float) -> str:
     return f"air.density = 0, so that air.buffet = {buffet:g} does nothing: give the density, 1.2 kg/m3 at the surface"
 
 
+def extrapolated_too_far(h: float, bound: float) -> str:
+    return (
+        f"a communication step of {h:g} s is too long for inputs that are extrapolated: forces err by percents beyond "
+        f"{bound:g} s; communicate more often, or set inputs_at_step_end = true and give the motion at the end of each "
+        "step"
+    )
+
+
 def accuracy_given_up(steps: int, since: float, bound: int) -> str:
     return (
         f"accuracy was given up in {steps} steps since t = {since:.6g} s: they wanted more Newton iterations than "
