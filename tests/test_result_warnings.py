@@ -25,6 +25,7 @@ from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
 from rope_model.shaft_parameters import Air, Shaft
 from rope_model.simulation import messages
+from rope_model.simulation.audit import FEWEST_ELEMENTS, FEWEST_STEPS
 from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.result_warnings import WARNINGS
 from rope_model.simulation.state import Crossing, RopeState
@@ -204,3 +205,18 @@ def test_both_forms_warn_of_the_same_in_the_same_words(name: str) -> None:
         yawed |= {text.split(" mostly by ")[1][:8] for text in told.values() if "mostly by" in text}
     assert seen == WARNINGS.keys() - {"passed_bodies", "neglected_effects"}
     assert len(yawed) >= 2 or name == "plain"
+
+
+def test_a_number_just_below_its_bound_does_not_look_like_it() -> None:
+    scene = rope_120().scene.with_(mesh=Mesh(kind="eem", elements=16))
+    rope = NativeRope(scene)
+    assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
+    bend = 4.0 * math.sin(0.5 * math.pi / (FEWEST_ELEMENTS - 1e-6)) ** 2
+    share = 1.0 / (FEWEST_STEPS - 1e-6)
+    rope.restore(
+        rope.state._replace(audit=rope.state.audit._replace(force=1e4, force_change=1e3, share=share, bend=bend))
+    )
+    told = rope.warnings()
+    assert told == {subject: text for subject, warn in WARNINGS.items() if (text := warn(scene, rope.state))}
+    assert "has 3.99 elements in half a turn (bound 4)" in told["unresolved_bend"]
+    assert "longer leg has 2.99 (bound 3)" in told["unresolved_waves"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..physics.elementary import both, either
+from ..physics.elementary import both, either, floor
 from ..physics.estimates import coupling_torque, curvature_torque, twist_torque
 from . import warning_messages
 from .audit import (
@@ -117,15 +117,20 @@ def _moments_missing(scene: Any, state: Any) -> tuple[Any, ...]:
     return missing > bound, missing, bound
 
 
+def _shown_below(number: Any) -> Any:
+    """``number``, cut to two decimals: what is below a bound of less than 10 does not look like it."""
+    return floor(100.0 * number) / 100.0
+
+
 def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     audit, steps = state.audit, signal_values(state.audit)[4]
     applies = both(audit.share * FEWEST_STEPS > 1.0, audit.force_change > LARGE_CHANGE * audit.force)
-    return applies, audit.force_change, steps, FEWEST_STEPS, axial_step(scene.rope)
+    return applies, audit.force_change, _shown_below(steps), FEWEST_STEPS, axial_step(scene.rope)
 
 
 def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     elements = signal_values(state.audit)[5]
-    return both(state.audit.bend > 0, elements < FEWEST_ELEMENTS), elements, FEWEST_ELEMENTS
+    return both(state.audit.bend > 0, elements < FEWEST_ELEMENTS), _shown_below(elements), FEWEST_ELEMENTS
 
 
 def _extrapolated_too_far(scene: Any, state: Any) -> tuple[Any, ...]:
