@@ -345,11 +345,11 @@ def _translational_mass(l: ca.SX, P: ca.SX) -> ca.SX:
 
 
 def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
-    """(9,): see MOMENTUM; that of the spin, rhoJ w t, with w and t linear in the element."""
+    """(9,): see MOMENTUM; that of the spin, rhoJ w t, with w and t linear in the element, and of theta's slope."""
     u, s = mass @ v, mass @ q
     angular = sum((ca.cross(q[k : k + 3], u[k : k + 3]) for k in (0, 3, 7, 10)), start=ca.SX.zeros(3))
-    (left, right), (w1, w2) = (q[3:6], q[10:13]), (v[6], v[13])
-    angular += P[7] * l / 6 * ((2 * w1 + w2) * left + (w1 + 2 * w2) * right)
+    (left, right), (w1, w2) = (d / ca.norm_2(d) for d in (q[3:6], q[10:13])), (v[6], v[13])
+    angular += P[7] * l / 6 * ((2 * w1 + w2) * left + (w1 + 2 * w2) * right) + P[12] * l * (w2 - w1) * (right - left)
     return ca.vertcat(u[0:3] + u[7:10], angular, s[0:3] + s[7:10])
 
 
