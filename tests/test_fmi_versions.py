@@ -7,6 +7,7 @@ import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from exports import FLAVOURS
@@ -14,6 +15,7 @@ from exports import FLAVOURS
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.fmi_versions import Instance
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.rope_data import Value
@@ -196,6 +198,29 @@ def test_an_fmu_that_ends_the_run_fails_the_step_as_a_discarded_one_does(
     rope.close()
     assert not status.valid
     assert "fmi3DoStep failed with status 2 (discard)" in status.message
+
+
+@pytest.mark.parametrize("kind", ["native-2", "native-3"])
+def test_no_step_promises_that_the_run_never_goes_back_behind_it(
+    kind: str, fmu_of: FmuOf, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checked, promised = Instance._checked, []
+
+    def listen(self: Instance, name: str, *arguments: Any) -> Any:
+        if name == "DoStep":
+            promised.append(arguments[2].value)
+        return checked(self, name, *arguments)
+
+    monkeypatch.setattr(Instance, "_checked", listen)
+    rope = rope_at_rest(fmu_of(kind))
+    first = rope.save()
+    assert all(rope.step(k * H, H, *AT_REST).valid for k in range(3))
+    rope.restore(first)
+    assert rope.step(0.0, H, *AT_REST).valid
+    rope.free(first)
+    rope.close()
+    assert promised
+    assert not any(promised)
 
 
 @pytest.mark.parametrize("kind", ["native-2", "native-3"])

@@ -46,6 +46,10 @@ WARNING = 1
 
 _DISCARD = 2
 
+_NO_STATE_PRIOR = False
+"""What every doStep says by noSetFMUStatePriorToCurrentPoint: schemes and callers of the host may go back by any number
+of steps, so the FMU must be able to."""
+
 Hear = Callable[[int, str], None]
 """Takes the status and the text of a message of the FMU."""
 
@@ -317,7 +321,7 @@ class _Instance2(Instance):
 
             addLoggerProxy(byref(self._callbacks))
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
-        self._do_step = self._checked("DoStep", self._t, self._h, c_int(fmpy.fmi2.fmi2True))
+        self._do_step = self._checked("DoStep", self._t, self._h, c_int(_NO_STATE_PRIOR))
 
     def _pass_on(self, component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
         self._hear(status, message.decode("utf-8", errors="replace"))
@@ -335,7 +339,7 @@ class _Instance3(Instance):
         self._fmu.instantiate(loggingOn=True, logMessage=self._pass_on)
         self._ended = c_bool()
         told = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
-        self._do_step = self._checked("DoStep", self._t, self._h, c_bool(True), *told)
+        self._do_step = self._checked("DoStep", self._t, self._h, c_bool(_NO_STATE_PRIOR), *told)
 
     def _pass_on(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
         self._hear(status, message.decode("utf-8", errors="replace"))
