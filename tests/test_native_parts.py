@@ -44,6 +44,7 @@ from rope_model.simulation.mesh import (
 )
 from rope_model.simulation.paths import EndPath
 from rope_model.simulation.rope_system import arc_lengths
+from rope_model.simulation.self_contact import overlap_of
 from rope_model.simulation.signal_table import SIGNALS
 from rope_model.simulation.signals import added_mass_signals, contact_signals, group_of
 from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest, RopeState
@@ -182,6 +183,19 @@ def test_legs_of_a_loop_that_swings_are_told_apart(parts: SimpleNamespace, lean:
     q[:, 3] += lean * q[:, 4]
     assert legs_apart(q, lengths, 0.05, 2.0)
     assert in_c(parts, q, lengths, s, 0.05, 2.0)
+
+
+def test_legs_that_touch_between_their_nodes_are_not_told_apart(parts: SimpleNamespace) -> None:
+    """Straight legs 1 m apart, and an element of each that bulges by phi l / 4 towards the other."""
+    s, phi, q = np.linspace(0.0, 120.0, 17), 0.3, np.zeros((17, 7))
+    lengths = np.diff(s)
+    q[9:, 0], q[:, 1], q[:8, 4], q[9:, 4] = 1.0, -np.minimum(s, 120.0 - s), -1.0, 1.0
+    q[8, :2], q[7:10, 3] = (0.5, -58.0), (0.01, 0.1, 0.01)
+    assert legs_apart(q, lengths, 0.05, 1.0)
+    q[[3, 4], 3], q[[12, 13], 3] = (phi, -phi), (-phi, phi)
+    assert overlap_of(q, lengths, 0.05)[0] > 0
+    assert not legs_apart(q, lengths, 0.05, 1.0)
+    assert not in_c(parts, q, lengths, s, 0.05, 1.0)
 
 
 def in_c(parts: SimpleNamespace, q: Array, lengths: Array, s: Array, diameter: float, above: float) -> bool:

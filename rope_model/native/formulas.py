@@ -114,10 +114,8 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double line_yaw(const double left[3], const double right[3])": outline.line_yaw,
     "void plane_between(const double left[3], const double right[3], const double start[3], const double direction[2], "
     "double normal[3])": outline.plane_between,
-    "double beyond(const double point[3], const double start[3], const double normal[3])": outline.beyond,
-    "double leg_margin(const double point[3], const double lowest_point[3], double diameter, double above)": (
-        outline.margin
-    ),
+    "double side_gap(double side, double length, const double outer[6], const double inner[6], double top, "
+    "const double start[3], const double normal[3], double diameter, double above)": outline.side_gap,
     "double least_advance(double length, const double a[6], const double b[6], const double direction[2])": (
         outline.least_advance
     ),

@@ -214,12 +214,12 @@ int shape_legs_apart(const Arrays *m, const double across[2], double diameter, d
     const int lowest = shape_lowest_node(m->nodes, m->q);
     const double *left = m->q, *low = left + (ptrdiff_t)DOF * lowest, *right = left + (ptrdiff_t)DOF * m->elements;
     double normal[3];
-    int apart = 0 < lowest && lowest < m->elements;
+    int apart = 0 < lowest && lowest < m->elements, k = 0;
     plane_between(left, right, low, across, normal);
-    for (const double *q = left; q < low; q += DOF)
-        apart &= (beyond(q, low, normal) < -leg_margin(q, low, diameter, above)) & (q[1] <= left[1]);
-    for (const double *q = right; q > low; q -= DOF)
-        apart &= (beyond(q, low, normal) > leg_margin(q, low, diameter, above)) & (q[1] <= right[1]);
+    for (const double *q = left; q < low; q += DOF, k++)
+        apart &= side_gap(-1.0, m->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
+    for (const double *q = low; q < right; q += DOF, k++)
+        apart &= side_gap(1.0, m->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
     return apart && least_advance(m->lengths[lowest - 1], low - DOF, low, across) > 0 &&
            least_advance(m->lengths[lowest], low, low + DOF, across) > 0;
 }

@@ -6,6 +6,7 @@ Works on numbers, numpy arrays and CasADi expressions; vectors have their compon
 from __future__ import annotations
 
 import math
+from functools import reduce
 from typing import Any
 
 from .elementary import atan2, cos, dot, larger, sin, smaller
@@ -113,6 +114,22 @@ def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
     the plane's either side: less where it is nearer than ``above`` (m) to the lowest point, where they join.
     """
     return diameter * smaller((point[1] - lowest_point[1]) / above, 1.0)
+
+
+def side_gap(
+    side: Any, length: Any, outer: Any, inner: Any, top: Any, start: Any, normal: Any, diameter: Any, above: Any
+) -> Any:
+    """How far (m) an element of a leg, from its ``outer`` node to the inner one, keeps off: beyond the margin on its
+    own ``side`` of the plane (-1: left, 1: right), and below the height ``top``; at least, but for the inner node.
+
+    By the control points of its cubic: long elements may bulge over a plane that none of their nodes is near.
+    """
+    third = -side * (length / 3.0)
+    ahead = tuple(outer[k] + third * outer[3 + k] for k in range(3))
+    behind = tuple(inner[k] - third * inner[3 + k] for k in range(3))
+    points = outer, ahead, behind
+    gaps = [side * beyond(x, start, normal) - margin(x, start, diameter, above) for x in points]
+    return reduce(smaller, (*gaps, *(top - x[1] for x in points)))
 
 
 def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:

@@ -11,13 +11,12 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..physics.hermite import integral, integral_to
 from ..physics.outline import (
-    beyond,
     heading,
     least_advance,
     line_yaw,
-    margin,
     place,
     plane_between,
+    side_gap,
     squared_distance,
     turn,
 )
@@ -79,20 +78,20 @@ def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, dia
 def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
     """Whether the legs come nowhere near each other, and neither has turned by more than a quarter against the ends.
 
-    So it is where the nodes of each leg are nowhere higher than its end and on their own side of a plane through the
-    lowest node, across the line from left to right, by a margin that keeps a ``diameter`` (m) between them ``above``
-    (m) or more over that node, and the rope leads in that line's direction on both sides of it.  The plane leans as
-    the legs do, so that those of a loop that swings are told apart too.
+    So it is where each leg is nowhere higher than its end and on its own side of a plane through the lowest node,
+    across the line from left to right, by a margin that keeps a ``diameter`` (m) between them ``above`` (m) or more
+    over that node, and the rope leads in that line's direction on both sides of it.  The plane leans as the legs do, so
+    that those of a loop that swings are told apart too.
     """
     k, rows, across = int(q[:, 1].argmin()), q.T, heading(direction(q))
     if not 0 < k < lengths.size:
         return False
-    low = rows[:, k]
-    side, least = beyond(rows, low, plane_between(q[0], q[-1], low, across)), margin(rows, low, diameter, above)
-    lower = np.append(rows[1, :k] <= q[0, 1], rows[1, k + 1 :] <= q[-1, 1])
-    own = np.append(side[:k] < -least[:k], side[k + 1 :] > least[k + 1 :])
+    low, left = rows[:, k], np.arange(lengths.size) < k
+    normal, a, b = plane_between(q[0], q[-1], low, across), rows[:, :-1], rows[:, 1:]
+    ends = np.where(left, a, b), np.where(left, b, a), np.where(left, q[0, 1], q[-1, 1])
+    gaps = side_gap(np.where(left, -1.0, 1.0), lengths, *ends, low, normal, diameter, above)
     advances = (least_advance(lengths[i], rows[:, i], rows[:, i + 1], across) for i in (k - 1, k))
-    return bool(lower.all() and own.all() and min(advances) > 0)
+    return bool(gaps.min() >= 0 and min(advances) > 0)
 
 
 class LoopTurns(NamedTuple):
