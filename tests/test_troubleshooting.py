@@ -103,7 +103,8 @@ def sources(suffix: str, *folders: str) -> list[Path]:
 
 @cache
 def c_texts() -> list[str]:
-    files = sources(".c", "rope_model", "fmu_src", "hoist_demo/drive_fmu")
+    folders = "rope_model", "fmu_src", "hoist_demo/drive_fmu"
+    files = [path for path in (*sources(".c", *folders), *sources(".h", *folders)) if path.parent.name != "include"]
     return [text for path in files for text in c_messages(path)]
 
 

@@ -76,12 +76,6 @@ const char *log_category(Severity severity) {
     return names[severity];
 }
 
-int is_log_category(const char *name) {
-    for (int k = LOG_NOTE; k <= LOG_ERROR; k++)
-        if (!strcmp(name, log_category((Severity)k))) return 1;
-    return 0;
-}
-
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context) {
     Component *c = allocator->take(1, sizeof *c + values_bytes());
     if (!c) return NULL;
@@ -116,6 +110,28 @@ static int refuse(Component *c, const char *format, ...) {
 
 int component_refuse(Component *c, const char *message) {
     return refuse(c, "%s", message);
+}
+
+int component_given(Component *c, const void *pointer) {
+    return pointer || refuse(c, "a pointer is NULL; give the address of the data");
+}
+
+static int is_log_category(const char *name) {
+    for (int k = LOG_NOTE; k <= LOG_ERROR; k++)
+        if (!strcmp(name, log_category((Severity)k))) return 1;
+    return 0;
+}
+
+int component_categories(Component *c, size_t number, const char *const names[], int *all) {
+    *all = number == 0;
+    if (number && !component_given(c, names)) return 0;
+    for (size_t k = 0; k < number; k++) {
+        if (!component_given(c, names[k])) return 0;
+        if (!is_log_category(names[k]))
+            return refuse(c, "there is no such log category; use logAll, logStatusWarning or logStatusError");
+        *all |= !strcmp(names[k], log_category(LOG_NOTE));
+    }
+    return 1;
 }
 
 void component_fail(Component *c) {

@@ -12,13 +12,16 @@
 /* modes of the co-simulation state machine; a set of them is a sum */
 enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, TERMINATED = 8, FAILED = 16, ANY_MODE = 31 };
 
+/* what both shells say */
+#define NO_NAME "the instance has no name; give one"
+#define NO_MEMORY "no memory for an instance; free others first"
+#define CO_SIMULATION_ONLY "this FMU is for co-simulation only; functions of other kinds are not supported"
+
 typedef struct Component Component;
 /* how serious a line of the log is */
 typedef enum { LOG_NOTE, LOG_WARNING, LOG_ERROR } Severity;
 /* "logAll", "logStatusWarning", "logStatusError" */
 const char *log_category(Severity severity);
-int is_log_category(const char *name);
-#define NO_SUCH_CATEGORY "there is no such log category; use logAll, logStatusWarning or logStatusError"
 typedef void (*ComponentLog)(void *context, Severity severity, const char *message);
 
 /* NULL when there is no memory; `log` gets `context` back */
@@ -29,6 +32,11 @@ const char *component_message(const Component *c);
 int component_refuse(Component *c, const char *message);
 /* after a refusal that leaves host and FMU at odds, as of a value to be set: FAILED, status.message tells why */
 void component_fail(Component *c);
+
+/* whether the pointer is not NULL */
+int component_given(Component *c, const void *pointer);
+/* whether these are log categories; `all`: whether they are all, by name or because there are none */
+int component_categories(Component *c, size_t number, const char *const names[], int *all);
 
 /* whether `function` may be called now, in one of `modes` */
 int component_allows(Component *c, const char *function, int modes);

@@ -47,7 +47,7 @@ static int may(Instance *i, const char *function, int modes) {
 }
 
 static int not_null(Instance *i, const void *pointer) {
-    return pointer || component_refuse(i->component, "a pointer is NULL; give the address of the data");
+    return component_given(i->component, pointer);
 }
 
 static fmi2Status refuse_unsupported(fmi2Component c, const char *message) {
@@ -68,15 +68,8 @@ const char *fmi2GetVersion(void) {
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
                                const fmi2String categories[]) {
     Instance *i = c;
-    int all = nCategories == 0;
-    if (!i || (nCategories && !not_null(i, categories))) return fmi2Error;
-    for (size_t k = 0; k < nCategories; k++) {
-        if (!not_null(i, categories[k])) return fmi2Error;
-        if (!strcmp(categories[k], "logAll"))
-            all = 1;
-        else if (!is_log_category(categories[k]))
-            return status(component_refuse(i->component, NO_SUCH_CATEGORY));
-    }
+    int all;
+    if (!i || !component_categories(i->component, nCategories, categories, &all)) return fmi2Error;
     i->logging = loggingOn && all;
     return fmi2OK;
 }
@@ -92,7 +85,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     (void)visible;
     if (!functions) return NULL;
     if (!instanceName || !*instanceName)
-        wrong = "the instance has no name; give one";
+        wrong = NO_NAME;
     else if (fmuType != fmi2CoSimulation)
         wrong = "this FMU is for co-simulation only; instantiate it with fmi2CoSimulation";
     else if (!component_has_token(fmuGUID))
@@ -116,7 +109,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
             if (i->component) return i;
             allocator.give_back(i);
         }
-        wrong = "no memory for an instance; free others first";
+        wrong = NO_MEMORY;
     }
     say(functions->logger, functions->componentEnvironment, instanceName ? instanceName : "", LOG_ERROR, wrong);
     return NULL;
@@ -388,7 +381,7 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
 /* model exchange: a complete library has these functions, this FMU has no such interface */
 
 static fmi2Status no_model_exchange(fmi2Component c) {
-    return refuse_unsupported(c, "this FMU is for co-simulation only; functions of model exchange are not supported");
+    return refuse_unsupported(c, CO_SIMULATION_ONLY);
 }
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) {

@@ -2,7 +2,6 @@
 
    No event mode, no clocks, no intermediate update: those functions say so and return an error. */
 #include <math.h>
-#include <string.h>
 
 #include "component.h"
 #include "fmi3Functions.h"
@@ -35,7 +34,7 @@ static int may(Instance *i, const char *function, int modes) {
 }
 
 static int not_null(Instance *i, const void *pointer) {
-    return pointer || component_refuse(i->component, "a pointer is NULL; give the address of the data");
+    return component_given(i->component, pointer);
 }
 
 static fmi3Status refuse_unsupported(fmi3Instance instance, const char *message) {
@@ -52,15 +51,8 @@ const char *fmi3GetVersion(void) {
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
                                const fmi3String categories[]) {
     Instance *i = instance;
-    int all = nCategories == 0;
-    if (!i || (nCategories && !not_null(i, categories))) return fmi3Error;
-    for (size_t k = 0; k < nCategories; k++) {
-        if (!not_null(i, categories[k])) return fmi3Error;
-        if (!strcmp(categories[k], "logAll"))
-            all = 1;
-        else if (!is_log_category(categories[k]))
-            return status(component_refuse(i->component, NO_SUCH_CATEGORY));
-    }
+    int all;
+    if (!i || !component_categories(i->component, nCategories, categories, &all)) return fmi3Error;
     i->logging = loggingOn && all;
     return fmi3OK;
 }
@@ -79,7 +71,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     (void)visible, (void)earlyReturnAllowed;
     (void)requiredIntermediateVariables, (void)intermediateUpdate;
     if (!instanceName || !*instanceName)
-        wrong = "the instance has no name; give one";
+        wrong = NO_NAME;
     else if (!component_has_token(instantiationToken))
         wrong = "the instantiation token is not that of this FMU; read it from the modelDescription.xml beside it";
     else if (eventModeUsed)
@@ -99,7 +91,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
             if (i->component) return i;
             allocator.give_back(i);
         }
-        wrong = "no memory for an instance; free others first";
+        wrong = NO_MEMORY;
     }
     if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", wrong);
     return NULL;
@@ -110,7 +102,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage) {
     (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
-    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
+    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", CO_SIMULATION_ONLY);
     return NULL;
 }
 
@@ -122,7 +114,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption) {
     (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
     (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
-    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
+    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", CO_SIMULATION_ONLY);
     return NULL;
 }
 
@@ -528,8 +520,7 @@ fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference 
 /* model exchange */
 
 static fmi3Status no_model_exchange(fmi3Instance instance) {
-    return refuse_unsupported(instance,
-                              "this FMU is for co-simulation only; functions of model exchange are not supported");
+    return refuse_unsupported(instance, CO_SIMULATION_ONLY);
 }
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {

@@ -17,7 +17,6 @@ for each element is the same in chains of any length, and is compiled but once: 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import casadi as ca
@@ -81,9 +80,10 @@ class ChainParts(NamedTuple):
     bottom: ca.Function
 
 
-@dataclass(frozen=True)
-class ChainFunctions:
+class ChainFunctions(NamedTuple):
     """CasADi functions of a chain of n elements; arrays are (dof, n + 1), columns are nodes.
+
+    A compiled library and a portable file hold them in this order.
 
     A node has ``dof`` degrees of freedom of which the element may know but some; the others stay zero.  ``l`` and ``F``
     have a column for each element.
@@ -112,19 +112,6 @@ class ChainFunctions:
     momentum: ca.Function
     reference: ca.Function
     transport: ca.Function
-
-    def all(self) -> tuple[ca.Function, ...]:
-        """The functions in the order in which a compiled library and a portable file hold them."""
-        return (
-            self.solve,
-            self.newton_step,
-            self.evaluate,
-            self.losses,
-            self.strains,
-            self.momentum,
-            self.reference,
-            self.transport,
-        )
 
 
 def chain_parts(element: ElementSource) -> ChainParts:

@@ -71,7 +71,7 @@ class RopeKernels:
         if portable is not None and portable.exists():
             functions = load_portable(portable)
         else:
-            functions = list(rope_functions(elements, fidelity, bodies).all())
+            functions = [*rope_functions(elements, fidelity, bodies)]
         (solve, newton_step, evaluate, losses, strains, momentum, reference, transport), self.form = prepare(
             functions, partial(_build, elements, fidelity, bodies), form, library
         )
@@ -116,7 +116,7 @@ def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFide
         )
     for fidelity, bodies in needed:
         library, portable = _bundle_files(folder, elements, fidelity, bodies)
-        save_portable(rope_functions(elements, fidelity, bodies).all(), portable)
+        save_portable(rope_functions(elements, fidelity, bodies), portable)
         written.append(portable)
         if compiler is not None:
             shutil.copyfile(_build(elements, fidelity, bodies, compiler), library)
@@ -128,7 +128,7 @@ def _build(elements: int, fidelity: ElementFidelity, bodies: Kinds, compiler: Se
     """The compiled library: the element is the same in ropes of any number of elements, and compiled once."""
     kind = "-".join((fidelity, *(_WORDS[kind] for kind in bodies)))
     parts = build_parts(rope_parts(fidelity, bodies), compiler, cache_folder(), f"element-{kind}")
-    functions = _linked_functions(elements, fidelity, bodies, parts.library).all()
+    functions = _linked_functions(elements, fidelity, bodies, parts.library)
     return build_library(functions, compiler, cache_folder(), f"kernels-{kind}-{elements}", [parts.linked])
 
 
