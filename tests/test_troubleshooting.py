@@ -146,3 +146,10 @@ def test_every_message_of_the_core_has_an_entry_or_a_reason_why_not() -> None:
 @pytest.mark.parametrize("text", NO_ENTRY)
 def test_what_has_no_entry_is_still_there(text: str) -> None:
     assert any(text in message for message in core())
+
+
+def test_no_message_stands_in_two_files_of_c() -> None:
+    """But for one of the models in the two flavours of the rope's FMU, which share no file about ropes."""
+    texts = [text for path in sources(".c", "fmu_src") for text in {*c_messages(path)} if len(text.split()) >= WORDS]
+    repeated = {text for text in texts if texts.count(text) > 1}
+    assert repeated == {f"there is no derivative of {GAP}; ask for those of left.fx ... left.mz, right.fx ... right.mz"}
