@@ -24,7 +24,7 @@ from rope_model import balance_rope
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
 from rope_model.shaft_parameters import Air, Shaft
-from rope_model.simulation import messages
+from rope_model.simulation import warning_messages
 from rope_model.simulation.audit import FEWEST_ELEMENTS, FEWEST_STEPS
 from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.result_warnings import WARNINGS
@@ -123,7 +123,7 @@ def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(resu
 
 
 def test_a_long_step_is_told_only_of_extrapolated_inputs_and_while_it_lasts(results: dict[str, Any]) -> None:
-    told = messages.extrapolated_too_far(0.05, LONGEST_EXTRAPOLATION)
+    told = warning_messages.extrapolated_too_far(0.05, LONGEST_EXTRAPOLATION)
     assert results["long steps"]["warnings"] == [told] == [results["long steps"]["status.warning"]]
     assert results["steps of the bound"]["warnings"] == []
     assert results["long steps, motion at their end"]["warnings"] == []
