@@ -259,7 +259,7 @@ def test_what_is_known_along_the_rope_stands_beside_its_points(short: Result, tm
     assert "shape" not in (tmp_path / "signals.csv").read_text()
 
 
-def test_a_recording_outgrows_its_first_table_and_goes_on_from_any_of_its_rows() -> None:
+def test_a_recording_grows_and_goes_on_from_any_of_its_rows() -> None:
     recorder = Recorder(("a", "b", "c"), {"a": "m"})
     for k in range(1000):
         recorder.add([float(k)], np.array([2.0 * k, math.nan]))

@@ -11,7 +11,6 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -62,33 +61,26 @@ class Recording:
 
 
 class Recorder:
-    """Collects rows of numbers in a table that grows."""
+    """Collects rows of numbers as they come; they are put together when somebody wants them."""
 
     def __init__(self, names: Sequence[str], units: Mapping[str, str]) -> None:
         self._names, self._units = tuple(names), dict(units)
-        self._table, self._rows = np.empty((256, len(self._names))), 0
-        self._places: list[slice] = []  # of the parts in a row
+        self._before = np.empty((0, len(self._names)))  # rows of the recording that it goes on from
+        self._rows: list[tuple[Sequence[float] | Array, ...]] = []
 
     def add(self, *parts: Sequence[float] | Array) -> None:
-        """Append one row, given in parts one after the other, in every row of the same lengths."""
-        if self._rows == len(self._table):
-            self._table = np.concatenate([self._table, np.empty_like(self._table)])
-        if not self._places:
-            ends = np.cumsum([0, *map(len, parts)]).tolist()
-            self._places = [slice(*pair) for pair in pairwise(ends)]
-        row = self._table[self._rows]
-        for place, part in zip(self._places, parts, strict=True):
-            row[place] = part
-        self._rows += 1
+        """Append one row, given in parts one after the other, each as long in every row; none may change later."""
+        self._rows.append(parts)
 
     def resume(self, recording: Recording, rows: int) -> None:
         """Begin with the first rows of a recording."""
-        self._table, self._rows = np.empty((rows + 256, len(self._names))), rows
-        self._table[:rows] = np.array([recording[name][:rows] for name in self._names]).T
+        self._before, self._rows = np.array([recording[name][:rows] for name in self._names]).T, []
 
     def recording(self) -> Recording:
         """All rows so far."""
-        columns = self._table[: self._rows].T.copy()
+        parts = [np.array(part, dtype=np.float64) for part in zip(*self._rows, strict=True)]
+        table = np.concatenate([self._before, np.concatenate(parts, axis=1)]) if parts else self._before
+        columns = table.T.copy()
         return Recording(
             dict(zip(self._names, columns, strict=True)), {name: self._units.get(name, "") for name in self._names}
         )

@@ -230,7 +230,7 @@ class RopeParticipant:
         self._forces = None
         if status.valid:
             forces = self._read()
-            if math.isfinite(forces.dot(forces)):
+            if math.isfinite(sum(forces.tolist())):
                 self._forces = forces
                 return ""
             bad = [name for name, force in zip(ROPE_FORCES, forces, strict=True) if not math.isfinite(force)]
