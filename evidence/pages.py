@@ -42,7 +42,7 @@ from evidence.reproduction.page import FIGURES as REPRODUCTION
 from evidence.reproduction.page import page as reproduction_page
 from evidence.stability.page import anchor, chapter, front
 from evidence.stability.suite import CHAPTERS
-from evidence.studies.page import controllers_page, swivel_page
+from evidence.studies.page import controllers_page, metrics, swivel_page
 from evidence.tables import Tables, read
 from evidence.tangle.page import FIGURES as TANGLE
 from evidence.tangle.page import page as tangle_page
@@ -102,6 +102,7 @@ class Block:
 BLOCKS = {
     "levels": Block("README.md", "levels", "chart", levels),
     "cases": Block("docs/hoist.md", "cases", "hoist", cases),
+    "metrics": Block("docs/study.md", "metrics", "study", metrics),
     "catalogue": Block("docs/data.md", "catalogue", "knowledge", catalogue),
 }
 

@@ -15,12 +15,11 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pandas as pd
 
-from evidence.pages import PAGES, publish
-from evidence.rendering import DOCS, fill_block
+from evidence.pages import BLOCKS, PAGES, fill, publish
+from evidence.rendering import DOCS
 from evidence.tables import table, write
 from hoist_demo.control.controller import Gains
 from hoist_demo.study.definition import read_study
-from hoist_demo.study.metrics import METRICS
 from hoist_demo.study.run import execute
 from hoist_demo.study.store import Store, read_results
 
@@ -30,6 +29,7 @@ from .page import with_differences
 STUDIES, DATA = Path("out") / "study", DOCS / "data" / "study"
 NAMES = ("controllers", "controllers_complete", "swivel", "creep", "tuning")
 COMPLETE = Path("build") / "standard.fmu"
+LET_OUT = 5.0  # s, after which an installed twist has left the rope where a swivel turns
 
 
 def main() -> None:
@@ -51,15 +51,20 @@ def main() -> None:
         figures.save(figures.creep_figure(with_differences(found["creep"].table)), "creep")
         figures.arrivals(stores["controllers_complete"], found["controllers_complete"])
         figures.swivels(stores["swivel"], found["swivel"])
-    yaws = [(key, float(stores["swivel"].signals(key)["loop.yaw"].iloc[-1])) for key in found["swivel"].table["key"]]
-    write({"swivel_yaw": table(("key", "yaw_at_end [rad]"), yaws)}, DATA)
+    yaws = [(key, *yaw_of(stores["swivel"].signals(key))) for key in found["swivel"].table["key"]]
+    write({"swivel_yaw": table(("key", "yaw_at_end [rad]", "least_yaw [rad]", "largest_yaw [rad]"), yaws)}, DATA)
     best = verify(found["tuning"].table, DOCS / "studies" / "tuning.toml", COMPLETE)
     best.to_csv(DATA / "tuning_complete.csv", index=False, float_format="%.9g", lineterminator="\n")
     for name in ("study_controllers", "study_swivel"):
         publish(PAGES[name])
-    guide = DOCS / "study.md"
-    metrics = "\n".join(f"| `{name}` | {unit} | {text} |" for name, (unit, text) in METRICS.items())
-    guide.write_text(fill_block(guide.read_text(encoding="utf-8"), "metrics", metrics), encoding="utf-8")
+    fill(BLOCKS["metrics"])
+
+
+def yaw_of(signals: pd.DataFrame) -> tuple[float, float, float]:
+    """Of the loop [rad]: at the end, and the least and the largest once LET_OUT is over."""
+    yaw = signals["loop.yaw"]
+    after = yaw[signals["time"] > LET_OUT]
+    return float(yaw.iloc[-1]), float(after.min()), float(after.max())
 
 
 def verify(tuning: pd.DataFrame, file: Path, fmu: Path) -> pd.DataFrame:

@@ -11,9 +11,10 @@ import pandas as pd
 
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables
+from hoist_demo.study.metrics import METRICS
 
 NAMES = {"pi": "PI", "pi-feed-forward": "PI with feed-forward", "input-shaping": "input shaping, ZVD"}
-NO_CREEP = "none"
+NO_CREEP, SEIZED = "none", "both seized"
 #: column -> head, factor, format; text without a format
 Columns = Mapping[str, tuple[str, float, str]]
 CONTROLLER_COLUMNS: Columns = {
@@ -95,7 +96,26 @@ def controllers_page(tables: Tables) -> str:
 def swivel_page(tables: Tables) -> str:
     """docs/study_swivel.md."""
     found = frame(tables["swivel"]).merge(frame(tables["swivel_yaw"]), on="key", validate="1:1")
-    return render("studies/study_swivel.md.j2", {"head": heads(SWIVEL_COLUMNS), "rows": cells(found, SWIVEL_COLUMNS)})
+    data = {"head": heads(SWIVEL_COLUMNS), "rows": cells(found, SWIVEL_COLUMNS), **let_out(found)}
+    return render("studies/study_swivel.md.j2", data)
+
+
+def let_out(found: pd.DataFrame) -> dict[str, Any]:
+    """Of a rope with installed twist: pulls [kN] that are kept and let out, yaw [deg] to either side once it is out."""
+    twisted = found[found["rope.installed_twist"] > 0].set_index("variant")
+    free = twisted.drop(index=SEIZED)
+    yaws = {name: np.degrees([free[f"{name}_yaw"].min(), free[f"{name}_yaw"].max()]) for name in ("least", "largest")}
+    pulls = 1e-3 * twisted["rope_force_peak"]
+    return {
+        "pulls": (pulls[SEIZED], pulls.max()),
+        "yaws": yaws,
+        "clearances": (found.clearance.min(), found.clearance.max()),
+    }
+
+
+def metrics(tables: Tables) -> str:
+    """The table of docs/study.md: what a study can ask of a run; no data are needed."""
+    return "\n".join(f"| `{name}` | {unit} | {text} |" for name, (unit, text) in METRICS.items())
 
 
 def frame(t: Table) -> pd.DataFrame:
