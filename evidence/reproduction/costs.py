@@ -112,7 +112,7 @@ def at_equal_error(tables: Tables) -> list[tuple[str, float, float, float, float
 
 
 def line(tables: Tables) -> tuple[float, float]:
-    """Time of EEM as a + b n: a in s, b in s per element; only meshes fine enough to take as few steps as the finest."""
+    """Time of EEM as a + b n: a in s, b in s per element; of meshes that take as few steps as the finest."""
     t = family(tables, "eem")
     same = t["steps"] == t["steps"].min()
     b, a = np.polyfit(t["elements"][same], t["processor time [s]"][same], 1)
