@@ -26,10 +26,11 @@ from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
 from rope_model.shaft_parameters import Air, Shaft
 from rope_model.simulation import warning_messages
 from rope_model.simulation.audit import FEWEST_ELEMENTS, FEWEST_STEPS
+from rope_model.simulation.cases import first_text
 from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.result_warnings import WARNINGS
 from rope_model.simulation.state import Crossing, RopeState
-from rope_model.simulation.warning_cases import LONGEST_EXTRAPOLATION
+from rope_model.simulation.warning_cases import LONG_EXTRAPOLATION, LONGEST_EXTRAPOLATION
 
 DRIVER = Path(__file__).with_name("warning_driver.py")
 
@@ -220,3 +221,15 @@ def test_a_number_just_below_its_bound_does_not_look_like_it() -> None:
     assert told == {subject: text for subject, warn in WARNINGS.items() if (text := warn(scene, rope.state))}
     assert "has 3.99 elements in half a turn (bound 4)" in told["unresolved_bend"]
     assert "longer leg has 2.99 (bound 3)" in told["unresolved_waves"]
+
+
+@pytest.mark.parametrize("start", [0.0, 1.7e9])
+def test_a_step_of_the_bound_is_not_too_long_at_any_time(start: float) -> None:
+    """Between instants in s since 1970 it is 2e-7 s longer or shorter."""
+    rope, ends = NativeRope(rope_120("draft").scene), (EndMotion(y=0.0), EndMotion(y=90.0))
+    assert rope.initialize(start, *ends).valid
+    for k in range(1, 11):
+        assert rope.advance_to(start + k * LONGEST_EXTRAPOLATION, *ends).valid
+        assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state) == ""
+    assert rope.advance_to(rope.state.motion.t + 0.021, *ends).valid
+    assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state)

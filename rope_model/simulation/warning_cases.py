@@ -134,8 +134,8 @@ def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
 
 
 def _extrapolated_too_far(scene: Any, state: Any) -> tuple[Any, ...]:
-    h = state.last_interval
-    applies = both(state.counts.steps > 0, h > LONGEST_EXTRAPOLATION * (1 + 1e-9))
+    h = state.last_interval  # between two instants, which are rounded the more the later they are
+    applies = both(state.counts.steps > 0, h > 1.001 * LONGEST_EXTRAPOLATION)
     return applies, h, LONGEST_EXTRAPOLATION
 
 
