@@ -1,6 +1,6 @@
 """Tables of what is said in which case; native.cases makes the C of them.
 
-A case is a message of simulation.messages and the formula that goes with it.  From the facts that a table is about the
+A case is a message of the rope and the formula that goes with it.  From the facts that a table is about the
 formula computes whether the message applies, and then the numbers in it.  A choice is compared with its word.
 """
 

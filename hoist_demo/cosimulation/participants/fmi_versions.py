@@ -47,8 +47,8 @@ WARNING = 1
 _DISCARD = 2
 
 _NO_STATE_PRIOR = False
-"""What every doStep says by noSetFMUStatePriorToCurrentPoint: schemes and callers of the host may go back by any number
-of steps, so the FMU must be able to."""
+"""What every doStep says by noSetFMUStatePriorToCurrentPoint: the estimate of a coupling's stability goes back by
+several steps, and callers may by any number, so the FMU must be able to."""
 
 Hear = Callable[[int, str], None]
 """Takes the status and the text of a message of the FMU."""
