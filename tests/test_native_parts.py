@@ -155,6 +155,42 @@ def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: 
         assert_allclose(ours, leg_clearance(q, lengths, expected, 4.0, 0.044, above), atol=ROUNDING * s[-1])
 
 
+def tangle(kind: str, seed: int) -> tuple[Array, Array]:
+    """Configuration and element lengths of a rope that hangs as none should."""
+    random = np.random.default_rng(seed)
+    lengths = random.uniform(0.2, 2.0, random.integers(4, 60))
+    s, width, q = arc_lengths(lengths), 10.0 ** random.uniform(-2, 1), np.zeros((lengths.size + 1, 7))
+    along = s - random.uniform(0.2, 0.8) * s[-1]
+    q[:, 0], q[:, 1], q[:, 4] = 0.5 * width * np.tanh(along / width), abs(along), np.sign(along)
+    if kind == "wound":
+        turned, x = random.uniform(0.0, 25.0) * abs(along) / s[-1], q[:, 0].copy()
+        q[:, 0], q[:, 2] = x * np.cos(turned), x * np.sin(turned)
+    elif kind == "slack":
+        q[:, :6] += 10.0 ** random.uniform(-3, 1) * random.normal(size=(s.size, 6))
+    elif kind == "touching":
+        q[:, 0] = np.sign(along) * 10.0 ** random.uniform(-12, -2)
+    elif kind == "folded":
+        q[:, :3] = np.cumsum(random.normal(size=(s.size, 3)), axis=0)
+    return q, lengths
+
+
+@pytest.mark.parametrize("kind", ["wound", "slack", "touching", "folded"])
+def test_the_clearance_of_legs_that_tangle_is_the_same(parts: SimpleNamespace, kind: str) -> None:
+    """C passes over what is too far off by blocks of points, Python looks at all."""
+    seen = 0
+    for seed in range(60):
+        q, lengths = tangle(kind, seed)
+        bottom, s = loop_bottom(q, lengths), arc_lengths(lengths)
+        top = q[:, 1].max() - bottom.position[1]
+        # just below the lower leg's top it has two points
+        for above in (0.0, 0.3 * top, 0.999 * min(q[0, 1], q[-1, 1]) - 0.999 * bottom.position[1]):
+            ours = parts.shape_leg_clearance(s.size, q, s, CLoopBottom.of(bottom), 4.0, 0.044, above)
+            expected = leg_clearance(q, lengths, bottom, 4.0, 0.044, above)
+            assert_allclose(ours, expected, atol=ROUNDING * s[-1])
+            seen += math.isfinite(expected)
+    assert seen > 60
+
+
 @given(hanging=hangings, seed=st.integers(0, 1000), size=st.sampled_from((0.0, 0.3, 1.0)))
 @settings(max_examples=200, deadline=None)
 def test_legs_that_lie_apart_have_not_turned(
