@@ -28,7 +28,7 @@ MOST_LEVELS = 8
 #: of the accuracy asked of the loop's place, what the mesh may take
 MESH_SHARE = 0.5
 #: grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
-#: LEG_WAVES / length: an emergency stop errs two to three times as much by the legs as by steps of 10 ms; nor more than
+#: LEG_WAVES / length, for the short waves of an emergency stop (benchmarks.legs); nor more than
 #: LEG_SWAY (EI / rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are
 #: 2 pi sqrt(w y) long, and elements sqrt(grading_length y)
 LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
