@@ -14,12 +14,16 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from exports import FLAVOURS
 from warning_driver import RUNS
 
+from benchmarks.kinematic import Array, ends_at
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants import rope_plant
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.parameters import Winding
 from rope_model import balance_rope
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
@@ -27,7 +31,7 @@ from rope_model.shaft_parameters import Air, Shaft
 from rope_model.simulation import warning_messages
 from rope_model.simulation.audit import FEWEST_ELEMENTS, FEWEST_STEPS
 from rope_model.simulation.cases import first_text
-from rope_model.simulation.paths import SIDES, EndMotion
+from rope_model.simulation.paths import SHORTEST_AIM, SIDES, EndMotion
 from rope_model.simulation.result_warnings import WARNINGS
 from rope_model.simulation.state import Crossing, RopeState
 from rope_model.simulation.warning_cases import LONG_EXTRAPOLATION, LONGEST_EXTRAPOLATION
@@ -233,3 +237,32 @@ def test_a_step_of_the_bound_is_not_too_long_at_any_time(start: float) -> None:
         assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state) == ""
     assert rope.advance_to(rope.state.motion.t + 0.021, *ends).valid
     assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state)
+
+
+@pytest.mark.parametrize(
+    ("emergency_at", "missed"), [(None, {0.02: 0.0008, 0.05: 0.0205}), (8.0, {0.02: 0.044, 0.05: 0.25})]
+)
+def test_end_forces_of_extrapolated_motions_are_off_by_what_the_interface_says(
+    emergency_at: float | None, missed: dict[float, float]
+) -> None:
+    trip = Winding(travel=90.0, start_delay=0.0, emergency_at=emergency_at)
+    exact = end_forces(trip, 0.0025, extrapolated=False)
+    largest = np.abs(exact).max()
+    for h, part in missed.items():
+        errors = end_forces(trip, h, extrapolated=True) - exact[round(h / 0.0025) - 1 :: round(h / 0.0025)]
+        assert np.abs(errors).max() == pytest.approx(part * largest, rel=0.05)
+
+
+def end_forces(trip: Winding, h: float, extrapolated: bool) -> Array:
+    """(steps, 2), N: vertical end forces of the 120 m rope after each step ``h`` of a winding."""
+    reference, rope, found = s_curve(trip), NativeRope(rope_120().scene), []
+    assert rope.initialize(0.0, *ends_at(reference, trip.travel, 0.0)).valid
+    for k in range(round(25.0 / h)):
+        if extrapolated:
+            left, right = (end.extrapolate(h) for end in ends_at(reference, trip.travel, k * h))
+        else:
+            left, right = ends_at(reference, trip.travel, (k + 1) * h)
+        assert rope.advance_to((k + 1) * h, left, right, h if extrapolated and k else SHORTEST_AIM).valid
+        values = rope.signals(["left.fy", "right.fy"])
+        found.append([values["left.fy"], values["right.fy"]])
+    return np.array(found)

@@ -24,7 +24,7 @@ from .fidelity_cases import carries_torque
 HALF_A_TURN = math.pi
 #: rad: yaw at rest of a rope whose data should be looked at
 YAWED_FAR = math.pi / 6
-#: s: steps beyond it are too long for motions that are extrapolated: in a winding the end forces were 8 % off at 50 ms
+#: s: steps beyond it are too long for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
 LONGEST_EXTRAPOLATION = 0.02
 #: m/s: a rope with less kinetic energy than all of it has at this speed is at rest
 REST_SPEED = 1e-3
