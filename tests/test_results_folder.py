@@ -34,6 +34,18 @@ def test_a_folder_that_cannot_be_is_refused(name: str, tmp_path: Path, capsys: p
     refused(COMMANDS[name], tmp_path, capsys)
 
 
+def test_a_link_to_nowhere_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "nowhere" / "results")
+    for out in (link, link / "below"):
+        assert main([*COMMANDS["identify"], "--out", str(out)]) == 2
+        last = capsys.readouterr().err.splitlines()[-1]
+        assert last == f"balance-rope: {out} cannot be written to (No such file or directory): choose another --out"
+        with pytest.raises(SystemExit, match="2"):
+            guards(["--out", str(out)])
+        assert f"argument --out: {out} cannot be written to" in capsys.readouterr().err
+
+
 def test_a_study_refuses_it_too(tmp_path: Path, fmu_of: Any, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "STUDY.toml"
     rope = fmu_of("native-2")

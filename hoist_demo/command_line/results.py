@@ -16,7 +16,8 @@ def results_folder(out: Path) -> Path:
 def writable(out: Path) -> Path:
     """``out``; ValueError, before anything is computed, where it cannot be made or written to."""
     try:
-        there = next(path for path in (out, *out.absolute().parents) if path.exists())
+        # a link to nowhere is there, too: no folder can be made of it
+        there = next(path for path in (out, *out.absolute().parents) if path.exists() or path.is_symlink())
         with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as error:
