@@ -209,6 +209,11 @@ def test_a_duty_says_what_its_rope_s_model_does_not_compute(tmp_path: Path, caps
     assert ("loop_yaw" in told, "sway " in told) == (False, True)
     assert "warning: rope.mass_per_length = 12 kg/m and hoist.tail_rope_mass = 8 kg/m contradict each other" in told
     assert np.isnan(read_csv(tmp_path / "trips.csv")["loop_yaw"]).all()
+    # told as well where all trips are there already
+    assert balance_rope.main(["duty", str(tmp_path / "duty.toml"), "--out", str(tmp_path)]) == 0
+    again = " ".join(capsys.readouterr().out.split())
+    assert "are there already" in again
+    assert "warning: the rope ran as its planar model, which does not compute yaw" in again
 
 
 def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

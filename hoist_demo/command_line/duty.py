@@ -6,18 +6,20 @@ import argparse
 import math
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
-from hoist_demo.recording.fidelity import remark
-from hoist_demo.recording.time_series import Recording, write_csv
+from hoist_demo.recording.fidelity import mask_neglected, remark
+from hoist_demo.recording.time_series import TIME, Recording, write_csv
 from hoist_demo.report.html.page import number
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, for_people, render
 from hoist_demo.report.summary import exposure_rows, incidents, status
@@ -98,7 +100,9 @@ def _duty(options: argparse.Namespace) -> int:
     print(f"{schedule.title}: case {schedule.case}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows(exposed) if exposed else ()
     contradiction = contradictions(run.hoist, rope.data().parameters)
-    print(render([*_summary(trips, last, len(schedule.pattern), contradiction), *exposures, *told(known)]))
+    missing = remark(_as_it_is(rope) if last is None else last.result.recording)
+    warned = [*filter(None, (contradiction, missing))]
+    print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *told(known)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if interrupted():
@@ -143,8 +147,14 @@ def _wind(
     return (table(rows, cycle) if rows else None), last
 
 
-def _summary(trips: Recording, last: Trip | None, cycle: int, contradiction: str) -> list[SummaryRow]:
-    """What of a duty is told, with the `contradiction` of its data, if any."""
+def _as_it_is(rope: InProcessRope) -> Recording:
+    """The rope's signals as they are, one row, without what its fidelity leaves out."""
+    signals = {TIME: np.zeros(1)} | {name: np.array([value]) for name, value in rope.signals().items()}
+    return mask_neglected(Recording(signals, {}), rope.data().torque_free)
+
+
+def _summary(trips: Recording, last: Trip | None, cycle: int, warned: Sequence[str]) -> list[SummaryRow]:
+    """What of a duty is told."""
     from hoist_demo.duty.table import STEADY, UNITS, steady_from, worst
 
     rows = []
@@ -154,8 +164,7 @@ def _summary(trips: Recording, last: Trip | None, cycle: int, contradiction: str
             SummaryRow(OUTCOME, "status of the last trip", status(last.result.completed, recording)),
             SummaryRow(OUTCOME, "simulated time", float(recording.time[-1]), "s"),
         ]
-    warned = [contradiction, "" if last is None else remark(last.result.recording)]
-    rows += [SummaryRow(OUTCOME, WARNING, text) for text in warned if text]
+    rows += [SummaryRow(OUTCOME, WARNING, text) for text in warned]
     steady, count = steady_from(trips, cycle), trips["trip"].size
     group = f"Steady cycle: each trip as the one {cycle} before, within {100.0 * STEADY:g} %"
     rows.append(SummaryRow(group, "from trip", f"{steady}" if steady else f"none of {count}"))
