@@ -272,6 +272,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
         (ROPE.replace("0.046", '"46 mm"') + WIDTH, "diameter = '46 mm' must be a number"),
         (ROPE.replace("120.0", "-400") + WIDTH, "length = -400 is out of range: it must be above 0"),
         (ROPE + '[[measured]]\nwhat = "mass"\nvalue = [8, -8]\nsigma = 1\n', "value = -8 must be above 0"),
+        (ROPE + '[[measured]]\nwhat = "swept"\nvalue = [0.0, -0.1]\n', "value = -0.1 must not be below 0"),
         (ROPE + '[[measured]]\nwhat = "sample extension"\nload = -5.0\nlength = 10\n', "load = -5 must be above 0"),
         (ROPE + '[[measured]]\nwhat = "swing"\nnumber = 0\n', "number = 0 must be a whole number from 1 on"),
         ("measured = [1]\n" + ROPE, r"measured = \[1\] must be tables: write \[\[measured\]\] above each"),
@@ -312,6 +313,12 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
 def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: str) -> None:
     with pytest.raises(StudyError, match=problem):
         read_measured(written(tmp_path, text), PARAMETERS_KNOWN)
+
+
+def test_a_swing_that_has_died_out_is_a_measurement(tmp_path: Path) -> None:
+    swept = TRACK.replace("track", "swept").replace("value = 0.1", "value = [0.1, 0.0]") + "until = [12.0, 15.0]\n"
+    text = ROPE + swept + "travel = 60.0\nleft_y = 0.0\nright_y = 60.0\n"
+    assert read_measured(written(tmp_path, text), PARAMETERS_KNOWN).measurements[0].values == (0.1, 0.0)
 
 
 def test_a_rope_file_without_values_is_refused(tmp_path: Path) -> None:

@@ -185,6 +185,8 @@ def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> 
     values = _numbers(where, "value", table.get("value"), "", problems)
     if what in MAGNITUDES:
         problems += [f"{where}: value = {x:g} must be above 0: give its magnitude" for x in values if x <= 0.0]
+    if what == "swept":
+        problems += [f"{where}: value = {x:g} must not be below 0: give its magnitude" for x in values if x < 0.0]
     numbers = {}
     for name, unit in kind.numbers.items():
         numbers[name] = _numbers(where, name, table.get(name, DEFAULTS.get(name)), unit, problems)

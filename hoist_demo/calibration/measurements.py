@@ -226,8 +226,8 @@ KINDS = {
     "swept": Kind("", {"t": "s", "until": "s", **_HEIGHTS, **_TRIP}, _swept, ("signal",)),
     "swing": Kind("Hz", {"number": "1", **_HEIGHTS}, _swing, ("plane",)),
 }
-#: kinds whose values have no sign
-MAGNITUDES = ("loop width", "mass", "sample extension", "swept", "swing")
+#: kinds whose values have no sign and are never 0; what is swept may be
+MAGNITUDES = ("loop width", "mass", "sample extension", "swing")
 #: what a number is where it is not given
 DEFAULTS = {"twist": 0.0, "number": 1.0, "acceleration": Winding.acceleration, "jerk": Winding.jerk}
 
