@@ -44,7 +44,7 @@ class Checkpoint:
     at_rest: PlantOutput  # of the drive, at the start
     memory: Memory
     rope: bytes  # b"" when the rope cannot save its state
-    recording: Recording  # of the run until it stopped; it goes on behind this sample's row
+    recording: Recording  # of the run until it stopped, as its recorder keeps it; it goes on behind this sample's row
     data: str  # of the run, that must be the same to go on: see Host.data
     cause: str  # for which the run stopped
 
