@@ -54,7 +54,7 @@ def remark(recording: Recording) -> str:
             words = ", ".join(effect.words for effect in effects)
             return (
                 f"the rope ran as its {fidelity} model{_when(fidelity, recording)}, which does not compute {words}; "
-                "none of that is shown. Set model.fidelity = 1 (torsional), or export at the level standard"
+                "none of that is shown. Set model.fidelity = 1 (torsional), or take the level standard"
             )
     return ""
 
