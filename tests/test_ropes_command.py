@@ -11,7 +11,8 @@ from rope_groups import Weight
 
 import balance_rope
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_parameters
+from hoist_demo.cosimulation.participants.rope_plant import RopeStatus
 from hoist_demo.recording.fidelity import code_of
 from hoist_demo.recording.time_series import Recording, read_csv
 from hoist_demo.ropes.definition import read_ropes
@@ -89,6 +90,21 @@ def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsy
         assert np.isnan(signals[name]).all(), name
     for name in ("one.loop.yaw", "one.left.my", "two.left.fy", "left.mz", "left.fy"):
         assert np.isfinite(signals[name]).all(), name
+
+
+def test_that_a_rope_did_not_break_is_not_said_of_a_run_that_was_stopped(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object) -> RopeStatus:
+        return RopeStatus(False, "it fails")
+
+    monkeypatch.setattr(InProcessRope, "step", fails)
+    path = tmp_path / "ropes.toml"
+    path.write_text(ROPES.replace('name = "two"', 'name = "two"\nbreaks_at = 2\nbreaks_s = 30'), encoding="utf-8")
+    assert balance_rope.main(["ropes", str(path), "--out", str(tmp_path)]) == 1
+    said = capsys.readouterr()
+    assert "it fails" in said.err
+    assert "was to break" not in said.out
 
 
 def test_a_plane_rope_without_torque_has_no_yaw_as_a_result() -> None:

@@ -136,7 +136,7 @@ def _summary(
     recording = result.recording
     ended = outcome(result.completed, recording, [*rows])
     told = [SummaryRow(OUTCOME, "status", ended + incidents(recording))]
-    breaks = {rope.name: rope.breaks.t for rope in ropes.ropes if rope.breaks is not None}
+    breaks = {rope.name: rope.breaks.t for rope in ropes.ropes if rope.breaks is not None and result.completed}
     warned = *warnings(result, ropes.hoist), *remarks(recording, [*rows]), *unbroken(recording, breaks)
     told += [SummaryRow(OUTCOME, WARNING, text) for text in warned]
     told += [
