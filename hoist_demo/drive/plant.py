@@ -24,7 +24,7 @@ from hoist_demo.drive.equations import (
     STATE_NAMES,
     WORK_NAMES,
 )
-from hoist_demo.drive.integrator import Integrator, Watch
+from hoist_demo.drive.integrator import SHORTEST, Integrator, Watch
 from hoist_demo.drive.kernels import WORKS
 from hoist_demo.drive.outputs import PlantOutput
 from hoist_demo.drive.sliding import Slide, Sliding, begins, sense_of
@@ -303,7 +303,8 @@ def _not_finite(path: Vector, h: float, added_mass: Vector) -> str:
         bad.append("step or added mass")
     if bad:
         return f"input is not finite: {', '.join(bad)}"
-    return "state is not finite: check rope forces and torque command"
+    steps = f"no steps of {SHORTEST:g} s or longer keep to the tolerance"
+    return f"state is not finite, or {steps}: check rope forces and torque command"
 
 
 _NO_CHANGE = (0.0,) * (2 * len(INPUT_NAMES))
