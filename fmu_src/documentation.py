@@ -97,6 +97,7 @@ _WARNINGS = """\
 - *Accuracy was given up* because a communication step wanted more work than `solver.work_max` allows
   (`status.given_up`, `status.given_up_since`).
 - *The model has no torsion*, though the rope carries torque: what it does not compute is 0 (below).
+- *A guard sees nothing*: the model does not compute what it watches (torque, say).
 - *A communication step above 20 ms with extrapolated inputs*: in the 90 m winding end forces are up to 2 % of the
   largest off at 50 ms, 0.1 % at 20 ms; in an emergency stop 25 % and 4 %.
 

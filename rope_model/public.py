@@ -47,12 +47,12 @@ from .parameters import (
 from .shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
 from .simulation.balance_rope import BalanceRope, Snapshot, Status
 from .simulation.fidelity import FIDELITIES
-from .simulation.guards import CAUSES as GUARD_CAUSES
 from .simulation.neglected_effects import Effect, neglected_effects, neglected_text
 from .simulation.neighbours import Account, Contacts, Neighbours
 from .simulation.paths import EndMotion
 from .simulation.point_forces import PointForces
 from .simulation.shaft import BODIES
+from .simulation.signal_table import CAUSES as GUARD_CAUSES
 from .simulation.signal_table import SIGNALS, Signal
 from .simulation.simulator import RopeSimulator
 from .simulation.state import RopeState

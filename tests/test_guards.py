@@ -14,6 +14,7 @@ from rope_model import (
     EndMotion,
     Guard,
     Mesh,
+    Model,
     Rope,
     RopeSimulator,
     Scene,
@@ -21,6 +22,7 @@ from rope_model import (
     Sump,
     balance_rope,
 )
+from rope_model.parameters import FidelityChoice
 from rope_model.physics.guard import CAUSES, NEVER, GuardState, off_plumb, sideways, watch
 
 SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16))
@@ -105,6 +107,53 @@ def test_a_switch_at_a_height_sees_the_legs_there() -> None:
     assert rope.signals(["guard.cause"])["guard.cause"] == 2
     above = wound(guarded(Guard(window=1e-4, window_y=-20.0)))  # of the loop no part is as low as this
     assert above.signals(["guard.cause"])["guard.cause"] == 0
+
+
+EACH = {
+    "rise": Guard(rise=0.5),
+    "switched rise": Guard(rise=0.5, rise_y=-14.0),
+    "window": Guard(window=0.5, window_y=-6.0),
+    "clearance": Guard(clearance=1.0),
+    "turns": Guard(turns=0.25),
+    "torque": Guard(torque=500.0),
+}
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+@pytest.mark.parametrize(
+    ("fidelity", "blind"),
+    [
+        ("auto", ()),
+        ("torsional", ()),
+        ("spatial", ("torque",)),
+        ("planar", ("turns", "torque")),
+        ("rigid", ("rise", "window", "turns", "torque")),
+    ],
+)
+def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(
+    form: str, fidelity: FidelityChoice, blind: tuple[str, ...]
+) -> None:
+    told = {}
+    for name, guard in EACH.items():
+        rope = balance_rope(guarded(guard).with_(model=Model(fidelity)), form)  # type: ignore[arg-type]
+        assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
+        told[name] = rope.warnings().get("blind_guards", "")
+    assert tuple(name for name, text in told.items() if text) == blind
+    for name in blind:
+        threshold = getattr(EACH[name], name)
+        assert told[name].startswith(f"guard.{name} = {threshold:g} ")
+        assert f"the {fidelity} model" in told[name]
+        assert "set model.fidelity = auto" in told[name]
+
+
+def test_of_several_guards_that_see_nothing_the_one_that_needs_the_complete_model_is_named() -> None:
+    guard, words = Guard(rise=0.5, window=0.5, turns=0.25, torque=500.0), dict[str, str]()
+    for form in ("python", "native"):
+        rope = balance_rope(guarded(guard).with_(model=Model("rigid")), form)  # type: ignore[arg-type]
+        assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
+        words[form] = rope.warnings()["blind_guards"]
+    assert words["python"] == words["native"]
+    assert words["native"].startswith("guard.torque")
 
 
 def test_guards_change_nothing_in_the_motion() -> None:

@@ -64,7 +64,7 @@ const char *rope_fidelity_reason(const Simulator *rope);
 
 /* A warning about valid results, by its number below ROPE_WARNINGS, or ROPE_EXTRAPOLATION for hosts that extrapolate
    the ends' motions: a sentence in message (MESSAGE bytes), or "". */
-enum { ROPE_WARNINGS = 11, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
+enum { ROPE_WARNINGS = 12, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *rope, int number, char *message);
 
 /* The value of an output, by its number in rope_model.simulation.signals.SIGNALS; booleans and integers are exact.

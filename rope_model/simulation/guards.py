@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..parameters import Scene
-from ..physics.guard import CAUSES as CAUSES
 from ..physics.guard import guarded, loop_height, off_plumb, sideways, watch
 from ..physics.outline import turns
 from ..physics.shaft import KINDS

@@ -10,6 +10,7 @@
     unresolved_waves    end forces change at once in steps that are too long for the waves that this sends off
     unresolved_bend     elements are too long for the sharpest bend
     accuracy_given_up   steps err more than they should because work_max allows for no more of them
+    blind_guards        the model does not compute what a guard watches
     no_air              what moves the air does nothing, as the air has no density
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
@@ -91,5 +92,6 @@ WARNINGS: dict[str, Callable[[Scene, RopeState], str]] = {
     "unresolved_waves": partial(first_text, warning_cases.UNRESOLVED_WAVES),
     "unresolved_bend": partial(first_text, warning_cases.UNRESOLVED_BEND),
     "accuracy_given_up": partial(first_text, warning_cases.ACCURACY_GIVEN_UP),
+    "blind_guards": partial(first_text, warning_cases.BLIND_GUARDS),
     "no_air": partial(first_text, warning_cases.NO_AIR),
 }

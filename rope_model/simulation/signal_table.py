@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from ..physics.guard import CAUSES
+from ..physics.guard import CAUSES as CAUSES
 from ..physics.shaft import KINDS
 from .paths import SIDES
 from .shaft import BODIES

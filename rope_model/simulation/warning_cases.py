@@ -7,6 +7,7 @@ from typing import Any
 
 from ..physics.elementary import both, either, floor
 from ..physics.estimates import coupling_torque, curvature_torque, twist_torque
+from ..shaft_parameters import FAR
 from . import warning_messages
 from .audit import (
     FEWEST_ELEMENTS,
@@ -150,6 +151,26 @@ def _no_air_to_push(scene: Any, state: Any) -> tuple[Any, ...]:
     return both(air.density == 0, air.buffet > 0), air.buffet
 
 
+def _no_torque_to_guard(scene: Any, state: Any) -> tuple[Any, ...]:
+    torque = scene.shaft.guard.torque
+    return both(state.fidelity != "torsional", torque > 0), torque, state.fidelity
+
+
+def _no_turns_to_guard(scene: Any, state: Any) -> tuple[Any, ...]:
+    turns, flat = scene.shaft.guard.turns, either(state.fidelity == "planar", state.fidelity == "rigid")
+    return both(flat, turns > 0), turns, state.fidelity
+
+
+def _no_swing_to_guard(scene: Any, state: Any) -> tuple[Any, ...]:
+    window = scene.shaft.guard.window
+    return both(state.fidelity == "rigid", window > 0), window, state.fidelity
+
+
+def _no_rise_to_guard(scene: Any, state: Any) -> tuple[Any, ...]:
+    guard = scene.shaft.guard
+    return both(state.fidelity == "rigid", guard.rise > 0, guard.rise_y <= -FAR), guard.rise, state.fidelity
+
+
 def _accuracy_given_up(scene: Any, state: Any) -> tuple[Any, ...]:
     given_up = state.counts.given_up
     return given_up > 0, given_up, state.given_up_since, scene.solver.work_max
@@ -179,4 +200,11 @@ UNRESOLVED_WAVES: Cases = {warning_messages.waves_unresolved: _waves_unresolved}
 UNRESOLVED_BEND: Cases = {warning_messages.bend_unresolved: _bend_unresolved}
 LONG_EXTRAPOLATION: Cases = {warning_messages.extrapolated_too_far: _extrapolated_too_far}
 NO_AIR: Cases = {warning_messages.no_air: _no_air, warning_messages.no_air_to_push: _no_air_to_push}
+#: the guard that needs most of the model comes first: what makes it see makes the others see too
+BLIND_GUARDS: Cases = {
+    warning_messages.no_torque_to_guard: _no_torque_to_guard,
+    warning_messages.no_turns_to_guard: _no_turns_to_guard,
+    warning_messages.no_swing_to_guard: _no_swing_to_guard,
+    warning_messages.no_rise_to_guard: _no_rise_to_guard,
+}
 ACCURACY_GIVEN_UP: Cases = {warning_messages.accuracy_given_up: _accuracy_given_up}

@@ -119,6 +119,34 @@ def bend_unresolved(elements: float, bound: float) -> str:
     )
 
 
+def no_torque_to_guard(threshold: float, fidelity: str) -> str:
+    return (
+        f"guard.torque = {threshold:g} N m sees nothing: the {fidelity} model computes no moment of the swivels; set "
+        "model.fidelity = auto (or torsional)"
+    )
+
+
+def no_turns_to_guard(threshold: float, fidelity: str) -> str:
+    return (
+        f"guard.turns = {threshold:g} sees nothing: the {fidelity} model keeps the loop in its plane; set "
+        "model.fidelity = auto (or torsional)"
+    )
+
+
+def no_swing_to_guard(threshold: float, fidelity: str) -> str:
+    return (
+        f"guard.window = {threshold:g} m sees nothing: the {fidelity} model's loop hangs midway between the ends at "
+        "any time; set model.fidelity = auto (or torsional)"
+    )
+
+
+def no_rise_to_guard(threshold: float, fidelity: str) -> str:
+    return (
+        f"guard.rise = {threshold:g} m sees nothing: the {fidelity} model's loop is at its quasi-static place at any "
+        "time; set model.fidelity = auto (or torsional), or count the rise from a height, guard.rise_y"
+    )
+
+
 def no_air(vx: float, vy: float, vz: float) -> str:
     return (
         f"air.density = 0, so that air that moves at ({vx:g}, {vy:g}, {vz:g}) m/s does nothing: give the density, "
