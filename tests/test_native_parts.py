@@ -117,6 +117,7 @@ def test_rope_too_short_to_hang_is_refused_in_the_same_words(
     with pytest.raises(StaticsError) as expected:
         hanging_guess(s, left, right)
     assert text.value.decode() == str(expected.value)
+    assert f"a height difference of {abs(height):g} m" in str(expected.value)
 
 
 def sway(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:

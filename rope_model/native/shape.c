@@ -276,7 +276,7 @@ void shape_hanging_guess(int nodes, const double *s, const double left[3], const
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
     Hanging legs = hanging_shape(length, middle, width, cell_at(nodes, s, middle));
     if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
-        say_rope_too_short(message, length, width, left[1] - right[1]);
+        say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
         return;
     }
     for (int k = 0; k < nodes; k++) hanging_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);

@@ -142,7 +142,7 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
     legs = hanging_shape(length, middle, width, cell)
     if min(legs.left_leg, legs.right_leg) <= legs.lean:
-        raise StaticsError(messages.rope_too_short(length, width, left[1] - right[1]))
+        raise StaticsError(messages.rope_too_short(length, width, abs(left[1] - right[1])))
     q = np.zeros((s.size, 7))
     for dof, values in enumerate(node_row(legs, left, across, s)):
         q[:, dof] = values
