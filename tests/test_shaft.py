@@ -36,9 +36,11 @@ from rope_model import (
     Shaft,
     Sump,
     balance_rope,
+    rope_120,
 )
 from rope_model.physics import shaft as physics
 from rope_model.physics.shaft import KINDS, Body, distance, least_distance
+from rope_model.simulation.bodies import no_room
 from rope_model.simulation.diagnostics import LoopBottom, loop_turns
 from rope_model.simulation.mesh import Partition
 from rope_model.simulation.rope_system import arc_lengths
@@ -351,3 +353,43 @@ def test_bodies_that_are_not_there_are_left_out_of_a_record() -> None:
 def test_every_kind_of_body_has_its_outputs() -> None:
     assert [f"clearance.{kind}" for kind in KINDS] == [name for name in SIGNALS if name.startswith("clearance.")]
     assert {name for name in SIGNALS if name in PASSAGE_SIGNALS} == PASSAGE_SIGNALS
+
+
+#: m: landings of the ends below
+APART = EndMotion(y=0.0), EndMotion(y=90.0)
+
+
+@pytest.mark.parametrize(
+    ("shaft", "told"),
+    [
+        (Shaft(lining=Lining(1.0, 3.0)), "an end of the rope lies 0.522 m in the shaft's lining, which is 1 m"),
+        (Shaft(lining=Lining(3.0, 3.0, z=2.0)), "an end of the rope lies 0.522 m in the shaft's lining, which is 3 m"),
+        (Shaft(lining=Lining(3.0, 0.01)), "an end of the rope lies 0.017 m in the shaft's lining, which is 3 m wide"),
+        (Shaft(sump=Sump(50.0)), "an end of the rope hangs 50 m below the sump's floor, sump.level = 50 m"),
+        # pressed but for their middle, and not at all
+        (Shaft(lining=Lining(2.03, 3.0), sump=Sump(-20.0)), ""),
+        (Shaft(lining=Lining(1.0, 3.0), sump=Sump(50.0), contact=Contact(stiffness=0.0)), ""),
+        (Shaft(), ""),
+    ],
+)
+def test_a_body_that_leaves_the_ends_no_room_is_named(shaft: Shaft, told: str) -> None:
+    scene = rope_120().scene.with_(shaft=shaft)
+    assert no_room(scene, "torsional", *APART).removeprefix("no equilibrium: ").startswith(told)
+    assert bool(no_room(scene, "torsional", *APART)) == bool(told)
+    assert no_room(scene, "rigid", *APART) == ""
+
+
+def test_a_rope_whose_ends_hang_behind_the_lining_is_not_said_to_be_twisted() -> None:
+    scene = rope_120().scene.with_(shaft=Shaft(lining=Lining(1.0, 3.0)))
+    status = balance_rope(scene, "native").initialize(0.0, *APART)
+    assert status.message == no_room(scene, "torsional", *APART)
+    assert "lining.width" in status.message
+
+
+def test_both_forms_name_a_lining_that_is_thinner_than_the_rope() -> None:
+    short = Scene(Rope(length=30.0, Qb=0.0, Qc=0.0), mesh=Mesh("eem", elements=16))
+    scene = short.with_(shaft=Shaft(lining=Lining(3.0, 0.01)))
+    ends = EndMotion(y=0.0), EndMotion(y=6.0)
+    python, native = (rope.initialize(0.0, *ends) for rope in (RopeSimulator(scene), balance_rope(scene, "native")))
+    assert python == native
+    assert "the shaft's lining" in native.message

@@ -21,7 +21,7 @@ from ..numerics.program import no_simplification
 from ..parameters import Scene, Swivel
 from ..shaft_parameters import Shaft
 from ..simulation import fidelity_cases, mesh_pattern, swivel_phases, warning_cases
-from ..simulation.bodies import may_touch
+from ..simulation.bodies import NO_ROOM, may_touch
 from ..simulation.cases import Cases
 from ..simulation.paths import EndMotion
 from ..simulation.result_warnings import WARNINGS
@@ -42,6 +42,7 @@ TABLES: dict[str, Cases] = BY_NUMBERS | {
     "complete_model": fidelity_cases.COMPLETE,
     "unsupported": fidelity_cases.UNSUPPORTED,
     "sufficient": fidelity_cases.SUFFICIENT,
+    "no_room": NO_ROOM,
 }
 #: conditions and numbers
 NUMBERS: tuple[Callable[..., Any], ...] = (

@@ -132,25 +132,25 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     if (!(fabs(t) <= FARTHEST_START)) return say_start_time_out_of_range(message, t, FARTHEST_START);
     memset(state, 0, rope->state_bytes);
     state->elements = rope->elements;
-    state->t = t;
+    state->t = state->calm_since = t;
     char why[MESSAGE];
     double points[2][3];
     if (!hold_ends(rope, state, ends, points)) return 0;
     state->fidelity = fidelity_choose(scene, ends, rope->forces.number, state->fidelity_reason);
-    const double bottom = bottom_of(rope, state, t);
-    const Arrays m = state_arrays(state);
-    mesh_partition(&rope->mesh, scene->rope.length, bottom, m.elements, &state->pattern, m.lengths);
-    mesh_arc_lengths(m.elements, m.lengths, m.s);
-    shape_hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
-    if (message[0]) return 0;
     fidelity_unsupported_motion(scene, state->fidelity, ends, rope->forces.number, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
+    const Arrays m = state_arrays(state);
+    mesh_partition(&rope->mesh, scene->rope.length, bottom_of(rope, state, t), m.elements, &state->pattern, m.lengths);
+    mesh_arc_lengths(m.elements, m.lengths, m.s);
+    shape_hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
-    state->calm_since = t;
     state->loop_yaw = shape_direction(&m);
-    if (!(state->fidelity == RIGID ? rigid_state(rope, state, t, message) : hang(rope, state, message))) return 0;
+    if (message[0] || !(state->fidelity == RIGID ? rigid_state(rope, state, t, message) : hang(rope, state, message))) {
+        tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message);
+        return 0;
+    }
     begin_rubbing(rope, state);
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
     state->energy_balance.start = energy_total(&state->energy_balance);

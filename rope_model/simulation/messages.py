@@ -37,7 +37,23 @@ def rope_too_short(length: float, width: float, height: float) -> str:
 def no_equilibrium(iterations: int, force: float) -> str:
     return (
         f"no equilibrium within {iterations} iterations: {force:.3g} N are left unbalanced; the rope may have none in "
-        "this configuration (too much twist), the elements may be too long for EI, or a unit may be wrong"
+        "this configuration (too much twist, bodies without room for it), the elements may be too long for EI, or a "
+        "unit may be wrong"
+    )
+
+
+def end_in_lining(inside: float, width: float, depth: float, x: float, z: float) -> str:
+    return (
+        f"no equilibrium: an end of the rope lies {inside:.3g} m in the shaft's lining, which is {width:g} m wide and "
+        f"{depth:g} m deep about x = {x:g} m, z = {z:g} m; both ends must hang within it: give other lining.width, "
+        "lining.depth, lining.x and lining.z, or a smaller layout.spacing"
+    )
+
+
+def end_below_floor(below: float, level: float) -> str:
+    return (
+        f"no equilibrium: an end of the rope hangs {below:.3g} m below the sump's floor, sump.level = {level:g} m; "
+        "give its height from the origin of left.y and right.y"
     )
 
 

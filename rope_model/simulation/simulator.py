@@ -24,6 +24,7 @@ from ..physics.outline import suspension_points
 from . import fidelity_messages, messages
 from .adaptation import raise_fidelity
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
+from .bodies import no_room
 from .diagnostics import LoopBottom, direction, loop_bottom
 from .ends import HangingEnds, Phase, SwivelState, refusal, right_offset
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
@@ -182,11 +183,10 @@ class RopeSimulator(BalanceRope):
         ends = np.array(suspension_points(scene.layout, left, right))
         fidelity, reason = choose_fidelity(scene, (left, right), self.model.forces.s.size)
         try:
-            bottom = self.model.bottom(paths, t)
-            cells = partition(self._mesh, rope.length, bottom)
-            guess = hanging_guess(cells.nodes_s, *ends)
             if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(fidelity, why))
+            cells = partition(self._mesh, rope.length, self.model.bottom(paths, t))
+            guess = hanging_guess(cells.nodes_s, *ends)
             rest = np.zeros_like(guess)
             state = RopeState(
                 motion=Motion(t, guess, rest, rest, rest, rest, 0.0, rest),
@@ -204,7 +204,7 @@ class RopeSimulator(BalanceRope):
             )
             state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state)
         except (StaticsError, ValueError) as error:
-            return Status(False, str(error))
+            return Status(False, no_room(scene, fidelity, left, right) or str(error))
         if fidelity != "rigid":
             state = state._replace(hysteresis=fresh_memory(scene, cells.lengths.size))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
