@@ -20,6 +20,7 @@ from typing import Any, NamedTuple, Protocol
 from hoist_demo.control.emergency import BrakeState, EmergencyBrake
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
+from hoist_demo.parameters.components import require
 from hoist_demo.parameters.quantity import quantity
 
 
@@ -35,10 +36,9 @@ class Gains:
     def __post_init__(self) -> None:
         for name in ("speed", "integral_time", "position"):
             value = getattr(self, name)
-            if not value > 0.0:
-                raise ValueError(f"gain {name} = {value!r} must be above 0: start from the default")
-        if not 0.0 <= self.feed_forward <= 1.0:
-            raise ValueError(f"gain feed_forward = {self.feed_forward!r} must be within 0 and 1: it is a share")
+            require(value, value > 0.0, f"gain {name}", "finite and above 0", "start from the default")
+        share = self.feed_forward
+        require(share, 0.0 <= share <= 1.0, "gain feed_forward", "within 0 and 1", "it is a share")
 
 
 class Measurement(NamedTuple):
