@@ -15,8 +15,8 @@ from hoist_demo.recording.time_series import read_csv
 from hoist_demo.report.rows import render
 from hoist_demo.study.reading import StudyError
 from hoist_demo.uncertainty.definition import read_uncertain
-from hoist_demo.uncertainty.page import summary, too_few
-from hoist_demo.uncertainty.spread import Spread, draw
+from hoist_demo.uncertainty.page import summary, too_few, write_page
+from hoist_demo.uncertainty.spread import Spread, draw, remarks_of
 
 SCENE = """
 [uncertain]
@@ -141,9 +141,28 @@ def test_why_windings_stopped_is_told_and_no_result_without_a_winding(
     path = written(tmp_path, SCENE.replace("[known]", "length = 50.0\n[known]"))
     assert main(["uncertain", str(path), "--workers", "1", "--out", str(tmp_path)]) == 1
     said = capsys.readouterr()
-    assert "in 8 of 8 windings: stopped: rope, at the start: the rope of … m cannot hang" in said.err
+    assert "in 8 of 8 windings: stopped: rope, at the start: the rope of 50 m cannot hang" in said.err
     assert "nan" not in said.out
     assert "nan" not in (tmp_path / "report.html").read_text(encoding="utf-8").lower().split("<body")[-1]
+
+
+def test_numbers_in_what_is_told_stand_where_they_are_the_same_for_all_ropes() -> None:
+    told = [["the 34x7 rope of 50 m: -1.5e-3 rad. Lower it", "other"], ["the 34x7 rope of 50 m: 2 rad. Lower it"], []]
+    assert remarks_of(told) == {"the 34x7 rope of 50 m: … rad. Lower it": 2, "other": 1}
+    # two of one winding are one winding
+    assert remarks_of([["over 1 m", "over 2 m"], ["over 1 m"]]) == {"over … m": 2}
+
+
+def test_angles_are_told_in_degrees_as_everywhere(tmp_path: Path) -> None:
+    text = SCENE.replace('"left_swivel_torque"', '"loop_yaw"')
+    asked = read_uncertain(written(tmp_path, text), PARAMETERS)
+    yaw = np.radians([1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 3.0])
+    columns = {name: np.arange(8.0) for name in asked.data} | {"loop_yaw": yaw, "rope_force_ripple": yaw}
+    found = Spread(asked, columns)
+    (half,) = (row for row in summary(found) if row.group.startswith("loop_yaw") and row.quantity.startswith("half"))
+    assert (half.text, half.unit) == ("2", "deg")
+    page = write_page(found, tmp_path / "report.html").read_text(encoding="utf-8")
+    assert re.search(r"loop_yaw</t[dh]>.*?<td[^>]*>2</td>.*?deg", page)
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.html.page import number, unit_text
+from hoist_demo.report.html.page import number
 from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
 from hoist_demo.report.provenance import table as data_table
 from hoist_demo.report.provenance import told
-from hoist_demo.report.rows import SummaryRow
+from hoist_demo.report.rows import SummaryRow, for_people
 from hoist_demo.study.metrics import METRICS, UNITS
 from hoist_demo.uncertainty.spread import QUANTILES, Spread
 
@@ -21,9 +22,8 @@ def summary(found: Spread) -> list[SummaryRow]:
     """What is printed."""
     rows = [SummaryRow("Windings", "wound to the end", f"{found.completed} of {found.asked.samples}")]
     for name in _measured(found):
-        low, middle, high = (number(x) for x in found.quantiles(name))
+        (low, middle, high), unit = _for_people(found.quantiles(name), UNITS[name])
         group = f"{name}, {METRICS[name][1]}"
-        unit = unit_text(UNITS[name])
         rows.append(SummaryRow(group, "half of the ropes below", middle, unit))
         rows.append(SummaryRow(group, "nine in ten within", f"{low} to {high}", unit))
         rows += [
@@ -91,8 +91,9 @@ def write_page(found: Spread, path: Path) -> Path:
     asked = found.asked
     head = ("result", "", *(f"{100 * q:.0f} % below" for q in QUANTILES), "unit")
     results = [
-        (name, METRICS[name][1], *(number(x) for x in found.quantiles(name)), unit_text(UNITS[name]))
+        (name, METRICS[name][1], *shown, unit)
         for name in _measured(found)
+        for shown, unit in [_for_people(found.quantiles(name), UNITS[name])]
     ]
     causes = "".join(
         paragraphs([name])
@@ -101,8 +102,9 @@ def write_page(found: Spread, path: Path) -> Path:
         if (shares := _sorted(found, name))
     )
     data = [
-        (name, f"{number(datum.low)} to {number(datum.high)}", unit_text(datum.unit), datum.status, datum.source)
+        (name, " to ".join(bounds), unit, datum.status, datum.source)
         for name, datum in asked.data.items()
+        for bounds, unit in [_for_people((datum.low, datum.high), datum.unit)]
     ]
     wound = f"{found.completed} of {asked.samples} windings wound to the end: case {asked.case}, level {asked.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
@@ -118,6 +120,11 @@ def write_page(found: Spread, path: Path) -> Path:
         (title, grid(("datum", "value", "unit", "status"), rows)),
     ]
     return write_sheet(path, asked.title, parts)
+
+
+def _for_people(values: Iterable[float], unit: str) -> tuple[list[str], str]:
+    """Numbers as text, and their unit, as every summary has them."""
+    return [number(for_people(x, unit)[0]) for x in values], for_people(0.0, unit)[1]
 
 
 _TICKS = [(x / 4, f"{25 * x} %") for x in range(5)]

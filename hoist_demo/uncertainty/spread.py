@@ -12,8 +12,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from multiprocessing import get_context
@@ -39,6 +38,7 @@ QUANTILES = (0.05, 0.5, 0.95)
 SPOILED = 1.1
 #: before the cause of a winding's stop
 STOPPED = "stopped: "
+_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def spread(asked: Uncertain, workers: int, progress: Callable[[Iterable[Wound]],
             results = list(progress(pool.map(wound, [asked] * len(samples), samples)))
     columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
     columns |= {name: np.array([found[name] for found, _ in results]) for name in asked.measures}
-    return Spread(asked, columns, Counter(_kind(text) for _, texts in results for text in {*texts}))
+    return Spread(asked, columns, remarks_of([texts for _, texts in results]))
 
 
 def draw(asked: Uncertain) -> list[dict[str, float]]:
@@ -131,9 +131,20 @@ def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
     return {name: found[name] if result.completed else math.nan for name in asked.measures}, tuple(remarks)
 
 
-def _kind(text: str) -> str:
-    """A remark without its numbers, which differ from rope to rope."""
-    return re.sub(r"-?\d[\d.e+-]*", "…", text)
+def remarks_of(wound: Sequence[Iterable[str]]) -> dict[str, int]:
+    """What is to be told of windings, in how many of them; a number that differs from one to the next is left out."""
+    found = dict[tuple[str, ...], dict[int, set[tuple[str, ...]]]]()  # by the words: by winding, the numbers
+    for k, texts in enumerate(wound):
+        for text in texts:
+            of_winding = found.setdefault(tuple(_NUMBER.split(text)), {})
+            of_winding.setdefault(k, set()).add(tuple(_NUMBER.findall(text)))
+    return {_with_numbers(words, set().union(*of.values())): len(of) for words, of in found.items()}
+
+
+def _with_numbers(words: Sequence[str], numbers: Collection[Sequence[str]]) -> str:
+    """A remark with those of its numbers that are the same in all of ``numbers``."""
+    kept = [values[0] if len({*values}) == 1 else "…" for values in zip(*numbers, strict=True)]
+    return "".join(word + number for word, number in zip(words, (*kept, ""), strict=True))
 
 
 def _standard(values: Array) -> Array:
