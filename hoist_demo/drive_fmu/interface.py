@@ -16,6 +16,8 @@ from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.drive.plant import SIDE_FORCES, PlantOutput
 from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.parameters.quantity import units_of
+from hoist_demo.parameters.units import fmi_unit
 
 _SIDES = ("left", "right")
 INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
@@ -35,11 +37,12 @@ _DRIVE = {
     "energy_kinetic": ("drive.energy_kinetic", "J", "kinetic energy of drive, head ropes and conveyances"),
     "energy_potential": ("drive.energy_potential", "J", "potential energy of head ropes and conveyances"),
 }
+#: description of a gain; Gains has the units
 _GAINS = {
-    "speed": ("N.s/m", "gain of the speed loop [assumed]"),
-    "integral_time": ("s", "integral time of the speed loop [assumed]"),
-    "position": ("1/s", "gain of the position loop [assumed]"),
-    "feed_forward": ("1", "share of the feed-forward that is used, 0 to 1"),
+    "speed": "gain of the speed loop [assumed]",
+    "integral_time": "integral time of the speed loop [assumed]",
+    "position": "gain of the position loop [assumed]",
+    "feed_forward": "share of the feed-forward that is used, 0 to 1",
 }
 _CONTROL = {
     "reference.position": ("m", "travel of the left conveyance that is asked for"),
@@ -155,11 +158,10 @@ def _parameters(case: Case, step: float) -> Iterator[Variable]:
     yield Variable("trip.start", "parameter", "fixed", "Real", "s", start, wait, 0.0, _MOST)
     text = "largest internal step, no longer than that of the export"
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
-    for field in fields(Gains):
-        unit, text = _GAINS[field.name]
-        least, most = (0.0, 1.0) if field.name == "feed_forward" else (1e-6, _MOST)
-        value = getattr(case.gains, field.name)
-        yield Variable(f"controller.{field.name}", "parameter", "tunable", "Real", unit, value, text, least, most)
+    for gain, stated in units_of(Gains).items():
+        unit, value = fmi_unit(stated), getattr(case.gains, gain)
+        least, most = (0.0, 1.0) if gain == "feed_forward" else (1e-6, _MOST)
+        yield Variable(f"controller.{gain}", "parameter", "tunable", "Real", unit, value, _GAINS[gain], least, most)
 
 
 def _inputs(case: Case, tails: Sequence[Tail]) -> Iterator[Variable]:
