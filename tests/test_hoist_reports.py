@@ -19,7 +19,8 @@ from exports import FLAVOURS
 from balance_rope import _levels
 from benchmarks.kinematic import fixed_steps
 from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.demo import _case_of, _patient
+from hoist_demo.command_line.demo import _case_of
+from hoist_demo.command_line.interrupts import interruption
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
@@ -356,7 +357,7 @@ def test_a_checkpoint_that_is_not_there_is_said_to_be_missing(tmp_path: Path) ->
 
 def test_an_interrupt_lets_the_writing_finish(capsys: pytest.CaptureFixture[str]) -> None:
     before = signal.getsignal(signal.SIGINT)
-    with _patient("writing") as interrupted:
+    with interruption("writing") as interrupted:
         os.kill(os.getpid(), signal.SIGINT)
         finished = True
     assert finished

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
+from hoist_demo.command_line.interrupts import interruption
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip
 from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.command_line.settings import rope_values, settings
@@ -151,7 +150,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     warned = [*filter(None, (missing, contradiction)), *said]
     wound = WoundRun(_title(options, run, data), run, result, data, data.level(levels()), known, warned)
     before = set(options.out.iterdir())
-    with _patient(f"the run is over, its results are being written to {options.out}") as interrupted:
+    with interruption(f"the run is over, its results are being written to {options.out}") as interrupted:
         written = write(wound, options.out, signals)
     print(f"{wound.title}\n")
     # warnings have been told when they arose, and the cause is told last
@@ -188,23 +187,6 @@ def _case_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) 
     if asked not in (None, found):
         raise ValueError(f"--case {asked} must be {found}, that of the run to go on with: leave it out")
     return found
-
-
-@contextmanager
-def _patient(doing: str) -> Iterator[Callable[[], bool]]:
-    """An interrupt is only noted: what is begun is finished."""
-    noted = False
-
-    def note(*_: object) -> None:
-        nonlocal noted
-        noted = True
-        print(f"\nbalance-rope: {doing}; a moment", file=sys.stderr)
-
-    before = signal.signal(signal.SIGINT, note)
-    try:
-        yield lambda: noted
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _winding(options: argparse.Namespace) -> dict[str, Value]:
@@ -267,18 +249,8 @@ def _rope(options: argparse.Namespace, run: RunData, asked: bool) -> tuple[FmuRo
 
 def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
     """The run under a progress bar, until it is interrupted."""
-    stopped = False
-
-    def stop(*_: object) -> None:
-        nonlocal stopped
-        stopped = True  # heard between two steps, never inside the FMU
-
-    before = signal.signal(signal.SIGINT, stop)
-    try:
-        with progress_bar() as progress:
-            return host.run(lambda fraction, t: progress(fraction, t) and not stopped, save_to, resume)
-    finally:
-        signal.signal(signal.SIGINT, before)
+    with interruption() as interrupted, progress_bar() as progress:
+        return host.run(lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume)
 
 
 def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:

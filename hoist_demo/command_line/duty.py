@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import argparse
 import math
-import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.interrupts import interruption
 from hoist_demo.command_line.results import named, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
@@ -85,7 +84,7 @@ def _duty(options: argparse.Namespace) -> int:
     read = READ.union(STATION_SIGNALS if options.exposure else ())
     rope = InProcessRope(rope_data(schedule.pattern[0].fmu, schedule.level), read)
     out = results_folder(options.out or Path("out") / "duty" / options.schedule.stem)
-    with _interruption() as interrupted:
+    with interruption() as interrupted:
         trips, last = _wind(schedule, rope, out / STATE, interrupted, options.exposure)
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
@@ -201,19 +200,3 @@ def _write(trips: Recording, exposed: Recording | None, out: Path) -> list[Path]
         write_csv(exposed, out / "exposure.csv")
         written += [out / "exposure.csv", write_exposure_figure(exposed, out / "exposure.png")]
     return written
-
-
-@contextmanager
-def _interruption() -> Iterator[Callable[[], bool]]:
-    """An interrupt is heard between two steps."""
-    heard = False
-
-    def hear(*_: object) -> None:
-        nonlocal heard
-        heard = True
-
-    before = signal.signal(signal.SIGINT, hear)
-    try:
-        yield lambda: heard
-    finally:
-        signal.signal(signal.SIGINT, before)

@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hoist_demo.command_line.interrupts import interruption
 from hoist_demo.command_line.results import named, results_folder
+from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.time_series import write_csv
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, for_people, render
@@ -33,7 +35,7 @@ examples:
   balance-rope ropes ROPES.toml --check      read and check the file, wind nothing
 
 Results in --out: ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv, data.csv, where each
-number comes from, and ropes.png. The file is explained in docs/ropes.md.
+number comes from, and ropes.png; interrupted, of the trip so far. The file is explained in docs/ropes.md.
 exit code: 0 wound to the end, 1 a rope or the drive stopped the run, 2 wrong file or arguments, 130 interrupted.
 """
 
@@ -76,34 +78,37 @@ def _ropes(options: argparse.Namespace) -> int:
         return 0
     out = results_folder(options.out or Path("out") / "ropes" / options.ropes.stem)
     group = ropes.group()
-    result, _ = wind(replace(ropes.run, hoist=ropes.hoist), group)
+    with interruption() as interrupted, progress_bar() as bar:
+        run = replace(ropes.run, hoist=ropes.hoist)
+        result, _ = wind(run, group, lambda fraction, t: bar(fraction, t) and not interrupted())
     recording = result.recording
     if not recording.signals:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
         return 1
-    recording = without_neglected(recording, {rope.name: rope.torque_free for rope in ropes.ropes})
-    result = replace(result, recording=recording)
-    names = [rope.name for rope in ropes.ropes]
-    rows = {name: row(recording, name) for name in names}
-    placed = [(rope.name, rope.place, rope.scene.rope.diameter) for rope in ropes.ropes]
-    pairs = neighbours(recording, placed, group.accounts())
-    header = ["rope", *(f"{name} [{unit}]" for name, (unit, _) in COLUMNS.items())]
-    _write(out / "ropes.csv", header, ([name, *values.values()] for name, values in rows.items()))
-    _write(out / "neighbours.csv", _NEIGHBOURS, (_pair(pair) for pair in pairs))
-    write_csv(
-        recording,
-        out / "signals.csv",
-        [name for name in recording.signals if ".shape." not in name and ".station." not in name],
-    )
-    write_ropes_figure(recording, names, out / "ropes.png")
+    names, known = [rope.name for rope in ropes.ropes], ropes.provenance()
+    with interruption(f"the run is over, its results are being written to {out}"):
+        recording = without_neglected(recording, {rope.name: rope.torque_free for rope in ropes.ropes})
+        result = replace(result, recording=recording)
+        rows = {name: row(recording, name) for name in names}
+        placed = [(rope.name, rope.place, rope.scene.rope.diameter) for rope in ropes.ropes]
+        pairs = neighbours(recording, placed, group.accounts())
+        header = ["rope", *(f"{name} [{unit}]" for name, (unit, _) in COLUMNS.items())]
+        _write(out / "ropes.csv", header, ([name, *values.values()] for name, values in rows.items()))
+        _write(out / "neighbours.csv", _NEIGHBOURS, (_pair(pair) for pair in pairs))
+        write_csv(
+            recording,
+            out / "signals.csv",
+            [name for name in recording.signals if ".shape." not in name and ".station." not in name],
+        )
+        write_ropes_figure(recording, names, out / "ropes.png")
+        write_data(known, out / "data.csv")
     print(f"{ropes.title}: case {ropes.case}, level {ropes.level}, {len(names)} ropes")
-    known = ropes.provenance()
-    write_data(known, out / "data.csv")
     print(render([*_summary(ropes, result, rows, pairs), *told(known)]))
     print(f"\n{ASSUMED_DATA}\n\nwritten: {out}/ropes.csv, neighbours.csv, signals.csv, data.csv, ropes.png")
-    if not result.completed:
-        print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
-    return 0 if result.completed else 1
+    if result.completed:
+        return 0
+    print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
+    return 130 if interrupted() else 1
 
 
 _NEIGHBOURS = [

@@ -19,7 +19,7 @@ from typing import Any
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.host import Host, Progress
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.rope_plant import RopePlant
@@ -164,10 +164,10 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, tuple(filter(None, warned)), passed)
 
 
-def wind(run: RunData, rope: RopePlant) -> tuple[Result, float]:
-    """The co-simulation of a run with any rope, and the wall time of its design [s]."""
+def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tuple[Result, float]:
+    """The co-simulation of a run with any rope, and the wall time of its design [s]; `progress` as of `Host.run`."""
     begin = time.perf_counter()
     chosen = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
     design_time = time.perf_counter() - begin
     host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
-    return host.run(), design_time
+    return host.run(progress), design_time
