@@ -42,12 +42,12 @@ Rows = list[list[float]]
 READ: dict[str, Callable[[str], float | bool]] = {"Real": float, "Integer": int, "Boolean": "true".__eq__}
 
 
-def adding_steps(steps: int) -> Iterator[tuple[float, float]]:
+def adding_steps(steps: int, h: float = H) -> Iterator[tuple[float, float]]:
     """The clock of ecos: t and h of each step."""
     t = 0.0
     for _ in range(steps):
-        yield t, H
-        t += H
+        yield t, h
+        t += h
 
 
 def counted_steps(steps: int) -> Iterator[tuple[float, float]]:
@@ -144,6 +144,7 @@ TOOLS: dict[str, Callable[[str, int], Rows]] = {
     "ecos": ecos_rows,
     "libcosim": libcosim_rows,
     "fmpy_adding": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps)),
+    "fmpy_halved": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps, H / 2.0)),
     "fmpy_counting": lambda ssp, steps: fmpy_rows(ssp, counted_steps(steps)),
     "master": lambda ssp, steps: fmpy_rows(ssp, to_the_end(ssp)),
 }
