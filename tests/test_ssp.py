@@ -113,7 +113,7 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
     expected = np.array([recording[name] for name in names]).T[1 : steps + 1]
     assert np.ptp(found[:, 0]) > 0.99 * travel
     scale = np.abs(expected).max(axis=0)
-    # as above, with steps of half the length: 10 ms leave 5e-5 of the torque and 1e-3 of the force, these a 50th and a 100th
+    # as above, with steps of half the length: 10 ms leave 5e-5 of the torque and 1e-3 of the force
     assert_allclose(found[:, :4] / scale[:4], expected[:, :4] / scale[:4], rtol=0.0, atol=2e-6)
     assert_allclose(found[:, 4:] / scale[4:], expected[:, 4:] / scale[4:], rtol=0.0, atol=2e-5)
 
