@@ -13,6 +13,7 @@ from hoist_demo.cosimulation.participants.partners import HoistParticipant
 from hoist_demo.cosimulation.schemes.interface import Memory, Vector
 from hoist_demo.drive.equations import LOSS_NAMES, SIDES, WORK_NAMES
 from hoist_demo.drive.outputs import SHOWN, PlantOutput, tension_ratio
+from hoist_demo.drive.plant import energy_left_over
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import TIME, Array, Recording
 
@@ -101,11 +102,11 @@ def drive_row(
 def with_drive_signals(rows: Recording, at_rest: PlantOutput, hoist: Hoist) -> Recording:
     """The signals of DRIVE_UNITS and of the rope, from a table of ROW and of the rope's; `at_rest` is the start's."""
     kept = rows.signals
-    motor, losses, ropes, left, right = (kept[f"{_BESIDE}work_{name}"] for name in WORK_NAMES)
+    work = [kept[f"{_BESIDE}work_{name}"] for name in WORK_NAMES]
+    motor, losses, ropes, left, right = work
     tensions = kept["drive.tension_left"], kept["drive.tension_right"]
     ratio = np.array([tension_ratio(*pair) for pair in zip(*(side.tolist() for side in tensions), strict=True)])
     kinetic, potential = kept["drive.energy_kinetic"], kept["drive.energy_potential"]
-    gained = kinetic + potential - at_rest.energy_kinetic - at_rest.energy_potential
     computed = {
         "drive.motor_power": kept["drive.torque"] * kept[f"{_BESIDE}motor_rate"],
         "drive.tension_ratio": ratio,
@@ -115,11 +116,12 @@ def with_drive_signals(rows: Recording, at_rest: PlantOutput, hoist: Hoist) -> R
         "drive.work_slip": kept[f"{_BESIDE}losses_lining"],
         "drive.work_rope_damping": ropes,
         "drive.work_from_balance_rope": left + right,
-        "drive.energy_residual": motor + left + right - losses - ropes - gained,
+        "drive.energy_residual": energy_left_over(at_rest, kinetic, potential, work),
     }
     drive = {name: computed[name] if name in computed else kept[name] for name in DRIVE_UNITS}
     rope = {name: values for name, values in kept.items() if name not in ROW}
-    return Recording(drive | rope, {name: DRIVE_UNITS.get(name, "") or rows.units[name] for name in drive | rope})
+    signals, units = drive | rope, {**rows.units, **DRIVE_UNITS}
+    return Recording(signals, {name: units[name] for name in signals})
 
 
 def exchange_energy(recording: Recording, hoist: Hoist) -> Array:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -265,9 +265,14 @@ def free_lengths_at(hoist: Hoist, state: PlantState) -> tuple[float, float]:
 
 def energy_residual(start: PlantOutput, now: PlantOutput, work: Vector) -> float:
     """Motor and balance rope work minus losses minus the hoist's energy gained [J]; 0 for an exact integration."""
-    gained = now.energy_kinetic + now.energy_potential - start.energy_kinetic - start.energy_potential
-    motor, losses, ropes, left, right = work.tolist()
-    return float(motor + left + right - losses - ropes - gained)
+    return float(energy_left_over(start, now.energy_kinetic, now.energy_potential, work))
+
+
+def energy_left_over(start: PlantOutput, kinetic: Any, potential: Any, work: Any) -> Any:
+    """The same of the energies now, at one or more instants; the five of WORK_NAMES come first in `work`."""
+    motor, losses, ropes, left, right = work
+    gained = kinetic + potential - start.energy_kinetic - start.energy_potential
+    return motor + left + right - losses - ropes - gained
 
 
 def side_forces(signals: Mapping[str, float]) -> dict[str, float]:
