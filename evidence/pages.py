@@ -40,6 +40,7 @@ from evidence.promise.page import page as promise_page
 from evidence.rendering import DOCS, fill_block, write_page
 from evidence.reproduction.page import FIGURES as REPRODUCTION
 from evidence.reproduction.page import page as reproduction_page
+from evidence.signals.block import block as signals
 from evidence.stability.page import anchor, chapter, front
 from evidence.stability.suite import CHAPTERS
 from evidence.studies.page import controllers_page, metrics, swivel_page
@@ -103,6 +104,7 @@ BLOCKS = {
     "levels": Block("README.md", "levels", "chart", levels),
     "cases": Block("docs/hoist.md", "cases", "hoist", cases),
     "metrics": Block("docs/study.md", "metrics", "study", metrics),
+    "signals": Block("docs/howto/motion.md", "signals", "signals", signals),
     "catalogue": Block("docs/data.md", "catalogue", "knowledge", catalogue),
 }
 

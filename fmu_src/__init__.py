@@ -3,7 +3,6 @@
 interface             the one table of the FMI variables; arrays gathers them for FMI 3.0
 model_description     the table as XML of FMI 2.0; model_description3 of FMI 3.0; units and declared types of both
 native                the FMI functions and the rules of values, modes and states in C, of both flavours; the native FMU
-steps                 steps with extrapolated inputs
 slave                 the Python flavour's rope behind them
 export                builds the .fmu of the Python flavour, with pythonfmu's builder
 attachments           what lies beside in both: documentation, licences, icons, terminals, reference results

@@ -15,6 +15,7 @@ from rope_model.parameters import (
     ROPE_CASES,
     SEGMENTS,
     Accuracy,
+    Inputs,
     Layout,
     Level,
     Mesh,
@@ -47,6 +48,7 @@ _GROUPS: dict[str, type[Any]] = {
     "accuracy": Accuracy,
     "solver": Solver,
     "model": Model,
+    "inputs": Inputs,
     "station": Stations,
     **PARTS,
 }
@@ -62,6 +64,14 @@ _NOT_NEGATIVE = (
 )
 #: names of the inputs of each side in the order of EndMotion
 MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
+
+
+#: input -> the input that is its time derivative
+RATES = {
+    f"{side}.{of}": f"{side}.{rate}"
+    for side in SIDES
+    for of, rate in (("yaw", "yaw_rate"), *((x, f"v{x}") for x in "xyz"), *((f"v{x}", f"a{x}") for x in "xyz"))
+}
 
 
 class Variable(NamedTuple):

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
-from .interface import Variable
+from .interface import RATES, Variable
 from .units import QUANTITIES, add_units, quantity_attributes, units_of
 
 MODEL = "BalanceRope"
@@ -55,7 +55,7 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     what ``build.initial`` lists; no list of dependencies means all inputs and parameters.
     """
     root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": build.token, **facts(build)})
-    _add_interface(root, build)
+    _add_interface(root, build, any(v.causality == "input" and v.name in RATES for v in described.values()))
     add_units(root, described.values())
     types = SubElement(root, "TypeDefinitions")
     for unit in units_of(described.values()):
@@ -132,14 +132,14 @@ def type_attributes(variable: Variable) -> dict[str, str]:
     return out
 
 
-def _add_interface(root: Element, build: Build) -> None:
+def _add_interface(root: Element, build: Build, interpolates: bool) -> None:
     interface = SubElement(
         root,
         "CoSimulation",
         modelIdentifier=build.name,
         needsExecutionTool="false",
         canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="false",
+        canInterpolateInputs=_xml(interpolates),
         maxOutputDerivativeOrder="0",
         canRunAsynchronuously="false",
         canBeInstantiatedOnlyOncePerProcess="false",

@@ -23,6 +23,7 @@ from .units import QUANTITIES, add_units, quantity_attributes, units_of
 _KINDS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
 #: key of CHOICES -> name of the declared type
 _ENUMERATIONS = {
+    "inputs.given": "InputsGiven",
     "swivel.mode": "SwivelMode",
     "mesh.kind": "MeshKind",
     "solver.kernels": "KernelForm",

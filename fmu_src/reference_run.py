@@ -13,7 +13,6 @@ from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 from .interface import MOTION, variables
-from .steps import advance_with_extrapolation
 
 H, STEPS = 0.01, 100
 #: m and s of the whole trip
@@ -45,7 +44,7 @@ def _run(case: RopeCase) -> tuple[Rows, Rows]:
     motion, status = start, rope.initialize(0.0, *_ends(start))
     for k in range(STEPS + 1):
         if k > 0:
-            status = advance_with_extrapolation(rope, (k - 1) * H, H, *_ends(motion))
+            status = rope.advance_to(k * H, *_ends(motion), (k - 1) * H)
         if not status.valid:
             raise RuntimeError(f"the reference run fails: {status.message}")
         motion = start | _motion(k * H, start["right.y"])

@@ -25,7 +25,6 @@ from pythonfmu import Fmi2Slave
 from fmu_src.interface import MOTION, Value, case_with, scene_of, variables
 from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
-from fmu_src.steps import advance_with_extrapolation
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.cases import first_text
@@ -103,11 +102,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     @_report_failure
     def do_step(self, current_time: float, step_size: float) -> None:
         """Advanced by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
-        if self._at_step_end():
-            status = self._rope.advance_to(current_time + step_size, *self._motions())
-        else:
-            status = advance_with_extrapolation(self._rope, current_time, step_size, *self._motions())
-        _require(status)
+        stop = current_time + step_size
+        given_at = stop if self._at_step_end() else current_time
+        _require(self._rope.advance_to(stop, *self._motions(), given_at))
 
     @_report_failure
     def retune(self) -> None:

@@ -17,6 +17,7 @@ SwivelMode = Literal["locked", "free", "coulomb"]
 MeshKind = Literal["tmn", "eem", "auto"]
 KernelForm = Literal["auto", "compiled", "portable"]
 FidelityChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
+Trusted = Literal["all", "position_speed", "position", "speed"]
 
 #: what must be above 0 is at least this, so that the bound can be told to tools, which know no open intervals
 LEAST = 1e-15
@@ -471,6 +472,68 @@ class Model:
         require_in_bounds(self)
 
 
+@dataclass(frozen=True)
+class Inputs:
+    """What of the given motions is trusted, and how the rope's ends follow them: simulation.following."""
+
+    given: Trusted = choice(
+        "all",
+        Trusted,
+        (
+            "position, speed and acceleration",
+            "position and speed; the acceleration is estimated",
+            "position alone; speed and acceleration are estimated",
+            "speed alone; it is integrated, and the acceleration estimated",
+        ),
+        "what is trusted of the motions: 0 all, 1 position and speed, 2 position alone, 3 speed alone",
+        "'all' is exact where it can be had",
+    )
+    bandwidth: float = parameter(
+        0.0,
+        "rad/s",
+        "how fast positions and speeds that do not fit the accelerations are drawn in; "
+        "0: sqrt(accuracy.end_force gravity / accuracy.loop), 1 rad/s as a rule",
+        lower=0.0,
+        upper=100.0,
+        cure="0 suits most hosts",
+    )
+    estimate_bandwidth: float = parameter(
+        0.0,
+        "rad/s",
+        "bandwidth of the estimate of what is not given; 0: a third of the slowest axial wave of the whole rope",
+        lower=0.0,
+        upper=1e3,
+        cure="0 suits most ropes",
+    )
+    misfit_max: float = parameter(
+        0.5,
+        "m",
+        "largest misfit of a position, in m or rad, and of a speed, in m/s or rad/s, that is not refused",
+        lower=LEAST,
+        upper=1e4,
+        cure="0.5 lets pass what a rope can follow",
+    )
+    acceleration_max: float = parameter(
+        100.0,
+        "m/s2",
+        "largest acceleration of an end, in m/s2 or rad/s2, that is not refused",
+        lower=LEAST,
+        upper=1e6,
+        cure="100 is beyond what a hoist does",
+    )
+    hold_max: float = parameter(
+        1.0,
+        "s",
+        "how long the sample of an end that moves may be repeated before it is refused as a frozen signal",
+        lower=LEAST,
+        upper=1e4,
+        cure="1 s is beyond any slower part's step",
+    )
+
+    def __post_init__(self) -> None:
+        require_in_bounds(self)
+
+
 _WHERE = "0 is the rope's left end, 1 its right end"
 
 
@@ -504,6 +567,7 @@ class Scene:
     accuracy: Accuracy = field(default_factory=Accuracy)
     solver: Solver = field(default_factory=Solver)
     model: Model = field(default_factory=Model)
+    inputs: Inputs = field(default_factory=Inputs)
     station: Stations = field(default_factory=Stations)
     shaft: Shaft = field(default_factory=Shaft)
 
@@ -516,7 +580,7 @@ class Scene:
 #: word is its code
 CHOICES = {
     f"{group}.{name}": p.choices
-    for group, kind in (("swivel", Swivel), ("mesh", Mesh), ("solver", Solver), ("model", Model))
+    for group, kind in (("swivel", Swivel), ("mesh", Mesh), ("solver", Solver), ("model", Model), ("inputs", Inputs))
     for name, p in parameters_of(kind).items()
     if p.choices
 }

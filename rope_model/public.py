@@ -6,7 +6,7 @@ rope        balance_rope makes a BalanceRope in a Form: auto, native or python; 
             is its state, with an Account of each two
             FIDELITIES has the fidelities of the model; neglected_effects the Effects that one of them neglects: outputs
             that are then 0 and no results, of which neglected_text warns
-data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver and Model; CHOICES has the words of some
+data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver, Model and Inputs; CHOICES has the words of some
             Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump; Contact is how
             they hold it, Air drags on it, Guard what trips when the loop moves too far, for one of GUARD_CAUSES.
             BODIES are their kinds in words, FAR the clearance from what is not there
@@ -31,6 +31,7 @@ from .parameters import (
     CHOICES,
     ROPE_CASES,
     Accuracy,
+    Inputs,
     Layout,
     Level,
     Mesh,
@@ -82,6 +83,7 @@ __all__ = [
     "Form",
     "Guard",
     "HeadRopes",
+    "Inputs",
     "KnownRope",
     "Layout",
     "Level",

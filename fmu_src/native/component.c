@@ -27,7 +27,7 @@ struct Component {
     int valid;       /* of the last initialisation or step */
     unsigned warned; /* bit k: warning k has been in the log since initialisation began */
     char status[MODEL_MESSAGE], message[MODEL_MESSAGE];
-    double values[]; /* the entries, and behind them those that the model goes by; MODEL_SCALARS each */
+    double values[]; /* the entries, those that the model goes by, and what was entered; MODEL_SCALARS each */
 };
 
 /* before the values and the model's bytes of a state */
@@ -43,6 +43,11 @@ typedef struct {
 static const char MAGIC[8] = "FMUSTATE";
 
 static int refuse(Component *c, const char *format, ...);
+
+/* of each scalar, 1 where the host has set it */
+static double *entered(Component *c) {
+    return c->values + 2 * MODEL_SCALARS;
+}
 
 static size_t values_bytes(void) {
     return 2 * MODEL_SCALARS * sizeof(double);
@@ -77,7 +82,7 @@ const char *log_category(Severity severity) {
 }
 
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context) {
-    Component *c = allocator->take(1, sizeof *c + values_bytes());
+    Component *c = allocator->take(1, sizeof *c + values_bytes() + MODEL_SCALARS * sizeof(double));
     if (!c) return NULL;
     memset(c, 0, sizeof *c);
     c->allocator = *allocator;
@@ -279,7 +284,7 @@ void component_reset(Component *c) {
     c->stop = INFINITY;
     c->valid = 1;
     c->status[0] = c->message[0] = '\0';
-    for (size_t i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i);
+    for (size_t i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i), entered(c)[i] = 0.0;
 }
 
 /* values */
@@ -355,7 +360,7 @@ static void check_entry(const Variable *variable, double value, char why[MODEL_M
                  shortest(value, text));
 }
 
-int component_set(Component *c, size_t scalar, double value) {
+static int enter(Component *c, size_t scalar, double value) {
     const Variable *variable = &MODEL_VARIABLES[scalar];
     char why[MODEL_MESSAGE], text[NUMBER];
     if (variable->causality == CAUSALITY_OUTPUT) return refuse(c, "%s is an output and cannot be set", variable->name);
@@ -373,6 +378,24 @@ int component_set(Component *c, size_t scalar, double value) {
     c->changed |= variable->causality == CAUSALITY_PARAMETER ? PARAMETERS : INPUTS;
     c->values[scalar] = value;
     return 1;
+}
+
+int component_set(Component *c, size_t scalar, double value) {
+    if (!enter(c, scalar, value)) return 0;
+    entered(c)[scalar] = 1.0;
+    return 1;
+}
+
+int component_set_rate(Component *c, size_t scalar, int order, double value) {
+    const Variable *variable = &MODEL_VARIABLES[scalar];
+    char text[NUMBER];
+    if (variable->causality != CAUSALITY_INPUT)
+        return refuse(c, "there is no time derivative of %s to be set; give one of an input", variable->name);
+    if (order < 1 || !isfinite(value))
+        return refuse(c, "derivative %d of %s = %s must be of order 1 or higher, and finite", order, variable->name,
+                      shortest(value, text));
+    for (; order > 0 && scalar; order--) scalar = MODEL_VARIABLES[scalar].rate;
+    return !scalar || entered(c)[scalar] != 0.0 || enter(c, scalar, value);
 }
 
 int component_derivative(Component *c, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,

@@ -58,6 +58,9 @@ int component_find(Component *c, unsigned reference, Kind kind, size_t *first, s
 int component_get(Component *c, size_t scalar, double *value);
 int component_get_text(Component *c, size_t scalar, const char **text);
 /* finite, one of the choices, and not fixed by now */
+/* The derivative of so high an order of an input: it stands for the input that is this derivative, where there is one
+   and the host has not set it. */
+int component_set_rate(Component *c, size_t scalar, int order, double value);
 int component_set(Component *c, size_t scalar, double value);
 
 /* sensitivity (unknowns) = derivatives of the unknowns to the knowns, times seed (knowns) */

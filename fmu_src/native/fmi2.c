@@ -327,9 +327,16 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[]) {
-    (void)vr, (void)nvr, (void)order, (void)value;
-    return refuse_unsupported(c,
-                              "fmi2SetRealInputDerivatives: canInterpolateInputs is false; set the inputs themselves");
+    Instance *i = c;
+    if (!may_access(i, "fmi2SetRealInputDerivatives", SETTABLE, vr, nvr, value) || (nvr && !not_null(i, order)))
+        return fmi2Error;
+    for (size_t k = 0; k < nvr; k++) {
+        size_t first, length;
+        if (!component_find(i->component, vr[k], KIND_REAL, &first, &length) ||
+            !component_set_rate(i->component, first, order[k], value[k]))
+            return fmi2Error;
+    }
+    return fmi2OK;
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,

@@ -25,6 +25,7 @@ typedef struct {
     const char *choices; /* of entries that choose one of a few: "0 locked, 1 free, 2 coulomb"; else NULL */
     unsigned number;     /* of choices */
     unsigned length;
+    unsigned rate; /* of an input: value reference of the input that is its time derivative; 0: there is none */
     unsigned char kind, causality, variability, source;
 } Variable;
 

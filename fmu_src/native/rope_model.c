@@ -79,15 +79,10 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
 }
 
 int model_step(ModelInstance *model, double t, double h, const double *values, char *message) {
-    double within = ROPE_SHORTEST_AIM;
     EndMotion ends[2];
     read_motions(values, ends);
-    if (!model->at_step_end) {
-        ends[LEFT] = end_extrapolate(&ends[LEFT], h);
-        ends[RIGHT] = end_extrapolate(&ends[RIGHT], h);
-        if (rope_has_moved(model->rope)) within = fmax(within, model->interval);
-    }
-    if (!copy_message(model, rope_advance(model->rope, t + h, ends, within), message)) return 0;
+    const double given_at = model->at_step_end ? t + h : t;
+    if (!copy_message(model, rope_advance(model->rope, t + h, ends, given_at), message)) return 0;
     model->interval = h;
     return 1;
 }

@@ -10,7 +10,7 @@ from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.signal_table import SIGNALS
 
 from ..arrays import arrays, scalars
-from ..interface import Variable, choices_of
+from ..interface import RATES, Variable, choices_of
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
 _TEXTS = {"status.fidelity": "FIDELITY_NAME", "status.fidelity_reason": "FIDELITY_REASON", "status.warning": "WARNING"}
@@ -24,9 +24,13 @@ _HEAD = """\
 
 def c_table(table: Sequence[Variable], fmi: int) -> str:
     """``variables.c``: the scalars; FMI 3 has arrays, enumerations and the time."""
-    rows = [_row(v, fmi, length) for v, length in zip(table, lengths(table, fmi), strict=True)]
+    places = {v.name: i for i, v in enumerate(table)}
+    rows = [
+        _row(v, fmi, length, places.get(RATES.get(v.name, ""), 0))
+        for v, length in zip(table, lengths(table, fmi), strict=True)
+    ]
     if fmi == 3:
-        rows.append('{"time", NULL, 0, 1, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
+        rows.append('{"time", NULL, 0, 1, 0, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
     return "\n".join(
         [
             _HEAD,
@@ -60,13 +64,13 @@ def _array(declaration: str, rows: Iterable[str]) -> str:
     return f"{declaration} = {{\n" + "".join(f"    {row},\n" for row in rows) + "};\n"
 
 
-def _row(v: Variable, fmi: int, length: int) -> str:
+def _row(v: Variable, fmi: int, length: int, rate: int) -> str:
     words = choices_of(v.name)
     choices = "NULL" if words is None else '"' + ", ".join(f"{i} {word}" for i, word in enumerate(words)) + '"'
     kind = "ENUMERATION" if words is not None and fmi == 3 else v.kind.upper()
     source = "FROM_ENTRY" if v.causality != "output" else _SOURCES.get(v.name, "FROM_MODEL")
     return (
-        f'{{"{v.name}", {choices}, {len(words or ())}, {length}, KIND_{kind}, '
+        f'{{"{v.name}", {choices}, {len(words or ())}, {length}, {rate}, KIND_{kind}, '
         f"CAUSALITY_{v.causality.upper()}, VARIABILITY_{v.variability.upper()}, {source}}}"
     )
 

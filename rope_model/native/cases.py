@@ -23,6 +23,7 @@ from ..shaft_parameters import Shaft
 from ..simulation import fidelity_cases, mesh_pattern, swivel_phases, warning_cases
 from ..simulation.bodies import NO_ROOM, may_touch
 from ..simulation.cases import Cases
+from ..simulation.following import Following
 from ..simulation.paths import EndMotion
 from ..simulation.result_warnings import WARNINGS
 from ..simulation.state import RopeState
@@ -38,6 +39,7 @@ BY_NUMBERS["extrapolation"] = warning_cases.LONG_EXTRAPOLATION
 TABLES: dict[str, Cases] = BY_NUMBERS | {
     "touching_legs": warning_cases.LEG_CONTACT,
     "torque_source": warning_cases.TORQUE_SOURCE,
+    "inputs_of_end": warning_cases.INPUTS,
     "torque": fidelity_cases.TORQUE,
     "complete_model": fidelity_cases.COMPLETE,
     "unsupported": fidelity_cases.UNSUPPORTED,
@@ -82,6 +84,7 @@ _STRUCTURES: dict[str, type[Any]] = {
     "right": EndMotion,
     "swivel": Swivel,
     "now": SwivelState,
+    "following": Following,
 }
 _IN_C: dict[type[Any], str] = {RopeState: "State"}
 #: members that C has under another name

@@ -74,7 +74,9 @@ static inline double end_value(const EndMotion *motion, int place) {
 }
 
 /* ends.c: rope_model.simulation.ends */
-void end_refusal(const EndMotion *target, const Path *path, int side, char *message);
+/* limits: of formulas.h's follow_limits */
+void end_refusal(const Inputs *inputs, const EndMotion *target, const double limits[3][4], int side, char *message);
+void end_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message);
 /* of the conveyance's yaw in theta */
 static const double YAW_SENSE[2] = {-1.0, 1.0};
 /* about the tangent, on the rope's end with this row of the reaction */

@@ -22,8 +22,9 @@ from ..simulation.audit import Audit, audit_of
 from ..simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from ..simulation.ends import Phase, SwivelState
 from ..simulation.fidelity import Fidelity
+from ..simulation.following import Following
 from ..simulation.mesh import Partition
-from ..simulation.paths import SHORTEST_AIM, SIDES, EndMotion, EndPath
+from ..simulation.paths import SIDES, EndMotion, EndPath
 from ..simulation.point_forces import PointForces
 from ..simulation.result_warnings import WARNINGS
 from ..simulation.signal_table import SIGNALS, checked_names
@@ -31,6 +32,7 @@ from ..simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, 
 from ..simulation.wires import NO_MEMORY
 from .build import library
 from .layout import (
+    FollowingStructure,
     ARRAYS,
     MESSAGE,
     AuditStructure,
@@ -169,9 +171,10 @@ class NativeRope(BalanceRope):
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         return self._done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
 
-    def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
+    def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
         self._require_state()
-        return self._done(self._lib.rope_advance(self._rope, t, _ends(left, right), within))
+        at = t if given_at is None else given_at
+        return self._done(self._lib.rope_advance(self._rope, t, _ends(left, right), at))
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
         self._require_state()
@@ -318,7 +321,8 @@ def _unpack(data: bytes) -> RopeState:
         ),
         offsets=(s.offsets[0], s.offsets[1]),
         swivels=tuple(SwivelState(Phase(w.phase), w.angle, w.sign) for w in s.swivels),  # type: ignore[arg-type]
-        paths=tuple(EndPath(p.start, p.stop, p.aim, tuple(map(tuple, p.coefficients))) for p in s.paths),  # type: ignore[arg-type]
+        paths=tuple(EndPath(p.start, p.stop, tuple(map(tuple, p.coefficients))) for p in s.paths),  # type: ignore[arg-type]
+        following=(_following(s.following[0]), _following(s.following[1])),
         step_next=s.step_next,
         last_interval=s.last_interval,
         force_mean=(s.force_mean[0], s.force_mean[1]),
@@ -359,7 +363,8 @@ def _pack(state: RopeState) -> bytes:
         power_ends=state.powers.ends,
         power_swivel=state.powers.swivel,
         swivels=tuple(SwivelStructure(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
-        paths=tuple(PathStructure(q.start, q.stop, q.aim, q.coefficients) for q in state.paths),
+        paths=tuple(PathStructure(q.start, q.stop, q.coefficients) for q in state.paths),
+        following=tuple(FollowingStructure(*x) for x in state.following),
         pattern=PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels),
         energy_balance=EnergyStructure(*state.energy_balance),
         errors=ErrorStructure(*state.errors),
@@ -378,4 +383,8 @@ def _pack(state: RopeState) -> bytes:
 
 
 def _numbers_of(x: Any) -> Any:
-    return x if isinstance(x, float) else tuple(x)
+    return x if isinstance(x, float) else tuple(map(_numbers_of, x))
+
+
+def _following(s: Structure) -> Following:
+    return Following(*(_numbers_of(getattr(s, name)) for name in Following._fields))

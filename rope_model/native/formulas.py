@@ -17,7 +17,7 @@ import casadi as ca
 
 from ..numerics import coupled_newton, generalized_alpha, newton
 from ..numerics.program import no_simplification
-from ..parameters import Accuracy, Layout, Rope, Scene, Solver
+from ..parameters import Accuracy, Inputs, Layout, Rope, Scene, Solver
 from ..physics import (
     accuracy,
     air,
@@ -49,6 +49,7 @@ from ..simulation import (
     bracket,
     diagnostics,
     ends,
+    following,
     hang,
     mesh,
     mesh_fit,
@@ -63,6 +64,7 @@ from ..simulation import (
 )
 from ..simulation import shaft as shaft_search
 from ..simulation.audit import Audit
+from ..simulation.following import Following
 from ..simulation.paths import EndMotion, EndPath
 from ..simulation.state import EnergyBalance
 
@@ -72,14 +74,19 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double dot(const double a[3], const double b[3])": elementary.dot,
     "void conveyance_load(const double q[7], const double f[7], double torque, double load[6])": frame.conveyance_load,
     "double right_offset(const double left[3], const double right[3])": ends.right_offset,
-    "EndMotion end_extrapolate(const EndMotion *end, double h)": EndMotion.extrapolate,
     "Path path_resting(double t, const EndMotion *at)": EndPath.at_rest,
-    "Path path_to(const Path *path, double stop, const EndMotion *target, double within)": EndPath.to,
+    "Following following_resting(double t, const EndMotion *at)": Following.at_rest,
+    "Rates follow_rates(const Scene *scene)": following.follow_rates,
+    "Following follow_sample(const Following *now, const Rates *rates, double trusted, double given_at, double h, "
+    "const EndMotion *end)": following.follow_sample,
+    "Path follow_path(const Path *path, const Following *now, double stop, double bandwidth)": following.follow_path,
+    "void follow_limits(const Path *path, const Following *now, double limits[3][4])": following.follow_limits,
+    "Following follow_account(const Following *now, const Path *path, const Rates *rates, const Rope *rope, "
+    "double trusted, double leg)": following.follow_account,
     "Path path_coasting(const Path *path, double t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(const Path *path, double t)": EndPath.at,
     "double path_height(const Path *path, double t)": EndPath.height,
     "void path_motion(const Path *path, double t, double motion[3][4])": EndPath.motion,
-    "void path_peaks(const Path *path, double peaks[4])": EndPath.peak_accelerations,
     "void held_end(const Path *path, double t, double nominal_x, double sense, double angle, double rows[3][7])": (
         ends.held_end
     ),
@@ -209,10 +216,11 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "NextStep next_step(const Solver *solver, double h, double step_next, double error, double rejected, double t, "
     "double calm_since)": accuracy.next_step,
     "double parts_of(double way, double step_next, double left)": accuracy.parts_of,
-    "double end_force_error(const Rope *rope, const ErrorSums *sums)": accuracy.end_force_error,
-    "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length)": (
-        accuracy.loop_error
+    "double end_force_error(const Rope *rope, const ErrorSums *sums, const Following *left, const Following *right)": (
+        following.told_force_error
     ),
+    "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length, "
+    "const Following *left, const Following *right)": following.told_loop_error,
     "double friction_moment(double mu, double mean_diameter, double seal_moment, double tension)": (
         swivel.friction_moment
     ),
@@ -224,8 +232,6 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Audit audit_after_interval(const Audit *audit, double h, double mass, double gravity, const double sums[9], "
     "const double about[3], double residual, double bend)": audit.after_interval,
 }
-#: those that stand in parameters.h, for hosts that read rope.h alone
-FOR_HOSTS = ("EndMotion end_extrapolate(const EndMotion *end, double h)",)
 #: what they return: structures that C has from here
 DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Flow,
@@ -240,13 +246,14 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     air.AirLaw,
     contact.Touch,
     wire_friction.Slid,
+    following.Rates,
 )
 #: what a formula may take or return whole
 STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         *(Rope, Layout, Scene, Solver, *PARTS.values(), EndMotion),
-        *(EnergyBalance, accuracy.ErrorSums, Audit, guard.GuardState),
+        *(EnergyBalance, accuracy.ErrorSums, Audit, guard.GuardState, Following),
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
@@ -386,16 +393,9 @@ class _Text(NamedTuple):
 def formulas_code() -> str:
     """The text of formulas.h."""
     structures = (_definition(kind) for kind in DEFINED_HERE)
-    functions = (
-        function_code(prototype, formula) for prototype, formula in FORMULAS.items() if prototype not in FOR_HOSTS
-    )
+    functions = (function_code(prototype, formula) for prototype, formula in FORMULAS.items())
     constants = "".join(f"#define {name} {_value(value)}\n" for name, value in CONSTANTS.items())
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
-
-
-def host_formulas() -> str:
-    """The text of those that need nothing but structures of parameters."""
-    return "\n".join(function_code(prototype, FORMULAS[prototype]) for prototype in FOR_HOSTS)
 
 
 def _value(value: float | tuple[float, ...]) -> str:
@@ -466,7 +466,7 @@ def structure_at(kind: type[Any], prefix: str) -> Any:
             values[name] = ca.SX.sym(prefix + name)
         elif get_origin(hint) is tuple:
             values[name] = _array(prefix + name, shape_of(hint))
-        elif hint in (Rope, Layout, Accuracy):
+        elif hint in (Rope, Layout, Accuracy, Inputs):
             values[name] = structure_at(hint, f"{prefix}{name}.")
     if issubclass(kind, tuple):
         return kind(**values)

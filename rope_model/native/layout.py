@@ -15,6 +15,7 @@ from ..physics.guard import CAUSES, GuardState
 from ..physics.shaft import KINDS
 from ..simulation.audit import Audit
 from ..simulation.ends import Phase
+from ..simulation.following import Following
 from ..simulation.paths import PATH
 from ..simulation.state import Counts, Crossing, EnergyBalance, Nearest
 from ..simulation.switching import CHATTER
@@ -28,10 +29,21 @@ ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
 _NUMBERS: dict[Any, str] = {c_double: "double", c_int: "int", c_int64: "int64_t", c_char: "char"}
 
 
-class PathStructure(Structure):
-    """a quintic in s = t - start for each of x, y, z and yaw, aimed at the instant aim; left, and held, at stop"""
+def _array_type(zero: Any) -> Any:
+    """The type of a number, or of nested tuples of numbers alike."""
+    return _array_type(zero[0]) * len(zero) if isinstance(zero, tuple) else c_double
 
-    _fields_ = (("start", c_double), ("stop", c_double), ("aim", c_double), ("coefficients", c_double * 6 * len(PATH)))
+
+class PathStructure(Structure):
+    """a quintic in s = t - start for each of x, y, z and yaw; held from stop on"""
+
+    _fields_ = (("start", c_double), ("stop", c_double), ("coefficients", c_double * 6 * len(PATH)))
+
+
+class FollowingStructure(Structure):
+    """rope_model.simulation.following.Following"""
+
+    _fields_ = tuple((name, _array_type(zero)) for name, zero in Following()._asdict().items())
 
 
 class SwivelStructure(Structure):
@@ -49,19 +61,13 @@ class EnergyStructure(Structure):
 class ErrorStructure(Structure):
     """rope_model.physics.accuracy.ErrorSums"""
 
-    _fields_ = tuple(
-        (name, c_double * len(zero) if isinstance(zero, tuple) else c_double)
-        for name, zero in ErrorSums()._asdict().items()
-    )
+    _fields_ = tuple((name, _array_type(zero)) for name, zero in ErrorSums()._asdict().items())
 
 
 class AuditStructure(Structure):
     """rope_model.simulation.audit.Audit"""
 
-    _fields_ = tuple(
-        (name, c_double * len(value) if isinstance(value, tuple) else c_double)
-        for name, value in Audit()._asdict().items()
-    )
+    _fields_ = tuple((name, _array_type(zero)) for name, zero in Audit()._asdict().items())
 
 
 class NearestStructure(Structure):
@@ -79,10 +85,7 @@ class CrossingStructure(Structure):
 class GuardStructure(Structure):
     """rope_model.physics.guard.GuardState"""
 
-    _fields_ = tuple(
-        (name, c_double * len(value) if isinstance(value, tuple) else c_double)
-        for name, value in GuardState()._asdict().items()
-    )
+    _fields_ = tuple((name, _array_type(zero)) for name, zero in GuardState()._asdict().items())
 
 
 class CountsStructure(Structure):
@@ -130,6 +133,7 @@ class StateStructure(Structure):
         ("switchings", c_double * CHATTER_EVENTS),
         ("swivels", SwivelStructure * 2),
         ("paths", PathStructure * 2),
+        ("following", FollowingStructure * 2),
         ("pattern", PatternStructure),
         ("events", EventStructure * LOGGED_EVENTS),
         ("energy_balance", EnergyStructure),
@@ -147,6 +151,7 @@ class StateStructure(Structure):
 #: their names in C
 NAMES: dict[Any, str] = {
     PathStructure: "Path",
+    FollowingStructure: "Following",
     SwivelStructure: "SwivelState",
     EnergyStructure: "EnergyBalance",
     ErrorStructure: "ErrorSums",

@@ -60,11 +60,21 @@ static void yaw_at_rest(Simulator *rope, char *message) {
     say_yawed_at_rest(message, yaw, YAWED_FAR, why);
 }
 
+static void unfit_inputs(Simulator *rope, char *message) {
+    char told[MESSAGE] = "";
+    for (int side = LEFT; side <= RIGHT; side++)
+        if (tell_inputs_of_end(&rope->scene, &rope->state->following[side], rope->state->last_interval, told)) {
+            say_of_end(message, SIDE_NAMES[side], told);
+            return;
+        }
+}
+
 void rope_warning(Simulator *rope, int number, char *message) {
     static void (*const by_shape[EXTRAPOLATION + 1])(Simulator *, char *) = {[PASSED_BODIES] = passed_bodies,
                                                                              [NEGLECTED_EFFECTS] = neglected_effects,
                                                                              [LEG_CONTACT] = leg_contact,
-                                                                             [YAW_AT_REST] = yaw_at_rest};
+                                                                             [YAW_AT_REST] = yaw_at_rest,
+                                                                             [UNFIT_INPUTS] = unfit_inputs};
     message[0] = '\0';
     if (!rope->initialized) return;
     if (by_shape[number])

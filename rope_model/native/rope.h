@@ -32,9 +32,8 @@ void rope_destroy(Simulator *rope);
 /* The calls below return 1 when all is well; 0 when not, then rope_message says why and the state is what it was. */
 int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
 /* less than ROPE_SHORTEST_INTERVAL ahead nothing moves, and the time is not lost: the next step begins where this one
-   did.  What the paths of the ends miss of the motion is made good in the step, or where that is short for it `within`
-   at most so many seconds: ROPE_SHORTEST_AIM, or the length of the step before for motions that are extrapolated */
-int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within);
+   did.  The motions are those at the instant given_at, t or before, and are extrapolated with constant accelerations */
+int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double given_at);
 
 /* go on with other solver tolerances or swivel friction; nothing else of the scene may differ */
 int rope_retune(Simulator *rope, const Scene *scene);
@@ -56,7 +55,6 @@ void rope_displacement(Simulator *rope, const PointForces *forces, double (*move
 const char *rope_message(const Simulator *rope);
 
 int rope_is_initialized(const Simulator *rope);
-int rope_has_moved(const Simulator *rope); /* whether a step was made since it was initialised */
 double rope_time(const Simulator *rope);
 int rope_elements(const Simulator *rope);
 const char *rope_fidelity(const Simulator *rope); /* "torsional" ... */
@@ -64,7 +62,7 @@ const char *rope_fidelity_reason(const Simulator *rope);
 
 /* A warning about valid results, by its number below ROPE_WARNINGS, or ROPE_EXTRAPOLATION for hosts that extrapolate
    the ends' motions: a sentence in message (MESSAGE bytes), or "". */
-enum { ROPE_WARNINGS = 12, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
+enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *rope, int number, char *message);
 
 /* The value of an output, by its number in rope_model.simulation.signals.SIGNALS; booleans and integers are exact.

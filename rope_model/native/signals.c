@@ -74,8 +74,10 @@ static void audit_signals(Simulator *rope, double *values) {
 static void error_signals(Simulator *rope, double *values) {
     const State *state = rope->state;
     const double fine = mesh_fine_length(&state->pattern, state_arrays(rope->state).lengths);
-    values[SIGNAL_STATUS_END_FORCE_ERROR] = end_force_error(&rope->scene.rope, &state->errors);
-    values[SIGNAL_STATUS_LOOP_ERROR] = loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length);
+    const Following *left = &state->following[LEFT], *right = &state->following[RIGHT];
+    values[SIGNAL_STATUS_END_FORCE_ERROR] = end_force_error(&rope->scene.rope, &state->errors, left, right);
+    values[SIGNAL_STATUS_LOOP_ERROR] =
+        loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length, left, right);
 }
 
 static void shape_signals(Simulator *rope, double *values) {

@@ -34,10 +34,6 @@ int rope_is_initialized(const Simulator *rope) {
     return rope->initialized;
 }
 
-int rope_has_moved(const Simulator *rope) {
-    return rope->initialized && rope->state->counts.steps > 0;
-}
-
 double rope_time(const Simulator *rope) {
     return rope->state->t;
 }
@@ -81,7 +77,10 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
         state->paths[side] = path_resting(state->t, end);
-        end_refusal(end, &state->paths[side], side, rope->message);
+        state->following[side] = following_resting(state->t, end);
+        double limits[3][4];
+        follow_limits(&state->paths[side], &state->following[side], limits);
+        end_refusal(&rope->scene.inputs, end, limits, side, rope->message);
         if (rope->message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
         for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
@@ -285,11 +284,23 @@ static int step_towards(Simulator *rope, State *state, double t_end, char *messa
 }
 
 /* the ends' next paths, and the fidelity that can follow them; 0 when none can */
-static int follow(Simulator *rope, State *state, double t, const EndMotion ends[2], double within) {
+static int follow(Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
+    const Scene *scene = &rope->scene;
+    const Rates rates = follow_rates(scene);
+    const double begin = state->t, trusted = scene->inputs.given, bottom = bottom_of(rope, rope->state, begin);
     for (int side = LEFT; side <= RIGHT; side++) {
-        state->paths[side] = path_to(&rope->state->paths[side], t, &ends[side], within);
-        end_refusal(&ends[side], &state->paths[side], side, rope->message);
+        const Path *before = &rope->state->paths[side];
+        const Following now =
+            follow_sample(&state->following[side], &rates, trusted, given_at, t - before->stop, &ends[side]);
+        const Path path = follow_path(before, &now, t, rates.observer);
+        double limits[3][4];
+        follow_limits(&path, &now, limits);
+        end_refusal(&scene->inputs, &ends[side], limits, side, rope->message);
+        if (!rope->message[0]) end_frozen(&scene->inputs, t, &now, side, rope->message);
         if (rope->message[0]) return 0;
+        const double leg = side == LEFT ? bottom : scene->rope.length - bottom;
+        state->paths[side] = path;
+        state->following[side] = follow_account(&now, &path, &rates, &scene->rope, trusted, leg);
     }
     char why[MESSAGE];
     fidelity_unsupported_motion(&rope->scene, state->fidelity, ends, rope->forces.number, why);
@@ -301,7 +312,7 @@ static int follow(Simulator *rope, State *state, double t, const EndMotion ends[
     return 1;
 }
 
-static int advance(Simulator *rope, double t, const EndMotion ends[2], double within) {
+static int advance(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
     State *state = rope->next;
     const double begin = rope->state->t, step_max = rope->scene.solver.step_max;
     const int64_t steps_before = rope->state->counts.steps + rope->state->counts.rejections;
@@ -313,7 +324,7 @@ static int advance(Simulator *rope, double t, const EndMotion ends[2], double wi
     state_copy(rope, state, rope->state);
     state->switched = state->event_count = 0;
     rope->work_end = state->counts.newton + (rope->scene.solver.work_max > 0 ? rope->scene.solver.work_max : INT32_MAX);
-    if (!follow(rope, state, t, ends, within)) return 0;
+    if (!follow(rope, state, t, ends, given_at)) return 0;
     const Arrays m = state_arrays(state);
     double impulse[2] = {0, 0};
     while (state->t < t) {
@@ -336,8 +347,8 @@ static int advance(Simulator *rope, double t, const EndMotion ends[2], double wi
     return accept_next(rope);
 }
 
-int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within) {
-    return conclude(rope, advance(rope, t, ends, within));
+int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
+    return conclude(rope, advance(rope, t, ends, given_at));
 }
 
 size_t rope_state_bytes(const Simulator *rope) {

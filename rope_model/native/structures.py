@@ -10,7 +10,7 @@ import ctypes
 from dataclasses import astuple, fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
-from ..parameters import Accuracy, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
+from ..parameters import Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
 from ..shaft_parameters import PARTS
 from ..simulation.paths import PATH, EndMotion, EndPath
 from .layout import PathStructure
@@ -53,7 +53,7 @@ def _type(member: Member) -> type[Any]:
     return kind * member.length if member.length else kind
 
 
-_KINDS = (Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, Stations, *PARTS.values())
+_KINDS = (Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, Inputs, Stations, *PARTS.values())
 GROUPS = {kind: _structure(kind) for kind in dict.fromkeys(_KINDS)}
 
 
@@ -74,6 +74,7 @@ class SceneStructure(ctypes.Structure):
         ("accuracy", GROUPS[Accuracy]),
         ("solver", GROUPS[Solver]),
         ("model", GROUPS[Model]),
+        ("inputs", GROUPS[Inputs]),
         ("station", GROUPS[Stations]),
         ("shaft", ShaftStructure),
     )
@@ -88,7 +89,7 @@ class EndStructure(ctypes.Structure):
 def scene_structure(scene: Scene) -> SceneStructure:
     """The scene as C sees it."""
     swivels = (GROUPS[Swivel] * 2)(_fill(scene.left), _fill(scene.right))
-    groups = (_fill(group) for group in (scene.mesh, scene.accuracy, scene.solver, scene.model, scene.station))
+    groups = (_fill(group) for group in (scene.mesh, scene.accuracy, scene.solver, scene.model, scene.inputs, scene.station))
     shaft = ShaftStructure(*(_fill(getattr(scene.shaft, name)) for name in PARTS))
     return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups, shaft)
 
@@ -102,7 +103,7 @@ def path_structure(path: EndPath) -> PathStructure:
     """The path of an end as C sees it."""
     quintic = ctypes.c_double * 6
     return PathStructure(
-        path.start, path.stop, path.aim, (quintic * len(PATH))(*(quintic(*c) for c in path.coefficients))
+        path.start, path.stop, (quintic * len(PATH))(*(quintic(*c) for c in path.coefficients))
     )
 
 

@@ -14,18 +14,18 @@ from ..physics.elementary import both
 from ..shaft_parameters import PARTS
 from ..simulation.fidelity import FIDELITIES
 from ..simulation.neglected_effects import neglected_text
-from ..simulation.paths import HARDEST, REACH, SHORTEST_AIM, SIDES
+from ..simulation.paths import REACH, SIDES
 from ..simulation.shaft import BODIES
 from ..simulation.signal_table import SHAPE_POINTS, SIGNALS
 from ..simulation.signals import group_of
 from ..simulation.simulator import SHORTEST_INTERVAL
-from .formulas import host_formulas, structure_at, texts_of
+from .formulas import structure_at, texts_of
 from .layout import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.native.tables. */\n"
 #: what a code's name has behind the word where that alone would not do
-_SUFFIXES = {"mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
+_SUFFIXES = {"given": "_GIVEN", "mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
 
 
 def signal_numbers() -> str:
@@ -62,17 +62,17 @@ def parameter_structures() -> str:
     parts = [f"enum {{ MOST_ELEMENTS = {MOST_ELEMENTS} }};\n"]
     names, reach = ", ".join(map(json.dumps, REACH)), ", ".join(map(repr, REACH.values()))
     parts.append(
-        "/* of the values of an EndMotion: names, largest sizes, and the largest acceleration within a step */\n"
-        f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n#define HARDEST {HARDEST}\n"
+        "/* of the values of an EndMotion: names and largest sizes */\n"
+        f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n"
     )
     parts.append(
         "/* s, of rope_advance */\n"
-        f"#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n#define ROPE_SHORTEST_AIM {SHORTEST_AIM}\n"
+        f"#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n"
     )
     parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
     groups = {structure: kind.__name__ for kind, structure in GROUPS.items()}
     wholes = {ShaftStructure: "Shaft", SceneStructure: "Scene", EndStructure: "EndMotion"}
-    parts += [*(structure_code(kind, name, groups | wholes) for kind, name in wholes.items()), host_formulas()]
+    parts += [*(structure_code(kind, name, groups | wholes) for kind, name in wholes.items())]
     text = "\n".join(parts)
     return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
 
@@ -97,7 +97,7 @@ def _codes(name: str, words: tuple[str, ...]) -> str:
 
 def code_name(name: str, word: str) -> str:
     """Name in C of the code that a ``word`` of the choice ``name`` has."""
-    return word.upper() + (_SUFFIXES[name] if word == "auto" or name == "mode" else "")
+    return word.upper() + (_SUFFIXES[name] if word == "auto" or name in ("given", "mode") else "")
 
 
 def _structure(kind: type[Any]) -> str:

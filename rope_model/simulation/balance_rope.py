@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..parameters import Scene
 from .fidelity import Fidelity
-from .paths import SHORTEST_AIM, EndMotion
+from .paths import EndMotion
 from .point_forces import PointForces
 from .signal_table import checked_names
 from .state import RopeState
@@ -90,11 +90,12 @@ class BalanceRope(ABC):
         """
 
     @abstractmethod
-    def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
-        """Follow the conveyances to their motions at ``t`` (s).  On failure the state stays what it was.
+    def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
+        """Follow the conveyances to ``t`` (s) by their motions at ``given_at``, or else at ``t``.
 
-        Less than 1e-9 s ahead nothing moves; the time is not lost, the next step begins where this one did.  Motions
-        that are extrapolated are joined ``within`` at most as many seconds as the step before took, see EndPath.to.
+        Motions of an earlier instant are extrapolated with constant acceleration; simulation.following has what
+        happens to motions that do not fit.  On failure the state stays what it was.  Less than 1e-9 s ahead nothing
+        moves; the time is not lost, the next step begins where this one did.
         """
 
     @abstractmethod

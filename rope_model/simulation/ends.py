@@ -19,11 +19,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..parameters import Swivel
+from ..parameters import Inputs, Swivel
 from ..physics.elementary import atan2
 from ..physics.swivel import friction_moment
 from . import messages
-from .paths import HARDEST, PATH, REACH, EndMotion, EndPath, OfAxes
+from .following import Following, Limits
+from .paths import PATH, REACH, EndMotion, EndPath
 from .rope_system import ANGLE, Array
 from .swivel_phases import Phase as Phase
 from .swivel_phases import SwivelState as SwivelState
@@ -117,16 +118,26 @@ def right_offset(left: Any, right: Any) -> Any:
     return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
 
 
-def refusal(target: EndMotion, peak: OfAxes, side: str) -> str:
-    """'' when an end can follow a path with these peak accelerations to ``target``; else what is wrong, and a cure."""
+def refusal(inputs: Inputs, target: EndMotion, limits: Limits, side: str) -> str:
+    """'' when an end can follow ``target`` on a path with these limits; else what is wrong, and a cure."""
     for name, bound in REACH.items():
         if -bound <= (value := getattr(target, name)) <= bound:
             continue
         if not math.isfinite(value):
             return messages.input_not_finite(side, name, value)
         return messages.input_out_of_range(side, name, value, bound)
-    worst = max(range(4), key=peak.__getitem__)
-    if not peak[worst] <= HARDEST:
-        unit = "rad/s^2" if worst == 3 else "m/s^2"
-        return messages.inputs_do_not_fit(side, PATH[worst], peak[worst], unit, HARDEST)
+    worst = [max(range(4), key=sizes.__getitem__) for sizes in limits]
+    for sizes, k, units in zip(limits[1:], worst[1:], (("m", "rad"), ("m/s", "rad/s")), strict=True):
+        if not sizes[k] <= inputs.misfit_max:
+            return messages.input_misfit(side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max)
+    if not limits.peaks[worst[0]] <= inputs.acceleration_max:
+        unit = "rad/s^2" if worst[0] == 3 else "m/s^2"
+        return messages.inputs_do_not_fit(side, PATH[worst[0]], limits.peaks[worst[0]], unit, inputs.acceleration_max)
+    return ""
+
+
+def frozen(inputs: Inputs, t: float, following: Following, side: str) -> str:
+    """'' while an end is given new samples; else since when it is not."""
+    if following.held > 0 and t - following.given_at > inputs.hold_max:
+        return messages.inputs_frozen(side, t - following.given_at, inputs.hold_max)
     return ""

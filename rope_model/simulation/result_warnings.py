@@ -12,6 +12,7 @@
     accuracy_given_up   steps err more than they should because work_max allows for no more of them
     blind_guards        the model does not compute what a guard watches
     no_air              what moves the air does nothing, as the air has no density
+    unfit_inputs        the motions given for the ends do not fit: rounded, interpolated, repeated or of two motions
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not: the long leg can swing around the short
@@ -30,6 +31,7 @@ from .bodies import may_touch
 from .cases import first_text
 from .diagnostics import direction
 from .neglected_effects import neglected_text
+from .paths import SIDES
 from .rope_system import ANGLE
 from .shaft import BODIES
 from .state import RopeState
@@ -68,6 +70,14 @@ def yaw_at_rest(scene: Scene, state: RopeState) -> str:
     return warning_messages.yawed_at_rest(yaw, warning_cases.YAWED_FAR, source)
 
 
+def unfit_inputs(scene: Scene, state: RopeState) -> str:
+    """'' while the motions given fit; otherwise what they look like, and what to do."""
+    for side, following in zip(SIDES, state.following, strict=True):
+        if told := first_text(warning_cases.INPUTS, scene, following, state.last_interval):
+            return warning_messages.of_end(side, told)
+    return ""
+
+
 def _yaw(state: RopeState) -> float:
     """Yaw (rad) of the loop against its ends."""
     return state.loop_yaw - direction(state.motion.q)
@@ -94,4 +104,5 @@ WARNINGS: dict[str, Callable[[Scene, RopeState], str]] = {
     "accuracy_given_up": partial(first_text, warning_cases.ACCURACY_GIVEN_UP),
     "blind_guards": partial(first_text, warning_cases.BLIND_GUARDS),
     "no_air": partial(first_text, warning_cases.NO_AIR),
+    "unfit_inputs": unfit_inputs,
 }

@@ -105,6 +105,14 @@ def _table() -> Iterator[tuple[str, Signal]]:
         Signal("1", "estimated error of the end forces so far, root mean square, relative to the largest"),
     )
     yield "status.loop_error", Signal("m", "estimated largest error of the loop's place so far")
+    for name, unit in (("position", "m"), ("speed", "m/s"), ("acceleration", "m/s2")):
+        of = f"misfit of given and followed {name} at an end so far"
+        yield f"inputs.misfit.{name}", Signal(unit, f"largest {of}")
+        yield f"inputs.misfit.{name}_rms", Signal(unit, f"root mean square {of}")
+    yield (
+        "inputs.repeated",
+        Signal("1", "communication steps so far with the sample of an earlier one for an end that moves", "integer"),
+    )
     for name, unit, what in (
         ("momentum", "N", "largest missing force so far: of the momentum, against end forces and weight"),
         ("moment", "N.m", "largest missing moment so far: of the angular momentum, about a point between the ends"),

@@ -7,7 +7,6 @@ from typing import Protocol
 
 import numpy as np
 
-from ..physics.accuracy import end_force_error, loop_error
 from ..physics.estimates import loop_width
 from ..physics.frame import conveyance_load
 from ..physics.guard import sideways
@@ -18,6 +17,7 @@ from .adaptation import nearest_turn
 from .audit import signal_values as audit_values
 from .diagnostics import LoopBottom, direction, interpolate_midpoints, leg_clearance, shape, shape_places, tension
 from .ends import Phase
+from .following import told_force_error, told_loop_error
 from .guards import rise
 from .paths import SIDES
 from .rigid import rigid_tension
@@ -122,8 +122,8 @@ def error_signals(rope: Evaluated) -> dict[str, float]:
     """Estimates of what the run errs by so far."""
     scene, errors, cells = rope.scene, rope.state.errors, rope.state.partition
     return {
-        "status.end_force_error": float(end_force_error(scene.rope, errors)),
-        "status.loop_error": float(loop_error(scene, errors, cells.fine, cells.grading_length)),
+        "status.end_force_error": float(told_force_error(scene.rope, errors, *rope.state.following)),
+        "status.loop_error": float(told_loop_error(scene, errors, cells.fine, cells.grading_length, *rope.state.following)),
     }
 
 

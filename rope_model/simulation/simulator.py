@@ -19,20 +19,21 @@ from pathlib import Path
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
-from ..parameters import Scene
+from ..parameters import CHOICES, Scene
 from ..physics.outline import suspension_points
 from . import fidelity_messages, messages
 from .adaptation import raise_fidelity
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
 from .bodies import no_room
 from .diagnostics import LoopBottom, direction, loop_bottom
-from .ends import HangingEnds, Phase, SwivelState, refusal, right_offset
+from .ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
+from .following import Following, follow, follow_account, follow_limits, follow_program, follow_rates
 from .guards import at_rest, with_guards
 from .hang import hang
 from .mesh import Partition, fit_mesh, partition
 from .model import RopeModel, ends_of
-from .paths import RESTS_BELOW, SHORTEST_AIM, SIDES, EndMotion, EndPath, aim, path_program
+from .paths import RESTS_BELOW, SIDES, EndMotion, EndPath
 from .point_forces import PointForces, at_places, elements_at, nodal_forces
 from .result_warnings import WARNINGS
 from .rope_kernels import KernelCache
@@ -73,7 +74,7 @@ class RopeSimulator(BalanceRope):
                 raise
             raise ValueError(messages.fitted_mesh_fails(str(error))) from error
         self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
-        self._paths = path_program()
+        self._follow = follow_program()
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
@@ -176,7 +177,7 @@ class RopeSimulator(BalanceRope):
             return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
         paths = (EndPath.at_rest(t, left), EndPath.at_rest(t, right))
         for side, target, path in zip(SIDES, (left, right), paths, strict=True):
-            if message := refusal(target, path.peak_accelerations(), side):
+            if message := refusal(scene.inputs, target, follow_limits(path, Following.at_rest(t, target)), side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > RESTS_BELOW:
                 return Status(False, messages.moves_at_start(side))
@@ -194,6 +195,7 @@ class RopeSimulator(BalanceRope):
                 offsets=(0.0, right_offset(*ends.tolist())),
                 swivels=(SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0)),
                 paths=paths,
+                following=(Following.at_rest(t, left), Following.at_rest(t, right)),
                 step_next=scene.solver.step_max,
                 last_interval=scene.solver.step_max,
                 force_mean=(0.0, 0.0),
@@ -214,8 +216,8 @@ class RopeSimulator(BalanceRope):
         self._accept(with_guards(scene, state, self.model.ends(state)))
         return Status(True)
 
-    def advance_to(self, t: float, left: EndMotion, right: EndMotion, within: float = SHORTEST_AIM) -> Status:
-        state = self.state
+    def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
+        scene, state = self.scene, self.state
         start = state.motion.t
         if abs(t - start) < SHORTEST_INTERVAL:
             return Status(True)
@@ -224,11 +226,17 @@ class RopeSimulator(BalanceRope):
         step_max, steps_before = self.scene.solver.step_max, state.counts.steps + state.counts.rejections
         if t - start > MOST_STEPS * step_max:
             return Status(False, messages.too_far_at_once(start, t, MOST_STEPS, step_max, MOST_STEPS * step_max))
-        aimed = [aim(self._paths, path, t, end, within) for path, end in zip(state.paths, (left, right), strict=True)]
-        for side, target, (_, peaks) in zip(SIDES, (left, right), aimed, strict=True):
-            if message := refusal(target, peaks, side):
+        rates, trusted = follow_rates(scene), [*CHOICES["inputs.given"]].index(scene.inputs.given)
+        at, followed = t if given_at is None else given_at, []
+        for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
+            found = follow(self._follow, state.following[k], state.paths[k], rates, trusted, at, t, end)
+            if message := refusal(scene.inputs, end, found.limits, side) or frozen(scene.inputs, t, found.following, side):
                 return Status(False, message)
-        state = state._replace(paths=(aimed[0].path, aimed[1].path), events=())
+            bottom = self.model.bottom(state.paths, start)
+            leg = bottom if k == 0 else scene.rope.length - bottom
+            followed.append((found.path, follow_account(found.following, found.path, rates, scene.rope, trusted, leg)))
+        paths, following = zip(*followed, strict=True)
+        state = state._replace(paths=paths, following=following, events=())
         if why := unsupported_motion(self.scene, state.fidelity, (left, right), self.model.forces.s.size):
             if self.scene.model.fidelity != "auto":
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(state.fidelity, why))

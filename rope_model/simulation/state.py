@@ -20,6 +20,7 @@ from ..shaft_parameters import FAR
 from .audit import Audit
 from .ends import SwivelState
 from .fidelity import Fidelity
+from .following import Following
 from .mesh import Partition
 from .paths import EndPath
 from .wires import NO_MEMORY, Array
@@ -116,6 +117,7 @@ class RopeState(NamedTuple):
     offsets: tuple[float, float]
     swivels: tuple[SwivelState, SwivelState]
     paths: tuple[EndPath, EndPath]
+    following: tuple[Following, Following]  # how they lead
     step_next: float
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance

@@ -7,7 +7,8 @@ from functools import partial
 from operator import attrgetter
 from typing import Any
 
-from ..physics.elementary import less
+from ..physics.accuracy import TINY
+from ..physics.elementary import larger, less, sqrt
 from ..physics.energy_balance import residual, total
 from ..physics.shaft import KINDS
 from .paths import SIDES
@@ -21,6 +22,21 @@ def _force_mean(side: int, state: Any) -> Any:
 
 def _nearest(kind: int, key: str, state: Any) -> Any:
     return getattr(state.nearest[kind], key)
+
+
+def _largest_misfit(name: str, state: Any) -> Any:
+    left, right = state.following
+    return larger(getattr(left, name), getattr(right, name))
+
+
+def _misfit_rms(k: int, state: Any) -> Any:
+    left, right = state.following
+    return sqrt(larger(left.squares[k], right.squares[k]) / larger(left.time, TINY))
+
+
+def _repeated(state: Any) -> Any:
+    left, right = state.following
+    return larger(left.repeats, right.repeats)
 
 
 def _guard_tripped(state: Any) -> Any:
@@ -45,6 +61,7 @@ STATE_SIGNALS: dict[str, Callable[[Any], Any]] = {
     "status.given_up": attrgetter("counts.given_up"),
     "status.given_up_since": attrgetter("given_up_since"),
     "guard.tripped": _guard_tripped,
+    "inputs.repeated": _repeated,
     "energy.total": partial(_energy, total),
     "energy.residual": partial(_energy, residual),
 }
@@ -54,6 +71,9 @@ STATE_SIGNALS |= {
     for name in names
     if f"{of}.{name}" in SIGNALS
 }
+for _k, _name in enumerate(("position", "speed", "acceleration")):
+    STATE_SIGNALS[f"inputs.misfit.{_name}"] = partial(_largest_misfit, _name)
+    STATE_SIGNALS[f"inputs.misfit.{_name}_rms"] = partial(_misfit_rms, _k)
 STATE_SIGNALS |= {f"{side}.fy_mean": partial(_force_mean, k) for k, side in enumerate(SIDES)}
 STATE_SIGNALS |= {
     f"nearest.{kind}.{key}": partial(_nearest, k, key) for k, kind in enumerate(KINDS) for key in Nearest._fields

@@ -27,6 +27,10 @@ HALF_A_TURN = math.pi
 YAWED_FAR = math.pi / 6
 #: s: steps beyond it are too long for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
 LONGEST_EXTRAPOLATION = 0.02
+#: samples of an end that moves, and breaks in its line, from which rounding and a table can be told
+FEWEST_SAMPLES, FEWEST_BREAKS = 20, 3
+#: m: positions rounded to less do no harm
+COARSEST_ROUNDING = 0.99e-4
 #: m/s: a rope with less kinetic energy than all of it has at this speed is at rest
 REST_SPEED = 1e-3
 
@@ -134,6 +138,26 @@ def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     return both(state.audit.bend > 0, elements < FEWEST_ELEMENTS), _shown_below(elements), FEWEST_ELEMENTS
 
 
+def _positions_rounded(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
+    x = following
+    on_grid = both(x.samples >= FEWEST_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
+    return both(on_grid, x.position > 0.25 * x.grid), x.grid
+
+
+def _samples_repeated(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
+    return following.repeats > 0, following.repeats, following.sent_every, step
+
+
+def _table_too_coarse(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
+    return both(following.breaks >= FEWEST_BREAKS, following.grid < COARSEST_ROUNDING), following.table_every, step
+
+
+def _motion_misfits(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
+    x = following
+    disturbs = x.acceleration > scene.accuracy.end_force * scene.layout.gravity
+    return both(scene.inputs.given == "all", disturbs), x.position, x.speed, x.acceleration
+
+
 def _extrapolated_too_far(scene: Any, state: Any) -> tuple[Any, ...]:
     h = state.last_interval  # between two instants, which are rounded the more the later they are
     applies = both(state.counts.steps > 0, h > 1.001 * LONGEST_EXTRAPOLATION)
@@ -208,3 +232,11 @@ BLIND_GUARDS: Cases = {
     warning_messages.no_rise_to_guard: _no_rise_to_guard,
 }
 ACCURACY_GIVEN_UP: Cases = {warning_messages.accuracy_given_up: _accuracy_given_up}
+
+#: of what is given for an end
+INPUTS: Cases = {
+    warning_messages.positions_rounded: _positions_rounded,
+    warning_messages.samples_repeated: _samples_repeated,
+    warning_messages.table_too_coarse: _table_too_coarse,
+    warning_messages.motion_misfits: _motion_misfits,
+}

@@ -81,8 +81,13 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     return 1;
 }
 
-int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double within) {
-    (void)within;
+int rope_advance(Simulator *rope, double t, const EndMotion given[2], double given_at) {
+    const double ahead = t - given_at;
+    EndMotion ends[2] = {given[LEFT], given[RIGHT]};
+    for (int side = LEFT; side <= RIGHT; side++) {
+        ends[side].y += ahead * (given[side].vy + 0.5 * ahead * given[side].ay);
+        ends[side].vy += ahead * given[side].ay;
+    }
     if (!moves_well(rope, t - rope->state.t, ends)) return 0;
     rope->state.h = t - rope->state.t;
     rope->state.t = t;
@@ -102,9 +107,6 @@ const char *rope_message(const Simulator *rope) {
 }
 int rope_is_initialized(const Simulator *rope) {
     return rope->state.initialized;
-}
-int rope_has_moved(const Simulator *rope) {
-    return rope->state.steps > 0;
 }
 double rope_time(const Simulator *rope) {
     return rope->state.t;

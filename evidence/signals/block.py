@@ -1,0 +1,74 @@
+"""What docs/howto/motion.md says of signals, and what is claimed of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from evidence.claims import Measurement
+from evidence.rendering import markdown, quantity
+from evidence.tables import Table, Tables
+
+from .sources import SIGNALS
+from .wind import STEP, TRIPS
+
+#: targets: deviation of the end force over its largest, RMS and at an instant, and estimate over deviation
+RMS, LARGEST, FACTOR = 3e-3, 2e-2, 3.0
+#: s: communication steps up to here are what the targets are for
+LONGEST = 0.02
+
+
+def block(tables: Tables) -> str:
+    """The tables of signals and of tools with two steps."""
+    t = tables["signals"]
+    shown = [k for k in range(len(t["rope"])) if t["step [s]"][k] == STEP and t["reading"][k] == "start"]
+    rows = []
+    for signal in SIGNALS:
+        found = [k for k in shown if t["signal"][k] == signal.name and t["rope"][k] in {trip.name for trip in TRIPS}]
+        cells = [" / ".join(quantity(t[name][k], "%", ".2g") for name in ("RMS", "largest", "told")) for k in found]
+        said = next((str(t["warning"][k]) for k in found if str(t["warning"][k]) not in ("", "nan")), "")
+        rows.append((signal.name, *cells, said))
+    head = ("motion", *(f"{trip.name} rope" for trip in TRIPS), "the rope says")
+    m = tables["multirate"]
+    tools = [
+        (str(tool), quantity(rms, "%", ".2g"), quantity(largest, "%", ".2g"), f"{repeated:.0f}")
+        for tool, rms, largest, repeated in zip(m["tool"], m["RMS"], m["largest"], m["repeated"], strict=True)
+    ]
+    return "\n\n".join(
+        (
+            markdown(rows, *head),
+            "Deviation of the end forces over the largest: root mean square / largest at an instant / told by "
+            f"`status.end_force_error`. Communication steps of {quantity(STEP, 'ms')}, inputs read at a step's start; "
+            "all runs are in [signals.csv](../data/signals/signals.csv).",
+            markdown(tools, "drive at 10 ms, rope at 5 ms, in", "RMS", "largest", "samples repeated"),
+        )
+    )
+
+
+def claims(tables: Tables) -> Iterator[Measurement]:
+    """The targets, over all ropes, steps up to LONGEST and readings."""
+    t = tables["signals"]
+    judged = {signal.name for signal in SIGNALS if signal.judged}
+    told = {signal.name for signal in SIGNALS if signal.told}
+    short = t["step [s]"] <= LONGEST
+    kept = short & np.isin(t["signal"], sorted(judged))
+    yield Measurement("end force, RMS", _worst(t["RMS"][kept]), "1", "<", RMS)
+    yield Measurement("end force, largest", _worst(t["largest"][kept]), "1", "<", LARGEST)
+    ratio = (t["told"] / t["RMS"])[short]
+    yield Measurement("estimate over deviation, largest", _worst(ratio), "1", "<", FACTOR)
+    yield Measurement("estimate over deviation, least", float(np.min(ratio)), "1", ">", 1.0 / FACTOR)
+    silent = sum(1 for k in np.flatnonzero(short & np.isin(t["signal"], sorted(told))) if not _says(t, k))
+    yield Measurement("signals that no warning names", silent, "1", "<", 0.5)
+    failed = sum(1 for x in (*t["failure"], *tables["multirate"]["failure"]) if str(x) not in ("", "nan"))
+    yield Measurement("runs that fail", failed, "1", "<", 0.5)
+    yield Measurement("drive and rope with two steps, RMS", _worst(tables["multirate"]["RMS"]), "1", "<", RMS)
+
+
+def _says(t: Table, k: Any) -> bool:
+    return str(t["warning"][k]) not in ("", "nan") or "FMU" in str(t["rope"][k])
+
+
+def _worst(x: Any) -> float:
+    return float(np.max(x)) if len(x) else float("nan")

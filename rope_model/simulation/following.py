@@ -1,0 +1,384 @@
+"""How the rope's ends follow the motions that their host gives.
+
+Position, speed and acceleration of a host need not fit each other: tables are interpolated, encoders round, slower parts
+repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.  The end's
+motion x is therefore a state of its own.  It integrates the given acceleration A and draws the given position X and
+speed V in slowly, as a critically damped observer of second order:
+
+    x_tt = A + 2 w (V - x_t) + w^2 (X - x).
+
+Its bandwidth w follows from the accuracy asked for: a misfit as large as the error of the loop's place, e_L, must not
+disturb the end forces by more than their error, e_F.  It does so by w^2 e_L / g, so w = sqrt(e_F g / e_L).
+
+A smooth motion leaves a remainder too: the quintic path between two samples knows only the accelerations at its ends.
+What their change within a step explains is therefore met within the step, and only the rest is left to the observer.
+A motion that fits is followed exactly.
+
+The misfit's effect on the end force is that of the acceleration c which the followed motion has beyond the given one.
+It acts on the leg's mass at once, and on the part of it that swings in the slowest axial wave by that wave's response;
+a change of place within a step sends off a wave of the force sqrt(Qa rho) times its speed.
+
+What a host does not give is estimated by fading-memory filters: E. Brookner, Tracking and Kalman Filtering Made Easy,
+1998, chapter 7.  A filter of n-th order with the bandwidth W lags behind an acceleration of the rate J by n J / W.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from itertools import chain
+from typing import Any, NamedTuple
+
+from ..numerics import quintic
+from ..numerics.program import Program
+from ..physics.accuracy import TINY, end_force_error, loop_error, memory
+from ..physics.elementary import both, cos, either, exp, floor, larger, sin, smaller, sqrt, where
+from ..physics.estimates import axial_frequency
+from .paths import PATH, RESTS_BELOW, EndMotion, EndPath
+
+#: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits
+LEAST_JERK = 0.1
+#: of the slowest axial wave of the whole rope: a filter as fast as that would pass on what sets it swinging
+ESTIMATE_SHARE = 1.0 / 3.0
+#: part of a leg's mass that swings in its slowest axial wave
+SWINGING = 8.0 / math.pi**2
+#: speed within a step that moves the end by d in h, root mean square over d / h: sqrt(900 / 630) of the quintic
+STEP_SPEED = math.sqrt(900.0 / 630.0)
+#: m: positions are looked at for being whole multiples of these, and how closely
+GRIDS, ON_GRID = (1e-2, 1e-3, 1e-4, 1e-5), 1e-6
+#: m/s: least change of speed between two samples from which a broken line can be told
+LEAST_CHANGE = 2e-4
+#: parts of that change: below the one the line is straight, above the other it is broken
+STRAIGHT, BROKEN = 0.2, 1.8
+
+Four = tuple[float, float, float, float]
+Axis = tuple[float, float, float]
+
+
+class Following(NamedTuple):
+    """What an end was given last, how it follows, and what was amiss since the start; y alone tells the causes."""
+
+    given: tuple[float, float, float, float, float, float, float, float, float, float, float] = (0.0,) * 11
+    given_at: float = 0.0  # s, of the latest sample that is no repetition
+    motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # of PATH then, with what had to be estimated
+    asked: Four = (0.0,) * 4  # accelerations asked for at the path's end
+    lively: Four = (0.0,) * 4  # largest recent changes of those between two steps
+    time: float = 0.0  # s
+    position: float = 0.0  # m, largest misfit
+    speed: float = 0.0  # m/s
+    acceleration: float = 0.0  # m/s^2
+    squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
+    wave: tuple[float, float] = (0.0, 0.0)  # m/s^2, of the leg's slowest axial wave, now and a quarter of a period later
+    lag: float = 0.0  # m/s^2, of an estimated acceleration of y behind the true one
+    force: float = 0.0  # N^2 s, time integral of the square of the end force's error
+    drift: float = 0.0  # m, slow part of the misfit of y
+    farthest: float = 0.0  # m, largest size of it
+    repeats: float = 0.0  # steps that were given the sample of an earlier one
+    held: float = 0.0  # steps since the latest sample
+    sent_every: float = 0.0  # s, between the latest samples with repetitions between them
+    grid: float = 1.0  # m, coarsest of GRIDS on which all positions lie; 1 before the first, 0: none
+    samples: float = 0.0  # of an end that moves
+    slope: float = 0.0  # m/s, of y between the latest two samples
+    straight: float = 0.0  # samples since y's line was broken last
+    broken_at: float = 0.0  # s
+    breaks: float = 0.0  # breaks behind straight pieces
+    table_every: float = 0.0  # s, between the latest two
+
+    @staticmethod
+    def at_rest(t: float, at: EndMotion) -> Following:
+        """Before anything moves."""
+        x, y, z, yaw = ((place, 0.0, 0.0) for place in (*at.position, at.yaw))
+        return Following(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)  # type: ignore[arg-type]
+
+
+class Rates(NamedTuple):
+    """Bandwidths, rad/s: of the observer, and of the filters for what is not given."""
+
+    observer: float
+    estimate: float
+
+
+def follow_rates(scene: Any) -> Rates:
+    """Bandwidths as chosen, or as they follow from the accuracy asked for and from the rope."""
+    chosen, accuracy = scene.inputs, scene.accuracy
+    derived = sqrt(accuracy.end_force * scene.layout.gravity / accuracy.loop)
+    slowest = ESTIMATE_SHARE * axial_frequency(scene.rope, scene.rope.length)
+    return Rates(
+        where(chosen.bandwidth > 0, chosen.bandwidth, derived),
+        where(chosen.estimate_bandwidth > 0, chosen.estimate_bandwidth, slowest),
+    )
+
+
+def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end: Any) -> Following:
+    """``now`` with what the host gives of the instant ``given_at`` for a step ``h``, unless it is a repetition.
+
+    ``trusted`` is the place of inputs.given among its choices.
+    """
+    values = tuple(vars(end).values())
+    moves = either(*(abs(value) > RESTS_BELOW for value in (end.vx, end.vy, end.vz, end.yaw_rate)))
+    repeated = both(trusted <= 1, moves, *(a == b for a, b in zip(values, now.given, strict=True)))
+    since = larger(given_at - now.given_at, h)
+    motion = []
+    speeds = (*end.velocity, end.yaw_rate)
+    # FMI gives no yaw acceleration: take the mean since the sample before
+    accelerations = (*end.acceleration, (end.yaw_rate - now.motion[3][1]) / since)
+    for was, x, v, a in zip(now.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
+        new = _completed(was, trusted, exp(-rates.estimate * since), since, (x, v, a))
+        motion.append(tuple(where(repeated, old, found) for old, found in zip(was, new, strict=True)))
+    fades = exp(-rates.estimate * h)
+    lively = tuple(
+        larger(abs(axis[2] - asked), fades * before)
+        for axis, asked, before in zip(motion, now.asked, now.lively, strict=True)
+    )
+    looked = _looked_at(now, given_at, since, end, either(*(abs(v) > RESTS_BELOW for v in speeds)))
+    kept = {name: where(repeated, getattr(now, name), value) for name, value in looked.items()}
+    return now._replace(
+        given=values,
+        given_at=where(repeated, now.given_at, given_at),
+        motion=tuple(motion),
+        lively=lively,
+        repeats=now.repeats + where(repeated, 1.0, 0.0),
+        held=where(repeated, now.held + 1.0, 0.0),
+        sent_every=where(both(now.held > 0, 1 - repeated), since, now.sent_every),
+        **kept,
+    )
+
+
+def _completed(was: Any, trusted: Any, kept: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
+    """Position, speed and acceleration of one coordinate, ``h`` after they ``was``, by what is trusted of ``sample``.
+
+    ``kept`` is the part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3.
+    """
+    x, v, a = was
+    lost = 1.0 - kept
+    ahead, faster = quintic.extrapolate(x, v, a, h)
+    by_speed, by_place = sample[1] - faster, sample[0] - ahead
+    speed, acceleration = faster + (1.0 - kept * kept) * by_speed, a + lost * lost / h * by_speed
+    integrated = x + 0.5 * h * (v + speed) + h * h / 12.0 * (a - acceleration)
+    place = ahead + (1.0 - kept * kept * kept) * by_place
+    speed_of_place = faster + 1.5 * lost * lost * (1.0 + kept) / h * by_place
+    acceleration_of_place = a + lost * lost * lost / (h * h) * by_place
+    return (
+        where(trusted <= 1, sample[0], where(trusted <= 2, place, integrated)),
+        where(trusted <= 0, sample[1], where(abs(trusted - 2) < 0.5, speed_of_place, speed)),
+        where(trusted <= 0, sample[2], where(abs(trusted - 2) < 0.5, acceleration_of_place, acceleration)),
+    )
+
+
+def _looked_at(now: Any, given_at: Any, since: Any, end: Any, moves: Any) -> dict[str, Any]:
+    """What a new sample tells of the grid that positions lie on, and of a table that they are interpolated in."""
+    fits: Any = 0.0
+    for grid in reversed(GRIDS):
+        place = end.y / grid
+        fits = where(abs(place - floor(place + 0.5)) < ON_GRID, grid, fits)
+    slope = (end.y - now.motion[1][0]) / since
+    change, expected = abs(slope - now.slope), abs(end.ay) * since
+    seen = expected > LEAST_CHANGE
+    breaks = both(seen, change > BROKEN * expected)
+    straight = both(seen, change < STRAIGHT * expected)
+    counts = both(breaks, now.straight > 0)
+    return {
+        "grid": where(moves, smaller(now.grid, fits), now.grid),
+        "samples": now.samples + where(moves, 1.0, 0.0),
+        "slope": slope,
+        "straight": where(straight, now.straight + 1.0, 0.0),
+        "broken_at": where(breaks, given_at, now.broken_at),
+        "breaks": now.breaks + where(counts, 1.0, 0.0),
+        "table_every": where(counts, given_at - now.broken_at, now.table_every),
+    }
+
+
+def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
+    """The path from the end of ``path`` on, that follows what is given until ``stop``."""
+    start = path.stop
+    h = stop - start
+    places, speeds, accelerations = path.motion(start)
+    axes = (
+        _followed(bandwidth, stop - now.given_at, h, *axis)
+        for axis in zip(places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
+    )
+    x, y, z, yaw = axes
+    return EndPath(start, stop, (x, y, z, yaw))
+
+
+def _followed(
+    w: Any, ahead: Any, h: Any, x: Any, v: Any, a: Any, motion: Any, asked: Any, lively: Any
+) -> tuple[Any, ...]:
+    """The quintic of one coordinate from x, v, a on, over the step ``h``."""
+    place, speed = quintic.extrapolate(*motion, ahead)
+    acceleration = motion[2]
+    # what the sample has beyond a motion of linear acceleration
+    faster = speed - v - 0.5 * h * (a + acceleration)
+    farther = place - x - h * v - h * h / 6.0 * (2.0 * a + acceleration)
+    change = abs(acceleration - asked)
+    met_speed = abs(faster) <= h * (2.0 * change + lively + LEAST_JERK * h)
+    met_place = abs(farther) <= h * h * (change + 0.125 * lively + LEAST_JERK * h)
+    rest_speed, rest_place = where(met_speed, 0.0, faster), where(met_place, 0.0, farther)
+    # the rest fades out as the observer has it, from the step's start on
+    at_start = rest_place - h * rest_speed
+    leaning = rest_speed + w * at_start
+    fades = exp(-w * h)
+    left, left_speed = (at_start + leaning * h) * fades, (rest_speed - w * leaning * h) * fades
+    return quintic.coefficients(
+        h,
+        *(x, v, a),
+        *(place - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left)),
+    )
+
+
+class Limits(NamedTuple):
+    """Of an end's path: largest accelerations on it, sampled, and misfit of place and speed at its end, by PATH."""
+
+    peaks: Four
+    place: Four
+    speed: Four
+
+
+def follow_limits(path: Any, now: Any) -> Limits:
+    """What decides whether the path can be followed; NaN where a coordinate is."""
+    places, speeds, _ = path.motion(path.stop)
+    ahead = path.stop - now.given_at
+    missed = [
+        (abs(given[0] - x), abs(given[1] - v))
+        for given, x, v in zip((quintic.extrapolate(*axis, ahead) for axis in now.motion), places, speeds, strict=True)
+    ]
+    (x, vx), (y, vy), (z, vz), (yaw, yaw_t) = missed
+    return Limits(path.peak_accelerations(), (x, y, z, yaw), (vx, vy, vz, yaw_t))
+
+
+def follow_account(now: Any, path: Any, rates: Any, rope: Any, trusted: Any, leg: Any) -> Following:
+    """``now`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
+    h = path.stop - path.start
+    places, speeds, accelerations = path.motion(path.stop)
+    ahead = path.stop - now.given_at
+    found = []
+    for axis, x, v, a in zip(now.motion[:3], places, speeds, accelerations, strict=False):
+        place, speed = quintic.extrapolate(*axis, ahead)
+        found.append((abs(place - x), abs(speed - v), abs(a - axis[2])))
+    misfits = tuple(larger(larger(x, y), z) for x, y, z in zip(*found, strict=True))
+    y, _ = quintic.extrapolate(*now.motion[1], ahead)
+    c0, c1, c2 = path.coefficients[1][:3]
+    # of the acceleration, linear through the two given last, in the middle of the step
+    given = now.motion[1][2] + (now.motion[1][2] - now.asked[1]) * (ahead / h - 0.5)
+    order = where(trusted <= 0, 0.0, where(abs(trusted - 2) < 0.5, 3.0, 2.0))
+    lags = order * (now.motion[1][2] - now.asked[1]) / (h * rates.estimate)
+    lag = now.lag + (1.0 - exp(-rates.estimate * h)) * (lags - now.lag)
+    added = (speeds[1] - c1) / h - given - lag
+    bent = speeds[1] - c1 - 0.5 * h * (2.0 * c2 + accelerations[1])
+    shifted = places[1] - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + accelerations[1]) - 0.5 * h * bent
+    wave, of_leg = _swung(now.wave, added, rope, leg, h)
+    of_place = STEP_SPEED * sqrt(rope.Qa * rope.mass_per_length) * shifted / h
+    drift = now.drift + (1.0 - exp(-rates.observer * h)) * (y - places[1] - now.drift)
+    position, speed, acceleration = misfits
+    return now._replace(
+        asked=tuple(axis[2] for axis in now.motion),
+        time=now.time + h,
+        position=larger(now.position, position),
+        speed=larger(now.speed, speed),
+        acceleration=larger(now.acceleration, acceleration),
+        squares=tuple(sum_ + h * (size * size) for sum_, size in zip(now.squares, misfits, strict=True)),
+        wave=wave,
+        lag=lag,
+        force=now.force + h * (of_leg * of_leg + of_place * of_place),
+        drift=drift,
+        farthest=larger(now.farthest, abs(drift)),
+    )
+
+
+def _swung(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[Any, Any]:
+    """The leg's slowest axial wave, m/s^2, after a step with the acceleration ``added``, and the end force (N) then."""
+    omega = axial_frequency(rope, leg)
+    lasts = memory(rope, omega)
+    fades = lasts / (lasts + h)
+    c, s = fades * cos(omega * h), fades * sin(omega * h)
+    off = wave[0] - added
+    swung = added + c * off + s * wave[1], c * wave[1] - s * off
+    return swung, rope.mass_per_length * leg * (SWINGING * swung[0] + (1.0 - SWINGING) * added)
+
+
+def with_misfit(error: Any, sums: Any, left: Any, right: Any) -> Any:
+    """``error`` of the end forces, root mean square over the largest, with that of motions that do not fit."""
+    squares = larger(left.force, right.force) / larger(sums.time, TINY)
+    return sqrt(error * error + squares / larger(sums.force * sums.force, TINY))
+
+
+def with_drift(error: Any, left: Any, right: Any) -> Any:
+    """``error`` of the loop's place, m, with that of ends that are not where they are said to be."""
+    apart = 0.5 * (left.farthest + right.farthest)
+    return sqrt(error * error + apart * apart)
+
+
+def told_force_error(rope: Any, sums: Any, left: Any, right: Any) -> Any:
+    """Estimated error of the end forces, root mean square since the start, relative to the largest."""
+    return with_misfit(end_force_error(rope, sums), sums, left, right)
+
+
+def told_loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any, left: Any, right: Any) -> Any:
+    """Estimated largest error of the loop's place since the start, m."""
+    return with_drift(loop_error(scene, sums, fine, grading_length), left, right)
+
+
+class Followed(NamedTuple):
+    """An end's next path, and what decides whether it can be followed."""
+
+    following: Following
+    path: EndPath
+    limits: Limits
+
+
+_PATH = 2 + 6 * len(PATH)
+_END = len(EndMotion.__dataclass_fields__)
+_FOLLOWING = 0
+
+
+def following_of(values: Iterable[Any]) -> Following:
+    """A Following from its numbers in a row."""
+    rest = iter(values)
+    return Following(*(_taken(rest, zero) for zero in Following()))
+
+
+def _taken(rest: Any, zero: Any) -> Any:
+    return tuple(_taken(rest, part) for part in zero) if isinstance(zero, tuple) else next(rest)
+
+
+def numbers_of(x: Any) -> list[Any]:
+    """The numbers of nested tuples in a row."""
+    return [n for part in x for n in numbers_of(part)] if isinstance(x, tuple) else [x]
+
+
+def path_of(x: Sequence[Any]) -> EndPath:
+    """The path of these numbers."""
+    return EndPath(x[0], x[1], (tuple(x[2:8]), tuple(x[8:14]), tuple(x[14:20]), tuple(x[20:26])))  # type: ignore[arg-type]
+
+
+_FOLLOWING = len(numbers_of(Following()))
+
+
+def follow_program() -> Program:
+    """follow_sample, follow_path and follow_limits in CasADi's virtual machine, for ``follow``."""
+    return Program(_follow, _FOLLOWING + _PATH + 5 + _END)
+
+
+def follow(
+    program: Program, now: Following, path: EndPath, rates: Rates, trusted: int, given_at: float, stop: float, end: EndMotion
+) -> Followed:
+    """The path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``."""
+    numbers = (*numbers_of(now), *path[:2], *chain(*path.coefficients))
+    found = program(*numbers, *rates, float(trusted), given_at, stop, *vars(end).values())
+    split = _FOLLOWING + _PATH
+    peaks, place, speed = found[split : split + 4], found[split + 4 : split + 8], found[split + 8 :]
+    return Followed(
+        following_of(found[:_FOLLOWING]),
+        path_of(found[_FOLLOWING:split]),
+        Limits(peaks, place, speed),  # type: ignore[arg-type]
+    )
+
+
+def _follow(x: Sequence[Any]) -> tuple[Any, ...]:
+    split = _FOLLOWING + _PATH
+    path, (observer, estimate, trusted, given_at, stop) = path_of(x[_FOLLOWING:split]), x[split : split + 5]
+    end = EndMotion(*x[split + 5 :])
+    now = follow_sample(following_of(x[:_FOLLOWING]), Rates(observer, estimate), trusted, given_at, stop - path.stop, end)
+    path = follow_path(path, now, stop, observer)
+    limits = follow_limits(path, now)
+    return (*numbers_of(now), *path[:2], *chain(*path.coefficients), *numbers_of(limits))
