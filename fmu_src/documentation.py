@@ -63,15 +63,17 @@ A communication step may be as short as the host likes. In a step below 1e-9 s n
 time is not lost: the next step begins where the rope is. (Loops with `h = min(H, T - t)` end with such a remainder.)
 
 Inputs at the start of a step are extrapolated with constant acceleration, so at its end the rope's path misses the
-motion by j H^3/6 at a jerk j. The next path corrects that; where the next step h is shorter than the H before, over
-the time in which a jerk of 0.1 m/s^3 would miss as much, at most H, else h would ask for accelerations of j H^3/h^2.
-With jerks of at most j (take 0.1 m/s^3 if it is less) and no step longer than H, in any order, the path stays
-within 0.27 j H^3, 0.62 j H^2 and 3.4 j H of the motion's position, speed and acceleration; even steps of H have
-0.26, 0.51 and 2.9. Steps at rest or at constant acceleration do not count for H: extrapolation misses nothing there,
-and a trip after a long one is that after short ones.
-The end force errs by up to twice the leg's mass times the error of the acceleration. Inputs at the
-step's end (`inputs_at_step_end` = true) are met exactly, but for steps below 1e-5 s, which aim that far ahead, because
-within them the rounding of a position would ask for large accelerations (tests/test_masters.py).
+motion by j H^3/6 at a jerk j. The next path corrects what the change of the acceleration explains; the rest is drawn
+in slowly (`inputs.bandwidth`). With jerks of at most j and no step longer than H the path stays within 0.26 j H^3,
+0.51 j H^2 and 2.9 j H of the motion's position, speed and acceleration in even steps, within 1.2, 1.2 and 5.9 of these
+in any order of steps (tests/test_master_paths.py). The end force errs by up to twice the leg's mass times the error of
+the acceleration. Inputs at the step's end (`inputs_at_step_end` = true) are met exactly where they fit.
+
+*Motions that do not fit.* Position, speed and acceleration of tables, sensors and slower parts need not be of one
+motion. The rope's ends follow the given acceleration and draw position and speed in like a critically damped observer.
+`inputs.misfit.*` tell what is left, `status.end_force_error` contains its effect on the end forces, and
+`status.warning` names the likely cause. `inputs.given` says what to trust. Inputs of a moving end that are the same as
+before to the last bit are no new sample: the motion is extrapolated on, and `inputs.repeated` counts the steps.
 """
 _WARNINGS = """\
 `status.warning` holds warnings about results that are valid, as long as they apply; the log has each of them once
@@ -98,8 +100,10 @@ _WARNINGS = """\
   (`status.given_up`, `status.given_up_since`).
 - *The model has no torsion*, though the rope carries torque: what it does not compute is 0 (below).
 - *A guard sees nothing*: the model does not compute what it watches (torque, say).
+- *The inputs do not fit*: positions look rounded or interpolated in a coarse table, samples come again, or position,
+  speed and acceleration are not of one motion (`inputs.misfit.*`, `inputs.repeated`).
 - *A communication step above 20 ms with extrapolated inputs*: in the 90 m winding end forces are up to 2 % of the
-  largest off at 50 ms, 0.1 % at 20 ms; in an emergency stop 25 % and 4 %.
+  largest off at 50 ms, 0.1 % at 20 ms; in an emergency stop 20 % and 4 %.
 
 What each fidelity computes (`status.fidelity`); the rest is 0, not a result, and exact only for a rope without torque:
 """

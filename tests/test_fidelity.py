@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 import pytest
+from end_paths import led
 from numpy.testing import assert_allclose
 
 from benchmarks.kinematic import fixed_steps
@@ -126,8 +127,8 @@ def test_spatial_and_torsional_without_inertia_are_the_same() -> None:
 
 def rigid_at(t: float) -> RigidRope:
     """The rigid rope on many nodes, in the middle of a host step; both ends accelerate, and differently."""
-    left = EndPath.at_rest(0.0, EndMotion()).to(4.0, EndMotion(y=3.0, vy=1.5, ay=0.7))
-    right = EndPath.at_rest(0.0, EndMotion(y=HIGH)).to(4.0, EndMotion(y=HIGH + 1.0, vy=-0.5, ay=0.2))
+    left = led(EndPath.at_rest(0.0, EndMotion()), 4.0, EndMotion(y=3.0, vy=1.5, ay=0.7))
+    right = led(EndPath.at_rest(0.0, EndMotion(y=HIGH)), 4.0, EndMotion(y=HIGH + 1.0, vy=-0.5, ay=0.2))
     return rigid_rope(SHORT, (left.at(t), right.at(t)), t, np.linspace(0.0, SHORT.rope.length, 20001))
 
 

@@ -153,7 +153,7 @@ def test_failures_and_warnings_are_told_in_the_same_words(fmu_of: FmuOf, caplog:
         told.append((failed, again, caplog.messages))
     failed, again, warnings = told[0]
     assert (failed.valid, again.valid) == (False, True)
-    assert "m/s^2" in failed.message
+    assert "inputs.misfit_max" in failed.message
     assert len(warnings) == len(set(warnings)) > 0
     assert told[1:] == told[:1] * len(FMI_3)
 

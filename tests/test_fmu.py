@@ -141,7 +141,7 @@ def test_bad_values_and_calls_get_a_message_and_the_instance_stays_usable(fmu: P
         "nan": "left.vy = nan is not finite",
         "inf": "left.y = inf is not finite",
         "range": "left.vy = 10000 is beyond",
-        "jump": "left.y and its derivatives do not fit together",
+        "jump": "left.y and what its derivatives have led to",
         "wrong time": "the host steps from t = 0.5 s",
         "zero step": "not positive",
         "negative step": "not positive",

@@ -225,7 +225,7 @@ def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
 
 def test_choices_say_what_they_mean(fmu: Archive) -> None:
     items = list(fmu.root.iter("Item"))
-    assert len(items) == (14 if fmu.fmi == 3 and not fmu.kind.startswith("drive") else 0)
+    assert len(items) == (18 if fmu.fmi == 3 and not fmu.kind.startswith("drive") else 0)
     assert all(item.get("description") for item in items)
 
 

@@ -30,7 +30,6 @@ from rope_model.native.structures import GROUPS, SceneStructure
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import where
-from rope_model.simulation.paths import EndMotion, EndPath
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
@@ -175,15 +174,3 @@ def farther(a: Any, b: Any) -> Any:
 def test_a_choice_between_two_values_is_one() -> None:
     code = function_code("double f(double a, double b)", farther)
     assert "(a < b ? (a == b ? a : 2.0 * b) : a + 1.0) - b" in code
-
-
-def test_a_path_goes_on_to_where_its_step_ends_or_beyond_as_in_c(compiled: Any) -> None:
-    """Numbers drawn alone seldom miss nothing."""
-    resting, away = EndPath.at_rest(0.0, EndMotion()), EndMotion(y=0.01, vy=0.1)
-    path = compiled.path_to_
-    path.restype = c_structure(EndPath)
-    for target, stop, within in ((EndMotion(), 0.5, 0.0), (away, 0.5, 0.0), (away, 0.5, 2.0), (away, 1e-9, 2.0)):
-        expected = resting.to(stop, target, within)
-        found = path(in_c(resting, "Path"), ct.c_double(stop), in_c(target, "EndMotion"), ct.c_double(within))
-        assert np.frombuffer(found).tolist() == flat(expected)
-        assert (expected.aim == stop) == (target is not away or within == 0.0)

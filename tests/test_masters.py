@@ -23,7 +23,7 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 from fmpy.fmi1 import FMICallException
-from master_trip import DURATION, JERK, MISSED, TRAVEL
+from master_trip import DURATION, JERK, MISSED_ACCELERATION, TRAVEL
 from masters import LOOPS, Steps, random_steps
 from native_host import Host
 from numpy.testing import assert_allclose
@@ -354,7 +354,9 @@ def test_event_found_by_bisection(host: Host, at_end: bool) -> None:
 
 def extrapolation_error() -> float:
     """N, of the end force while the longest leg follows the trip extrapolated in steps up to LONGEST."""
-    return float(2 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * 0.5 * (rope_120().scene.rope.length + TRAVEL))
+    return float(
+        2 * MISSED_ACCELERATION * JERK * LONGEST * MASS_PER_LENGTH * 0.5 * (rope_120().scene.rope.length + TRAVEL)
+    )
 
 
 @native_only

@@ -17,6 +17,7 @@ from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import pytest
+from end_paths import NO_LIMITS, Follower, led
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -25,24 +26,25 @@ from numpy.typing import NDArray
 from evidence.choice.scenes import CASES, Case
 from fmu_src.interface import scene_of, variables
 from rope_model.native.build import generate
+from rope_model.native.layout import FollowingStructure
 from rope_model.native.structures import (
     EndStructure,
     SceneStructure,
     end_structure,
-    path_structure,
     scene_structure,
 )
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
-from rope_model.parameters import CHOICES, FidelityChoice, Model, Rope, RopeCase, Scene, Swivel
+from rope_model.parameters import CHOICES, FidelityChoice, Inputs, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.shaft_parameters import Divider
-from rope_model.simulation.ends import HangingEnds, nominal_points, refusal
+from rope_model.simulation.ends import HangingEnds, frozen, nominal_points, refusal
 from rope_model.simulation.fidelity import (
     FIDELITIES,
     choose_fidelity,
     lowest_sufficient,
     unsupported_motion,
 )
+from rope_model.simulation.following import Following, Limits
 from rope_model.simulation.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
@@ -140,27 +142,45 @@ def test_names_of_the_fidelities_follow_their_codes(native: Any) -> None:
     assert tuple(native.fidelity_name(code).decode() for code in range(5)) == FIDELITY_NAMES
 
 
-def end_message(native: Any, target: EndMotion, path: EndPath, side: int) -> str:
-    return text_of(native.end_refusal, ct.byref(end_structure(target)), ct.byref(path_structure(path)), side)
+def end_message(native: Any, target: EndMotion, limits: Limits, side: int) -> str:
+    inputs, sizes = scene_structure(Scene()).inputs, (ct.c_double * 12)(*(x for row in limits for x in row))
+    return text_of(native.end_refusal, ct.byref(inputs), ct.byref(end_structure(target)), sizes, side)
 
 
 @pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(EndMotion)])
 @pytest.mark.parametrize("side", [0, 1])
 def test_end_that_is_out_of_bounds_has_the_same_message(native: Any, side: int, name: str) -> None:
-    path = EndPath.at_rest(0.0, EndMotion())
     for value in (math.nan, -math.nan, math.inf, -math.inf, -100000.25, 1.234567e9, 60.0, 60.001, 100.0, 100.1, 1e4):
         target = EndMotion(**{name: value})
-        assert end_message(native, target, path, side) == refusal(target, path.peak_accelerations(), SIDES[side])
-    assert refusal(EndMotion(**{name: 1e9}), path.peak_accelerations(), SIDES[side])
+        assert end_message(native, target, NO_LIMITS, side) == refusal(Inputs(), target, NO_LIMITS, SIDES[side])
+    assert refusal(Inputs(), EndMotion(**{name: 1e9}), NO_LIMITS, SIDES[side])
 
 
 @pytest.mark.parametrize("name", ["x", "y", "z", "yaw", "vx", "vy", "vz", "yaw_rate"])
 def test_motion_that_does_not_fit_together_has_the_same_message(native: Any, name: str) -> None:
-    for value in (0.001, 0.4321, 1.0, 50.0):
+    for value in (0.001, 0.4321, 0.6, 50.0):
         target = EndMotion(**{name: value})
-        path = EndPath.at_rest(0.0, EndMotion()).to(0.02, target)
-        assert end_message(native, target, path, 1) == refusal(target, path.peak_accelerations(), "right")
-    assert "do not fit together" in refusal(target, path.peak_accelerations(), "right")
+        limits = Follower().step(0.02, target).limits
+        assert end_message(native, target, limits, 1) == refusal(Inputs(), target, limits, "right")
+    # a yaw's acceleration is not given, but follows from its rate
+    bound = "acceleration_max" if name == "yaw_rate" else "misfit_max"
+    assert f"inputs.{bound}" in refusal(Inputs(), target, limits, "right")
+
+
+def test_acceleration_that_is_too_large_has_the_same_message(native: Any) -> None:
+    limits = NO_LIMITS._replace(peaks=(0.0, 1.0, 100.1, 5.0))
+    message = end_message(native, EndMotion(), limits, 0)
+    assert message == refusal(Inputs(), EndMotion(), limits, "left")
+    assert "inputs.acceleration_max = 100" in message
+
+
+def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
+    inputs, following = scene_structure(Scene()).inputs, Following(given_at=1.0, held=7.0)
+    structure = FollowingStructure(*following)
+    for t in (1.5, 2.0, 2.5):
+        message = text_of(native.end_frozen, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)
+        assert message == frozen(Inputs(), t, following, "right")
+    assert "inputs.hold_max" in message
 
 
 @pytest.mark.parametrize("mode", ["locked", "free", "coulomb"])
@@ -323,7 +343,7 @@ ends_here = st.tuples(*[st.builds(EndMotion, gentle, coordinates, gentle, *[gent
 def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, nodes: int, length: float) -> None:
     scene = Scene(rope=Rope(length=length))
     moved = [dataclasses.replace(b, y=a.y + b.vx, vy=b.vy + a.x) for a, b in zip(first, then, strict=True)]
-    paths = tuple(EndPath.at_rest(0.0, a).to(1.0, b) for a, b in zip(first, moved, strict=True))
+    paths = tuple(led(EndPath.at_rest(0.0, a), 1.0, b) for a, b in zip(first, moved, strict=True))
     ends = ends_at((paths[0], paths[1]), t)
     s = arc_lengths(uneven_lengths(nodes, length, nodes))
     q, v, a, reaction = (np.full((nodes, 7), np.nan) for _ in range(4))

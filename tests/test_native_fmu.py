@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,24 @@ def test_inputs_are_read_at_the_end_or_extrapolated(host: Host, at_step_end: boo
     assert host.step(0.0, 0.1) == ""
     height = 90.0 if at_step_end else 90.0 - 0.2 - 0.005
     assert host.get("left.fy")[0] == pytest.approx(-0.5 * (120.0 - height) * 8.0 * 9.81)
+
+
+def test_input_derivatives_of_fmi_2_stand_for_speed_and_acceleration_that_are_not_set(host: Host) -> None:
+    if host.fmi == 3:
+        pytest.skip("FMI 3.0 has none")
+    host.start()
+    y, vy = (host.variables[f"right.{name}"].valueReference for name in ("y", "vy"))
+    host.fmu.setRealInputDerivatives([y, y, vy], [1, 2, 3], [-2.0, -1.0, 7.0])
+    assert host.get("right.vy", "right.ay") == [-2.0, -1.0]
+    host.set(**{"right.vy": -3.0})
+    host.fmu.setRealInputDerivatives([y, y], [1, 2], [-2.0, -1.5])
+    assert host.get("right.vy", "right.ay") == [-3.0, -1.5]
+    assert host.step(0.0, 0.1) == ""
+    assert host.get("left.fy")[0] == pytest.approx(-0.5 * (120.0 - 90.0 + 0.3 + 0.0075) * 8.0 * 9.81)
+    for order, value in ((0, 1.0), (1, math.nan)):
+        with pytest.raises(FMICallException):
+            host.fmu.setRealInputDerivatives([y], [order], [value])
+        assert "must be of order 1 or higher, and finite" in host.error()
 
 
 @pytest.mark.parametrize("at_step_end", [True, False])

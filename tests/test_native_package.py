@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 import fmpy
 import pytest
+from end_paths import NO_LIMITS
 from fmpy.build import build_platform_binary
 from lxml import etree
 from native_host import Host
@@ -25,9 +26,9 @@ from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, 
 from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import universal
 from fmu_src.profile import FULL
-from rope_model.parameters import rope_120
+from rope_model.parameters import Inputs, rope_120
 from rope_model.simulation.ends import refusal
-from rope_model.simulation.paths import EndMotion, EndPath
+from rope_model.simulation.paths import EndMotion
 
 SCHEMAS = Path(fmpy.__file__).with_name("schema")
 #: the native rope's question for the processor, and what it includes
@@ -136,15 +137,15 @@ def test_min_and_max_of_a_parameter_are_taken_by_the_rope() -> None:
 
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
-    peaks = EndPath.at_rest(0.0, EndMotion()).peak_accelerations()
     inputs = [v for v in variables(rope_120()) if v.causality == "input"]
     assert len(inputs) == 22
     for v in inputs:
         side, name = v.name.split(".")
         for bound in (v.minimum, v.maximum):
             assert bound is not None
-            assert refusal(EndMotion(**{name: bound}), peaks, side) == ""
-            assert "beyond" in refusal(EndMotion(**{name: math.nextafter(bound, math.inf * bound)}), peaks, side)
+            assert refusal(Inputs(), EndMotion(**{name: bound}), NO_LIMITS, side) == ""
+            beyond = EndMotion(**{name: math.nextafter(bound, math.inf * bound)})
+            assert "beyond" in refusal(Inputs(), beyond, NO_LIMITS, side)
 
 
 def test_sources_rebuild_with_fmpy_compile(fmi: int, fmus: dict[int, Path], tmp_path: Path) -> None:

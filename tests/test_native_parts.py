@@ -38,6 +38,7 @@ from rope_model.simulation.diagnostics import (
 )
 from rope_model.simulation.ends import HangingEnds, Phase, SwivelState, nominal_points
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity
+from rope_model.simulation.following import Following
 from rope_model.simulation.mesh import (
     Partition,
     partition,
@@ -273,8 +274,7 @@ def any_rope(
     swivels = tuple(Swivel(mode, 0.1, 0.3, 0.2, 0.7) for mode in modes)
     states = tuple(SwivelState(phase, *random.normal(size=2)) for phase in phases)
     paths = tuple(
-        EndPath(start, start + 1.0, start + 1.0, tuple(map(tuple, random.normal(size=(4, 6)))))
-        for start in random.uniform(0, 2, 2)
+        EndPath(start, start + 1.0, tuple(map(tuple, random.normal(size=(4, 6))))) for start in random.uniform(0, 2, 2)
     )
     v, a, b, a_rate, reaction = random.normal(size=(5, *q.shape))
     offsets = tuple(random.normal(size=2))
@@ -283,6 +283,7 @@ def any_rope(
         partition=Partition(lengths),
         offsets=offsets,
         swivels=states,
+        following=(Following(), Following()),
         paths=paths,
         step_next=0.01,
         calm_since=0.0,

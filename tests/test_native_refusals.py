@@ -78,7 +78,7 @@ def test_a_step_that_fails_says_the_same_and_leaves_the_state() -> None:
     scene = Scene(rope=Rope(length=60.0), solver=Solver(step_min=5e-3, tolerance=1e-2))
     for ends, words in (
         ((EndMotion(y=-0.01, vy=-1.0, ay=-50.0), EndMotion()), "local error"),
-        ((EndMotion(y=5.0), EndMotion()), "do not fit together"),
+        ((EndMotion(y=5.0), EndMotion()), "inputs.misfit_max"),
         ((EndMotion(vx=math.inf), EndMotion()), "not finite"),
     ):
         messages = []

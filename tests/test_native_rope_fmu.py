@@ -204,7 +204,7 @@ def test_hostile_values_name_value_bound_and_cure(host: Host) -> None:
     host.start(inputs_at_step_end=True)
     run(host, 0, 3)
     state = host.state()
-    for values, words in (({"left.vy": 1e4}, "beyond +-60"), ({"left.y": 5.0}, "do not fit together")):
+    for values, words in (({"left.vy": 1e4}, "beyond +-60"), ({"left.y": 5.0}, "inputs.misfit_max")):
         move(host, 4 * H)
         host.set(**values)
         assert words in host.step(3 * H)

@@ -9,6 +9,7 @@ from typing import Literal, TypeVar
 
 import numpy as np
 import pytest
+from end_paths import led
 from numpy.testing import assert_allclose
 
 from rope_model import balance_rope
@@ -76,7 +77,7 @@ def test_end_path_is_twice_continuously_differentiable_and_arrives() -> None:
     path = EndPath.at_rest(0.0, EndMotion(y=2.0))
     targets = [EndMotion(x=0.01, y=2.1, vy=3.0, ay=5.0, yaw=0.1, yaw_rate=0.2), EndMotion(y=2.2, vy=2.0, ay=-4.0)]
     for k, target in enumerate(targets):
-        following = path.to(0.1 * (k + 1), target)
+        following = led(path, 0.1 * (k + 1), target)
         for before, after in zip(path.motion(path.stop), following.motion(following.start), strict=True):
             assert_allclose(after, before, rtol=0, atol=1e-12)
         x, v, a = following.motion(following.stop)
@@ -87,7 +88,7 @@ def test_end_path_is_twice_continuously_differentiable_and_arrives() -> None:
 
 
 def test_end_path_derivatives_are_those_of_its_position() -> None:
-    path = EndPath.at_rest(0.0, EndMotion()).to(0.5, EndMotion(y=1.0, vy=3.0, ay=2.0, yaw=0.3, yaw_rate=1.0))
+    path = led(EndPath.at_rest(0.0, EndMotion()), 0.5, EndMotion(y=1.0, vy=3.0, ay=2.0, yaw=0.3, yaw_rate=1.0))
     d = 1e-6
     for t in (0.1, 0.25, 0.4):
         before, now, after = (np.array(path.motion(at)) for at in (t - d, t, t + d))
@@ -240,7 +241,7 @@ def test_state_of_another_mesh_is_refused() -> None:
         (EndMotion(y=math.nan), "left.y = nan is not finite"),
         (EndMotion(vy=math.inf), "left.vy = inf is not finite"),
         (EndMotion(y=0.0, vy=1e3), "beyond"),
-        (EndMotion(y=0.5), "do not fit together"),
+        (EndMotion(y=0.7), "inputs.misfit_max = 0.5"),
     ],
 )
 def test_bad_motion_is_refused_with_its_name_and_nothing_is_lost(motion: EndMotion, message: str) -> None:

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from end_paths import led
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
@@ -149,7 +150,7 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
     for step in (2e-3, 1e-3):
         _, events = twist(scene(step, **bearings))
         if not errors:
-            moving = replace(start.ends, paths=tuple(p.to(YAWED, EndMotion(yaw=yaw)) for p, yaw in path))
+            moving = replace(start.ends, paths=tuple(led(p, YAWED, EndMotion(yaw=yaw)) for p, yaw in path))
             expected = reference_events(start, moving, END)
         assert len(events) == len(expected) >= 3
         assert [("left", "right").index(e.what.split()[0]) for e in events] == [side for _, side, _ in expected]

@@ -65,10 +65,8 @@ def in_process(native: bool, tool: str, reading: str, steps: int, lift: float = 
     rope, rows = (NativeRope if native else RopeSimulator)(SCENE), []
     rope.initialize(0.0, *motions(0.0, lift))
     for k, (t, h) in enumerate(tool_driver.clock(tool, steps)):
-        ends = motions((k + 1) * tool_driver.H, lift)
-        if reading == "start":
-            ends = [end.extrapolate(h) for end in motions(k * tool_driver.H, lift)]
-        status = rope.advance_to(t + h, *ends)
+        at_end = reading == "end"
+        status = rope.advance_to(t + h, *motions((k + at_end) * tool_driver.H, lift), t + h if at_end else t)
         assert status.valid, status.message
         values = rope.signals(tool_driver.FORCES)
         rows.append([values[name] for name in tool_driver.FORCES])

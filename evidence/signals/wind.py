@@ -45,6 +45,10 @@ class Trip(NamedTuple):
         return s_curve(Winding(travel=self.travel, speed=self.speed, start_delay=DELAY))
 
 
+def _usual(level: Level) -> Scene:
+    return rope_120(level).scene
+
+
 def _deep(level: Level) -> Scene:
     known = rope("34x7", diameter=0.052, length=910.0)
     return at_level(Scene(rope=known.middle, layout=Layout(spacing=2.2)), level)
@@ -52,7 +56,7 @@ def _deep(level: Level) -> Scene:
 
 #: the second is one that nothing was developed on
 TRIPS = (
-    Trip("120 m", lambda level: rope_120(level).scene, 90.0, 8.0, (0.001, 0.005, 0.01, 0.02, 0.05)),
+    Trip("120 m", _usual, 90.0, 8.0, (0.001, 0.005, 0.01, 0.02, 0.05)),
     Trip("910 m", _deep, 870.0, 16.0, (0.01,)),
 )
 
@@ -95,7 +99,20 @@ def row(trip: Trip, signal: Signal, step: float, reading: str, exact: Array, fou
     rms = np.sqrt((off**2).mean(axis=0)).max()
     largest = np.abs(off).max()
     words = found.warning.partition(": ")[2].partition(";")[0]
-    return trip.name, signal.name, reading, step, rms, largest, told, loop, loop_told, found.misfit, words, found.failure
+    return (
+        trip.name,
+        signal.name,
+        reading,
+        step,
+        rms,
+        largest,
+        told,
+        loop,
+        loop_told,
+        found.misfit,
+        words,
+        found.failure,
+    )
 
 
 def rows(trip: Trip, step: float) -> Iterator[tuple[Any, ...]]:

@@ -13,11 +13,12 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from evidence.claims import Measurement
+from rope_model.numerics import quintic
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends import Phase, SwivelState
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.paths import EndMotion, EndPath
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.simulator import RopeSimulator
 
@@ -124,7 +125,7 @@ def explicit_sign(rope: RopeSimulator) -> Array:
     model, rates = rope.model, [0.0]
     for k in range(1, round(END / H) + 1):
         state, (angle, rate) = rope.state, relative(rope)
-        paths = (state.paths[0].to(k * H, turn(k * H)), state.paths[1].to(k * H, EndMotion()))
+        paths = _led(state.paths[0], k * H, turn(k * H)), _led(state.paths[1], k * H, EndMotion())
         slip = SwivelState(Phase.SLIP, angle, math.copysign(1.0, rate))
         state = state._replace(swivels=(slip, state.swivels[1]), paths=paths)
         system, motion = model.system(state), state.motion
@@ -136,6 +137,15 @@ def explicit_sign(rope: RopeSimulator) -> Array:
         rope.restore(model.commit(state, system, result))
         rates.append(relative(rope)[1])
     return np.array(rates)
+
+
+def _led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
+    """From the end of ``path`` to ``target`` at ``stop``, whatever that takes."""
+    places, speeds, accelerations = path.motion(path.stop)
+    then = (*target.position, target.yaw), (*target.velocity, target.yaw_rate), (*target.acceleration, 0.0)
+    axes = zip(places, speeds, accelerations, *then, strict=True)
+    x, y, z, yaw = (quintic.coefficients(stop - path.stop, *axis) for axis in axes)
+    return EndPath(path.stop, stop, (x, y, z, yaw))
 
 
 def locate(rope: RopeSimulator) -> tuple[Array, list[str]]:

@@ -40,6 +40,7 @@ void end_refusal(const Inputs *inputs, const EndMotion *target, const double lim
 }
 
 void end_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message) {
+    message[0] = '\0';
     if (following->held > 0 && t - following->given_at > inputs->hold_max)
         say_inputs_frozen(message, SIDE_NAMES[side], t - following->given_at, inputs->hold_max);
 }

@@ -49,8 +49,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
 /* it ends now, in a motion that an end may have */
 static int path_plausible(const Path *path, double t) {
     const double distant = 1e5;
-    if (!(path->start <= path->stop && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t))))
-        return 0;
+    if (!(path->start <= path->stop && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t)))) return 0;
     double motion[3][4];
     path_motion(path, path->stop, motion);
     for (int k = 0; k < 12; k++)

@@ -89,7 +89,9 @@ class EndStructure(ctypes.Structure):
 def scene_structure(scene: Scene) -> SceneStructure:
     """The scene as C sees it."""
     swivels = (GROUPS[Swivel] * 2)(_fill(scene.left), _fill(scene.right))
-    groups = (_fill(group) for group in (scene.mesh, scene.accuracy, scene.solver, scene.model, scene.inputs, scene.station))
+    groups = (
+        _fill(group) for group in (scene.mesh, scene.accuracy, scene.solver, scene.model, scene.inputs, scene.station)
+    )
     shaft = ShaftStructure(*(_fill(getattr(scene.shaft, name)) for name in PARTS))
     return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups, shaft)
 
@@ -102,9 +104,7 @@ def end_structure(motion: EndMotion) -> EndStructure:
 def path_structure(path: EndPath) -> PathStructure:
     """The path of an end as C sees it."""
     quintic = ctypes.c_double * 6
-    return PathStructure(
-        path.start, path.stop, (quintic * len(PATH))(*(quintic(*c) for c in path.coefficients))
-    )
+    return PathStructure(path.start, path.stop, (quintic * len(PATH))(*(quintic(*c) for c in path.coefficients)))
 
 
 def _fill(group: Any) -> ctypes.Structure:

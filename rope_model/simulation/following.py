@@ -38,6 +38,9 @@ from .paths import PATH, RESTS_BELOW, EndMotion, EndPath
 
 #: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits
 LEAST_JERK = 0.1
+#: rad/s^3: the same of a yaw, which twists the rope alone; torsion is softer, and FMI gives no acceleration of yaw
+LEAST_YAW_JERK = 100.0
+_JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
 #: of the slowest axial wave of the whole rope: a filter as fast as that would pass on what sets it swinging
 ESTIMATE_SHARE = 1.0 / 3.0
 #: part of a leg's mass that swings in its slowest axial wave
@@ -46,10 +49,15 @@ SWINGING = 8.0 / math.pi**2
 STEP_SPEED = math.sqrt(900.0 / 630.0)
 #: m: positions are looked at for being whole multiples of these, and how closely
 GRIDS, ON_GRID = (1e-2, 1e-3, 1e-4, 1e-5), 1e-6
+#: s: positions of 1e4 m are rounded by 2e-12 m; met in this time that takes some .1 m/s^2, in 1e-8 s 1e5 m/s^2
+SHORTEST_AIM = 1e-5
 #: m/s: least change of speed between two samples from which a broken line can be told
 LEAST_CHANGE = 2e-4
 #: parts of that change: below the one the line is straight, above the other it is broken
 STRAIGHT, BROKEN = 0.2, 1.8
+#: breaks behind pieces of one length that make a table, and the part by which these lengths may differ
+FEWEST_BREAKS = 8.0
+ALIKE = 0.01
 
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
@@ -68,7 +76,10 @@ class Following(NamedTuple):
     speed: float = 0.0  # m/s
     acceleration: float = 0.0  # m/s^2
     squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
-    wave: tuple[float, float] = (0.0, 0.0)  # m/s^2, of the leg's slowest axial wave, now and a quarter of a period later
+    wave: tuple[float, float] = (
+        0.0,
+        0.0,
+    )  # m/s^2, of the leg's slowest axial wave, now and a quarter of a period later
     lag: float = 0.0  # m/s^2, of an estimated acceleration of y behind the true one
     force: float = 0.0  # N^2 s, time integral of the square of the end force's error
     drift: float = 0.0  # m, slow part of the misfit of y
@@ -81,7 +92,7 @@ class Following(NamedTuple):
     slope: float = 0.0  # m/s, of y between the latest two samples
     straight: float = 0.0  # samples since y's line was broken last
     broken_at: float = 0.0  # s
-    breaks: float = 0.0  # breaks behind straight pieces
+    breaks: float = 0.0  # behind straight pieces that took as long as the one before
     table_every: float = 0.0  # s, between the latest two
 
     @staticmethod
@@ -176,44 +187,46 @@ def _looked_at(now: Any, given_at: Any, since: Any, end: Any, moves: Any) -> dic
     seen = expected > LEAST_CHANGE
     breaks = both(seen, change > BROKEN * expected)
     straight = both(seen, change < STRAIGHT * expected)
-    counts = both(breaks, now.straight > 0)
+    counts, piece = both(breaks, now.straight > 0), given_at - now.broken_at
+    found = now.breaks >= FEWEST_BREAKS
+    alike = either(found, abs(piece - now.table_every) < ALIKE * piece)
     return {
         "grid": where(moves, smaller(now.grid, fits), now.grid),
         "samples": now.samples + where(moves, 1.0, 0.0),
         "slope": slope,
         "straight": where(straight, now.straight + 1.0, 0.0),
         "broken_at": where(breaks, given_at, now.broken_at),
-        "breaks": now.breaks + where(counts, 1.0, 0.0),
-        "table_every": where(counts, given_at - now.broken_at, now.table_every),
+        "breaks": where(counts, where(alike, now.breaks + 1.0, 1.0), now.breaks),
+        "table_every": where(both(counts, 1 - found), piece, now.table_every),
     }
 
 
 def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
-    """The path from the end of ``path`` on, that follows what is given until ``stop``."""
+    """The path from the end of ``path`` on, that follows what is given until ``stop``; a short one leads beyond."""
     start = path.stop
-    h = stop - start
+    h = larger(stop - start, SHORTEST_AIM)
+    ahead = stop - now.given_at + (h - (stop - start))
     places, speeds, accelerations = path.motion(start)
     axes = (
-        _followed(bandwidth, stop - now.given_at, h, *axis)
-        for axis in zip(places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
+        _followed(bandwidth, ahead, h, *axis)
+        for axis in zip(_JERKS, places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
     )
     x, y, z, yaw = axes
     return EndPath(start, stop, (x, y, z, yaw))
 
 
 def _followed(
-    w: Any, ahead: Any, h: Any, x: Any, v: Any, a: Any, motion: Any, asked: Any, lively: Any
+    w: Any, ahead: Any, h: Any, jerk: float, x: Any, v: Any, a: Any, motion: Any, asked: Any, lively: Any
 ) -> tuple[Any, ...]:
     """The quintic of one coordinate from x, v, a on, over the step ``h``."""
     place, speed = quintic.extrapolate(*motion, ahead)
     acceleration = motion[2]
     # what the sample has beyond a motion of linear acceleration
-    faster = speed - v - 0.5 * h * (a + acceleration)
-    farther = place - x - h * v - h * h / 6.0 * (2.0 * a + acceleration)
+    faster = speed - v - 0.5 * h * (asked + acceleration)
+    farther = place - x - h * v - h * h / 6.0 * (2.0 * asked + acceleration)
     change = abs(acceleration - asked)
-    met_speed = abs(faster) <= h * (2.0 * change + lively + LEAST_JERK * h)
-    met_place = abs(farther) <= h * h * (change + 0.125 * lively + LEAST_JERK * h)
-    rest_speed, rest_place = where(met_speed, 0.0, faster), where(met_place, 0.0, farther)
+    rest_speed = _unexplained(faster, h * (change + 0.5 * lively + jerk * h))
+    rest_place = _unexplained(farther, h * h * (change + 0.125 * lively + jerk * h))
     # the rest fades out as the observer has it, from the step's start on
     at_start = rest_place - h * rest_speed
     leaning = rest_speed + w * at_start
@@ -224,6 +237,14 @@ def _followed(
         *(x, v, a),
         *(place - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left)),
     )
+
+
+def _unexplained(misfit: Any, explained: Any) -> Any:
+    """The part of a misfit that a motion which fits cannot have: none up to ``explained``, all from twice that on.
+
+    Continuous: masters that look for events vary the step.
+    """
+    return misfit - misfit * smaller(larger(2.0 - abs(misfit) / explained, 0.0), 1.0)
 
 
 class Limits(NamedTuple):
@@ -360,7 +381,14 @@ def follow_program() -> Program:
 
 
 def follow(
-    program: Program, now: Following, path: EndPath, rates: Rates, trusted: int, given_at: float, stop: float, end: EndMotion
+    program: Program,
+    now: Following,
+    path: EndPath,
+    rates: Rates,
+    trusted: int,
+    given_at: float,
+    stop: float,
+    end: EndMotion,
 ) -> Followed:
     """The path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``."""
     numbers = (*numbers_of(now), *path[:2], *chain(*path.coefficients))
@@ -378,7 +406,9 @@ def _follow(x: Sequence[Any]) -> tuple[Any, ...]:
     split = _FOLLOWING + _PATH
     path, (observer, estimate, trusted, given_at, stop) = path_of(x[_FOLLOWING:split]), x[split : split + 5]
     end = EndMotion(*x[split + 5 :])
-    now = follow_sample(following_of(x[:_FOLLOWING]), Rates(observer, estimate), trusted, given_at, stop - path.stop, end)
+    now = follow_sample(
+        following_of(x[:_FOLLOWING]), Rates(observer, estimate), trusted, given_at, stop - path.stop, end
+    )
     path = follow_path(path, now, stop, observer)
     limits = follow_limits(path, now)
     return (*numbers_of(now), *path[:2], *chain(*path.coefficients), *numbers_of(limits))

@@ -123,7 +123,9 @@ def error_signals(rope: Evaluated) -> dict[str, float]:
     scene, errors, cells = rope.scene, rope.state.errors, rope.state.partition
     return {
         "status.end_force_error": float(told_force_error(scene.rope, errors, *rope.state.following)),
-        "status.loop_error": float(told_loop_error(scene, errors, cells.fine, cells.grading_length, *rope.state.following)),
+        "status.loop_error": float(
+            told_loop_error(scene, errors, cells.fine, cells.grading_length, *rope.state.following)
+        ),
     }
 
 

@@ -230,7 +230,9 @@ class RopeSimulator(BalanceRope):
         at, followed = t if given_at is None else given_at, []
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
             found = follow(self._follow, state.following[k], state.paths[k], rates, trusted, at, t, end)
-            if message := refusal(scene.inputs, end, found.limits, side) or frozen(scene.inputs, t, found.following, side):
+            if message := refusal(scene.inputs, end, found.limits, side) or frozen(
+                scene.inputs, t, found.following, side
+            ):
                 return Status(False, message)
             bottom = self.model.bottom(state.paths, start)
             leg = bottom if k == 0 else scene.rope.length - bottom

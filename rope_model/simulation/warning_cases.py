@@ -20,6 +20,7 @@ from .audit import (
 )
 from .cases import Cases
 from .fidelity_cases import carries_torque
+from .following import FEWEST_BREAKS
 
 #: rad: yaw of a loop that is turned over
 HALF_A_TURN = math.pi
@@ -27,8 +28,8 @@ HALF_A_TURN = math.pi
 YAWED_FAR = math.pi / 6
 #: s: steps beyond it are too long for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
 LONGEST_EXTRAPOLATION = 0.02
-#: samples of an end that moves, and breaks in its line, from which rounding and a table can be told
-FEWEST_SAMPLES, FEWEST_BREAKS = 20, 3
+#: samples of an end that moves from which rounding can be told
+FEWEST_SAMPLES = 20
 #: m: positions rounded to less do no harm
 COARSEST_ROUNDING = 0.99e-4
 #: m/s: a rope with less kinetic energy than all of it has at this speed is at rest

@@ -1,0 +1,51 @@
+"""Paths of the rope's ends for tests: to a motion at once, and behind the motions that a host gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cache
+
+from rope_model.numerics import quintic
+from rope_model.numerics.program import Program
+from rope_model.parameters import CHOICES, Rope, Trusted
+from rope_model.simulation.following import Followed, Following, Limits, Rates, follow, follow_account, follow_program
+from rope_model.simulation.paths import EndMotion, EndPath
+
+#: rad/s, of the 120 m rope at the standard level
+USUAL = Rates(1.0, 17.0)
+NO_LIMITS = Limits((0.0,) * 4, (0.0,) * 4, (0.0,) * 4)
+
+
+def led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
+    """The path from the end of ``path`` on that arrives at ``stop`` with the motion ``target``."""
+    h = stop - path.stop
+    now = path.motion(path.stop)
+    then = (*target.position, target.yaw), (*target.velocity, target.yaw_rate)
+    accelerations = (*target.acceleration, (target.yaw_rate - now[1][3]) / h)
+    x, y, z, yaw = (quintic.coefficients(h, *axis) for axis in zip(*now, *then, accelerations, strict=True))
+    return EndPath(path.stop, stop, (x, y, z, yaw))
+
+
+@cache
+def program() -> Program:
+    return follow_program()
+
+
+@dataclass
+class Follower:
+    """An end that follows what it is given, from rest at ``at``."""
+
+    at: EndMotion = field(default_factory=EndMotion)
+    rates: Rates = USUAL
+    trusted: Trusted = "all"
+
+    def __post_init__(self) -> None:
+        self.path, self.following = EndPath.at_rest(0.0, self.at), Following.at_rest(0.0, self.at)
+
+    def step(self, stop: float, given: EndMotion, given_at: float | None = None) -> Followed:
+        """On to ``stop`` by the motion ``given`` of the instant ``given_at``, or else of ``stop``."""
+        code, at = [*CHOICES["inputs.given"]].index(self.trusted), stop if given_at is None else given_at
+        found = follow(program(), self.following, self.path, self.rates, code, at, stop, given)
+        self.path = found.path
+        self.following = follow_account(found.following, found.path, self.rates, Rope(), code, 60.0)
+        return found
