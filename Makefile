@@ -13,7 +13,7 @@ READY := $(VENV)/.ready
 # one process per core, each with one thread; one that has no tests left takes over half of those of another
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist worksteal
 
-.PHONY: demo test test-slow lint docs evidence bench winding robustness poses stability reproduce chart mesh-rule contact guards shafts tangle promise integrators peer validate knowledge reference choice hoist coupling latency studies throughput terms fuzz fmu wheels wheel-test release clean
+.PHONY: demo test test-slow lint docs evidence bench winding robustness poses signals stability reproduce chart mesh-rule contact guards shafts tangle promise integrators peer validate knowledge reference choice hoist coupling latency studies throughput terms fuzz fmu wheels wheel-test release clean
 
 demo: $(READY)
 	$(if $(FMU_$(FLAVOUR)),,$(error FLAVOUR=$(FLAVOUR) must be python or native))
@@ -54,6 +54,9 @@ shafts: $(READY)
 
 poses: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.poses
+
+signals: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.signals
 
 stability: $(READY)
 	$(BIN)/python -m evidence.stability

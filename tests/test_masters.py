@@ -354,9 +354,8 @@ def test_event_found_by_bisection(host: Host, at_end: bool) -> None:
 
 def extrapolation_error() -> float:
     """N, of the end force while the longest leg follows the trip extrapolated in steps up to LONGEST."""
-    return float(
-        2 * MISSED_ACCELERATION * JERK * LONGEST * MASS_PER_LENGTH * 0.5 * (rope_120().scene.rope.length + TRAVEL)
-    )
+    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
+    return float(2 * MISSED_ACCELERATION * JERK * LONGEST * MASS_PER_LENGTH * leg)
 
 
 @native_only

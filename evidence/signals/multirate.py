@@ -91,7 +91,8 @@ def _structure(drive_step: float) -> str:
     links = "".join(connection("drive", "rope", name) for name in MOTIONS)
     links += "".join(connection("rope", "drive", name) for name in FORCES)
     return (
-        f'<OspSystemStructure xmlns="{_OSP}" version="0.1"><BaseStepSize>{ROPE_STEP}</BaseStepSize><Algorithm>fixedStep</Algorithm><Simulators>'
+        f'<OspSystemStructure xmlns="{_OSP}" version="0.1"><BaseStepSize>{ROPE_STEP}</BaseStepSize>'
+        "<Algorithm>fixedStep</Algorithm><Simulators>"
         f'<Simulator name="drive" source="drive.fmu" stepSize="{drive_step}"/>'
         f'<Simulator name="rope" source="rope.fmu" stepSize="{ROPE_STEP}"/></Simulators>'
         f"<Connections>{links}</Connections></OspSystemStructure>"

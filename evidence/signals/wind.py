@@ -99,20 +99,8 @@ def row(trip: Trip, signal: Signal, step: float, reading: str, exact: Array, fou
     rms = np.sqrt((off**2).mean(axis=0)).max()
     largest = np.abs(off).max()
     words = found.warning.partition(": ")[2].partition(";")[0]
-    return (
-        trip.name,
-        signal.name,
-        reading,
-        step,
-        rms,
-        largest,
-        told,
-        loop,
-        loop_told,
-        found.misfit,
-        words,
-        found.failure,
-    )
+    numbers = rms, largest, told, loop, loop_told, found.misfit
+    return trip.name, signal.name, reading, step, *numbers, words, found.failure
 
 
 def rows(trip: Trip, step: float) -> Iterator[tuple[Any, ...]]:
@@ -134,7 +122,7 @@ def through_fmu(path: Path, signal: Signal, step: float) -> Run:
     given = np.array([source(t) for t in times])
     names = ["time", "left.y", "left.vy", "left.ay", "right.y", "right.vy", "right.ay"]
     columns = [times, *given.T, trip.travel - given[:, 0], -given[:, 1], -given[:, 2]]
-    inputs = np.rec.fromarrays(columns, names=names)
+    inputs = np.rec.fromarrays(columns, dtype=[(name, float) for name in names])
     result = simulate_fmu(
         str(path),
         stop_time=float(times[-1]),

@@ -32,7 +32,6 @@ from ..simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, 
 from ..simulation.wires import NO_MEMORY
 from .build import library
 from .layout import (
-    FollowingStructure,
     ARRAYS,
     MESSAGE,
     AuditStructure,
@@ -41,6 +40,7 @@ from .layout import (
     EnergyStructure,
     ErrorStructure,
     EventStructure,
+    FollowingStructure,
     GuardStructure,
     NearestStructure,
     PathStructure,

@@ -54,6 +54,7 @@ from ..simulation import (
     mesh,
     mesh_fit,
     mesh_pattern,
+    misfit,
     paths,
     rigid,
     simulator,
@@ -82,7 +83,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Path follow_path(const Path *path, const Following *now, double stop, double bandwidth)": following.follow_path,
     "void follow_limits(const Path *path, const Following *now, double limits[3][4])": following.follow_limits,
     "Following follow_account(const Following *now, const Path *path, const Rates *rates, const Rope *rope, "
-    "double trusted, double leg)": following.follow_account,
+    "double trusted, double leg)": misfit.follow_account,
     "Path path_coasting(const Path *path, double t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(const Path *path, double t)": EndPath.at,
     "double path_height(const Path *path, double t)": EndPath.height,
@@ -217,10 +218,10 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double calm_since)": accuracy.next_step,
     "double parts_of(double way, double step_next, double left)": accuracy.parts_of,
     "double end_force_error(const Rope *rope, const ErrorSums *sums, const Following *left, const Following *right)": (
-        following.told_force_error
+        misfit.told_force_error
     ),
     "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length, "
-    "const Following *left, const Following *right)": following.told_loop_error,
+    "const Following *left, const Following *right)": misfit.told_loop_error,
     "double friction_moment(double mu, double mean_diameter, double seal_moment, double tension)": (
         swivel.friction_moment
     ),

@@ -89,9 +89,8 @@ class EndStructure(ctypes.Structure):
 def scene_structure(scene: Scene) -> SceneStructure:
     """The scene as C sees it."""
     swivels = (GROUPS[Swivel] * 2)(_fill(scene.left), _fill(scene.right))
-    groups = (
-        _fill(group) for group in (scene.mesh, scene.accuracy, scene.solver, scene.model, scene.inputs, scene.station)
-    )
+    parts = scene.mesh, scene.accuracy, scene.solver, scene.model, scene.inputs, scene.station
+    groups = map(_fill, parts)
     shaft = ShaftStructure(*(_fill(getattr(scene.shaft, name)) for name in PARTS))
     return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups, shaft)
 

@@ -1,9 +1,9 @@
 """How the rope's ends follow the motions that their host gives.
 
-Position, speed and acceleration of a host need not fit each other: tables are interpolated, encoders round, slower parts
-repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.  The end's
-motion x is therefore a state of its own.  It integrates the given acceleration A and draws the given position X and
-speed V in slowly, as a critically damped observer of second order:
+Position, speed and acceleration of a host need not fit each other: tables are interpolated, encoders round, slower
+parts repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.  The
+end's motion x is therefore a state of its own.  It integrates the given acceleration A and draws the given position X
+and speed V in slowly, as a critically damped observer of second order:
 
     x_tt = A + 2 w (V - x_t) + w^2 (X - x).
 
@@ -14,25 +14,19 @@ A smooth motion leaves a remainder too: the quintic path between two samples kno
 What their change within a step explains is therefore met within the step, and only the rest is left to the observer.
 A motion that fits is followed exactly.
 
-The misfit's effect on the end force is that of the acceleration c which the followed motion has beyond the given one.
-It acts on the leg's mass at once, and on the part of it that swings in the slowest axial wave by that wave's response;
-a change of place within a step sends off a wave of the force sqrt(Qa rho) times its speed.
-
 What a host does not give is estimated by fading-memory filters: E. Brookner, Tracking and Kalman Filtering Made Easy,
 1998, chapter 7.  A filter of n-th order with the bandwidth W lags behind an acceleration of the rate J by n J / W.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from itertools import chain
 from typing import Any, NamedTuple
 
 from ..numerics import quintic
 from ..numerics.program import Program
-from ..physics.accuracy import TINY, end_force_error, loop_error, memory
-from ..physics.elementary import both, cos, either, exp, floor, larger, sin, smaller, sqrt, where
+from ..physics.elementary import both, either, exp, floor, larger, smaller, sqrt, where
 from ..physics.estimates import axial_frequency
 from .paths import PATH, RESTS_BELOW, EndMotion, EndPath
 
@@ -43,10 +37,6 @@ LEAST_YAW_JERK = 100.0
 _JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
 #: of the slowest axial wave of the whole rope: a filter as fast as that would pass on what sets it swinging
 ESTIMATE_SHARE = 1.0 / 3.0
-#: part of a leg's mass that swings in its slowest axial wave
-SWINGING = 8.0 / math.pi**2
-#: speed within a step that moves the end by d in h, root mean square over d / h: sqrt(900 / 630) of the quintic
-STEP_SPEED = math.sqrt(900.0 / 630.0)
 #: m: positions are looked at for being whole multiples of these, and how closely
 GRIDS, ON_GRID = (1e-2, 1e-3, 1e-4, 1e-5), 1e-6
 #: s: positions of 1e4 m are rounded by 2e-12 m; met in this time that takes some .1 m/s^2, in 1e-8 s 1e5 m/s^2
@@ -99,7 +89,7 @@ class Following(NamedTuple):
     def at_rest(t: float, at: EndMotion) -> Following:
         """Before anything moves."""
         x, y, z, yaw = ((place, 0.0, 0.0) for place in (*at.position, at.yaw))
-        return Following(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)  # type: ignore[arg-type]
+        return Following(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)
 
 
 class Rates(NamedTuple):
@@ -143,7 +133,7 @@ def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end
     )
     looked = _looked_at(now, given_at, since, end, either(*(abs(v) > RESTS_BELOW for v in speeds)))
     kept = {name: where(repeated, getattr(now, name), value) for name, value in looked.items()}
-    return now._replace(
+    sampled: Following = now._replace(
         given=values,
         given_at=where(repeated, now.given_at, given_at),
         motion=tuple(motion),
@@ -153,6 +143,7 @@ def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end
         sent_every=where(both(now.held > 0, 1 - repeated), since, now.sent_every),
         **kept,
     )
+    return sampled
 
 
 def _completed(was: Any, trusted: Any, kept: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
@@ -219,8 +210,8 @@ def _followed(
     w: Any, ahead: Any, h: Any, jerk: float, x: Any, v: Any, a: Any, motion: Any, asked: Any, lively: Any
 ) -> tuple[Any, ...]:
     """The quintic of one coordinate from x, v, a on, over the step ``h``."""
-    place, speed = quintic.extrapolate(*motion, ahead)
-    acceleration = motion[2]
+    given_place, given_speed, acceleration = motion
+    place, speed = quintic.extrapolate(given_place, given_speed, acceleration, ahead)
     # what the sample has beyond a motion of linear acceleration
     faster = speed - v - 0.5 * h * (asked + acceleration)
     farther = place - x - h * v - h * h / 6.0 * (2.0 * asked + acceleration)
@@ -261,82 +252,12 @@ def follow_limits(path: Any, now: Any) -> Limits:
     ahead = path.stop - now.given_at
     missed = [
         (abs(given[0] - x), abs(given[1] - v))
-        for given, x, v in zip((quintic.extrapolate(*axis, ahead) for axis in now.motion), places, speeds, strict=True)
+        for given, x, v in zip(
+            (quintic.extrapolate(x, v, a, ahead) for x, v, a in now.motion), places, speeds, strict=True
+        )
     ]
     (x, vx), (y, vy), (z, vz), (yaw, yaw_t) = missed
     return Limits(path.peak_accelerations(), (x, y, z, yaw), (vx, vy, vz, yaw_t))
-
-
-def follow_account(now: Any, path: Any, rates: Any, rope: Any, trusted: Any, leg: Any) -> Following:
-    """``now`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
-    h = path.stop - path.start
-    places, speeds, accelerations = path.motion(path.stop)
-    ahead = path.stop - now.given_at
-    found = []
-    for axis, x, v, a in zip(now.motion[:3], places, speeds, accelerations, strict=False):
-        place, speed = quintic.extrapolate(*axis, ahead)
-        found.append((abs(place - x), abs(speed - v), abs(a - axis[2])))
-    misfits = tuple(larger(larger(x, y), z) for x, y, z in zip(*found, strict=True))
-    y, _ = quintic.extrapolate(*now.motion[1], ahead)
-    c0, c1, c2 = path.coefficients[1][:3]
-    # of the acceleration, linear through the two given last, in the middle of the step
-    given = now.motion[1][2] + (now.motion[1][2] - now.asked[1]) * (ahead / h - 0.5)
-    order = where(trusted <= 0, 0.0, where(abs(trusted - 2) < 0.5, 3.0, 2.0))
-    lags = order * (now.motion[1][2] - now.asked[1]) / (h * rates.estimate)
-    lag = now.lag + (1.0 - exp(-rates.estimate * h)) * (lags - now.lag)
-    added = (speeds[1] - c1) / h - given - lag
-    bent = speeds[1] - c1 - 0.5 * h * (2.0 * c2 + accelerations[1])
-    shifted = places[1] - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + accelerations[1]) - 0.5 * h * bent
-    wave, of_leg = _swung(now.wave, added, rope, leg, h)
-    of_place = STEP_SPEED * sqrt(rope.Qa * rope.mass_per_length) * shifted / h
-    drift = now.drift + (1.0 - exp(-rates.observer * h)) * (y - places[1] - now.drift)
-    position, speed, acceleration = misfits
-    return now._replace(
-        asked=tuple(axis[2] for axis in now.motion),
-        time=now.time + h,
-        position=larger(now.position, position),
-        speed=larger(now.speed, speed),
-        acceleration=larger(now.acceleration, acceleration),
-        squares=tuple(sum_ + h * (size * size) for sum_, size in zip(now.squares, misfits, strict=True)),
-        wave=wave,
-        lag=lag,
-        force=now.force + h * (of_leg * of_leg + of_place * of_place),
-        drift=drift,
-        farthest=larger(now.farthest, abs(drift)),
-    )
-
-
-def _swung(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[Any, Any]:
-    """The leg's slowest axial wave, m/s^2, after a step with the acceleration ``added``, and the end force (N) then."""
-    omega = axial_frequency(rope, leg)
-    lasts = memory(rope, omega)
-    fades = lasts / (lasts + h)
-    c, s = fades * cos(omega * h), fades * sin(omega * h)
-    off = wave[0] - added
-    swung = added + c * off + s * wave[1], c * wave[1] - s * off
-    return swung, rope.mass_per_length * leg * (SWINGING * swung[0] + (1.0 - SWINGING) * added)
-
-
-def with_misfit(error: Any, sums: Any, left: Any, right: Any) -> Any:
-    """``error`` of the end forces, root mean square over the largest, with that of motions that do not fit."""
-    squares = larger(left.force, right.force) / larger(sums.time, TINY)
-    return sqrt(error * error + squares / larger(sums.force * sums.force, TINY))
-
-
-def with_drift(error: Any, left: Any, right: Any) -> Any:
-    """``error`` of the loop's place, m, with that of ends that are not where they are said to be."""
-    apart = 0.5 * (left.farthest + right.farthest)
-    return sqrt(error * error + apart * apart)
-
-
-def told_force_error(rope: Any, sums: Any, left: Any, right: Any) -> Any:
-    """Estimated error of the end forces, root mean square since the start, relative to the largest."""
-    return with_misfit(end_force_error(rope, sums), sums, left, right)
-
-
-def told_loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any, left: Any, right: Any) -> Any:
-    """Estimated largest error of the loop's place since the start, m."""
-    return with_drift(loop_error(scene, sums, fine, grading_length), left, right)
 
 
 class Followed(NamedTuple):
@@ -369,7 +290,7 @@ def numbers_of(x: Any) -> list[Any]:
 
 def path_of(x: Sequence[Any]) -> EndPath:
     """The path of these numbers."""
-    return EndPath(x[0], x[1], (tuple(x[2:8]), tuple(x[8:14]), tuple(x[14:20]), tuple(x[20:26])))  # type: ignore[arg-type]
+    return EndPath(x[0], x[1], (tuple(x[2:8]), tuple(x[8:14]), tuple(x[14:20]), tuple(x[20:26])))
 
 
 _FOLLOWING = len(numbers_of(Following()))

@@ -107,15 +107,16 @@ def input_out_of_range(side: str, name: str, value: float, bound: float) -> str:
 def inputs_do_not_fit(side: str, name: str, acceleration: float, unit: str, bound: float) -> str:
     return (
         f"inputs {side}.{name} and its derivatives do not fit together: reaching them within the step would take "
-        f"{acceleration:.3g} {unit} (inputs.acceleration_max = {bound:g}); give position, speed and acceleration of one "
-        "smooth motion"
+        f"{acceleration:.3g} {unit} (inputs.acceleration_max = {bound:g}); give position, speed and acceleration of "
+        "one smooth motion"
     )
 
 
 def input_misfit(side: str, name: str, misfit: float, unit: str, bound: float) -> str:
     return (
         f"input {side}.{name} and what its derivatives have led to are {misfit:.3g} {unit} apart (inputs.misfit_max = "
-        f"{bound:g}); give position, speed and acceleration of one motion, or say in inputs.given which of them to trust"
+        f"{bound:g}); give position, speed and acceleration of one motion, or say in inputs.given which of them to "
+        "trust"
     )
 
 

@@ -17,8 +17,8 @@ from .adaptation import nearest_turn
 from .audit import signal_values as audit_values
 from .diagnostics import LoopBottom, direction, interpolate_midpoints, leg_clearance, shape, shape_places, tension
 from .ends import Phase
-from .following import told_force_error, told_loop_error
 from .guards import rise
+from .misfit import told_force_error, told_loop_error
 from .paths import SIDES
 from .rigid import rigid_tension
 from .rope_system import ANGLE, Array, RopeSystem, arc_lengths
@@ -121,11 +121,10 @@ def contact_signals(rope: Evaluated) -> dict[str, float]:
 def error_signals(rope: Evaluated) -> dict[str, float]:
     """Estimates of what the run errs by so far."""
     scene, errors, cells = rope.scene, rope.state.errors, rope.state.partition
+    followed = rope.state.following
     return {
-        "status.end_force_error": float(told_force_error(scene.rope, errors, *rope.state.following)),
-        "status.loop_error": float(
-            told_loop_error(scene, errors, cells.fine, cells.grading_length, *rope.state.following)
-        ),
+        "status.end_force_error": float(told_force_error(scene.rope, errors, *followed)),
+        "status.loop_error": float(told_loop_error(scene, errors, cells.fine, cells.grading_length, *followed)),
     }
 
 

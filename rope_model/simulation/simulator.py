@@ -28,10 +28,11 @@ from .bodies import no_room
 from .diagnostics import LoopBottom, direction, loop_bottom
 from .ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
-from .following import Following, follow, follow_account, follow_limits, follow_program, follow_rates
+from .following import Following, follow, follow_limits, follow_program, follow_rates
 from .guards import at_rest, with_guards
 from .hang import hang
 from .mesh import Partition, fit_mesh, partition
+from .misfit import follow_account
 from .model import RopeModel, ends_of
 from .paths import RESTS_BELOW, SIDES, EndMotion, EndPath
 from .point_forces import PointForces, at_places, elements_at, nodal_forces
@@ -230,9 +231,8 @@ class RopeSimulator(BalanceRope):
         at, followed = t if given_at is None else given_at, []
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
             found = follow(self._follow, state.following[k], state.paths[k], rates, trusted, at, t, end)
-            if message := refusal(scene.inputs, end, found.limits, side) or frozen(
-                scene.inputs, t, found.following, side
-            ):
+            refused = refusal(scene.inputs, end, found.limits, side)
+            if message := refused or frozen(scene.inputs, t, found.following, side):
                 return Status(False, message)
             bottom = self.model.bottom(state.paths, start)
             leg = bottom if k == 0 else scene.rope.length - bottom

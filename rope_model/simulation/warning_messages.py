@@ -179,24 +179,24 @@ def positions_rounded(grid: float) -> str:
 
 def samples_repeated(steps: float, every: float, step: float) -> str:
     return (
-        f"the sample of an earlier step came again in {steps:g} steps of {step:g} s, lately every {every:g} s, while the "
-        "end moved: a slower part sends them, or samples are lost; the motion was extrapolated; communicate as often "
-        "as they are sent"
+        f"the sample of an earlier step came again in {steps:g} steps of {step:g} s, lately every {every:g} s, while "
+        "the end moved: a slower part sends them, or samples are lost; the motion was extrapolated; communicate as "
+        "often as they are sent"
     )
 
 
 def table_too_coarse(every: float, step: float) -> str:
     return (
-        f"positions look interpolated linearly between times {every:g} s apart, with steps of {step:g} s; the end follows "
-        "the acceleration; give a table as fine as the steps, or steps as long as the table's"
+        f"positions look interpolated linearly between times {every:g} s apart, with steps of {step:g} s; the end "
+        "follows the acceleration; give a table as fine as the steps, or steps as long as the table's"
     )
 
 
 def motion_misfits(place: float, speed: float, acceleration: float) -> str:
     return (
         f"position, speed and acceleration are not of one motion: the end lags behind by up to {place:.3g} m and "
-        f"{speed:.3g} m/s, and has up to {acceleration:.3g} m/s^2 more than is given (inputs.misfit); check time stamps, "
-        "units and signs, or say in inputs.given which of them to trust"
+        f"{speed:.3g} m/s, and has up to {acceleration:.3g} m/s^2 more than is given (inputs.misfit); check time "
+        "stamps, units and signs, or say in inputs.given which of them to trust"
     )
 
 
