@@ -22,7 +22,7 @@ from ..physics import (
     accuracy,
     air,
     contact,
-    contact_element,
+    contact_places,
     element,
     elementary,
     energy_balance,
@@ -126,6 +126,13 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "Touch touch(const Contact *contact, double diameter, const Body *body, const double moves[3], "
     "const double point[3], const double speed[3], double cq, double cv)": contact.touch,
+    "Probe contact_probe(double place, double l, const double a[6], const double b[6], double diameter, "
+    "const Body *body)": contact_places.probe,
+    "double contact_turning(const Probe *start, const Probe *stop)": contact_places.turning,
+    "double contact_reaching(const Probe *outer, double inner, double level)": contact_places.reaching,
+    "void contact_point(double part, double weight, double start, double stop, double point[2])": (
+        contact_places.point_in
+    ),
     "double places_of(double l, double diameter)": rope_on_rope.places,
     "double most_places(double length, double elements, double diameter)": rope_on_rope.most_places,
     "double nearer_place(double xi, double l, const double point[3], const double a[6], const double b[6])": (
@@ -239,6 +246,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     shaft.Body,
     air.AirLaw,
     contact.Touch,
+    contact_places.Probe,
     wire_friction.Slid,
 )
 #: what a formula may take or return whole
@@ -309,9 +317,13 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "NEWTON_HUGE": newton.HUGE,
     "GRADIENT_STEPS": coupled_newton.STEPS,
     "GRADIENT_LEFT": coupled_newton.LEFT,
-    "CONTACT_POINTS": len(contact_element.POINTS),
-    "CONTACT_PLACES": contact_element.POINTS,
-    "CONTACT_WEIGHTS": contact_element.WEIGHTS,
+    "CONTACT_CELLS": contact_places.CELLS,
+    "CONTACT_HALVINGS": contact_places.HALVINGS,
+    "CONTACT_STEPS": contact_places.STEPS,
+    "CONTACT_LEVELS": contact_places.LEVELS,
+    "CONTACT_POINTS": len(contact_places.PARTS),
+    "CONTACT_PARTS": contact_places.PARTS,
+    "CONTACT_WEIGHTS": contact_places.WEIGHTS,
 }
 
 _HEAD = """\
