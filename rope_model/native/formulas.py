@@ -134,6 +134,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
         contact_places.point_in
     ),
     "double places_of(double l, double diameter)": rope_on_rope.places,
+    "double places_skipped(double distance, double diameter, double weight, double number)": (
+        rope_on_rope.places_skipped
+    ),
     "double most_places(double length, double elements, double diameter)": rope_on_rope.most_places,
     "double nearer_place(double xi, double l, const double point[3], const double a[6], const double b[6])": (
         rope_on_rope.nearer_place
@@ -304,7 +307,6 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "PROBES": len(rope_on_rope.PROBES),
     "PROBE_PLACES": rope_on_rope.PROBES,
     "CORRECTIONS": rope_on_rope.CORRECTIONS,
-    "STRETCH": rope_on_rope.STRETCH,
     "DIRECTOR_START": initial_curvature.START,
     "WIRE_POINTS": len(element.POINTS),
     "WIRE_PLACES": element.POINTS,
