@@ -95,6 +95,13 @@ int see_more_bodies(const System *s, const double *q, double corrections) {
     return !still_free(s, &s->around->seen, q, 0) && look(s, q, 0, ~0u);
 }
 
+double longest_near(const System *s) {
+    double longest = 0;
+    for (int e = 0; s->around != NULL && s->around->any && e < s->elements; e++)
+        if (s->around->near[e]) longest = larger(longest, s->lengths[e]);
+    return longest;
+}
+
 /* an element and a body that it is near */
 typedef struct {
     const double *a, *b; /* the rows of its nodes */

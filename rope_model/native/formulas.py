@@ -22,6 +22,7 @@ from ..physics import (
     accuracy,
     air,
     contact,
+    contact_error,
     contact_places,
     element,
     elementary,
@@ -219,6 +220,15 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "NextStep next_step(const Solver *solver, double h, double step_next, double error, double rejected, double t, "
     "double calm_since)": accuracy.next_step,
     "double parts_of(double way, double step_next, double left)": accuracy.parts_of,
+    "ContactSums add_contact(const Scene *scene, const ContactSums *sums, double h, const double pressures[6], "
+    "double longest)": contact_error.add_contact,
+    "double contact_error(const ContactSums *sums)": contact_error.contact_error,
+    "double with_contact_at_ends(double error, const ContactSums *sums, double time, double force)": (
+        contact_error.with_contact_at_ends
+    ),
+    "double with_contact_of_place(const Scene *scene, double error, const ContactSums *sums)": (
+        contact_error.with_contact_of_place
+    ),
     "double end_force_error(const Rope *rope, const ErrorSums *sums)": accuracy.end_force_error,
     "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length)": (
         accuracy.loop_error
@@ -257,7 +267,7 @@ STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         *(Rope, Layout, Scene, Solver, *PARTS.values(), EndMotion),
-        *(EnergyBalance, accuracy.ErrorSums, Audit, guard.GuardState),
+        *(EnergyBalance, accuracy.ErrorSums, contact_error.ContactSums, Audit, guard.GuardState),
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}

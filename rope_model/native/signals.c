@@ -74,8 +74,12 @@ static void audit_signals(Simulator *rope, double *values) {
 static void error_signals(Simulator *rope, double *values) {
     const State *state = rope->state;
     const double fine = mesh_fine_length(&state->pattern, state_arrays(rope->state).lengths);
-    values[SIGNAL_STATUS_END_FORCE_ERROR] = end_force_error(&rope->scene.rope, &state->errors);
-    values[SIGNAL_STATUS_LOOP_ERROR] = loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length);
+    const double at_ends = end_force_error(&rope->scene.rope, &state->errors);
+    const double of_place = loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length);
+    values[SIGNAL_STATUS_END_FORCE_ERROR] =
+        with_contact_at_ends(at_ends, &state->contact, state->errors.time, state->errors.force);
+    values[SIGNAL_STATUS_LOOP_ERROR] = with_contact_of_place(&rope->scene, of_place, &state->contact);
+    values[SIGNAL_STATUS_CONTACT_ERROR] = contact_error(&state->contact);
 }
 
 static void shape_signals(Simulator *rope, double *values) {

@@ -128,10 +128,16 @@ def _upper(i: int, j: int, size: int) -> int:
 
 @cache
 def _pressed(stiff: bool) -> ca.Function:
-    """(rows (3, 4), speeds (3, 4), l, P) -> force on the node values (3, 4) and SUMS of one body, or (.., cq, cv) -> the
-    tangent: entries of (3, 3), upper half, in columns for pairs of node values, upper half.
+    """(rows (3, 4), speeds (3, 4), l, P) -> force on the node values (3, 4) and SUMS of one body.
+
+    Or, with (cq, cv), the tangent: entries of (3, 3), upper half, in columns for pairs of node values, upper half.
     """
-    rows, speeds, l, P = ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4), ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
+    rows, speeds, l, P = (
+        ca.MX.sym("r", 3, 4),
+        ca.MX.sym("v", 3, 4),
+        ca.MX.sym("l"),
+        ca.MX.sym("P", len(LAW) + BODY_SIZE),
+    )
     c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
     look, halve, _ = _searches()
     start, stop = ca.MX.sym("start"), ca.MX.sym("stop")

@@ -45,9 +45,9 @@ def places(l: Any, diameter: Any) -> Any:
 
 
 def places_skipped(distance: Any, diameter: Any, weight: Any, number: Any) -> Any:
-    """How many of the ``number`` places of an element, ``weight`` (m) apart, need no look after one at ``distance`` (m).
+    """How many of the next places of an element need no look after one at ``distance`` (m).
 
-    All of them where the distance is not a number.
+    They are ``weight`` (m) apart.  All ``number`` of them where the distance is not a number.
     """
     return floor(larger(smaller(number, (distance - diameter) / (STRETCH * weight)), 0.0))
 

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from ..physics.accuracy import end_force_error, loop_error
+from ..physics.contact_error import contact_error, with_contact_at_ends, with_contact_of_place
 from ..physics.estimates import loop_width
 from ..physics.frame import conveyance_load
 from ..physics.guard import sideways
@@ -120,10 +121,13 @@ def contact_signals(rope: Evaluated) -> dict[str, float]:
 
 def error_signals(rope: Evaluated) -> dict[str, float]:
     """Estimates of what the run errs by so far."""
-    scene, errors, cells = rope.scene, rope.state.errors, rope.state.partition
+    scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
+    at_ends = end_force_error(scene.rope, errors)
+    of_place = loop_error(scene, errors, cells.fine, cells.grading_length)
     return {
-        "status.end_force_error": float(end_force_error(scene.rope, errors)),
-        "status.loop_error": float(loop_error(scene, errors, cells.fine, cells.grading_length)),
+        "status.end_force_error": float(with_contact_at_ends(at_ends, contact, errors.time, errors.force)),
+        "status.loop_error": float(with_contact_of_place(scene, of_place, contact)),
+        "status.contact_error": float(contact_error(contact)),
     }
 
 

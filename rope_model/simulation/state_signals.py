@@ -23,6 +23,10 @@ def _nearest(kind: int, key: str, state: Any) -> Any:
     return getattr(state.nearest[kind], key)
 
 
+def _impulse(kind: int, state: Any) -> Any:
+    return state.contact.impulses[kind]
+
+
 def _guard_tripped(state: Any) -> Any:
     return less(0.0, state.guard.cause)
 
@@ -55,6 +59,7 @@ STATE_SIGNALS |= {
     if f"{of}.{name}" in SIGNALS
 }
 STATE_SIGNALS |= {f"{side}.fy_mean": partial(_force_mean, k) for k, side in enumerate(SIDES)}
+STATE_SIGNALS |= {f"contact.{kind}.impulse": partial(_impulse, k) for k, kind in enumerate((*KINDS, "rope"))}
 STATE_SIGNALS |= {
     f"nearest.{kind}.{key}": partial(_nearest, k, key) for k, kind in enumerate(KINDS) for key in Nearest._fields
 }
