@@ -197,7 +197,7 @@ def _searches() -> tuple[ca.Function, ca.Function, ca.Function]:
     diameter, (body, _) = P[LAW.index("diameter")], _body(P[len(LAW) :])
     ends, at, place, level = ca.SX.sym("ends", 3, 2), ca.SX.sym("at", 4), ca.SX.sym("place"), ca.SX.sym("level")
 
-    def look(place: ca.SX) -> ca.SX:
+    def look(place: Any) -> Any:
         return ca.vertcat(*probe(place, l, a, b, diameter, body))
 
     start, stop = ends[:, 0], ends[:, 1]
@@ -205,7 +205,7 @@ def _searches() -> tuple[ca.Function, ca.Function, ca.Function]:
     first = start[2] * middle[2] > 0
     start = where(both(turns, first), middle, start)
     stop = where(both(turns, ca.logic_not(first)), middle, stop)
-    found = look(reaching(Probe(*ca.vertsplit(at[:3])), at[3], level))
+    found = look(reaching(_probe(at[:3]), at[3], level))
     nearer = where(found[1] < level, ca.vertcat(found, at[3]), ca.vertcat(at[:3], found[0]))
     return (
         ca.Function("probe", [place, rows, l, P], [look(place)]),
@@ -217,7 +217,12 @@ def _searches() -> tuple[ca.Function, ca.Function, ca.Function]:
 @cache
 def _turning() -> ca.Function:
     ends = ca.SX.sym("ends", 3, 2)
-    return ca.Function("turning", [ends], [turning(*(Probe(*ca.vertsplit(ends[:, k])) for k in (0, 1)))])
+    return ca.Function("turning", [ends], [turning(_probe(ends[:, 0]), _probe(ends[:, 1]))])
+
+
+def _probe(x: Any) -> Probe:
+    """A probe of its numbers."""
+    return Probe(x[0], x[1], x[2])
 
 
 def _body(x: Any) -> tuple[Body, Any]:
