@@ -10,6 +10,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from evidence.contact.checks import CASES
@@ -20,7 +22,9 @@ from rope_model.parameters import Mesh, Rope, Scene
 from rope_model.physics import hermite
 from rope_model.physics.contact import ONSET, SUMS, Touch, largest_motion, moved_by, touch
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
+from rope_model.physics.contact_error import ContactSums, add_contact, contact_error
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
+from rope_model.physics.rope_on_rope import places_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.rope_system import parameter_vector
@@ -179,6 +183,71 @@ def test_the_elements_tangent_is_its_residuals_derivative_across_a_flat_floor(fi
     assert_allclose(added, differences(residual, near[0]), atol=1e-5 * np.abs(added).max())
 
 
+#: m: elements, and the size and depth of a bar that is pressed in
+LONG_ELEMENT, THIN, PRESSED = 2.0, 0.01, 3e-3
+
+
+def pressure_of_bar(place: float, size: float = THIN, pressed: float = PRESSED) -> float:
+    """Force (N) of a round bar under two level elements in line, its axis at ``place`` (m) from their joint."""
+    contact, total = Contact(), 0.0
+    for start in (-LONG_ELEMENT, 0.0):
+        q = np.array([start, 0, 0, 1, 0, 0, 0, start + LONG_ELEMENT, 0, 0, 1, 0, 0, 0])
+        bar = Body((place, pressed - 0.5 * (size + DIAMETER), 0.0), (0.0, 0.0, 9.0), 0.5 * size, 1.0, 0.0, 1.0)
+        law = [contact.stiffness, contact.damping, contact.friction, contact.slip_speed, DIAMETER]
+        P = [*parameter_vector(Rope(), 9.81), *law, *bar.centre, *bar.half, *bar[2:], 0.0, 0.0, 0.0]
+        element, rest = contact_element("torsional", element_functions(), (KINDS.index("divider"),)), np.zeros(14)
+        F = np.array(element_functions().reference(q, LONG_ELEMENT)).ravel()
+        sums = np.array(element.balance(q, rest, LONG_ELEMENT, [*F, 1.0], P)).ravel()
+        total += float(sums[len(BALANCE) + CONTACT_BALANCE.index("divider")])
+    return total
+
+
+def exact_pressure(size: float, pressed: float) -> float:
+    """The integral along a straight line."""
+    radius, onset = 0.5 * (size + DIAMETER), ONSET * DIAMETER
+    half = math.sqrt(radius**2 - (radius - pressed) ** 2)
+    x = np.linspace(-half, half, 200001)
+    depth = radius - np.hypot(x, radius - pressed)
+    soft = np.minimum(depth, onset)
+    return float(np.trapezoid(Contact().stiffness * (soft**2 / (2.0 * onset) + depth - soft), x))
+
+
+@pytest.mark.parametrize("pressed", [1e-4, PRESSED, 0.5 * DIAMETER])
+def test_a_thin_bar_presses_as_much_wherever_it_is_along_the_elements(pressed: float) -> None:
+    exact = exact_pressure(THIN, pressed)
+    for place in (0.0, 1e-3, *np.linspace(-0.9, 0.9, 37)):
+        # four Gauss points on each of four pieces whose ends have a square root of the depth
+        assert pressure_of_bar(float(place), pressed=pressed) == pytest.approx(exact, rel=1e-3)
+
+
+def test_what_a_thin_bar_presses_changes_smoothly_with_its_place() -> None:
+    """From element to element, and from cell to cell: no jump where pieces begin or end elsewhere."""
+    found = np.array([pressure_of_bar(x) for x in np.linspace(-0.03, 0.03, 121)])
+    assert np.abs(np.diff(found)).max() < 1e-4 * found.mean()
+
+
+@given(st.floats(0.0, math.inf), st.floats(1e-3, 0.1), st.floats(1e-4, 1.0), st.integers(1, 1000))
+@example(9e134, 0.044, 0.011, 90)
+@example(math.nan, 0.044, 0.011, 90)
+def test_no_more_places_are_skipped_than_there_are(
+    distance: float, diameter: float, weight: float, number: int
+) -> None:
+    assert 0.0 <= places_skipped(distance, diameter, weight, float(number)) <= number
+
+
+def test_what_a_mesh_does_not_resolve_falls_with_the_square_of_its_elements() -> None:
+    def error(longest: float) -> float:
+        sums, h = ContactSums(), 1e-3
+        for k in range(4000):
+            pressures = (0.0, 0.0, 0.0, 50.0 * (1.0 - math.cos(2.0 * math.pi * k * h)), 0.0, 7.0)
+            sums = add_contact(Scene(), sums, h, pressures, longest)
+        assert sums.largest == pytest.approx(100.0, rel=1e-3)
+        assert sums.impulses == pytest.approx((0.0, 0.0, 0.0, 200.0, 0.0, 28.0), rel=1e-3)
+        return float(contact_error(sums))
+
+    assert math.log2(error(1.0) / error(0.5)) == pytest.approx(2.0, abs=0.1)
+
+
 def test_an_element_near_no_body_is_the_plain_one() -> None:
     plain, near = element_case("torsional", Contact())
     near[4][-2:] = 0.0
@@ -251,6 +320,8 @@ def test_both_forms_agree_in_contact() -> None:
     assert other.audit.force > 100
     assert max(one.audit.missing_force, other.audit.missing_force) < 1e-3 * other.audit.force
     names = [f"contact.{kind}" for kind in KINDS]
+    assert_allclose(np.hstack(one.contact), np.hstack(other.contact), rtol=1e-6, atol=1e-6)
+    assert native.signals(["contact.floor.impulse"])["contact.floor.impulse"] > 1.0
     pressures = native.signals(names)
     assert pressures["contact.floor"] > 100
     assert pressures["contact.lining"] > 0

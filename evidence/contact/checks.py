@@ -11,6 +11,7 @@ from evidence.claims import Measurement
 from evidence.rendering import DOCS
 from evidence.tables import Table, read, rows
 
+from .brushed import FINE, brushed, missed
 from .crossed import force_error
 from .neighbours import energy_missed, off_the_wall
 from .plectoneme import grown, soft_rod
@@ -49,6 +50,16 @@ def _pulled() -> Iterator[Measurement]:
     for friction, bound in ((0.0, 1e-4), (0.2, 5e-4), (0.5, 3e-3)):
         x = pulled(friction, 0.1)
         yield Measurement(f"tension, friction {friction:g}, off by", abs(x.tight / x.exact - 1.0), "1", "<", bound)
+
+
+def _brushed() -> Iterator[Measurement]:
+    ours, fine = brushed(), brushed(*FINE)
+    yield Measurement("samples inside the divider without a force", ours.gaps + fine.gaps, "1", "<", 1)
+    what = f"impulse, off that of {FINE[0]} elements and steps of {1e3 * FINE[1]:g} ms by"
+    yield Measurement(what, abs(ours.impulse / fine.impulse - 1.0), "1", "<", 0.01)
+    told = ours.told / missed(ours, fine)
+    yield Measurement("error told of the pressure over that found", told, "1", ">", 1.0 / 3.0)
+    yield Measurement("and at most", told, "1", "<", 3.0)
 
 
 def _rebound() -> Iterator[Measurement]:
@@ -146,6 +157,7 @@ CASES = {
     "a rope that lies on a floor": _touch_down,
     "a rope that falls on a floor": _fallen,
     "a rope pulled half around a divider": _pulled,
+    "a leg that brushes a thin divider": _brushed,
     "a rope that strikes a floor flat": _rebound,
     "a loop let down among bodies of every kind": _struck,
     "two strings that cross": _crossed,

@@ -6,7 +6,7 @@ from evidence.claims import Measurement
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, table
 from rope_model.parameters import Rope
-from rope_model.physics import contact, contact_element, rope_on_rope
+from rope_model.physics import contact, contact_places, rope_on_rope
 from rope_model.shaft_parameters import Contact
 
 from . import plectoneme
@@ -61,7 +61,8 @@ def page(tables: Tables) -> str:
         "law": Contact(),
         "onset": contact.ONSET,
         "own": contact.OWN_LENGTH,
-        "points": len(contact_element.POINTS),
+        "cells": contact_places.CELLS,
+        "points": len(contact_places.PARTS),
         "gravity": GRAVITY,
         "spacing": rope_on_rope.SPACING,
         "apart": number(rope_on_rope.APART),

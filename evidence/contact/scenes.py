@@ -122,6 +122,7 @@ def fallen(EI: float, element: float, stop: float) -> Fallen:
 class Pulled:
     """Tensions (N) on both sides of a divider that a rope slides half around, and the theory of the larger one.
 
+    Means over the time in which it slides evenly: waves along the rope make each instant differ by 1e-3.
     Capstan with weight: T' = mu T - w R (mu sin phi + cos phi) along the underside, phi from 0 to pi.
     """
 
@@ -149,7 +150,7 @@ def pulled(friction: float, element: float, speed: float = 0.2) -> Pulled:
         ),
     )
     tight, ramp, H = 0.5 * pull * length / rope.Qa + sunk, 0.5, 5e-3
-    found = made(scene, EndMotion(), EndMotion())
+    found, tensions = made(scene, EndMotion(), EndMotion()), []
     for k in range(1, round(3.0 * ramp / H) + 1):
         # draw it tight, and pull it around from then on: rates of a step that takes the time ramp
         t = k * H
@@ -160,11 +161,14 @@ def pulled(friction: float, element: float, speed: float = 0.2) -> Pulled:
         status = found.advance_to(t, left, right)
         if not status.valid:
             raise RuntimeError(status.message)
-    forces = found.signals(["left.fy", "right.fy"])
-    slack = -forces["left.fy"] - WEIGHT * (free - slide[0])
+        if t > 2.0 * ramp:
+            forces = found.signals(["left.fy", "right.fy"])
+            left_leg, right_leg = WEIGHT * (free - slide[0]), WEIGHT * (free + slide[0])
+            tensions.append((-forces["left.fy"] - left_leg, -forces["right.fy"] - right_leg))
+    slack, tight = np.mean(tensions, axis=0).tolist()
     held = 2.0 * friction / (1.0 + friction**2) * WEIGHT * 0.5 * spacing
     exact = (slack - held) * math.exp(friction * math.pi) - held
-    return Pulled(slack, -forces["right.fy"] - WEIGHT * (free + slide[0]), exact)
+    return Pulled(slack, tight, exact)
 
 
 def _end(rise: Rates, slide: Rates, sign: float) -> EndMotion:

@@ -133,6 +133,8 @@ int still_free(const System *s, const Seen *seen, const double *q, double least)
 void contact_force(const System *s, int element, const double *q, const double *v, double force[CONTACT_DOF]);
 void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
                      double tangent[CONTACT_DOF][CONTACT_DOF]);
+/* the longest of the elements that may touch a body, m; 0 for none */
+double longest_near(const System *s);
 /* of bodies and of the rope with itself, all elements, where they are */
 void contact_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 

@@ -144,7 +144,7 @@ static void look_along(const System *s, const double *q, const double *v, const 
             note(s, q, v, c, shares, touch);
         }
         /* what is certainly farther than a diameter is left out; a distance that is not a number ends the look */
-        k += least < diameter ? 1 : least < INFINITY ? 1 + (int)((least - diameter) / (STRETCH * weight)) : number;
+        k += 1 + (int)places_skipped(least, diameter, weight, number);
     }
 }
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..numerics.generalized_alpha import Motion
 from ..parameters import FidelityChoice, Scene
 from ..physics.accuracy import ErrorSums
+from ..physics.contact_error import ContactSums
 from ..physics.guard import GuardState
 from ..simulation import messages
 from ..simulation.audit import Audit, audit_of
@@ -35,6 +36,7 @@ from .layout import (
     ARRAYS,
     MESSAGE,
     AuditStructure,
+    ContactStructure,
     CountsStructure,
     CrossingStructure,
     EnergyStructure,
@@ -334,6 +336,7 @@ def _unpack(data: bytes) -> RopeState:
         events=tuple(_event(event) for event in s.events[: s.event_count]),
         energy_balance=EnergyBalance(*(getattr(s.energy_balance, name) for name in EnergyBalance._fields)),
         errors=ErrorSums(*(_numbers_of(getattr(s.errors, name)) for name in ErrorSums._fields)),
+        contact=ContactSums(*(_numbers_of(getattr(s.contact, name)) for name in ContactSums._fields)),
         powers=Powers(s.power_ends, s.power_swivel),
         counts=Counts(*(getattr(s.counts, name) for name in Counts._fields)),
         given_up_since=s.given_up_since,
@@ -368,6 +371,7 @@ def _pack(state: RopeState) -> bytes:
         pattern=PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels),
         energy_balance=EnergyStructure(*state.energy_balance),
         errors=ErrorStructure(*state.errors),
+        contact=ContactStructure(*state.contact),
         audit=AuditStructure(*state.audit),
         nearest=tuple(NearestStructure(*x) for x in state.nearest),
         crossing=CrossingStructure(*state.crossing),

@@ -22,7 +22,8 @@ from ..physics import (
     accuracy,
     air,
     contact,
-    contact_element,
+    contact_error,
+    contact_places,
     element,
     elementary,
     energy_balance,
@@ -134,7 +135,17 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "Touch touch(const Contact *contact, double diameter, const Body *body, const double moves[3], "
     "const double point[3], const double speed[3], double cq, double cv)": contact.touch,
+    "Probe contact_probe(double place, double l, const double a[6], const double b[6], double diameter, "
+    "const Body *body)": contact_places.probe,
+    "double contact_turning(const Probe *start, const Probe *stop)": contact_places.turning,
+    "double contact_reaching(const Probe *outer, double inner, double level)": contact_places.reaching,
+    "void contact_point(double part, double weight, double start, double stop, double point[2])": (
+        contact_places.point_in
+    ),
     "double places_of(double l, double diameter)": rope_on_rope.places,
+    "double places_skipped(double distance, double diameter, double weight, double number)": (
+        rope_on_rope.places_skipped
+    ),
     "double most_places(double length, double elements, double diameter)": rope_on_rope.most_places,
     "double nearer_place(double xi, double l, const double point[3], const double a[6], const double b[6])": (
         rope_on_rope.nearer_place
@@ -217,11 +228,23 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "NextStep next_step(const Solver *solver, double h, double step_next, double error, double rejected, double t, "
     "double calm_since)": accuracy.next_step,
     "double parts_of(double way, double step_next, double left)": accuracy.parts_of,
-    "double end_force_error(const Rope *rope, const ErrorSums *sums, const Following *left, const Following *right)": (
-        misfit.told_force_error
+    "ContactSums add_contact(const Scene *scene, const ContactSums *sums, double h, const double pressures[6], "
+    "double longest)": contact_error.add_contact,
+    "double contact_error(const ContactSums *sums)": contact_error.contact_error,
+    "double with_contact_at_ends(double error, const ContactSums *sums, double time, double force)": (
+        contact_error.with_contact_at_ends
     ),
-    "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length, "
-    "const Following *left, const Following *right)": misfit.told_loop_error,
+    "double with_contact_of_place(const Scene *scene, double error, const ContactSums *sums)": (
+        contact_error.with_contact_of_place
+    ),
+    "double end_force_error(const Rope *rope, const ErrorSums *sums)": accuracy.end_force_error,
+    "double with_misfit(double error, const ErrorSums *sums, const Following *left, const Following *right)": (
+        misfit.with_misfit
+    ),
+    "double with_drift(double error, const Following *left, const Following *right)": misfit.with_drift,
+    "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length)": (
+        accuracy.loop_error
+    ),
     "double friction_moment(double mu, double mean_diameter, double seal_moment, double tension)": (
         swivel.friction_moment
     ),
@@ -246,6 +269,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     shaft.Body,
     air.AirLaw,
     contact.Touch,
+    contact_places.Probe,
     wire_friction.Slid,
     following.Rates,
 )
@@ -254,7 +278,7 @@ STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         *(Rope, Layout, Scene, Solver, *PARTS.values(), EndMotion),
-        *(EnergyBalance, accuracy.ErrorSums, Audit, guard.GuardState, Following),
+        *(EnergyBalance, accuracy.ErrorSums, contact_error.ContactSums, Audit, guard.GuardState, Following),
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
@@ -304,7 +328,6 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "PROBES": len(rope_on_rope.PROBES),
     "PROBE_PLACES": rope_on_rope.PROBES,
     "CORRECTIONS": rope_on_rope.CORRECTIONS,
-    "STRETCH": rope_on_rope.STRETCH,
     "DIRECTOR_START": initial_curvature.START,
     "WIRE_POINTS": len(element.POINTS),
     "WIRE_PLACES": element.POINTS,
@@ -317,9 +340,13 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "NEWTON_HUGE": newton.HUGE,
     "GRADIENT_STEPS": coupled_newton.STEPS,
     "GRADIENT_LEFT": coupled_newton.LEFT,
-    "CONTACT_POINTS": len(contact_element.POINTS),
-    "CONTACT_PLACES": contact_element.POINTS,
-    "CONTACT_WEIGHTS": contact_element.WEIGHTS,
+    "CONTACT_CELLS": contact_places.CELLS,
+    "CONTACT_HALVINGS": contact_places.HALVINGS,
+    "CONTACT_STEPS": contact_places.STEPS,
+    "CONTACT_LEVELS": contact_places.LEVELS,
+    "CONTACT_POINTS": len(contact_places.PARTS),
+    "CONTACT_PARTS": contact_places.PARTS,
+    "CONTACT_WEIGHTS": contact_places.WEIGHTS,
 }
 
 _HEAD = """\

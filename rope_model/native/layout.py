@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 from ..physics.accuracy import ErrorSums
+from ..physics.contact_error import ContactSums
 from ..physics.guard import CAUSES, GuardState
 from ..physics.shaft import KINDS
 from ..simulation.audit import Audit
@@ -62,6 +63,15 @@ class ErrorStructure(Structure):
     """rope_model.physics.accuracy.ErrorSums"""
 
     _fields_ = tuple((name, _array_type(zero)) for name, zero in ErrorSums()._asdict().items())
+
+
+class ContactStructure(Structure):
+    """rope_model.physics.contact_error.ContactSums"""
+
+    _fields_ = tuple(
+        (name, c_double * len(zero) if isinstance(zero, tuple) else c_double)
+        for name, zero in ContactSums()._asdict().items()
+    )
 
 
 class AuditStructure(Structure):
@@ -138,6 +148,7 @@ class StateStructure(Structure):
         ("events", EventStructure * LOGGED_EVENTS),
         ("energy_balance", EnergyStructure),
         ("errors", ErrorStructure),
+        ("contact", ContactStructure),
         ("audit", AuditStructure),
         ("nearest", NearestStructure * len(KINDS)),
         ("crossing", CrossingStructure),
@@ -155,6 +166,7 @@ NAMES: dict[Any, str] = {
     SwivelStructure: "SwivelState",
     EnergyStructure: "EnergyBalance",
     ErrorStructure: "ErrorSums",
+    ContactStructure: "ContactSums",
     AuditStructure: "Audit",
     NearestStructure: "Nearest",
     CrossingStructure: "Crossing",

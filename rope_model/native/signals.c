@@ -75,9 +75,13 @@ static void error_signals(Simulator *rope, double *values) {
     const State *state = rope->state;
     const double fine = mesh_fine_length(&state->pattern, state_arrays(rope->state).lengths);
     const Following *left = &state->following[LEFT], *right = &state->following[RIGHT];
-    values[SIGNAL_STATUS_END_FORCE_ERROR] = end_force_error(&rope->scene.rope, &state->errors, left, right);
-    values[SIGNAL_STATUS_LOOP_ERROR] =
-        loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length, left, right);
+    double at_ends = end_force_error(&rope->scene.rope, &state->errors);
+    double of_place = loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length);
+    at_ends = with_contact_at_ends(at_ends, &state->contact, state->errors.time, state->errors.force);
+    of_place = with_contact_of_place(&rope->scene, of_place, &state->contact);
+    values[SIGNAL_STATUS_END_FORCE_ERROR] = with_misfit(at_ends, &state->errors, left, right);
+    values[SIGNAL_STATUS_LOOP_ERROR] = with_drift(of_place, left, right);
+    values[SIGNAL_STATUS_CONTACT_ERROR] = contact_error(&state->contact);
 }
 
 static void shape_signals(Simulator *rope, double *values) {

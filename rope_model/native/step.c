@@ -260,6 +260,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     s.time = state->t + 0.5 * h;
     chain_of(rope, state)->losses(&s, m.q, m.v, losses);
     contact_balance(&s, m.q, m.v, contact);
+    state->contact = add_contact(&rope->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&s));
     chain_of(rope, state)->air(&s, m.q, m.v, air);
     const double slid = slip_wires(rope, state, now->q);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);

@@ -1,10 +1,11 @@
 """The beam element that touches bodies in the shaft: physics.element with the forces of physics.contact.
 
-Where the element is near a body, the force per length is integrated over Gauss points of the centre line:
+Where the element is near a body, the force per length is integrated along what is pressed of the centre line
+(physics.contact_places):
 
     R -= int N^T f dx,   J += int N^T (-cq df/dr - cv df/dv) N dx
 
-with the cubic Hermite shapes N of r.  The points are so many that a thin body does not slip between two of them.
+with the cubic Hermite shapes N of r.
 """
 
 from __future__ import annotations
@@ -15,16 +16,14 @@ from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
-import numpy as np
 
 from . import hermite
-from .contact import touch
+from .contact import SUMS, touch
+from .contact_places import CELLS, HALVINGS, LEVELS, PARTS, STEPS, WEIGHTS, Probe, point_in, probe, reaching, turning
 from .element import ELEMENT_DOF, ElementFidelity, ElementFunctions
+from .elementary import both, where
 from .shaft import KINDS, Body
 
-_GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(16)
-#: places in the element, from 0 to 1, and their weights
-POINTS, WEIGHTS = tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist()), tuple((0.5 * _GAUSS_WEIGHTS).tolist())
 #: numbers of the law, and of a body: those of shaft.Body and its speed
 LAW = ("stiffness", "damping", "friction", "slip_speed", "diameter")
 BODY_SIZE = 13
@@ -79,62 +78,166 @@ def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: t
 
 def _integrals(kept: tuple[int, ...], kinds: tuple[int, ...]) -> tuple[ca.Function, ca.Function, ca.Function]:
     """(q, v, l, near, P) -> R (2 m,), the same with (cq, cv) -> J (2 m, 2 m), and the sums of CONTACT_BALANCE."""
-    number, m = len(POINTS), len(kept)
+    m = len(kept)
     q, v, l = ca.MX.sym("q", 2 * m), ca.MX.sym("v", 2 * m), ca.MX.sym("l")
     near, P = ca.MX.sym("near", len(kinds)), ca.MX.sym("P", len(LAW) + len(kinds) * BODY_SIZE)
     cq, cv = ca.MX.sym("cq"), ca.MX.sym("cv")
     # which entry of the element is component i of node value k: r and r' of both nodes
     place = {dof: i for i, dof in enumerate(kept) if dof < 6}
     entries = {(i, k): place[i + 3 * (k % 2)] + m * (k // 2) for i in range(3) if i in place for k in range(4)}
-    shares = ca.vertcat(*(ca.horzcat(*hermite.shares(xi, l)) for xi in POINTS))  # (points, 4)
-    weights = ca.repmat(l * ca.DM(list(WEIGHTS)), 1, 4) * shares
+    rows, speeds = (ca.horzcat(*(_nodal(x, entries, k) for k in range(4))) for x in (q, v))
 
-    def nodal(x: ca.MX) -> ca.MX:
-        rows = ([x[entries[i, k]] if (i, k) in entries else 0 for k in range(4)] for i in range(3))
-        return ca.vertcat(*(ca.horzcat(*row) for row in rows))
-
-    places, speeds = nodal(q) @ shares.T, nodal(v) @ shares.T
-    repeated = [ca.repmat(x, 1, number) for x in (near, P)]
-    loads, stiff = (f.map(number) for f in _touch_all(kinds))
-    force, sums = loads(places, speeds, *repeated)
-    tangent = stiff(places, speeds, *repeated, ca.repmat(cq, 1, number), ca.repmat(cv, 1, number))
-    f = force @ weights
+    force, sums, stiff = ca.MX.zeros(3, 4), ca.MX.zeros(len(CONTACT_BALANCE)), ca.MX.zeros(6, 10)
+    for k, kind in enumerate(kinds):
+        body = P[len(LAW) + k * BODY_SIZE : len(LAW) + (k + 1) * BODY_SIZE]
+        inputs = [rows, speeds, l, ca.vertcat(P[: len(LAW)], body)]
+        one = _where_near(_pressed(False))(near[k] > 0, *inputs)
+        force += one[0]
+        sums[: len(SUMS) - 1] += one[1][:-1]
+        sums[len(SUMS) - 1 + kind] += one[1][-1]
+        stiff += _where_near(_pressed(True))(near[k] > 0, *inputs, cq, cv)
     R, J = ca.MX.zeros(2 * m), ca.MX(2 * m, 2 * m)
     for (i, k), row in entries.items():
-        R[row] = -f[i, k]
-        products = tangent @ (weights * ca.repmat(shares[:, k], 1, 4))  # (6, 4)
+        R[row] = -force[i, k]
         for (j, n), column in entries.items():
-            J[row, column] = products[_upper(i, j), n]
+            J[row, column] = stiff[_upper(i, j, 3), _upper(k, n, 4)]
     return (
         ca.Function("contact_residual", [q, v, l, near, P], [R]),
         ca.Function("contact_tangent", [q, v, l, near, P, cq, cv], [ca.densify(J)]),
-        ca.Function("contact_sums", [q, v, l, near, P], [sums @ (l * ca.DM(list(WEIGHTS)))]),
+        ca.Function("contact_sums", [q, v, l, near, P], [sums]),
     )
 
 
-def _upper(i: int, j: int) -> int:
-    """Place of entry (i, j) of a symmetric matrix (3, 3) among those of its upper half, row by row."""
+def _nodal(x: ca.MX, entries: dict[tuple[int, int], int], k: int) -> ca.MX:
+    """Node value k (3,) of an element's entries ``x``."""
+    return ca.vertcat(*(x[entries[i, k]] if (i, k) in entries else 0 for i in range(3)))
+
+
+def _where_near(function: ca.Function) -> ca.Function:
+    """(condition, inputs) -> ``function`` of the inputs, or zeros."""
+    zeros = [ca.MX.zeros(*function.size_out(i)) for i in range(function.n_out())]
+    nothing = ca.Function(f"no_{function.name()}", function.mx_in(), zeros)
+    return ca.Function.if_else(f"{function.name()}_if", function, nothing)
+
+
+def _upper(i: int, j: int, size: int) -> int:
+    """Place of entry (i, j) of a symmetric matrix (size, size) among those of its upper half, row by row."""
     i, j = min(i, j), max(i, j)
-    return 3 * i - i * (i - 1) // 2 + j - i
+    return size * i - i * (i - 1) // 2 + j - i
 
 
-def _touch_all(kinds: tuple[int, ...]) -> tuple[ca.Function, ca.Function]:
-    """(point, speed, near, P) -> force (3,) and sums per length of all bodies, the same with (cq, cv) -> tangent."""
-    point, speed = ca.SX.sym("point", 3), ca.SX.sym("speed", 3)
-    near, P = ca.SX.sym("near", len(kinds)), ca.SX.sym("P", len(LAW) + len(kinds) * BODY_SIZE)
+@cache
+def _pressed(stiff: bool) -> ca.Function:
+    """(rows (3, 4), speeds (3, 4), l, P) -> force on the node values (3, 4) and SUMS of one body.
+
+    Or, with (cq, cv), the tangent: entries of (3, 3), upper half, in columns for pairs of node values, upper half.
+    """
+    rows, speeds, l, P = (
+        ca.MX.sym("r", 3, 4),
+        ca.MX.sym("v", 3, 4),
+        ca.MX.sym("l"),
+        ca.MX.sym("P", len(LAW) + BODY_SIZE),
+    )
+    c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
+    look, halve, _ = _searches()
+    start, stop = ca.MX.sym("start"), ca.MX.sym("stop")
+    seen = [look(at, rows, l, P) for at in (start, stop)]
+    turned = halve.fold(HALVINGS)(ca.horzcat(*seen), rows, l, P)
+    at = ca.if_else(seen[0][2] * seen[1][2] < 0, _turning()(turned), stop)
+    probes = ca.horzcat(seen[0], look(at, rows, l, P), seen[1])
+    inside = ca.mmax(probes[1, :]) > 0
+    cell = _where_near(_integrated(stiff))(inside, probes, rows, speeds, l, P, *c)
+    made = ca.Function("cell", [start, stop, rows, speeds, l, P, *c], list(cell) if not stiff else [cell])
+    places = ca.DM([[k / CELLS for k in range(CELLS)], [(k + 1) / CELLS for k in range(CELLS)]])
+    found = [made(places[0, k], places[1, k], rows, speeds, l, P, *c) for k in range(CELLS)]
+    totals = [sum(x) for x in (zip(*found, strict=True) if not stiff else [found])]
+    return ca.Function("pressed_tangent" if stiff else "pressed", [rows, speeds, l, P, *c], totals)
+
+
+@cache
+def _integrated(stiff: bool) -> ca.Function:
+    """(probes (3, 3), rows, speeds, l, P) -> what ``_pressed`` has of a cell with these at its ends and turn."""
+    probes, rows, speeds = ca.MX.sym("probes", 3, 3), ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4)
+    l, P = ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
+    c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
+    reach, pieces = _searches()[2], []
+    for side in (0, 1):
+        swapped = probes[1, side] > probes[1, side + 1]
+        deeper = ca.if_else(swapped, probes[:, side], probes[:, side + 1])
+        other = ca.if_else(swapped, probes[:, side + 1], probes[:, side])
+        before = deeper[0]
+        for part in LEVELS:
+            level = part * P[LAW.index("diameter")]
+            found = reach.fold(STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
+            at = ca.if_else(deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], found))
+            pieces += [point_in(*point, before, at) for point in zip(PARTS, WEIGHTS, strict=True)]
+            before = at
+    places, weights = (ca.vertcat(*x) for x in zip(*pieces, strict=True))
+    number = len(pieces)
+    xi, length = ca.SX.sym("xi"), ca.SX.sym("l")
+    shares = ca.Function("shares", [xi, length], [ca.horzcat(*hermite.shares(xi, length))]).map(number)
+    N = ca.reshape(shares(places.T, l), 4, number)  # a column for each point
+    loads, tangents = (f.map(number) for f in _touch_one())
+    repeated = rows @ N, speeds @ N, ca.repmat(P, 1, number)
+    weights *= l
+    inputs = [probes, rows, speeds, l, P, *c]
+    if stiff:
+        T = tangents(*repeated, *(ca.repmat(x, 1, number) for x in c))
+        pairs = [N[k, :] * N[n, :] for k in range(4) for n in range(k, 4)]
+        return ca.Function("cell_tangent", inputs, [T @ (ca.vertcat(*pairs).T * ca.repmat(weights, 1, len(pairs)))])
+    force, sums = loads(*repeated)
+    return ca.Function("cell_force", inputs, [force @ (N.T * ca.repmat(weights, 1, 4)), sums @ weights])
+
+
+@cache
+def _searches() -> tuple[ca.Function, ca.Function, ca.Function]:
+    """(place, rows, l, P) -> a probe; steps of the search for the turn of the depth, and for a level of it."""
+    rows, l, P = ca.SX.sym("r", 3, 4), ca.SX.sym("l"), ca.SX.sym("P", len(LAW) + BODY_SIZE)
+    a, b = ([*ca.vertsplit(rows[:, k]), *ca.vertsplit(rows[:, k + 1])] for k in (0, 2))
+    diameter, (body, _) = P[LAW.index("diameter")], _body(P[len(LAW) :])
+    ends, at, place, level = ca.SX.sym("ends", 3, 2), ca.SX.sym("at", 4), ca.SX.sym("place"), ca.SX.sym("level")
+
+    def look(place: Any) -> Any:
+        return ca.vertcat(*probe(place, l, a, b, diameter, body))
+
+    start, stop = ends[:, 0], ends[:, 1]
+    middle, turns = look(0.5 * (start[0] + stop[0])), start[2] * stop[2] < 0
+    first = start[2] * middle[2] > 0
+    start = where(both(turns, first), middle, start)
+    stop = where(both(turns, ca.logic_not(first)), middle, stop)
+    found = look(reaching(_probe(at[:3]), at[3], level))
+    nearer = where(found[1] < level, ca.vertcat(found, at[3]), ca.vertcat(at[:3], found[0]))
+    return (
+        ca.Function("probe", [place, rows, l, P], [look(place)]),
+        ca.Function("halve", [ends, rows, l, P], [ca.cse(ca.horzcat(start, stop))]),
+        ca.Function("reach", [at, rows, l, P, level], [ca.cse(nearer)]),
+    )
+
+
+@cache
+def _turning() -> ca.Function:
+    ends = ca.SX.sym("ends", 3, 2)
+    return ca.Function("turning", [ends], [turning(_probe(ends[:, 0]), _probe(ends[:, 1]))])
+
+
+def _probe(x: Any) -> Probe:
+    """A probe of its numbers."""
+    return Probe(x[0], x[1], x[2])
+
+
+def _body(x: Any) -> tuple[Body, Any]:
+    """A body and its speed of their numbers."""
+    return Body(x[0:3], x[3:6], x[6], x[7], x[8], x[9]), x[10:13]
+
+
+@cache
+def _touch_one() -> tuple[ca.Function, ca.Function]:
+    """(point, speed, P) -> force (3,) and SUMS per length of one body, the same with (cq, cv) -> tangent."""
+    point, speed, P = ca.SX.sym("point", 3), ca.SX.sym("speed", 3), ca.SX.sym("P", len(LAW) + BODY_SIZE)
     cq, cv = ca.SX.sym("cq"), ca.SX.sym("cv")
     law = SimpleNamespace(**dict(zip(LAW, ca.vertsplit(P[: len(LAW)]), strict=True)))
-    force, tangent, sums = ca.SX.zeros(3), ca.SX.zeros(6), ca.SX.zeros(len(CONTACT_BALANCE))
-    for k, kind in enumerate(kinds):
-        x: Any = P[len(LAW) + k * BODY_SIZE : len(LAW) + (k + 1) * BODY_SIZE]
-        body = Body(x[0:3], x[3:6], x[6], x[7], x[8], x[9])
-        one = touch(law, law.diameter, body, x[10:13], point, speed, cq, cv)
-        force += near[k] * ca.vertcat(*one.force)
-        tangent += near[k] * ca.vertcat(*one.tangent)
-        sums[: len(one.sums) - 1] += near[k] * ca.vertcat(*one.sums[:-1])
-        sums[len(one.sums) - 1 + kind] += near[k] * one.sums[-1]
-    inputs = [point, speed, near, P]
+    one = touch(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
     return (
-        ca.Function("touch", inputs, ca.cse([force, sums])),
-        ca.Function("touch_tangent", [*inputs, cq, cv], [ca.cse(tangent)]),
+        ca.Function("touch", [point, speed, P], ca.cse([ca.vertcat(*one.force), ca.vertcat(*one.sums)])),
+        ca.Function("touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*one.tangent))]),
     )

@@ -21,7 +21,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from .contact import Touch, touch
-from .elementary import ceil, dot, larger, smaller
+from .elementary import ceil, dot, floor, larger, smaller
 from .hermite import interpolate
 from .shaft import Body
 
@@ -42,6 +42,14 @@ STRETCH = 1.25
 def places(l: Any, diameter: Any) -> Any:
     """How many places are looked at in an element of length ``l``."""
     return smaller(ceil(l / (SPACING * diameter)), float(MOST_PLACES))
+
+
+def places_skipped(distance: Any, diameter: Any, weight: Any, number: Any) -> Any:
+    """How many of the next places of an element need no look after one at ``distance`` (m).
+
+    They are ``weight`` (m) apart.  All ``number`` of them where the distance is not a number.
+    """
+    return floor(larger(smaller(number, (distance - diameter) / (STRETCH * weight)), 0.0))
 
 
 def most_places(length: Any, elements: Any, diameter: Any) -> Any:

@@ -11,7 +11,7 @@ import math
 from typing import Any
 
 from ..numerics import quintic
-from ..physics.accuracy import TINY, end_force_error, loop_error, memory
+from ..physics.accuracy import TINY, memory
 from ..physics.elementary import cos, exp, larger, sin, sqrt, where
 from ..physics.estimates import axial_frequency
 from .following import Following
@@ -84,13 +84,3 @@ def with_drift(error: Any, left: Any, right: Any) -> Any:
     """``error`` of the loop's place, m, with that of ends that are not where they are said to be."""
     apart = 0.5 * (left.farthest + right.farthest)
     return sqrt(error * error + apart * apart)
-
-
-def told_force_error(rope: Any, sums: Any, left: Any, right: Any) -> Any:
-    """Estimated error of the end forces, root mean square since the start, relative to the largest."""
-    return with_misfit(end_force_error(rope, sums), sums, left, right)
-
-
-def told_loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any, left: Any, right: Any) -> Any:
-    """Estimated largest error of the loop's place since the start, m."""
-    return with_drift(loop_error(scene, sums, fine, grading_length), left, right)

@@ -12,8 +12,10 @@ import numpy as np
 from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, local_error, recentring, restart, step
 from ..parameters import Scene
 from ..physics.accuracy import add_errors, step_error, step_limits
+from ..physics.contact_error import add_contact
 from ..physics.energy_balance import after_step as account_of_step
 from ..physics.energy_balance import with_energies
+from ..physics.shaft import KINDS
 from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from .ends import HangingEnds, Phase, nominal_points
 from .fidelity import flexible
@@ -130,9 +132,12 @@ class RopeModel:
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         halfway = self.pushed(system, old.motion.t + 0.5 * h)
         losses, slip = halfway.losses(middle, rate), system.slip(motion.q)
-        energy, air = energies(old.energy_balance, evaluation.balance), system.outside(middle, rate)["given_to_air"]
-        energy = account_of_step(energy, h, before, now, losses, slip.dissipated, air)
+        energy, outside = energies(old.energy_balance, evaluation.balance), system.outside(middle, rate)
+        energy = account_of_step(energy, h, before, now, losses, slip.dissipated, outside["given_to_air"])
+        pressures = [outside[kind] for kind in (*KINDS, "rope")]
+        contact = add_contact(self.scene, old.contact, h, pressures, system.longest_near(middle))
         after = old._replace(motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=now)
+        after = after._replace(contact=contact)
         return self._with_step_audited(old.motion, with_angles_along(system, after), system)
 
     def _with_step_audited(self, old: Motion, state: RopeState, system: RopeSystem) -> RopeState:

@@ -330,6 +330,11 @@ class RopeSystem:
         found = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
         return found if self.pushed is None else found._replace(moved=found.moved + float(np.vdot(self.pushed, v)))
 
+    def longest_near(self, q: Array) -> float:
+        """The longest of the elements that may touch a body, m; 0 for none."""
+        near = self._near(q, 0.0)
+        return float(self.lengths[near.any(axis=1)].max()) if near.any() else 0.0
+
     def _near(self, q: Array, margin: float) -> Near:
         """(elements, bodies): which elements may touch a body, or would if they moved by ``margin`` (m)."""
         if self.around is None:

@@ -19,7 +19,16 @@ from ..parameters import Scene
 from ..physics import hermite
 from ..physics.contact import SUMS, Touch
 from ..physics.outline import enclosing_box
-from ..physics.rope_on_rope import APART, CORRECTIONS, MOST_STRANDS, PROBES, STRETCH, nearer_place, places, rope_touch
+from ..physics.rope_on_rope import (
+    APART,
+    CORRECTIONS,
+    MOST_STRANDS,
+    PROBES,
+    nearer_place,
+    places,
+    places_skipped,
+    rope_touch,
+)
 from .rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
@@ -109,7 +118,7 @@ def _touching(
             point = _at(rows, e, shares)
             near = sorted(_nearest(rows, l[o], o, point) for o in others)
             yield e, shares, weight, point, [x for x in near if x[0] < diameter]
-            k += 1 + max(int((near[0][0] - diameter) / (STRETCH * weight)), 0)
+            k += 1 + int(places_skipped(near[0][0], diameter, weight, number))
 
 
 class SelfTouchingRope(RopeSystem):

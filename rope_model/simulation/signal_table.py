@@ -92,6 +92,9 @@ def _table() -> Iterator[tuple[str, Signal]]:
         words = {"conveyance": "a conveyance", "divider": "dividers"}.get(kind, f"the {kind.replace('_', ' ')}")
         yield f"contact.{kind}", Signal("N", f"pressure of the rope and {words} on each other, summed along the rope")
     yield "contact.rope", Signal("N", "pressure of the rope on itself, summed along it")
+    for kind in (*KINDS, "rope"):
+        text = f"impulse of contact.{kind} since the start: unlike a blow's peak it hardly depends on contact.stiffness"
+        yield f"contact.{kind}.impulse", Signal("N.s", text)
     for name, what in (
         ("steps", "accepted time steps"),
         ("rejections", "rejected time steps"),
@@ -105,6 +108,14 @@ def _table() -> Iterator[tuple[str, Signal]]:
         Signal("1", "estimated error of the end forces so far, root mean square, relative to the largest"),
     )
     yield "status.loop_error", Signal("m", "estimated largest error of the loop's place so far")
+    yield (
+        "status.contact_error",
+        Signal(
+            "1",
+            "estimated error of the bodies' pressure by the mesh, root mean square while they press, relative "
+            "to the largest",
+        ),
+    )
     for name, unit in (("position", "m"), ("speed", "m/s"), ("acceleration", "m/s2")):
         of = f"misfit of given and followed {name} at an end so far"
         yield f"inputs.misfit.{name}", Signal(unit, f"largest {of}")

@@ -7,6 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
+from ..physics.accuracy import end_force_error, loop_error
+from ..physics.contact_error import contact_error, with_contact_at_ends, with_contact_of_place
 from ..physics.estimates import loop_width
 from ..physics.frame import conveyance_load
 from ..physics.guard import sideways
@@ -18,7 +20,7 @@ from .audit import signal_values as audit_values
 from .diagnostics import LoopBottom, direction, interpolate_midpoints, leg_clearance, shape, shape_places, tension
 from .ends import Phase
 from .guards import rise
-from .misfit import told_force_error, told_loop_error
+from .misfit import with_drift, with_misfit
 from .paths import SIDES
 from .rigid import rigid_tension
 from .rope_system import ANGLE, Array, RopeSystem, arc_lengths
@@ -120,11 +122,13 @@ def contact_signals(rope: Evaluated) -> dict[str, float]:
 
 def error_signals(rope: Evaluated) -> dict[str, float]:
     """Estimates of what the run errs by so far."""
-    scene, errors, cells = rope.scene, rope.state.errors, rope.state.partition
-    followed = rope.state.following
+    scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
+    at_ends = with_contact_at_ends(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
+    of_place = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
     return {
-        "status.end_force_error": float(told_force_error(scene.rope, errors, *followed)),
-        "status.loop_error": float(told_loop_error(scene, errors, cells.fine, cells.grading_length, *followed)),
+        "status.end_force_error": float(with_misfit(at_ends, errors, *rope.state.following)),
+        "status.loop_error": float(with_drift(of_place, *rope.state.following)),
+        "status.contact_error": float(contact_error(contact)),
     }
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..numerics.generalized_alpha import Motion
 from ..physics.accuracy import ErrorSums
+from ..physics.contact_error import ContactSums
 from ..physics.energy_balance import residual, total
 from ..physics.guard import GuardState
 from ..physics.shaft import KINDS
@@ -128,6 +129,7 @@ class RopeState(NamedTuple):
     events: tuple[Event, ...] = ()  # of the last advance
     energy_balance: EnergyBalance = EnergyBalance()
     errors: ErrorSums = ErrorSums()
+    contact: ContactSums = ContactSums()
     powers: Powers = Powers()
     counts: Counts = Counts()
     snapped_at: float = 0.0  # rad: twist at which the rope last snapped over when it was turned in; 0: never

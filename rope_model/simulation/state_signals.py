@@ -39,6 +39,10 @@ def _repeated(state: Any) -> Any:
     return larger(left.repeats, right.repeats)
 
 
+def _impulse(kind: int, state: Any) -> Any:
+    return state.contact.impulses[kind]
+
+
 def _guard_tripped(state: Any) -> Any:
     return less(0.0, state.guard.cause)
 
@@ -75,6 +79,7 @@ for _k, _name in enumerate(("position", "speed", "acceleration")):
     STATE_SIGNALS[f"inputs.misfit.{_name}"] = partial(_largest_misfit, _name)
     STATE_SIGNALS[f"inputs.misfit.{_name}_rms"] = partial(_misfit_rms, _k)
 STATE_SIGNALS |= {f"{side}.fy_mean": partial(_force_mean, k) for k, side in enumerate(SIDES)}
+STATE_SIGNALS |= {f"contact.{kind}.impulse": partial(_impulse, k) for k, kind in enumerate((*KINDS, "rope"))}
 STATE_SIGNALS |= {
     f"nearest.{kind}.{key}": partial(_nearest, k, key) for k, kind in enumerate(KINDS) for key in Nearest._fields
 }

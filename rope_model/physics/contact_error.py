@@ -1,0 +1,78 @@
+"""What contact has done so far: impulses, and how far the mesh lets its forces err.
+
+A body that meets the rope sends waves along it.  The mesh follows those that are longer than two of its elements,
+of length l where the body is near; with c the speed of waves across the rope half way up a leg of half its length
+
+    tau = l / (pi c),    c = sqrt(g L / 4)
+
+What of the pressure P changes faster is not resolved: P minus what follows it with delay tau, taken twice,
+
+    d = P - s1,  s1' = d / tau,      r = d - s2,  s2' = (d - s2) / tau
+
+falls with l^2.  Its root mean square is about that of the error; the end forces and the loop's place err in proportion.
+
+Works on numbers and CasADi expressions.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from .elementary import hypot, larger, less, sqrt, where
+from .estimates import bending_length
+from .shaft import KINDS
+
+#: of the end forces over that of the pressure, root mean squares; of the loop's place, over the length of rope that
+#: weighs as much as the force that is not resolved while the loop swings once: trips past a divider 0.95, 1.05 and
+#: 1.12 m left of the middle, 30 m below the ends (rope-120), meshes of 2, 0.5 and 0.25 m against 0.125 m
+AT_ENDS, OF_PLACE = 2.5, 0.11
+TINY = 1e-300
+
+
+class ContactSums(NamedTuple):
+    """Since the start."""
+
+    impulses: tuple[float, float, float, float, float, float] = (0.0,) * 6  # N s, of KINDS and of the rope on itself
+    time: float = 0.0  # s, in which bodies pressed
+    largest: float = 0.0  # N, of their pressure
+    followed: tuple[float, float] = (0.0, 0.0)  # N, s1 and s2
+    square: float = 0.0  # N^2 s, time integral of r^2
+
+
+def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> ContactSums:
+    """``sums`` after a step ``h`` with these ``pressures`` (6,) in its middle, of KINDS and of the rope on itself.
+
+    ``longest`` (m) is the longest element that a body is near, 0 for none.
+    """
+    part = h / (h + longest / (math.pi * sqrt(0.25 * scene.layout.gravity * scene.rope.length)))
+    pressure = sum(pressures[: len(KINDS)], start=0.0)
+    first, second = sums.followed
+    first = first + part * (pressure - first)
+    second = second + part * (pressure - first - second)
+    missed = pressure - first - second
+    a, b, c, d, e, f = (before + h * now for before, now in zip(sums.impulses, pressures, strict=True))
+    return ContactSums(
+        (a, b, c, d, e, f),
+        sums.time + where(less(0.0, pressure), h, 0.0),
+        larger(sums.largest, pressure),
+        (first, second),
+        sums.square + h * (missed * missed),
+    )
+
+
+def contact_error(sums: Any) -> Any:
+    """Of the bodies' pressure, root mean square while they press, relative to the largest."""
+    return sqrt(sums.square / larger(sums.time, TINY)) / larger(sums.largest, TINY)
+
+
+def with_contact_at_ends(error: Any, sums: Any, time: Any, force: Any) -> Any:
+    """``error`` of the end forces, relative to the largest ``force`` in this ``time`` (s), with that by contact."""
+    return hypot(error, AT_ENDS * sqrt(sums.square / larger(time, TINY)) / larger(force, TINY))
+
+
+def with_contact_of_place(scene: Any, error: Any, sums: Any) -> Any:
+    """``error`` of the loop's place, m, with that by contact."""
+    rope, g, w = scene.rope, scene.layout.gravity, bending_length(scene)
+    swing = 2.0 * math.pi * sqrt(w / g)
+    return hypot(error, OF_PLACE * sqrt(sums.square / swing) / (rope.mass_per_length * g))
