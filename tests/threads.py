@@ -70,16 +70,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="threads of a host in C that instantiate at once")
     parser.add_argument("--runs", type=int, default=100)
     parser.add_argument("--threads", type=int, default=THREADS)
+    parser.add_argument("--flavours", nargs="+", default=["python", "native-2"])
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         program, failed = build(folder), 0
-        for flavour in ("python", "native-2"):
+        for flavour in options.flavours:
             fmu = ARCHIVES[flavour](folder / f"{flavour}.fmu")
             unzipped = Path(fmpy.extract(str(fmu), str(folder / flavour)))
             wrong = []
-            for _ in range(options.runs):
+            for number in range(options.runs):
                 done = run(program, fmu, unzipped, options.threads)
+                print(f"{flavour} {number + 1}: {done.stdout.strip()}", flush=True)
                 if done.returncode:
                     wrong.append(f"exit code {done.returncode}: {done.stdout}{done.stderr[-500:]}")
             print(
