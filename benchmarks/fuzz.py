@@ -36,8 +36,15 @@ MEASURED = ("-fprofile-instr-generate", "-fcoverage-mapping")
 FOLLOWED = "-fsanitize=fuzzer"
 
 
+#: of an execution
+ROPES = 2
+
+
 class Outcome(NamedTuple):
-    """``covered`` of ``lines``, by ``inputs`` that are kept; ``findings`` are files that reproduce a failure."""
+    """``covered`` of ``lines``, by ``inputs`` that are kept; ``findings`` are files that reproduce a failure.
+
+    An execution is two ropes of a drawn mesh in shafts of drawn bodies, through up to 64 calls: ``scenes`` are ropes.
+    """
 
     fmi: int
     minutes: float
@@ -46,6 +53,8 @@ class Outcome(NamedTuple):
     covered: int
     lines: int
     findings: int
+    scenes: int
+    commit: str
 
 
 def build(fmi: int, folder: Path, name: str, flags: Sequence[str]) -> None:
@@ -71,7 +80,7 @@ def run(fmi: int, folder: Path, minutes: float) -> Outcome:
     (folder / "corpus").mkdir(exist_ok=True)
     command = [
         "./fuzz", "corpus", f"-max_total_time={round(60 * minutes)}", "-max_len=1024", "-timeout=120",
-        "-rss_limit_mb=2048", "-len_control=0", "-seed=1",
+        "-rss_limit_mb=2048", "-len_control=0", "-seed=2",
     ]  # fmt: skip
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     (folder / "log.txt").write_text(done.stderr, encoding="utf-8")
@@ -79,7 +88,16 @@ def run(fmi: int, folder: Path, minutes: float) -> Outcome:
     last = re.findall(r"Done (\d+) runs in (\d+) second", done.stderr)
     executions, seconds = map(int, last[-1]) if last else (0, 0)
     inputs = len(list((folder / "corpus").iterdir()))
-    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *coverage(fmi, folder), len(found))
+    lines = coverage(fmi, folder)
+    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *lines, len(found), ROPES * executions, commit())
+
+
+def commit() -> str:
+    """The commit of the sources, with a + where files differ from it; "" outside of a checkout."""
+    told = subprocess.run(
+        ["git", "describe", "--always", "--dirty=+"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    return told.stdout.strip()
 
 
 def coverage(fmi: int, folder: Path) -> tuple[int, int]:
@@ -119,7 +137,8 @@ def main() -> None:
     outcomes = [run(fmi, options.folder / f"fmi{fmi}", options.minutes / len(versions)) for fmi in versions]
     for outcome in outcomes:
         print(
-            f"FMI {outcome.fmi}: {outcome.minutes:.1f} min, {outcome.executions} executions, "
+            f"FMI {outcome.fmi}, {outcome.commit}: {outcome.minutes:.1f} min, {outcome.executions} executions of "
+            f"{ROPES} ropes, "
             f"{outcome.inputs} inputs kept, which run {outcome.covered} of {outcome.lines} lines; "
             f"{outcome.findings} findings"
         )

@@ -8,6 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from rope_model.parameters import RopeCase
+from rope_model.texts import xml_text
 
 from .documentation import index_html
 from .interface import Variable
@@ -58,7 +59,9 @@ def license_text(package: str = "balance-rope") -> str:
 
 
 def xml_bytes(root: ElementTree.Element) -> bytes:
-    """The document, indented."""
+    """The document, indented, of texts from anywhere."""
+    for node in root.iter():
+        node.attrib.update({name: xml_text(value) for name, value in node.attrib.items()})
     ElementTree.indent(root)
     text: str = ElementTree.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import html
 import re
 import sys
 from collections.abc import Collection, Iterable, Iterator
 
 from rope_model.parameters import rope_120
 from rope_model.simulation.neglected_effects import EFFECTS
+from rope_model.texts import html_text
 
 from .arrays import DESCRIPTIONS
 from .interface import Variable, variables
@@ -211,7 +211,7 @@ def _paragraph(text: str) -> str:
 
 
 def _to_html(text: str) -> str:
-    text = re.sub(r"`(.+?)`", r"<code>\1</code>", html.escape(text.strip(), quote=False))
+    text = re.sub(r"`(.+?)`", r"<code>\1</code>", html_text(text.strip()))
     return re.sub(r"(?<!\w)\*(\w[^*]*)\*", r"<em>\1</em>", text)
 
 

@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from .archive import write_archive
+from .attachments import xml_bytes
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -85,9 +86,7 @@ def export_ssp(
     _add_master(system, step)
     _add_units(root, described.values(), {port.unit for port in connected} - {""})
     _add_experiment(root, stop, step)
-    ElementTree.indent(root)
-    text = b'<?xml version="1.0" encoding="UTF-8"?>\n' + bytes(ElementTree.tostring(root)) + b"\n"
-    files = {"SystemStructure.ssd": text}
+    files = {"SystemStructure.ssd": xml_bytes(root)}
     files |= {f"resources/{c.name}.fmu": c.fmu.read_bytes() for c in components}
     write_archive(destination, files)
     return destination

@@ -34,6 +34,7 @@ MAY_IMPORT = {
         "rope_model.physics",
         "rope_model.numerics",
         "rope_model.simulation",
+        "rope_model.texts",
     },
     "rope_model.public": {
         "rope_model.catalogue",
@@ -44,6 +45,7 @@ MAY_IMPORT = {
         "rope_model.native",
     },
     "rope_model.version": set(),
+    "rope_model.texts": set(),
     "rope_model": {"rope_model.public", "rope_model.version"},
     "fmu_src.native": {
         "rope_model.parameters",
@@ -52,6 +54,7 @@ MAY_IMPORT = {
         "rope_model.numerics",
         "rope_model.native",
         "fmu_src",
+        "rope_model.texts",
     },
     "fmu_src.export": {
         "rope_model.parameters",
@@ -66,6 +69,7 @@ MAY_IMPORT = {
         "rope_model.shaft_parameters",
         "rope_model.simulation",
         "rope_model.version",
+        "rope_model.texts",
     },
     "hoist_demo.parameters": set(),
     "hoist_demo.drive": {"hoist_demo.parameters", "rope_model.numerics"},  # CasADi functions compiled; it knows no rope
@@ -77,6 +81,7 @@ MAY_IMPORT = {
         "hoist_demo.drive",
         "hoist_demo.control",
         "hoist_demo.cases",
+        "rope_model.texts",
     },
     "hoist_demo.cases": {"hoist_demo.parameters", "hoist_demo.control", "rope_model.parameters"},
     "hoist_demo.cosimulation.schemes": set(),
@@ -102,6 +107,7 @@ MAY_IMPORT = {
         "hoist_demo.cosimulation",
         "hoist_demo.cosimulation.participants",
         "hoist_demo.study",
+        "rope_model.texts",
     },
     "hoist_demo.study": {
         "hoist_demo.parameters",
@@ -112,6 +118,7 @@ MAY_IMPORT = {
         "hoist_demo.cosimulation",
         "hoist_demo.cosimulation.participants",
         "rope_model",
+        "rope_model.texts",
     },
     "hoist_demo.duty": {
         "hoist_demo.design",
@@ -141,6 +148,7 @@ MAY_IMPORT = {
         "rope_model.catalogue",
         "rope_model.physics",
         "rope_model.simulation",
+        "rope_model.texts",
     },
     "hoist_demo.uncertainty": {
         "hoist_demo.calibration",

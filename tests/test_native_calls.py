@@ -153,6 +153,53 @@ def test_null_pointers_are_errors(host: Host) -> None:
     host.instance = kept
 
 
+@pytest.mark.parametrize("when", ["instantiated", "initialization", "stepping"])
+def test_an_end_after_a_failure_leaves_its_message_the_last(host: Host, when: str) -> None:
+    if when != "instantiated":
+        host.enter()
+    if when == "stepping":
+        host.fmu.exitInitializationMode()
+    with pytest.raises(FMICallException):
+        host.set(**{"left.y": math.nan})
+    said, status = [*host.log], host.get("status.message")
+    host.fmu.terminate()
+    assert host.log == said
+    assert "left.y = nan is not finite" in said[-1][1]
+    assert host.get("status.message") == status
+
+
+def test_an_end_after_a_refused_question_is_quiet_too(host: Host) -> None:
+    host.enter()
+    host.set(**{"rope.length": -1.0})
+    with pytest.raises(FMICallException):
+        host.get("left.fy")
+    said = [*host.log]
+    host.fmu.terminate()
+    assert host.log == said
+
+
+def test_a_state_that_is_none_is_refused_and_not_followed(host: Host) -> None:
+    host.start()
+    state = "state" if host.fmi == 2 else "State"
+    # what a tool hands in by mistake: zeros, the address of an empty pointer, a state that was freed before
+    mistakes = [ctypes.create_string_buffer(4096), ctypes.create_string_buffer(b"\1" * 4096)]
+    size, data = ctypes.c_size_t(), ctypes.create_string_buffer(16)
+    for mistake in mistakes:
+        pointer = ctypes.c_void_p(ctypes.addressof(mistake))
+        calls: list[tuple[Any, ...]] = [
+            (f"GetFMU{state}", ctypes.byref(pointer)),
+            (f"SetFMU{state}", pointer),
+            (f"SerializedFMU{state}Size", pointer, ctypes.byref(size)),
+            (f"SerializeFMU{state}", pointer, data, ctypes.c_size_t(16)),
+            (f"FreeFMU{state}", ctypes.byref(pointer)),
+        ]
+        for call in calls:
+            assert host.call(*call) == 3, call[0]
+            assert "no state of this FMU, or it was freed" in host.error()
+        assert pointer.value == ctypes.addressof(mistake)
+    assert host.step(0.0) == ""
+
+
 def test_instance_with_a_wrong_token_is_refused(fmi: int, fmus: dict[int, Path], folders: dict[int, str]) -> None:
     with pytest.raises(Exception, match="instantiate"):
         Host(fmus[fmi], folders[fmi], token="{0}")
@@ -163,7 +210,7 @@ LEGAL = {
     "EnterInitializationMode": {"instantiated"},
     "ExitInitializationMode": {"initialization"},
     "DoStep": {"stepping"},
-    "Terminate": {"stepping"},
+    "Terminate": {"stepping", "failed"},  # after a failure of no effect, so that its message stays the last
     "Set": {"instantiated", "initialization", "stepping"},
     "Get": {"instantiated", "initialization", "stepping", "terminated", "failed"},
     "Reset": {"instantiated", "initialization", "stepping", "terminated", "failed"},

@@ -18,6 +18,7 @@ from rope_model.parameters import (
     Scene,
     Solver,
 )
+from rope_model.shaft_parameters import Lining, Shaft
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
@@ -173,3 +174,27 @@ def test_a_rigid_rope_that_cannot_hang_is_a_status_in_both() -> None:
         assert not status.valid
         messages.append(status.message)
     assert messages[0] == messages[1]
+
+
+def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The Python form at a lower bound, the native one at the bounds of both."""
+    scene = Scene(Rope(length=14.0, EI=97.0, installed_twist=99.0), shaft=Shaft(lining=Lining(width=2.0, depth=0.08)))
+    native, python = NativeRope(scene), RopeSimulator(scene)
+    said = native.initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
+    assert re.match(
+        r"at \S+ of 99 rad of twist, put in by \S+ rad at last and with \d+ iterations in all: no equil", said
+    )
+    monkeypatch.setattr("rope_model.simulation.hang.MOST_CORRECTIONS", 1)
+    told = python.initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
+    assert "more than twice what any rope needed that came to rest; put in less twist" in told
+
+
+@pytest.mark.parametrize("most", [0.0, 5.0])
+def test_a_communication_step_of_too_much_work_is_refused(most: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    rope = RopeSimulator(Scene(rope=Rope(length=60.0)))
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    monkeypatch.setattr("rope_model.simulation.simulator.most_work", lambda interval, step_max: most)
+    status = rope.advance_to(0.2, EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion())
+    assert not status.valid
+    assert re.search(r"Newton iterations did not lead from t = 0 s to 0\.2 s; communicate more often", status.message)
+    assert rope.state.motion.t == 0.0

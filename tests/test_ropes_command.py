@@ -191,7 +191,11 @@ def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path
     [
         ('name = "two"', 'name = "one"', "name = 'one' must be given once"),
         ('name = "two"', 'name = "left"', "name = 'left' must be another: .*, and left, right, .*drive.* are taken"),
-        ('name = "two"', 'name = "one.b"', r"name = 'one\.b' must be another: .* names with a point"),
+        (
+            'name = "two"',
+            'name = "one.b"',
+            r"name = 'one\.b' must be of letters from A to z, digits and _, .* at most 40: .*name it anew",
+        ),
         ("rope.length = 118.8", "winding.travel = 3", r"two: winding.travel must be the same for all ropes"),
         ("z = 0.2", "breaks_at = 3.0", r"breaks_at and breaks_s must stand together"),
         ("z = 0.2", 'z = "left"', r"two: z = 'left' must be a number"),

@@ -132,7 +132,7 @@ TABLE: dict[str, Call] = {
     "doStep of no length": Call(lambda rope: rope.step(H, 0.0), "EEEEE"),
     "doStep of NaN": Call(lambda rope: rope.step(H, math.nan), "EEEEE"),
     "doStep beyond the stop time": Call(lambda rope: rope.step(H, STOP), "EEEEE"),
-    "terminate": Call(lambda rope: rope.call("Terminate"), "EEOEE"),
+    "terminate": Call(lambda rope: rope.call("Terminate"), "EEOEO"),
     "reset": Call(lambda rope: rope.call("Reset"), "OOOOO"),
     "get a parameter": Call(got("rope.length"), "OOOOO"),
     "get an input": Call(got("left.y"), "OOOOO"),

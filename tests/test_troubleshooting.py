@@ -34,6 +34,7 @@ NO_ENTRY = {
     "while its swivels hold": "part of 'model cannot follow'",
     "it errs by an estimated": "part of 'model cannot follow'",
     "a rope that goes slack (tension": "part of 'model cannot follow'",
+    "more than twice what any rope needed": "part of 'rad of twist'",
     "mesh.kind = auto takes them from": "an addition to the messages of the mesh",
     "the coupling Qb": "part of 'hangs yawed'",
     "installed_twist =": "part of 'hangs yawed'",

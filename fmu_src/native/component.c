@@ -271,8 +271,12 @@ double component_time(const Component *c) {
     return c->time;
 }
 
-void component_terminate(Component *c) {
+int component_terminate(Component *c, const char *function) {
+    /* a host that ends because something failed has been told: a second error would hide the first */
+    if (c->mode == FAILED || (c->mode & (INSTANTIATED | INITIALIZATION) && c->message[0])) return 1;
+    if (!component_allows(c, function, STEPPING)) return 0;
     c->mode = TERMINATED;
+    return 1;
 }
 
 void component_reset(Component *c) {

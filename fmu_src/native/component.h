@@ -47,7 +47,8 @@ void component_enter_initialization(Component *c);
 int component_exit_initialization(Component *c);
 int component_step(Component *c, double t, double h);
 double component_time(const Component *c);
-void component_terminate(Component *c);
+/* of no effect and without a word after something has failed, or been refused before the first step */
+int component_terminate(Component *c, const char *function);
 void component_reset(Component *c);
 
 /* whether `token` is this FMU's; NULL is not */

@@ -147,9 +147,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 
 fmi2Status fmi2Terminate(fmi2Component c) {
     Instance *i = c;
-    if (!may(i, "fmi2Terminate", STEPPING)) return fmi2Error;
-    component_terminate(i->component);
-    return fmi2OK;
+    return status(i && component_terminate(i->component, "fmi2Terminate"));
 }
 
 fmi2Status fmi2Reset(fmi2Component c) {
@@ -273,28 +271,30 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     Instance *i = c;
     return status(may(i, "fmi2GetFMUstate", ANY_MODE) && not_null(i, FMUstate) &&
+                  (!*FMUstate || snapshot_given(i->component, *FMUstate)) &&
                   snapshot_take(i->component, &i->allocator, (Snapshot **)FMUstate));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
     Instance *i = c;
-    return status(may(i, "fmi2SetFMUstate", ANY_MODE) && not_null(i, FMUstate) &&
+    return status(may(i, "fmi2SetFMUstate", ANY_MODE) && snapshot_given(i->component, FMUstate) &&
                   snapshot_restore(i->component, FMUstate));
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     Instance *i = c;
     if (!may(i, "fmi2FreeFMUstate", ANY_MODE)) return fmi2Error;
-    if (FMUstate) {
-        snapshot_free(&i->allocator, *FMUstate);
-        *FMUstate = NULL;
-    }
+    if (!FMUstate || !*FMUstate) return fmi2OK;
+    if (!snapshot_given(i->component, *FMUstate)) return fmi2Error;
+    snapshot_free(&i->allocator, *FMUstate);
+    *FMUstate = NULL;
     return fmi2OK;
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
     Instance *i = c;
-    if (!may(i, "fmi2SerializedFMUstateSize", ANY_MODE) || !not_null(i, FMUstate) || !not_null(i, size))
+    if (!may(i, "fmi2SerializedFMUstateSize", ANY_MODE) || !snapshot_given(i->component, FMUstate) ||
+        !not_null(i, size))
         return fmi2Error;
     *size = snapshot_bytes(FMUstate);
     return fmi2OK;
@@ -302,8 +302,8 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, si
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
     Instance *i = c;
-    return status(may(i, "fmi2SerializeFMUstate", ANY_MODE) && not_null(i, FMUstate) && not_null(i, serializedState) &&
-                  snapshot_write(i->component, FMUstate, serializedState, size));
+    return status(may(i, "fmi2SerializeFMUstate", ANY_MODE) && snapshot_given(i->component, FMUstate) &&
+                  not_null(i, serializedState) && snapshot_write(i->component, FMUstate, serializedState, size));
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,

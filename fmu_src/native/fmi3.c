@@ -146,9 +146,7 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
 
 fmi3Status fmi3Terminate(fmi3Instance instance) {
     Instance *i = instance;
-    if (!may(i, "fmi3Terminate", STEPPING)) return fmi3Error;
-    component_terminate(i->component);
-    return fmi3OK;
+    return status(i && component_terminate(i->component, "fmi3Terminate"));
 }
 
 fmi3Status fmi3Reset(fmi3Instance instance) {
@@ -333,28 +331,30 @@ fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference valueRef
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
     Instance *i = instance;
     return status(may(i, "fmi3GetFMUState", ANY_MODE) && not_null(i, FMUState) &&
+                  (!*FMUState || snapshot_given(i->component, *FMUState)) &&
                   snapshot_take(i->component, &i->allocator, (Snapshot **)FMUState));
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
     Instance *i = instance;
-    return status(may(i, "fmi3SetFMUState", ANY_MODE) && not_null(i, FMUState) &&
+    return status(may(i, "fmi3SetFMUState", ANY_MODE) && snapshot_given(i->component, FMUState) &&
                   snapshot_restore(i->component, FMUState));
 }
 
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
     Instance *i = instance;
     if (!may(i, "fmi3FreeFMUState", ANY_MODE)) return fmi3Error;
-    if (FMUState) {
-        snapshot_free(&i->allocator, *FMUState);
-        *FMUState = NULL;
-    }
+    if (!FMUState || !*FMUState) return fmi3OK;
+    if (!snapshot_given(i->component, *FMUState)) return fmi3Error;
+    snapshot_free(&i->allocator, *FMUState);
+    *FMUState = NULL;
     return fmi3OK;
 }
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
     Instance *i = instance;
-    if (!may(i, "fmi3SerializedFMUStateSize", ANY_MODE) || !not_null(i, FMUState) || !not_null(i, size))
+    if (!may(i, "fmi3SerializedFMUStateSize", ANY_MODE) || !snapshot_given(i->component, FMUState) ||
+        !not_null(i, size))
         return fmi3Error;
     *size = snapshot_bytes(FMUState);
     return fmi3OK;
@@ -363,8 +363,8 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUSta
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
                                  size_t size) {
     Instance *i = instance;
-    return status(may(i, "fmi3SerializeFMUState", ANY_MODE) && not_null(i, FMUState) && not_null(i, serializedState) &&
-                  snapshot_write(i->component, FMUState, serializedState, size));
+    return status(may(i, "fmi3SerializeFMUState", ANY_MODE) && snapshot_given(i->component, FMUState) &&
+                  not_null(i, serializedState) && snapshot_write(i->component, FMUState, serializedState, size));
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,

@@ -14,6 +14,7 @@
 #include <windows.h>
 #else
 #include <dlfcn.h>
+#include <pthread.h>
 #endif
 
 #include "model.h"
@@ -46,7 +47,7 @@ typedef struct PyObject PyObject;
 static struct {
     PYTHON_FUNCTIONS(POINTER)
 } python;
-/* makes an object of the model's class; NULL until the package has been loaded */
+/* makes an object of the model's class; NULL until the package has been loaded; read and written with the GIL */
 static PyObject *make;
 
 enum { READ = 0x100, WRITE = 0x200 }; /* access to a memoryview */
@@ -90,6 +91,16 @@ static const char LOAD[] =
 
 #ifdef _WIN32
 
+static SRWLOCK starting = SRWLOCK_INIT;
+
+static void begin_alone(void) {
+    AcquireSRWLockExclusive(&starting);
+}
+
+static void end_alone(void) {
+    ReleaseSRWLockExclusive(&starting);
+}
+
 /* the forwarder to whichever python3x.dll is beside it */
 static HMODULE library(void) {
     HMODULE found = GetModuleHandleA("python3.dll");
@@ -101,6 +112,16 @@ static void *symbol(HMODULE from, const char *name) {
 }
 
 #else
+
+static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
+
+static void begin_alone(void) {
+    pthread_mutex_lock(&starting);
+}
+
+static void end_alone(void) {
+    pthread_mutex_unlock(&starting);
+}
 
 #ifdef __APPLE__
 static const char NAME[] = "libpython3.%d.dylib";
@@ -126,12 +147,17 @@ static void *symbol(void *from, const char *name) {
 
 #endif
 
-static int have_python(char *message) {
+/* Python's functions in `python`, and an interpreter, made by one thread while others wait.  Nobody waits for the GIL
+   meanwhile: a thread that came with it would wait for the lock, and both for ever. */
+static int find_python(char *message) {
     static const struct {
         const char *name;
         void **place;
     } entries[] = {PYTHON_FUNCTIONS(ENTRY)};
-    void *from = (void *)library();
+    static int found_all;
+    void *from;
+    if (found_all) return 1;
+    from = (void *)library();
     if (!from) {
         snprintf(message, MODEL_MESSAGE,
                  "this FMU runs Python code, and there is neither a Python in this process nor a libpython to load; "
@@ -153,7 +179,15 @@ static int have_python(char *message) {
         python.Py_InitializeEx(0);  /* signals stay the host's */
         python.PyEval_SaveThread(); /* each call takes the interpreter's lock */
     }
-    return 1;
+    return found_all = 1;
+}
+
+static int have_python(char *message) {
+    int there;
+    begin_alone();
+    there = find_python(message);
+    end_alone();
+    return there;
 }
 
 /* what Python answered */
@@ -205,20 +239,28 @@ static double as_number(PyObject *answer) {
 /* the functions of model.h */
 
 int model_open(const char *resources, char *message) {
-    if (make) return 1;
+    PyObject *loaded = NULL;
+    int gil, there;
     if (!have_python(message)) return 0;
-    int gil = python.PyGILState_Ensure();
+    gil = python.PyGILState_Ensure();
+    if (make) {
+        python.PyGILState_Release(gil);
+        return 1;
+    }
     PyObject *builtins = python.PyImport_ImportModule("builtins");
     PyObject *scope = python.Py_BuildValue("{s:s}", "location", resources ? resources : "");
     PyObject *done = builtins && scope ? python.PyObject_CallMethod(builtins, "exec", "sO", LOAD, scope) : NULL;
+    /* threads that come meanwhile import the same module, which Python loads once, and find the same class */
     if (!done)
         report(message);
-    else if (!(make = python.PyDict_GetItemString(scope, "make"))) /* scope is never given back */
+    else if (!(loaded = python.PyDict_GetItemString(scope, "make"))) /* scope is never given back */
         copy(python.PyUnicode_AsUTF8AndSize(python.PyDict_GetItemString(scope, "wrong"), NULL), message);
+    if (loaded) make = loaded;
     python.Py_DecRef(done);
     python.Py_DecRef(builtins);
+    there = loaded != NULL;
     python.PyGILState_Release(gil);
-    return make != NULL;
+    return there;
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {

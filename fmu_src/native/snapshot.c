@@ -4,9 +4,13 @@
 #include <string.h>
 
 struct Snapshot {
+    const void *mark; /* OURS, until it is freed */
     size_t bytes, room;
     uint64_t state[]; /* aligned for whatever a state holds */
 };
+
+/* whose address no other memory holds but by chance */
+static const char OURS = 1;
 
 static Snapshot *with_room(Component *c, const Allocator *allocator, size_t bytes) {
     Snapshot *snapshot = bytes < SIZE_MAX / 2 ? allocator->take(1, sizeof *snapshot + bytes) : NULL;
@@ -14,8 +18,16 @@ static Snapshot *with_room(Component *c, const Allocator *allocator, size_t byte
         component_refuse(c, "no memory for a state; free states that are not needed");
         return NULL;
     }
+    snapshot->mark = &OURS;
     snapshot->room = bytes;
     return snapshot;
+}
+
+int snapshot_given(Component *c, const Snapshot *snapshot) {
+    if (!component_given(c, snapshot)) return 0;
+    if (snapshot->mark == &OURS) return 1;
+    return component_refuse(c,
+                            "this is no state of this FMU, or it was freed; give what the call that gets a state gave");
 }
 
 int snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot) {
@@ -36,7 +48,9 @@ int snapshot_restore(Component *c, const Snapshot *snapshot) {
 }
 
 void snapshot_free(const Allocator *allocator, Snapshot *snapshot) {
-    if (snapshot) allocator->give_back(snapshot);
+    if (!snapshot) return;
+    snapshot->mark = NULL;
+    allocator->give_back(snapshot);
 }
 
 size_t snapshot_bytes(const Snapshot *snapshot) {

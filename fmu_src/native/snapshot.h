@@ -8,6 +8,8 @@ typedef struct Snapshot Snapshot;
 
 /* return as the functions of component.h */
 
+/* whether it is a snapshot of this FMU that was not freed, and not NULL */
+int snapshot_given(Component *c, const Snapshot *snapshot);
 /* *snapshot: NULL for a new one, or one of this FMU to write over */
 int snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot);
 int snapshot_restore(Component *c, const Snapshot *snapshot);

@@ -12,6 +12,8 @@ import struct
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from rope_model.texts import c_string
+
 from .build import binaries
 from .mach_o import parts, with_page_hashes
 
@@ -33,7 +35,7 @@ struct ModelStart {{
 extern const struct ModelStart MODEL_START;
 const struct ModelStart MODEL_START = {{
     "{magic}",
-    "{token}",
+    {token},
     {scalars},
     {arrays:d},
     {{
@@ -76,7 +78,7 @@ def c_start(start: Start) -> str:
     """The text of start.c."""
     values = "\n".join(f"        {value!r}," for value in start.values)
     return _TEXT.format(
-        magic=MAGIC.decode(), token=start.token, scalars=len(start.values), arrays=start.arrays, values=values
+        magic=MAGIC.decode(), token=c_string(start.token), scalars=len(start.values), arrays=start.arrays, values=values
     )
 
 

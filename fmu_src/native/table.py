@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.sensitivity import LOADS
 from rope_model.simulation.signal_table import SIGNALS
+from rope_model.texts import c_string
 
 from ..arrays import arrays, scalars
 from ..interface import RATES, Variable, choices_of
@@ -66,11 +67,11 @@ def _array(declaration: str, rows: Iterable[str]) -> str:
 
 def _row(v: Variable, fmi: int, length: int, rate: int) -> str:
     words = choices_of(v.name)
-    choices = "NULL" if words is None else '"' + ", ".join(f"{i} {word}" for i, word in enumerate(words)) + '"'
+    choices = "NULL" if words is None else c_string(", ".join(f"{i} {word}" for i, word in enumerate(words)))
     kind = "ENUMERATION" if words is not None and fmi == 3 else v.kind.upper()
     source = "FROM_ENTRY" if v.causality != "output" else _SOURCES.get(v.name, "FROM_MODEL")
     return (
-        f'{{"{v.name}", {choices}, {len(words or ())}, {length}, {rate}, KIND_{kind}, '
+        f"{{{c_string(v.name)}, {choices}, {len(words or ())}, {length}, {rate}, KIND_{kind}, "
         f"CAUSALITY_{v.causality.upper()}, VARIABILITY_{v.variability.upper()}, {source}}}"
     )
 

@@ -18,14 +18,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any, TypeGuard, get_args
 
 from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, MAGNITUDES, PLANES, Bench, Measurement
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.reading import StudyError, flat, read_statuses, read_tables, read_values
-from rope_model import SIGNALS, Datum, KnownRope, rope
+from hoist_demo.study.reading import StudyError, flat, read_statuses, read_tables, read_text, read_values
+from rope_model import SIGNALS, Datum, DatumStatus, KnownRope, rope
+from rope_model.texts import printable
 
 _TABLES = {"rope": dict, "known": dict, "sought": dict, "fixed": dict, "measured": list, "wanted": dict}
 _ROPE = {"construction": "word", "diameter": "number", "length": "number", "lay": "word"}
@@ -132,6 +133,7 @@ def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> Known
         return None
     data = dict(found.data)
     for name, content in raw.get("known", {}).items():
+        _check_facts(f"[known] {name}", content if isinstance(content, dict) else {}, problems)
         if name not in data:
             problems.append(f"[known] {name} = {content!r} is not a property: they are {', '.join(data)}")
         elif (datum := _datum(path, data[name], content)) is None:
@@ -147,6 +149,14 @@ def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> Known
         else:
             data[name] = datum
     return replace(found, data=data)
+
+
+def _check_facts(where: str, table: Mapping[str, Any], problems: list[str]) -> None:
+    """What is wrong with status and source of a property is added to the problems."""
+    if (status := table.get("status", "measured")) not in get_args(DatumStatus):
+        known = ", ".join(get_args(DatumStatus))
+        problems.append(f"{where} status = {status!r} must be one of {known}: choose one")
+    read_text(f"{where} source", table.get("source", ""), problems)
 
 
 _CURES = {"number": "give it in m, without quotation marks", "word": "put it in quotation marks"}
@@ -167,7 +177,7 @@ def _datum(path: Path, before: Datum, content: Any) -> Datum | None:
         float(numbers[1]),
         before.unit,
         table.get("status", "measured"),
-        str(table.get("source", path.name)),
+        str(table.get("source", printable(path.name))),
     )
 
 
@@ -202,10 +212,10 @@ def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> 
         problems.append(f"{where}: sigma = {sigma!r} must be a number above 0: give the standard error of the value")
     problems += [f"{where}: {problem}" for problem in _empty_windows(numbers.get("t", ()), numbers.get("until", ()))]
     texts = {name: _text(where, name, table.get(name), problems) for name in kind.texts}
+    name = read_text(f"{where}: name", table.get("name", texts.get("signal", what)), problems)
     if len(problems) > before:
         return None
     unit = kind.unit or SIGNALS[texts["signal"]].unit
-    name = str(table.get("name", texts.get("signal", what)))
     return Measurement(name, what, unit, values, float(table["sigma"]), numbers, texts)
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from pathlib import Path
 
 from hoist_demo.calibration.identify import Identified
 from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.calibration.page import misfit
+from rope_model.texts import printable, toml_string
 
 
 def write_rope_file(found: Identified, path: Path) -> Path:
@@ -16,23 +16,23 @@ def write_rope_file(found: Identified, path: Path) -> Path:
     known = found.known
     rope = found.measured.bench.rope(found.fit.shares)
     lines = [
-        f"# Found by balance-rope identify from {found.measured.path.name}. demo and export take it as --rope FILE,",
-        '# studies, duties and ropes as [fixed] from = "FILE".',
+        f"# Found by balance-rope identify from {printable(found.measured.path.name)}. demo and export take it as",
+        '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
         *_warning(found),
         "[rope]",
-        f"construction = {json.dumps(known.construction)}",
+        f"construction = {toml_string(known.construction)}",
         f"diameter = {known.diameter!r}",
         f"length = {known.length!r}",
-        f"lay = {json.dumps(known.lay)}",
+        f"lay = {toml_string(known.lay)}",
         "",
         "[known]",
     ]
     for name, datum in known.data.items():
-        facts = f"status = {json.dumps(datum.status)}, source = {json.dumps(datum.source)}"
+        facts = f"status = {toml_string(datum.status)}, source = {toml_string(datum.source)}"
         lines.append(f"{name} = {{ low = {datum.low:.6g}, high = {datum.high:.6g}, {facts} }}")
     lines += ["", "[fixed]", *(f"rope.{name} = {getattr(rope, name):.8g}" for name in FOLLOWING)]
     for name in found.measured.bench.sought:
-        status = json.dumps(found.data[name].status)
+        status = toml_string(found.data[name].status)
         lines.append(f"{name} = {{ value = {found.value(name):.6g}, status = {status} }}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
     return path
@@ -40,4 +40,4 @@ def write_rope_file(found: Identified, path: Path) -> Path:
 
 def _warning(found: Identified) -> list[str]:
     """What a reader of the file must know, as comments."""
-    return [f"# {line}" for line in textwrap.wrap(misfit(found), 110)]
+    return [f"# {printable(line)}" for line in textwrap.wrap(misfit(found), 110)]

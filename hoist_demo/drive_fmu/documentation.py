@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 from importlib.resources import files
 
 from hoist_demo.drive_fmu.interface import Variable
 from hoist_demo.parameters import ASSUMED_DATA
+from rope_model.texts import html_text
 
 _ABOUT = """\
 <p>{description}.</p>
@@ -39,8 +39,8 @@ def attachments(description: str, table: Sequence[Variable]) -> dict[str, bytes]
 
 def _page(description: str, table: Sequence[Variable]) -> str:
     rows = "\n".join(
-        f"<tr><td><code>{html.escape(v.name)}</code></td><td>{v.causality}</td><td>{html.escape(v.unit)}</td>"
-        f"<td>{'' if v.start is None else f'{v.start:g}'}</td><td>{html.escape(v.description)}</td></tr>"
+        f"<tr><td><code>{html_text(v.name)}</code></td><td>{v.causality}</td><td>{html_text(v.unit)}</td>"
+        f"<td>{'' if v.start is None else f'{v.start:g}'}</td><td>{html_text(v.description)}</td></tr>"
         for v in table
     )
     return f"""<!DOCTYPE html>
@@ -56,8 +56,8 @@ td, th {{ padding: .2rem .6rem; border-bottom: 1px solid #ddd; text-align: left;
 </head>
 <body>
 <h1>HoistDrive</h1>
-{_ABOUT.format(description=html.escape(description))}
-<p><strong>Assumed data.</strong> {html.escape(ASSUMED_DATA)}</p>
+{_ABOUT.format(description=html_text(description))}
+<p><strong>Assumed data.</strong> {html_text(ASSUMED_DATA)}</p>
 <h2>Variables</h2>
 <table>
 <tr><th>name</th><th>causality</th><th>unit</th><th>start</th><th>description</th></tr>

@@ -36,17 +36,17 @@ def render_markdown(
     title: str, rows: Sequence[SummaryRow], figures: Sequence[Path], tables: Sequence[Table] = ()
 ) -> str:
     """The report as Markdown, figures by file name; on top why a run stopped and what to be warned of."""
-    parts = [f"# {title}"]
-    parts += [f"**{SAID_FIRST[row.quantity]}** {row.text}" for row in rows if row.quantity in SAID_FIRST]
+    parts = [f"# {_inline(title)}"]
+    parts += [f"**{SAID_FIRST[row.quantity]}** {_inline(row.text)}" for row in rows if row.quantity in SAID_FIRST]
     parts.append(ASSUMED_DATA)
     for group, members in _groups([row for row in rows if row.quantity not in SAID_FIRST]):
-        table = [f"## {group}", "", "| quantity | value | unit |", "|---|---:|---|"]
-        table += [f"| {_cell(row.quantity)} | {_cell(row.text)} | {row.unit} |" for row in members]
+        table = [f"## {_inline(group)}", "", "| quantity | value | unit |", "|---|---:|---|"]
+        table += [f"| {_cell(row.quantity)} | {_cell(row.text)} | {_cell(row.unit)} |" for row in members]
         parts.append("\n".join(table))
     parts.append("## Figures")
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
     for name, lines in tables:
-        table = [f"## Data: {name}", "", "| parameter | value | unit | status |", "|---|---:|---|---|"]
+        table = [f"## Data: {_inline(name)}", "", "| parameter | value | unit | status |", "|---|---:|---|---|"]
         table += [f"| {' | '.join(map(_cell, (*line, '')[:4]))} |" for line in lines]
         parts.append("\n".join(table))
     return "\n\n".join(parts) + "\n"
@@ -61,7 +61,12 @@ def _groups(rows: Sequence[SummaryRow]) -> list[tuple[str, list[SummaryRow]]]:
 
 
 def _cell(text: str) -> str:
-    return text.replace("|", "\\|").replace("\n", " ")
+    return _inline(text).replace("|", "\\|").replace("\n", " ")
+
+
+def _inline(text: str) -> str:
+    """Text of which no browser makes an element."""
+    return text.replace("<", "&lt;")
 
 
 def _caption(path: Path) -> str:

@@ -10,6 +10,7 @@ Keys and values are those of a study's [fixed]. All errors of a file are told at
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -28,13 +29,22 @@ from hoist_demo.parameters import Hoist
 from hoist_demo.ropes.table import READ
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Value
 from hoist_demo.study.provenance import Known, of_host, of_rope
-from hoist_demo.study.reading import StudyError, flat, read_head, read_statuses, read_tables, read_values
+from hoist_demo.study.reading import (
+    LONGEST_TEXT,
+    StudyError,
+    flat,
+    read_head,
+    read_statuses,
+    read_tables,
+    read_values,
+)
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import Level, Neighbours, Scene
 
 _TABLES = {"ropes": dict, "fixed": dict, "rope": list}
 _PLACE = ("x_left", "x_right", "z")
 _BREAK = ("breaks_at", "breaks_s")
+_NAME = "[A-Za-z][A-Za-z0-9_]{0,39}"
 _PRESSED = "contact.rope_stiffness"
 _TAKEN = tuple(dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CONTACT_ENERGIES, *DRIVE_UNITS)))
 """With what other signals begin, as a rope's begin with its name."""
@@ -134,10 +144,9 @@ def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
     names = [rope.name for rope in found]
     problems += [f"name = {name!r} must be given once: name each rope" for name in {*names} if names.count(name) > 1]
     problems += [
-        f"name = {name!r} must be another: signals of the rope begin with its name, and {', '.join(_TAKEN)} are taken, "
-        "as are names with a point"
+        f"name = {name!r} must be another: signals of the rope begin with its name, and {', '.join(_TAKEN)} are taken"
         for name in names
-        if not name or "." in name or name in _TAKEN
+        if name in _TAKEN
     ]
     if found and found[0].scene.shaft.contact.rope_stiffness > 0.0:
         whose = "" if _PRESSED in fixed else f", of the case {head['case']}"
@@ -176,8 +185,13 @@ def _read_rope(
     problems: list[str],
 ) -> OneRope | None:
     """A rope; None where something is wrong with it, which is added to the problems."""
-    name = str(table.get("name", f"rope{number}"))
-    before = len(problems)
+    before, name = len(problems), table.get("name", f"rope{number}")
+    if not isinstance(name, str) or not re.fullmatch(_NAME, name):
+        problems.append(
+            f"name = {str(name)[:LONGEST_TEXT]!r} must be of letters from A to z, digits and _, a letter first, at "
+            "most 40: signals of the rope begin with it, and a file of the system; name it anew"
+        )
+        return None
     own = {key: value for key, value in table.items() if key not in ("name", *_PLACE, *_BREAK)}
     values = read_values(catalogue, name, own, problems)
     numbers = {key: table[key] for key in (*_PLACE, *_BREAK) if key in table}

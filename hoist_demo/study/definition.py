@@ -29,10 +29,20 @@ from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
-from hoist_demo.study.reading import VARIED, StudyError, flat, read_statuses, read_tables, strip_unit, with_file
+from hoist_demo.study.reading import (
+    VARIED,
+    StudyError,
+    flat,
+    read_statuses,
+    read_tables,
+    read_text,
+    strip_unit,
+    with_file,
+)
 from hoist_demo.study.run import RunData, build_trip
 from hoist_demo.study.sampling import Range, grid, latin_hypercube
 from hoist_demo.study.tuning import Tuning, read_tuning, seed_of, whole_number
+from rope_model.texts import printable
 
 METHODS = ("grid", "latin-hypercube")
 
@@ -107,7 +117,7 @@ class _Reader:
     def study(self, progress: Progress) -> Study:
         self._unknown_keys()
         head = self.raw.get("study", {})
-        title = head.get("title", self.path.stem)
+        title = read_text("[study] title", head.get("title", printable(self.path.stem)), self.problems)
         fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
         with self._collect("[study] fmu" if self.fmu is None else "--fmu"):
             self._open(fmu)
@@ -135,7 +145,7 @@ class _Reader:
             raise StudyError(self.path, self.problems)
         keys = {key: None for values in variants.values() for key in values} | dict.fromkeys(vary)
         return Study(
-            title=str(title),
+            title=title,
             fmu=fmu,
             fmu_hash=hashlib.sha256(fmu.read_bytes()).hexdigest(),
             case=case,
@@ -234,7 +244,7 @@ class _Reader:
             return {"": fixed}
         variants: dict[str, dict[str, Value]] = {}
         for number, table in enumerate(tables, 1):
-            name = str(table.get("name", number))
+            name = read_text("[[variant]] name", table.get("name", number), self.problems)
             if name in variants:
                 self.problems.append(f"[[variant]] name = {name!r} must be given once: choose another name")
             variants[name] = fixed | self._values(f"variant {name}", table.get("values", {}))

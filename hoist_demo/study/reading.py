@@ -11,6 +11,10 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.parameters.units import fmi_unit
 from hoist_demo.study.catalogue import Catalogue, Parameter, Value
 from rope_model import DatumStatus, Level
+from rope_model.texts import printable
+
+LONGEST_TEXT = 200
+"""Characters of a title, or of a name for people."""
 
 LEVELS = get_args(Level)
 """Levels of accuracy of a rope in this process."""
@@ -22,8 +26,8 @@ class StudyError(ValueError):
     """All that is wrong with a study file, one line each."""
 
     def __init__(self, path: Path, problems: list[str]) -> None:
-        self.problems = tuple(problems)
-        super().__init__("\n".join(f"{path}: {problem}" for problem in problems))
+        self.problems = tuple(map(printable, problems))
+        super().__init__("\n".join(f"{printable(str(path))}: {problem}" for problem in self.problems))
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -114,10 +118,11 @@ def read_head(
     path: Path, name: str, table: Mapping[str, Any], own: Mapping[str, Any], problems: list[str]
 ) -> dict[str, Any]:
     """Title, case and level of a file about ropes in this process, and keys of its own with their defaults."""
-    defaults = {"title": path.stem, "case": "rope-120", "level": "standard", **own}
+    defaults = {"title": printable(path.stem), "case": "rope-120", "level": "standard", **own}
     for key in table.keys() - defaults.keys():
         problems.append(f"[{name}] {key} = {table[key]!r} is not a key: it has {', '.join(defaults)}")
     head = {key: table.get(key, default) for key, default in defaults.items()}
+    head["title"] = read_text(f"[{name}] title", head["title"], problems)
     if head["level"] not in LEVELS:
         problems.append(f"[{name}] level = {head['level']!r} must be one of {', '.join(LEVELS)}: choose one")
     try:
@@ -125,6 +130,25 @@ def read_head(
     except ValueError as error:
         problems.append(f"[{name}] {error}")
     return head
+
+
+def read_text(where: str, content: Any, problems: list[str]) -> str:
+    """A title, a name or a source: a line of at most LONGEST_TEXT characters.
+
+    What is wrong is added to the problems.
+    """
+    if isinstance(content, dict | list):
+        problems.append(f"{where} = {content!r} must be a text: put it in quotation marks")
+    text = str(content)
+    if len(text) > LONGEST_TEXT:
+        problems.append(
+            f"{where} = {text[:20]!r}... has {len(text)} characters and must have at most {LONGEST_TEXT}: shorten it"
+        )
+    if printable(text) != text:
+        problems.append(
+            f"{where} = {text[:LONGEST_TEXT]!r} must be a line of printable characters: leave out the others"
+        )
+    return text
 
 
 def with_file(table: Mapping[str, Any]) -> Mapping[str, Any]:

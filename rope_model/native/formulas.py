@@ -227,6 +227,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double step_error(const StepLimits *limits, double h, double place, double strain)": accuracy.step_error,
     "NextStep next_step(const Solver *solver, double h, double step_next, double error, double rejected, double t, "
     "double calm_since)": accuracy.next_step,
+    "double most_work(double interval, double step_max)": stepping.most_work,
     "double parts_of(double way, double step_next, double left)": accuracy.parts_of,
     "ContactSums add_contact(const Scene *scene, const ContactSums *sums, double h, const double pressures[6], "
     "double longest)": contact_error.add_contact,
@@ -306,6 +307,8 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "TWIST_STEP": hang.TWIST_STEP,
     "LEAST_TWIST_STEP": hang.LEAST_TWIST_STEP,
     "MOST_TURN": hang.MOST_TURN,
+    "MOST_LOST": hang.MOST_LOST,
+    "MOST_CORRECTIONS": hang.MOST_CORRECTIONS,
     "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
     "ACCEPT_BELOW": accuracy.ACCEPT_BELOW,
     "FADE_ERROR": mesh_fit.FADE_ERROR,

@@ -25,17 +25,25 @@ static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn,
 static int turn_in(Simulator *rope, State *state, double twist, char *message) {
     const Arrays m = state_arrays(state);
     double left = twist, step = copysign(TWIST_STEP, twist);
+    int lost = 0, made = 0;
     while (left != 0) {
         step = fabs(step) < fabs(left) ? step : left;
         const int last = fabs(step) <= LEAST_TWIST_STEP;
+        char why[MESSAGE];
+        if (made >= MOST_CORRECTIONS) {
+            say_takes_too_long(why);
+            return say_fails_at_twist(message, twist - left, twist, fabs(step), made, why);
+        }
         state_copy(rope, rope->spare, state);
         state->offsets[RIGHT] += step;
         for (int k = 0; k < m.nodes; k++) m.q[(size_t)k * DOF + ANGLE] += step * (m.s[k] / m.s[m.elements]);
-        if (!equilibrium_in_frame(rope, state, last ? INFINITY : MOST_TURN, message)) {
-            if (last) {
-                char why[MESSAGE];
+        const int found = equilibrium_in_frame(rope, state, last ? INFINITY : MOST_TURN, message);
+        made += rope->corrections;
+        if (!found) {
+            lost += rope->turned ? 0 : rope->corrections;
+            if (last || lost >= MOST_LOST) {
                 memcpy(why, message, MESSAGE);
-                return say_fails_at_twist(message, twist - left, twist, why);
+                return say_fails_at_twist(message, twist - left, twist, fabs(step), made, why);
             }
             state_copy(rope, state, rope->spare);
             message[0] = '\0';

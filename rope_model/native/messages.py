@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import ast
 import inspect
-import json
 import re
 
 from ..simulation import fidelity_messages, messages, warning_messages
+from ..texts import c_string
 
 #: modules whose functions are texts
 SPOKEN = (messages, fidelity_messages, warning_messages)
@@ -48,7 +48,7 @@ def _function(node: ast.FunctionDef) -> str:
     text, values = "".join(text for text, _ in found), "".join(f", {value}" for _, value in found if value)
     return (
         f"static inline int say_{node.name}(char *message{declared}) {{\n"
-        f"    snprintf(message, MESSAGE, {json.dumps(text)}{values});\n    return 0;\n}}\n"
+        f"    snprintf(message, MESSAGE, {c_string(text)}{values});\n    return 0;\n}}\n"
     )
 
 

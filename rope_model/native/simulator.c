@@ -327,9 +327,13 @@ static int advance(Simulator *rope, double t, const EndMotion ends[2], double gi
     if (!follow(rope, state, t, ends, given_at)) return 0;
     const Arrays m = state_arrays(state);
     double impulse[2] = {0, 0};
+    const double most = most_work(t - begin, step_max);
+    const int64_t newton_before = rope->state->counts.newton;
     while (state->t < t) {
         const double t_before = state->t, before[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
         char why[MESSAGE] = "";
+        const int64_t newton = state->counts.newton - newton_before;
+        if ((double)newton >= most) return say_too_much_work(rope->message, t_before, (int)newton, begin, t);
         if (state->counts.steps + state->counts.rejections - steps_before >= MOST_STEPS)
             return say_too_many_steps(rope->message, t_before, MOST_STEPS, begin, t);
         if (!step_towards(rope, state, t, why)) return say_fails_at(rope->message, t_before, why);

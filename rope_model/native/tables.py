@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator
 from typing import Any, get_args
@@ -19,6 +18,7 @@ from ..simulation.shaft import BODIES
 from ..simulation.signal_table import SHAPE_POINTS, SIGNALS
 from ..simulation.signals import group_of
 from ..simulation.simulator import SHORTEST_INTERVAL
+from ..texts import c_string
 from .formulas import structure_at, texts_of
 from .layout import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
@@ -38,7 +38,7 @@ def signal_numbers() -> str:
     groups = ", \\\n".join(f"    {functions.index(group_of(name))}" for name in SIGNALS)
     names = ", ".join(function.__name__ for function in functions)
     texts = ", \\\n".join(
-        f"    {json.dumps(neglected_text(fidelity) if fidelity in FIDELITIES else '')}"
+        f"    {c_string(neglected_text(fidelity) if fidelity in FIDELITIES else '')}"
         for fidelity in get_args(FidelityChoice)
     )
     return (
@@ -47,7 +47,7 @@ def signal_numbers() -> str:
         f"enum {{\n{numbers}    SIGNALS,\n    SHAPE_POINTS = {SHAPE_POINTS}\n}};\n\n"
         f"/* functions that compute signals, and the place of its own of each signal */\n"
         f"#define GROUP_FUNCTIONS {{{names}}}\n#define SIGNAL_GROUPS {{ \\\n{groups}}}\n\n"
-        f"/* kinds of bodies in words */\n#define BODY_WORDS {{{', '.join(map(json.dumps, BODIES.values()))}}}\n\n"
+        f"/* kinds of bodies in words */\n#define BODY_WORDS {{{', '.join(map(c_string, BODIES.values()))}}}\n\n"
         f"/* the warning of each fidelity, by its code */\n#define LEFT_OUT_TEXTS {{ \\\n{texts}}}\n\n#endif\n"
     )
 
@@ -60,7 +60,7 @@ def constant(name: str) -> str:
 def parameter_structures() -> str:
     """The text of parameters.h: bounds of motions, the codes of choices, a structure for each group of parameters."""
     parts = [f"enum {{ MOST_ELEMENTS = {MOST_ELEMENTS} }};\n"]
-    names, reach = ", ".join(map(json.dumps, REACH)), ", ".join(map(repr, REACH.values()))
+    names, reach = ", ".join(map(c_string, REACH)), ", ".join(map(repr, REACH.values()))
     parts.append(
         "/* of the values of an EndMotion: names and largest sizes */\n"
         f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n"
@@ -88,7 +88,7 @@ def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
 def _codes(name: str, words: tuple[str, ...]) -> str:
     """The codes of a choice; its words are a macro to initialise an array with."""
     codes = ", ".join(code_name(name, word) for word in words)
-    quoted = ", ".join(json.dumps(word) for word in words)
+    quoted = ", ".join(c_string(word) for word in words)
     return f"enum {{ {codes} }};\n#define {_SUFFIXES[name][1:]}_WORDS {{{quoted}}}\n"
 
 
@@ -148,16 +148,16 @@ def _joint(kind: type[Any], joint: Joint) -> str:
     used = set(re.findall(r"x->(\w+)", "".join((*lines, condition, *numbers))))
     whole = not any(m.real for m in members(kind) if m.name in used)
     written = [f"ROUNDED({x}, 10)" if whole else f"EXACT({x})" for x in numbers]
-    given, bound = written[0], json.dumps(joint.bound)
+    given, bound = written[0], c_string(joint.bound)
     if isinstance(value, tuple):
         form = ", ".join("%s" for _ in value)
         lines += ["char given[96];", f'snprintf(given, sizeof given, "({form})", {", ".join(written)});']
         given = "given"
     if place := re.search(r"\{(?::\.(\d)g|!r)\}", joint.bound):
         text = f"ROUNDED({numbers[-1]}, {place[1]})" if place[1] else written[-1]
-        before, behind = json.dumps(joint.bound[: place.start()]), json.dumps(joint.bound[place.end() :])
+        before, behind = c_string(joint.bound[: place.start()]), c_string(joint.bound[place.end() :])
         bound = f"JOINED({before}, {text}, {behind})"
-    refused = f"refuse(check, {json.dumps(joint.what)}, {given}, {bound}, {json.dumps(joint.cure)})"
+    refused = f"refuse(check, {c_string(joint.what)}, {given}, {bound}, {c_string(joint.cure)})"
     body = "".join(f"        {line}\n" for line in (*lines, f"if (!({condition})) {refused};"))
     return f"    {{\n{body}    }}\n"
 
@@ -176,7 +176,7 @@ def _groups_of_scene() -> Iterator[tuple[str, str, type[Any]]]:
 
 def _choice(name: str, p: Parameter) -> str:
     words = ", ".join(f"{code} {word}" for code, word in enumerate(p.choices))
-    return f'choice(check, "{name}", x->{name}, {len(p.choices) - 1}, {json.dumps(words)})'
+    return f'choice(check, "{name}", x->{name}, {len(p.choices) - 1}, {c_string(words)})'
 
 
 def _range(name: str, p: Parameter, real: bool) -> str:
@@ -187,7 +187,7 @@ def _range(name: str, p: Parameter, real: bool) -> str:
 
     limits = f"{limit(p.lower, '-INFINITY')}, {limit(p.upper, 'INFINITY')}"
     before, _, behind = p.bound.partition("{}")
-    bound = json.dumps(before)
+    bound = c_string(before)
     if p.other:
-        bound = f"JOINED({bound}, EXACT(x->{p.other}), {json.dumps(behind)})"
-    return f'{"real" if real else "whole"}(check, "{name}", x->{name}, {limits}, {bound}, {json.dumps(p.cure)})'
+        bound = f"JOINED({bound}, EXACT(x->{p.other}), {c_string(behind)})"
+    return f'{"real" if real else "whole"}(check, "{name}", x->{name}, {limits}, {bound}, {c_string(p.cure)})'

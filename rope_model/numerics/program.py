@@ -10,20 +10,25 @@ import struct
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
+from threading import RLock
 from typing import Any
 
 import casadi as ca
+
+#: held while expressions are made: whether CasADi simplifies them is an option of the whole process
+EXPRESSIONS = RLock()
 
 
 @contextmanager
 def no_simplification() -> Iterator[None]:
     """Expressions made meanwhile keep every operation."""
-    before = ca.GlobalOptions.getSimplificationOnTheFly()
-    ca.GlobalOptions.setSimplificationOnTheFly(False)
-    try:
-        yield
-    finally:
-        ca.GlobalOptions.setSimplificationOnTheFly(before)
+    with EXPRESSIONS:
+        before = ca.GlobalOptions.getSimplificationOnTheFly()
+        ca.GlobalOptions.setSimplificationOnTheFly(False)
+        try:
+            yield
+        finally:
+            ca.GlobalOptions.setSimplificationOnTheFly(before)
 
 
 @cache

@@ -60,8 +60,15 @@ def end_below_floor(below: float, level: float) -> str:
 # its mesh
 
 
-def fails_at_twist(reached: float, twist: float, why: str) -> str:
-    return f"at {reached:.4g} of {twist:.4g} rad of twist: {why:.400}"
+def fails_at_twist(reached: float, twist: float, step: float, iterations: int, why: str) -> str:
+    return (
+        f"at {reached:.4g} of {twist:.4g} rad of twist, put in by {step:.2g} rad at last and with {iterations} "
+        f"iterations in all: {why:.340}"
+    )
+
+
+def takes_too_long() -> str:
+    return "more than twice what any rope needed that came to rest; put in less twist, or shorten the rope"
 
 
 def fails_at_curvature(reached: float, curvature: float, why: str) -> str:
@@ -149,6 +156,13 @@ def too_many_steps(now: float, most: int, start: float, t: float) -> str:
     return (
         f"t = {now:.6g} s: {most} steps did not lead from t = {start:g} s to {t} s; communicate more often, or allow "
         "longer steps by step_max, step_min and tolerance"
+    )
+
+
+def too_much_work(now: float, iterations: int, start: float, t: float) -> str:
+    return (
+        f"t = {now:.6g} s: {iterations} Newton iterations did not lead from t = {start:g} s to {t} s; communicate more "
+        "often, allow larger errors, or bound the work by work_max"
     )
 
 

@@ -27,6 +27,7 @@ from ..numerics.kernels import (
     save_portable,
 )
 from ..numerics.newton import PROGRESS
+from ..numerics.program import EXPRESSIONS
 from ..physics.air_element import AIR_BALANCE, air_element
 from ..physics.contact_element import CONTACT_BALANCE, contact_element
 from ..physics.curved_element import curved_element
@@ -68,13 +69,14 @@ class RopeKernels:
         bodies: Kinds = (),
     ) -> None:
         library, portable = _bundle_files(bundle, elements, fidelity, bodies) if bundle else (None, None)
-        if portable is not None and portable.exists():
-            functions = load_portable(portable)
-        else:
-            functions = [*rope_functions(elements, fidelity, bodies)]
-        (solve, newton_step, evaluate, losses, strains, momentum, reference, transport), self.form = prepare(
-            functions, partial(_build, elements, fidelity, bodies), form, library
-        )
+        with EXPRESSIONS:
+            if portable is not None and portable.exists():
+                functions = load_portable(portable)
+            else:
+                functions = [*rope_functions(elements, fidelity, bodies)]
+            (solve, newton_step, evaluate, losses, strains, momentum, reference, transport), self.form = prepare(
+                functions, partial(_build, elements, fidelity, bodies), form, library
+            )
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity = elements, fidelity
         # what solve and evaluate sum up

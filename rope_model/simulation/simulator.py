@@ -44,7 +44,7 @@ from .signal_table import checked_names
 from .signals import group_of
 from .state import RopeState
 from .statics import StaticsError, hanging_guess
-from .stepping import as_rigid, step_towards
+from .stepping import as_rigid, most_work, step_towards
 from .wires import fresh_memory
 
 log = logging.getLogger(__name__)
@@ -248,8 +248,11 @@ class RopeSimulator(BalanceRope):
                 return Status(False, str(error))
         impulse = [0.0, 0.0]
         work_end = state.counts.newton + (self.scene.solver.work_max or UNBOUNDED)
+        newton, most = state.counts.newton, most_work(t - start, step_max)
         while state.motion.t < t:
             before = state.motion
+            if state.counts.newton - newton >= most:
+                return Status(False, messages.too_much_work(before.t, state.counts.newton - newton, start, t))
             if state.counts.steps + state.counts.rejections - steps_before >= MOST_STEPS:
                 return Status(False, messages.too_many_steps(before.t, MOST_STEPS, start, t))
             advanced = step_towards(self.model, state, t, work_end)

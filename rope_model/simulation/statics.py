@@ -38,7 +38,11 @@ _QA, _QK = PARAMETERS.index("Qa"), PARAMETERS.index("Qk")
 
 
 class StaticsError(RuntimeError):
-    """No equilibrium found."""
+    """No equilibrium found, after so many ``corrections``; ``turned``: for it turned too far on the way there."""
+
+    def __init__(self, message: str, corrections: int = 0, turned: bool = False) -> None:
+        super().__init__(message)
+        self.corrections, self.turned = corrections, turned
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,7 @@ def find_equilibrium(
         if balanced > BALANCED or (tau > 1e8 and system.norm(x) < tolerance * scale):
             return Equilibrium(q, reaction, k, turn)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
-    raise StaticsError(messages.no_equilibrium(max_iterations, previous))
+    raise StaticsError(messages.no_equilibrium(k, previous), k, abs(turn) > most_turn)
 
 
 def relaxation(change: Any, last: Any) -> Any:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ..numerics.generalized_alpha import StepResult
 from ..physics.accuracy import ACCEPT_BELOW, next_step, parts_of
+from ..physics.elementary import larger
 from . import messages
 from .adaptation import transform_if_due, with_loop_yaw
 from .events import locate
@@ -24,6 +26,8 @@ log = logging.getLogger(__name__)
 
 #: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
 STEP_WORK = 12
+#: Newton iterations of a communication step of up to so many s: 14 times the most that one took in benchmarks.work
+MOST_WORK, WORK_INTERVAL = 20_000.0, 0.05
 
 
 @dataclass(frozen=True)
@@ -157,6 +161,11 @@ def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
     return state._replace(
         motion=rope.motion, energy_balance=state.energy_balance._replace(kinetic=rope.kinetic, gravity=rope.gravity)
     )
+
+
+def most_work(interval: Any, step_max: Any) -> Any:
+    """Return the Newton iterations after which a communication step fails; a short step_max asks for more."""
+    return MOST_WORK * larger(interval / WORK_INTERVAL, 1.0) + 2.0 * STEP_WORK * interval / step_max
 
 
 def _steps_left(work: int) -> int:

@@ -143,6 +143,22 @@ static void small(unsigned which, double reals[REALS], int integers[INTEGERS]) {
     integers[9] = (which & 80) == 80 ? 4 : 0; /* rigid */
 }
 
+/* a shaft in which the rope touches bodies of all kinds, and itself; set_shaft leaves some out, and may take any number
+ * for one */
+typedef struct {
+    const char *name;
+    double value;
+} Entry;
+static const Entry SHAFT[] = {
+    {"lining.width", 2.2},        {"lining.depth", 0.8},         {"lining.rounding", 0.2},
+    {"conveyance.width", 1.0},    {"conveyance.depth", 0.8},     {"conveyance.height", 2.0},
+    {"conveyance.above", 0.4},    {"head_ropes.diameter", 0.03}, {"head_ropes.row", 0.6},
+    {"divider_1.size", 0.2},      {"divider_1.y", -13.5},        {"divider_1.rounding", 0.3},
+    {"divider_2.size", 0.15},     {"divider_2.y", -6.0},         {"divider_2.offset", 0.4},
+    {"divider_2.direction", 0.3}, {"sump.level", -14.6},         {"contact.friction", 0.3},
+    {"contact.damping", 0.5},     {"contact.stiffness", 1e6},    {"contact.rope_stiffness", 1e5}};
+enum { BODIES = sizeof SHAFT / sizeof *SHAFT };
+
 /* Damage to a serialized state: the fuzzer's bytes, numbers and small integers anywhere, or one of its halves cut
    off; the checksum of component.c fits again, unless the fuzzer likes another.  Returns the bytes left. */
 static size_t damage(Bytes *b, unsigned char *state, size_t bytes) {
@@ -241,6 +257,19 @@ static void set_small(Instance c, unsigned which) {
     }
     one[0] = 1;
     CALL(api_set(c, KIND_BOOLEAN, reference("inputs_at_step_end"), reals, one, 1));
+}
+
+/* the bits of `which` leave something out; contact stays */
+static void set_shaft(Bytes *b, Instance c) {
+    unsigned which = byte(b), odd = byte(b);
+    int64_t none = 0;
+    if (which >= 192) return;
+    for (unsigned k = 0; k < BODIES; k++) {
+        double value = SHAFT[k].value;
+        if (k < BODIES - 4 && which >> (k / 3 % 6) & 1) continue;
+        if (odd % (4 * BODIES) == k) value = number(b);
+        CALL(api_set(c, KIND_REAL, reference(SHAFT[k].name), &value, &none, 1));
+    }
 }
 
 static void begin(Host *h, double start) {
@@ -370,6 +399,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         REQUIRE(hosts[k].c = api_new());
         hosts[k].motion = some_motion(b);
         if (which < 240) set_small(hosts[k].c, which);
+        set_shaft(b, hosts[k].c);
         if (which < 128) begin(&hosts[k], which & 32 ? number(b) : 0.0);
     }
     for (k = 0; k < 64 && b->at < b->end; k++) {
@@ -416,6 +446,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         case 13:
             CALL(api_reset(h->c));
             set_small(h->c, byte(b));
+            set_shaft(b, h->c);
             begin(h, 0.0);
             break;
         default:

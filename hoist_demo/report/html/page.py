@@ -7,7 +7,6 @@ console and not a hidden dependence.
 from __future__ import annotations
 
 import base64
-import html
 import json
 import math
 import re
@@ -17,6 +16,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
+from rope_model.texts import html_text
 
 LONG = 24
 """Characters from which a value may break anywhere, such as a hash."""
@@ -40,9 +40,9 @@ def render(kind: str, title: str, body: str, note: str = "", scripts: str = "") 
     return fill(
         "page.html",
         kind=kind,
-        title=escape(title),
+        title=html_text(title),
         note=note,
-        assumed=escape(ASSUMED_DATA),
+        assumed=html_text(ASSUMED_DATA),
         body=body,
         style=asset("report.css"),
         policy="; script-src 'unsafe-inline'" if scripts else "",
@@ -60,20 +60,15 @@ def running(files: Sequence[str], data: Mapping[str, object]) -> str:
 
 def write(path: Path, text: str) -> Path:
     """Write a page; the same text gives the same bytes on every system."""
-    path.write_text(text, encoding="utf-8", newline="\n")
+    path.write_text(text, encoding="utf-8", errors="replace", newline="\n")
     return path
-
-
-def escape(text: str) -> str:
-    """Text as HTML."""
-    return html.escape(text)
 
 
 def picture(title: str, png: Path) -> str:
     """A titled picture, in the page itself."""
     data = base64.b64encode(png.read_bytes()).decode("ascii")
     return (
-        f'<h2>{escape(title)}</h2>\n<img src="data:image/png;base64,{data}" alt="{escape(title)}" '
+        f'<h2>{html_text(title)}</h2>\n<img src="data:image/png;base64,{data}" alt="{html_text(title)}" '
         'style="max-width: 100%">'
     )
 
@@ -81,12 +76,12 @@ def picture(title: str, png: Path) -> str:
 def table(title: str, rows: Sequence[Row]) -> str:
     """A titled table of quantity, value, unit and what more is known; nothing without rows."""
     lines = [
-        f'<tr><td>{escape(quantity)}</td><td class="{_value(value)}">{escape(value)}</td>'
-        + "".join(f'<td class="unit">{escape(text)}</td>' for text in more)
+        f'<tr><td>{html_text(quantity)}</td><td class="{_value(value)}">{html_text(value)}</td>'
+        + "".join(f'<td class="unit">{html_text(text)}</td>' for text in more)
         + "</tr>"
         for quantity, value, *more in rows
     ]
-    return f"<section><h3>{escape(title)}</h3><table>{''.join(lines)}</table></section>" if lines else ""
+    return f"<section><h3>{html_text(title)}</h3><table>{''.join(lines)}</table></section>" if lines else ""
 
 
 def _value(text: str) -> str:

@@ -19,6 +19,7 @@ from hoist_demo.report.html import packing, page, panels, parameter_tables
 from hoist_demo.report.html.along import along
 from hoist_demo.report.html.shaft import drawn_shaft
 from hoist_demo.report.rows import WARNING, SummaryRow
+from rope_model.texts import html_text
 
 MOST_TIMES = 2000
 """Points of a time plot: twice what a laptop's screen resolves; peaks are kept."""
@@ -63,7 +64,7 @@ def run_report(
     if incidents := (told_of_jams(result.recording) + told_of_slip(result.recording)).removeprefix("; "):
         said.append(("Head ropes and guides.", f"{incidents[0].upper()}{incidents[1:]}."))
     said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
-    note = "".join(f'<p class="note stopped"><strong>{w}</strong> {page.escape(text)}</p>' for w, text in said)
+    note = "".join(f'<p class="note stopped"><strong>{w}</strong> {html_text(text)}</p>' for w, text in said)
     numbers = "".join(
         page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows if row.group == group])
         for group in dict.fromkeys(row.group for row in rows)

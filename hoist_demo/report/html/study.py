@@ -18,6 +18,7 @@ import pandas as pd
 from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import Table
+from rope_model.texts import html_text
 
 STATUS, CAUSE = "status", "cause"
 WARNINGS = "warnings"  # texts, of no axis
@@ -73,7 +74,7 @@ def study_report(
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
     body = page.fill(
         "study.html",
-        outcome=page.escape(
+        outcome=html_text(
             _passed(table) + _outcome(causes, chosen, best, table, stated) + _warned(table) + _early(table)
         ),
         given=page.table("Study", rest)

@@ -1,0 +1,50 @@
+"""Texts that come from outside (files, flags, names of files), as the languages that we write have them.
+
+Each language has one function here, and whatever is not a constant of ours passes it on its way into a file.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+import unicodedata
+
+#: what XML 1.0 has no way to write, not even as a reference
+_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+#: what a C literal can hold as it stands: a backslash, quotation marks and what makes a trigraph it cannot
+_PLAIN_C = frozenset(map(chr, range(0x20, 0x7F))) - frozenset('"\\?')
+REPLACEMENT = "\ufffd"
+
+
+def c_string(text: str) -> str:
+    """Return a C literal, quotation marks included, that holds the text in UTF-8."""
+    # three octal digits end by themselves, whatever follows
+    coded = (c if c in _PLAIN_C else "?" if c == "?" else "".join(f"\\{b:03o}" for b in _utf8(c)) for c in text)
+    return '"' + "".join(coded).replace("??", "?\\?") + '"'
+
+
+def xml_text(text: str) -> str:
+    """Return the text without what XML cannot hold; the library that writes the document escapes the rest."""
+    return _NO_XML.sub(REPLACEMENT, text)
+
+
+def html_text(text: str) -> str:
+    """Return the text as HTML, for elements and for attributes in quotation marks."""
+    return html.escape(xml_text(text))
+
+
+def toml_string(text: str) -> str:
+    """Return a basic string of TOML, quotation marks included."""
+    # JSON's strings are TOML's, but for surrogates and the character DEL
+    return json.dumps(_utf8(text).decode(), ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def printable(text: str) -> str:
+    """Return the text on one line, for a terminal, a title or a comment."""
+    return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else REPLACEMENT for c in text)
+
+
+def _utf8(text: str) -> bytes:
+    """Bytes of the text; the halves of characters that names of files may hold become replacements."""
+    return re.sub("[\ud800-\udfff]", REPLACEMENT, text).encode()

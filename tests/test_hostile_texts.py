@@ -1,0 +1,310 @@
+"""The same fifty hostile texts through every key of a file that takes a text, and into every kind of file we write."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import tomllib
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import pandas as pd
+import pytest
+from browser import BROWSER, look, run
+
+from fmu_src.archive import read_archive
+from fmu_src.arrays import scalars
+from fmu_src.attachments import xml_bytes
+from fmu_src.documentation import index_html
+from fmu_src.interface import Variable
+from fmu_src.model_description import Build, model_description
+from fmu_src.model_description3 import model_description3
+from fmu_src.native.table import c_table
+from fmu_src.ssp import export_ssp
+from hoist_demo.calibration.definition import read_measured
+from hoist_demo.calibration.rope_file import write_rope_file
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+from hoist_demo.drive_fmu.documentation import attachments
+from hoist_demo.duty.schedule import read_schedule
+from hoist_demo.report.html import page, sheet
+from hoist_demo.report.html.study import study_report
+from hoist_demo.report.markdown import render_markdown
+from hoist_demo.report.rows import SummaryRow
+from hoist_demo.ropes.definition import read_ropes
+from hoist_demo.study.definition import read_study
+from hoist_demo.study.reading import LONGEST_TEXT, StudyError
+from hoist_demo.uncertainty.definition import read_uncertain
+from rope_model import Datum
+from rope_model.numerics.kernels import find_compiler
+from rope_model.texts import REPLACEMENT, c_string, html_text, printable, toml_string, xml_text
+
+ROOT = Path(__file__).resolve().parent.parent
+CLOSES_THE_TABLE = 'x", NULL}}; __attribute__((constructor)) static void run(void) {system("id");} int y[] = {{"'
+HOSTILE = [
+    # C
+    CLOSES_THE_TABLE, '"', "\\", '\\"', "\\\\", "x\\", '"; int main(void) { return 7; } //', "*/ int x; /*", "// x",
+    '#include "/etc/passwd"', "??/", "??)", "a??/\"b", "%s%n%d", "\\u0041", "\\x41", "\\1012", "\x01234", "\x00",
+    "a\x00b",
+    "line\nfeed", "carriage\rreturn", "tab\there", "\\\n", "L\"x\"",
+    # XML and HTML
+    "<script>alert(1)</script>", "</script><script>alert(1)</script>", "</title><img src=x onerror=alert(1)>",
+    "\" onload=\"alert(1)", "' onclick='alert(1)", "<!--", "-->", "]]>", "<![CDATA[x]]>", "&amp;", "&lt;b&gt;",
+    "&#x3c;b>",
+    "<!ENTITY x SYSTEM 'file:///etc/passwd'>", "\ufffe", "javascript:alert(1)", "$title ${body}", "{0} {x}",
+    # TOML and files
+    'x"\n[fixed]\nrope.EI = 1', "'''", "\x7f", "\x1b[31mred", "../../etc/passwd", "\u202ecod.exe",
+    "\u2028", "日本\U0001f4a3",
+]  # fmt: skip
+PARAMETERS = rope_parameters()
+
+
+def test_there_are_fifty() -> None:
+    assert len({*HOSTILE}) == 50
+
+
+def variable(text: str) -> Variable:
+    """A parameter with the text wherever a variable has one that could come from a file."""
+    return Variable(text, "parameter", "fixed", "Real", "", 0.0, text)
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
+def test_c_compiles_and_holds_the_exact_texts(tmp_path: Path) -> None:
+    shell = ROOT / "fmu_src" / "native"
+    literals = ",\n".join(f"{{{c_string(text)}, sizeof {c_string(text)} - 1}}" for text in HOSTILE)
+    (tmp_path / "variables.c").write_text(c_table([variable(text) for text in HOSTILE], 2), encoding="utf-8")
+    (tmp_path / "main.c").write_text(
+        '#include <stdio.h>\n#include "model.h"\n'
+        f"static const struct {{ const char *text; size_t size; }} TEXTS[] = {{\n{literals}\n}};\n"
+        "int main(void) {\n    for (size_t k = 0; k < sizeof TEXTS / sizeof *TEXTS; k++) {\n"
+        '        for (size_t i = 0; i < TEXTS[k].size; i++) printf("%02x", (unsigned char)TEXTS[k].text[i]);\n'
+        '        printf(" ");\n'
+        '        for (const char *c = MODEL_VARIABLES[k].name; *c; c++) printf("%02x", (unsigned char)*c);\n'
+        '        printf(";");\n    }\n    return (int)MODEL_SCALARS - (int)(sizeof TEXTS / sizeof *TEXTS);\n}\n',
+        encoding="utf-8",
+    )
+    compiler = [*(find_compiler() or ()), "-std=c99", "-trigraphs", "-Werror", f"-I{shell}", f"-I{shell / 'include'}"]
+    subprocess.run([*compiler, "main.c", "variables.c", "-o", "main"], cwd=tmp_path, check=True)
+    said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
+    found = [row.split(" ") for row in said.removesuffix(";").split(";")]
+    assert [bytes.fromhex(whole).decode() for whole, _ in found] == HOSTILE
+    # a name ends where C ends it; files cannot have one with such a character
+    assert [bytes.fromhex(name).decode() for _, name in found] == [text.partition("\0")[0] for text in HOSTILE]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_model_descriptions_are_xml_with_the_texts(fmi: int) -> None:
+    described = dict(enumerate(map(variable, HOSTILE)))
+    for text in HOSTILE:
+        build = Build("token", "1", "tool", "", name="HoistDrive", description=text)
+        root = model_description(described, build) if fmi == 2 else model_description3(scalars(described), 999, build)
+        read = ElementTree.fromstring(xml_bytes(root))
+        assert read.get("description") == xml_text(text)
+        names = [node.get("name") for node in read.iter("ScalarVariable" if fmi == 2 else "Float64")]
+        assert names[fmi == 3 :] == [xml_text(text) for text in HOSTILE]
+
+
+def test_a_system_is_xml_with_the_texts(tmp_path: Path) -> None:
+    for text in HOSTILE:
+        path = export_ssp(tmp_path / "system.ssp", text, [], 1.0, 0.01, text)
+        system = ElementTree.fromstring(read_archive(path)["SystemStructure.ssd"])
+        assert {system.get("name"), system[0].get("name"), system[0].get("description")} == {xml_text(text)}
+
+
+class Elements(HTMLParser):
+    """Tags with their attributes, and what stands between them."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, tuple[str, ...]]] = []
+        self.texts: list[str] = []
+        self.attributes: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in ("code", "em"):  # the marks of our own texts
+            self.tags.append((tag, tuple(name for name, _ in attrs)))
+        self.attributes += [value or "" for _, value in attrs]
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+
+    def handle_comment(self, data: str) -> None:
+        self.tags.append(("comment", ()))
+
+
+def _study_page(text: str, folder: Path) -> str:
+    table = pd.DataFrame({"variant": [text, "other"], text: [1.0, 2.0], "status": ["completed", text]})
+    table["cause"] = ["", text]
+    meta = {"title": text, "parameters": ["variant"], "study file": text, text: text}
+    return study_report(table, {text: text}, meta, folder / "study.html").read_text(encoding="utf-8")
+
+
+def _sheet_page(text: str, folder: Path) -> str:
+    parts = [(text, sheet.grid((text,), [(text,)]) + sheet.paragraphs([text]))]
+    parts.append(("", sheet.bars([sheet.Bar(text, 0.1, 0.9, 0.5)], [(0.5, text)], text)))
+    parts.append(("", page.table(text, [(text, text, text, text)])))
+    return sheet.write_sheet(folder / "sheet.html", text, parts).read_text(encoding="utf-8")
+
+
+PAGES: dict[str, Callable[[str, Path], str]] = {
+    "rope FMU": lambda text, _: index_html([variable(text)], True),
+    "drive FMU": lambda text, _: attachments(text, [variable(text)])["documentation/index.html"].decode(),
+    "study": _study_page,
+    "sheet": _sheet_page,
+}
+
+
+@pytest.mark.parametrize("kind", PAGES)
+def test_pages_have_no_element_of_a_text(kind: str, tmp_path: Path) -> None:
+    plain = Elements(PAGES[kind]("plain", tmp_path))
+    for text in HOSTILE:
+        found = Elements(PAGES[kind](text, tmp_path))
+        assert found.tags == plain.tags, text
+        # HTML, too, has one line feed for a carriage return
+        shown = re.sub("\r\n?", "\n", xml_text(text)).strip()
+        assert shown in re.sub("\r\n?", "\n", "".join(found.texts)), text
+
+
+def test_a_run_and_its_data_have_no_element_of_a_text() -> None:
+    for text in HOSTILE:
+        data = page.running((), {text: [text]})
+        inside = data[data.index(">") + 1 : data.index("</script>")]
+        assert json.loads(inside) == {text: [text]}
+        assert [tag for tag, _ in Elements(data).tags] == ["script", "script"]
+        assert Elements(f'<p title="{html_text(text)}">').tags == [("p", ("title",))]
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
+def test_a_browser_makes_no_element_of_a_text(tmp_path: Path) -> None:
+    table = pd.DataFrame({"variant": HOSTILE, "speed": [*map(float, range(50))], "status": "completed", "cause": ""})
+    table.loc[1::2, "cause"] = table["variant"]
+    meta = {"title": CLOSES_THE_TABLE, "parameters": ["variant"]}
+    study = study_report(table, dict.fromkeys(HOSTILE, "m"), meta, tmp_path / "study.html")
+    winding = run(tmp_path, **{text: table["speed"].to_numpy()[[k % 50 for k in range(301)]] for text in HOSTILE})
+    for path in (study, winding):
+        seen = look(
+            path, "seen.strange = [...document.querySelectorAll('img, iframe, b, [onerror], [onload]')].length", 900
+        )
+        assert seen.said["strange"] == 0
+        assert not seen.console
+
+
+def test_markdown_has_no_element_of_a_text() -> None:
+    for text in HOSTILE:
+        written = render_markdown(text, [SummaryRow(text, text, text)], [], [(text, [(text, text, text, text)])])
+        assert "<" not in written, text
+
+
+def test_a_rope_file_reads_back(tmp_path: Path) -> None:
+    for text in HOSTILE:
+        datum = Datum(1.0, 2.0, "1", text, text)  # type: ignore[arg-type]
+        known = SimpleNamespace(construction=text, diameter=0.05, length=60.0, lay=text, data={"torque_factor": datum})
+        bench = SimpleNamespace(rope=lambda shares: SimpleNamespace(**dict.fromkeys(FOLLOWING, 1.0)), sought={})
+        found = SimpleNamespace(
+            known=known,
+            data={},
+            fit=SimpleNamespace(shares=None, contradicted=False),
+            measured=SimpleNamespace(bench=bench, path=SimpleNamespace(name=text)),
+        )
+        path = write_rope_file(found, tmp_path / "rope.toml")  # type: ignore[arg-type]
+        read = tomllib.loads(path.read_text(encoding="utf-8"))
+        assert read["rope"]["construction"] == read["rope"]["lay"] == text
+        assert read["known"]["torque_factor"] == {"low": 1.0, "high": 2.0, "status": text, "source": text}
+        assert [*read] == ["rope", "known", "fixed"]
+
+
+FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
+MEASURED = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 60.0\n'
+WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
+READERS: dict[str, tuple[Callable[[Path], object], str]] = {
+    "ropes title": (lambda path: read_ropes(path, PARAMETERS).title, "[ropes]\ntitle = {}\n[[rope]]\n"),
+    "duty title": (
+        lambda path: read_schedule(path, PARAMETERS).title,
+        "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n",
+    ),
+    "uncertain title": (
+        lambda path: read_uncertain(path, PARAMETERS).title,
+        "[uncertain]\ntitle = {}\n" + MEASURED,
+    ),
+    "measured name": (
+        lambda path: read_measured(path, PARAMETERS).measurements[0].name,
+        MEASURED + WIDTH + "name = {}\n",
+    ),
+    "known source": (
+        lambda path: read_measured(path, PARAMETERS).bench.known.data["torque_factor"].source,
+        MEASURED + "[known]\ntorque_factor = {{ low = 0.1, high = 0.1, source = {} }}\n" + WIDTH,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", READERS)
+def test_texts_of_files_are_kept_or_refused_with_a_cure(kind: str, tmp_path: Path) -> None:
+    read, template = READERS[kind]
+    path = tmp_path / "file.toml"
+    for text in [*HOSTILE, "x" * (LONGEST_TEXT + 1)]:
+        path.write_text(template.format(toml_string(text)), encoding="utf-8")
+        if printable(text) == text and len(text) <= LONGEST_TEXT:
+            assert read(path) == text
+            continue
+        with pytest.raises(
+            StudyError, match=r"must (be a line of printable characters: leave|have at most 200: shorten)"
+        ) as told:
+            read(path)
+        assert printable(str(told.value).replace("\n", "")) == str(told.value).replace("\n", "")
+
+
+#: keys that take a word of ours, a name of ours or a file
+WORDS = {
+    "rope name": "[[rope]]\nname = {}\n",
+    "ropes case": "[ropes]\ncase = {}\n[[rope]]\n",
+    "ropes level": "[ropes]\nlevel = {}\n[[rope]]\n",
+    "ropes key": "[ropes]\n{} = 1\n[[rope]]\n",
+    "table": "[{}]\n[[rope]]\n",
+    "from": "[fixed]\nfrom = {}\n[[rope]]\n",
+    "status": "[fixed]\nrope.EI = {{ value = 300.0, status = {} }}\n[[rope]]\n",
+    "unit": "[fixed]\nrope.EI = {{ value = 300.0, unit = {} }}\n[[rope]]\n",
+    "number": "[fixed]\nrope.EI = {}\n[[rope]]\n",
+    "parameter": "[fixed]\n{} = 1.0\n[[rope]]\n",
+}
+
+
+@pytest.mark.parametrize("kind", WORDS)
+def test_words_that_are_not_ours_are_refused(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "file.toml"
+    for text in [*HOSTILE, "x" * 41]:
+        path.write_text(WORDS[kind].format(toml_string(text)), encoding="utf-8")
+        with pytest.raises((StudyError, ValueError)) as told:
+            read_ropes(path, PARAMETERS)
+        assert printable(str(told.value).replace("\n", "")) == str(told.value).replace("\n", ""), text
+
+
+@pytest.mark.parametrize("key", ["construction", "lay"])
+def test_words_of_the_catalogue_are_refused(key: str, tmp_path: Path) -> None:
+    path = tmp_path / "file.toml"
+    for text in HOSTILE:
+        head = {"construction": '"34x7"', "lay": '"right-hand"'} | {key: toml_string(text)}
+        given = "".join(f"{name} = {value}\n" for name, value in head.items())
+        path.write_text(f"[rope]\n{given}diameter = 0.046\nlength = 60.0\n{WIDTH}", encoding="utf-8")
+        with pytest.raises(StudyError):
+            read_measured(path, PARAMETERS)
+
+
+@pytest.mark.parametrize("template", ["[study]\ntitle = {}\n", "[[variant]]\nname = {}\n"])
+def test_titles_and_variants_of_studies_are_kept_or_refused(template: str, tmp_path: Path) -> None:
+    path = tmp_path / "file.toml"
+    for text in HOSTILE:
+        path.write_text(template.format(toml_string(text)), encoding="utf-8")
+        with pytest.raises(StudyError) as told:  # there is no FMU
+            read_study(path, tmp_path / "none.fmu")
+        assert ("printable characters" in str(told.value)) == (printable(text) != text)
+
+
+def test_halves_of_characters_become_replacements() -> None:
+    half = "rope\udcff.toml"  # as Python has a file's name that is not UTF-8
+    assert tomllib.loads(f"x = {toml_string(half)}") == {"x": f"rope{REPLACEMENT}.toml"}
+    assert html_text(half) == printable(half) == f"rope{REPLACEMENT}.toml"

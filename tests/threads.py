@@ -1,0 +1,97 @@
+"""A host in C (tests/native/threads.c) in which threads instantiate and step an FMU of the rope at once.
+
+``python tests/threads.py --runs 100`` runs it so often, with both flavours.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes.util
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import fmpy
+from exports import ARCHIVES
+from native_raw import SMALL
+
+ROOT = Path(__file__).resolve().parent.parent
+THREADS, STEPS = 16, 10
+OUTPUTS = ("left.fy", "right.mx", "loop.y", "energy.kinetic")
+
+
+def why_not() -> str:
+    """Why it cannot be run here; '' where it can."""
+    if sys.platform != "linux" or shutil.which("cc") is None:
+        return "needs Linux and a C compiler"
+    return "" if _python() else "needs this Python's shared library"
+
+
+def _python() -> str | None:
+    """The name of this Python's shared library."""
+    return ctypes.util.find_library(f"python{sys.version_info.major}.{sys.version_info.minor}")
+
+
+def build(folder: Path, flags: Sequence[str] = ()) -> Path:
+    """The host."""
+    program, here = folder / "threads", ROOT / "tests" / "native"
+    include = ROOT / "fmu_src" / "native" / "include"
+    command = ["cc", "-std=gnu99", "-O1", *flags, f"-I{include}", here / "threads.c", "-o", program]
+    subprocess.run([*command, "-ldl", "-lm", "-lpthread"], check=True)
+    return program
+
+
+def run(program: Path, fmu: Path, unzipped: Path, threads: int = THREADS) -> subprocess.CompletedProcess[str]:
+    """One run, in a process of its own; a Python FMU finds the packages that this one has."""
+    description = fmpy.read_model_description(str(fmu))
+    variables = {v.name: v for v in description.modelVariables}
+    entries = [
+        f"{variables[name].type[0].lower()}:{variables[name].valueReference}:{value}" for name, value in SMALL.items()
+    ]
+    motion, outputs = (
+        [str(variables[name].valueReference) for name in names] for names in (("left.y", "left.vy", "left.ay"), OUTPUTS)
+    )
+    binary = next((unzipped / "binaries").rglob("BalanceRope.so"))
+    resources = (unzipped / "resources").resolve().as_uri()
+    command = [program, binary, description.guid, resources, threads, STEPS, *motion, *entries, "--", *outputs]
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONHOME"}
+    environment |= {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "LD_PRELOAD": _python() or ""}
+    environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    return subprocess.run(
+        list(map(str, command)), capture_output=True, text=True, timeout=600, check=False, env=environment
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="threads of a host in C that instantiate at once")
+    parser.add_argument("--runs", type=int, default=100)
+    parser.add_argument("--threads", type=int, default=THREADS)
+    parser.add_argument("--flavours", nargs="+", default=["python", "native-2"])
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        program, failed = build(folder), 0
+        for flavour in options.flavours:
+            fmu = ARCHIVES[flavour](folder / f"{flavour}.fmu")
+            unzipped = Path(fmpy.extract(str(fmu), str(folder / flavour)))
+            wrong = []
+            for number in range(options.runs):
+                done = run(program, fmu, unzipped, options.threads)
+                print(f"{flavour} {number + 1}: {done.stdout.strip()}", flush=True)
+                if done.returncode:
+                    wrong.append(f"exit code {done.returncode}: {done.stdout}{done.stderr[-500:]}")
+            print(
+                f"{flavour}: {options.runs} runs of {options.threads} threads, {len(wrong)} failed",
+                *wrong[:3],
+                sep="\n",
+            )
+            failed += len(wrong)
+    raise SystemExit(failed > 0)
+
+
+if __name__ == "__main__":
+    main()
