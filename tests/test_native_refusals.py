@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from typing import Literal
 
 import pytest
 from numpy.testing import assert_allclose
@@ -173,3 +174,9 @@ def test_a_rigid_rope_that_cannot_hang_is_a_status_in_both() -> None:
         assert not status.valid
         messages.append(status.message)
     assert messages[0] == messages[1]
+
+
+@pytest.mark.parametrize("kind", ["tmn", "eem"])
+def test_an_accuracy_that_a_kind_of_mesh_does_not_read_is_refused(kind: Literal["tmn", "eem"]) -> None:
+    with pytest.raises(ValueError, match=r"loop_error = 0\.01 .* unless mesh\.kind = auto; .* set kind = auto"):
+        Mesh(kind, loop_error=0.01)
