@@ -29,6 +29,8 @@ from rope_model.physics.accuracy import (
 )
 
 ROPE = Rope(length=400.0, beta_K=0.0)
+#: derivatives of q, v and a of a step that takes nothing back
+RIGID = (0.0, 0.0, 1.0)
 CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))
 
 
@@ -39,7 +41,7 @@ def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     turn, sums = CONSTANT * (omega * h) ** 3, ErrorSums()
     for k in range(n):
         # local error of the strain: C h^3 times its third derivative
-        sums = add_errors(Scene(ROPE), sums, leg, 0.0, h, (turn * math.sin(omega * k * h), 0.0), 0.0, ROPE.Qa)
+        sums = add_errors(Scene(ROPE), sums, leg, 0.0, h, RIGID, (turn * math.sin(omega * k * h), 0.0), 0.0, ROPE.Qa)
     t, lasts = h * np.arange(n), memory(ROPE, omega)
     off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
     # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one step's size
@@ -50,7 +52,7 @@ def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
     leg, h = 300.0, 0.01
     sums, rng = ErrorSums(), np.random.default_rng(1)
     for _ in range(4000):
-        sums = add_errors(Scene(ROPE), sums, leg, 0.0, h, (1e-9 * rng.standard_normal(), 0.0), 0.0, ROPE.Qa)
+        sums = add_errors(Scene(ROPE), sums, leg, 0.0, h, RIGID, (1e-9 * rng.standard_normal(), 0.0), 0.0, ROPE.Qa)
     assert end_force_error(ROPE, sums) < AND_RATE * 1e-9 * math.sqrt(4000)
 
 

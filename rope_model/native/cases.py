@@ -13,7 +13,7 @@ from ctypes import c_int
 from enum import Enum
 from functools import partial
 from types import SimpleNamespace
-from typing import Any, Literal, NamedTuple, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 import casadi as ca
 
@@ -135,6 +135,8 @@ def _symbols(kind: type[Any], prefix: str) -> Any:
             values[name] = ca.SX.sym(place)
         elif get_origin(hint) is Literal or (isinstance(hint, type) and issubclass(hint, Enum)):
             values[name] = Word(place, name)
+        elif name == "counts" and get_origin(hint) is tuple:
+            values[name] = members_at(c_int * len(get_args(hint)), place)
         elif isinstance(hint, type) and hint is not str:
             values[name] = _symbols(hint, f"{place}.")
     if issubclass(kind, tuple):
