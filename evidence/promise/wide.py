@@ -16,7 +16,7 @@ from rope_model.parameters import Layout, Rope, Scene, Swivel
 
 from .scenes import BEGIN, BRAKE, COUPLING, MODES, MOST_COUPLED, SECTION, TORSION, Sample
 
-#: seeds: one tunes, the other judges
+#: seeds: one tunes (scenes of 62 and 63 were looked at, too), the other judges
 TUNE, JUDGE = 60, 64
 LENGTH, BENDING = (40.0, 1200.0), (40.0, 3000.0)  # m, N m^2
 STEPS = (0.005, 0.01, 0.02, 0.04, 0.05)  # s
