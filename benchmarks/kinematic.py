@@ -6,13 +6,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.control.trajectory import Trajectory
+from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from rope_model import BalanceRope, EndMotion, Model, Scene, Solver, Status, balance_rope
 from rope_model.simulation.diagnostics import loop_bottom, observation_points
@@ -59,7 +60,14 @@ def scene_of(rope: str, coupling: str) -> Scene:
     return scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0), model=Model("planar"))
 
 
-def ends_at(reference: Trajectory, travel: float, t: float) -> tuple[EndMotion, EndMotion]:
+class Reference(Protocol):
+    """How the left end moves."""
+
+    def at(self, t: float) -> TrajectoryPoint:
+        """The motion at ``t``."""
+
+
+def ends_at(reference: Reference, travel: float, t: float) -> tuple[EndMotion, EndMotion]:
     """Left end from height 0, right end from ``travel`` (m)."""
     p = reference.at(t)
     left = EndMotion(y=p.position, vy=p.speed, ay=p.acceleration)

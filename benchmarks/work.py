@@ -12,6 +12,7 @@ import argparse
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from unittest.mock import patch
 
 import numpy as np
 
@@ -81,11 +82,8 @@ def search(scene: Scene, left: EndMotion, right: EndMotion) -> tuple[bool, Searc
         found.all, found.longest = found.all + rest.iterations, max(found.longest, rest.iterations)
         return rest
 
-    kept, hanging.find_equilibrium = hanging.find_equilibrium, counted
-    try:
+    with patch("rope_model.simulation.hang.find_equilibrium", counted):
         return RopeSimulator(scene).initialize(0.0, left, right).valid, found
-    finally:
-        hanging.find_equilibrium = kept
 
 
 def step_works(seed: int) -> Iterator[tuple[float, int, float]]:

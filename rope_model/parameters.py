@@ -44,6 +44,10 @@ def _multiple(segment: int, mesh: Any) -> tuple[Any, ...]:
     return (count >= least, count % multiple == 0), count, multiple
 
 
+def _unread(mesh: Any) -> tuple[Any, ...]:
+    return ((mesh.kind == "auto") + (mesh.loop_error == 0) > 0,), mesh.loop_error
+
+
 def _pattern(mesh: Any) -> tuple[Any, ...]:
     ii, iii, _, v, vi = (1 * (count > 0) for count in mesh.counts)
     return (ii == vi, iii == v, ii >= iii), mesh.counts
@@ -79,6 +83,12 @@ _OF_MESH = (
         "all five segments, or none in III and V, or none in II and VI too",
         "the pattern is the same on both sides and leaves out no length",
         _pattern,
+    ),
+    Joint(
+        "loop_error",
+        "0 m unless mesh.kind = auto",
+        "other kinds have the lengths that they are given: set kind = auto, or leave loop_error out",
+        _unread,
     ),
 )
 

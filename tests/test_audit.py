@@ -12,6 +12,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from rope_model.native.engine import NativeRope
 from rope_model.numerics.generalized_alpha import Coefficients
 from rope_model.parameters import Mesh, Rope, Scene, Solver
+from rope_model.physics.accuracy import turned_by_mesh
 from rope_model.simulation.audit import Audit
 from rope_model.simulation.ends import HangingEnds
 from rope_model.simulation.paths import EndMotion
@@ -125,12 +126,37 @@ def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatc
     assert "are missing between the end forces, the weight" in rope.warnings()["missing_loads"]
 
 
-@pytest.mark.parametrize(("elements", "told"), [(24, True), (40, True), (80, False)])
-def test_elements_too_long_for_the_bend_are_told(elements: int, told: bool) -> None:
+@pytest.mark.parametrize(("elements", "told"), [(24, "sharpest bend"), (40, "sharpest bend"), (60, "as mesh was set")])
+def test_elements_too_long_for_the_bend_are_told(elements: int, told: str) -> None:
     rope = NativeRope(SHORT.with_(mesh=Mesh("eem", elements=elements)))
     assert rope.initialize(0.0, *AT_REST).valid
     assert rope.advance_to(H, *AT_REST).valid
-    assert ("unresolved_bend" in rope.warnings()) == told
+    assert told in rope.warnings()["unresolved_bend"]
+
+
+def test_a_mesh_that_keeps_the_accuracy_asked_is_not_told() -> None:
+    for mesh in (Mesh("eem", elements=80), Mesh(), Mesh("auto")):
+        rope = NativeRope(SHORT.with_(mesh=mesh))
+        assert rope.initialize(0.0, *AT_REST).valid
+        assert rope.advance_to(H, *AT_REST).valid
+        assert "unresolved_bend" not in rope.warnings()
+
+
+def test_what_a_coarse_mesh_does_to_the_loop_is_told_before_anything_moves() -> None:
+    """60 equal elements on the 120 m rope: yawed by 1.2 degrees for 3.0, and 13 cm too high."""
+    scene, ends = Scene(), (EndMotion(y=30.0), EndMotion())
+    found = []
+    for mesh in (Mesh("eem", elements=60), Mesh("auto", loop_error=5e-4)):
+        rope = NativeRope(scene.with_(mesh=mesh))
+        assert rope.initialize(0.0, *ends).valid
+        found.append(rope.signals(("loop.y", "loop.yaw", "status.loop_error")))
+        text = rope.warnings().get("unresolved_bend", "")
+        assert ("elements of 2 m" in text) == (mesh.kind == "eem")
+    coarse, fine = found
+    off, turned = coarse["loop.y"] - fine["loop.y"], abs(coarse["loop.yaw"] - fine["loop.yaw"])
+    assert 0.5 < coarse["status.loop_error"] / off < 2.0
+    assert turned > 0.5 * abs(fine["loop.yaw"])
+    assert 0.5 < turned_by_mesh(scene, 2.0) / turned < 2.0
 
 
 def test_both_forms_find_the_same() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from typing import Literal
 
 import pytest
 from numpy.testing import assert_allclose
@@ -198,3 +199,9 @@ def test_a_communication_step_of_too_much_work_is_refused(most: float, monkeypat
     assert not status.valid
     assert re.search(r"Newton iterations did not lead from t = 0 s to 0\.2 s; communicate more often", status.message)
     assert rope.state.motion.t == 0.0
+
+
+@pytest.mark.parametrize("kind", ["tmn", "eem"])
+def test_an_accuracy_that_a_kind_of_mesh_does_not_read_is_refused(kind: Literal["tmn", "eem"]) -> None:
+    with pytest.raises(ValueError, match=r"loop_error = 0\.01 .* unless mesh\.kind = auto; .* set kind = auto"):
+        Mesh(kind, loop_error=0.01)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -128,7 +128,7 @@ def measure(study: Study, families: Sequence[str]) -> Tables:
 def _key(point: Point) -> tuple[Scene, float]:
     """The same for points that are the same run."""
     scene = point.scene
-    return scene.with_(mesh=replace(fit_mesh(scene), loop_error=0.1)), point.communication
+    return scene.with_(mesh=fit_mesh(scene)), point.communication
 
 
 def _worth_repeating(found: dict[Point, tuple[Run, tuple[float, float, float]]]) -> list[Point]:

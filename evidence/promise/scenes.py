@@ -10,9 +10,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from evidence.sampling import ACCELERATION, BENDING, JERK, LENGTH, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
-from hoist_demo.control.trajectory import s_curve
+from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Layout, Rope, Scene, Swivel, SwivelMode
+
+from .sine_stop import SineStop, sine_stop
 
 #: seeds; scenes of 31 and 33 showed what waves on the legs ask of the mesh, one of 32 what torsional waves ask of it
 TUNE, JUDGE = 30, 34
@@ -36,6 +38,12 @@ class Sample:
     scene: Scene
     trip: Trip
     interval: float  # s
+    by_sine: bool = False  # an emergency stop whose deceleration is half a wave
+
+    @property
+    def trajectory(self) -> Trajectory | SineStop:
+        """How the left end moves."""
+        return sine_stop(self.trip) if self.by_sine else s_curve(self.trip)
 
     @property
     def is_stopped(self) -> bool:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import ends_at
-from hoist_demo.control.trajectory import s_curve
 from rope_model import Accuracy, BalanceRope, Mesh, Scene, Solver, balance_rope
 
 from .scenes import Sample
@@ -45,7 +44,10 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Run:
-    """Signals (instants, ...) every EVERY s, estimated errors, elements times corrections, and why it ended early."""
+    """Signals (instants, ...), estimated errors, elements times corrections, and why it ended early.
+
+    There are signals every EVERY s, or every communication step where those are longer.
+    """
 
     signals: Array
     end_force: float
@@ -57,14 +59,15 @@ class Run:
 def wind(sample: Sample, interval: float, build: Callable[[Scene], BalanceRope] = balance_rope, **changes: Any) -> Run:
     """The scene on its trip, with parts of it changed."""
     scene: Scene = sample.scene.with_(**changes)
-    trip, rope = s_curve(sample.trip), build(scene)
+    trip, rope = sample.trajectory, build(scene)
+    every = max(round(EVERY / interval), 1)
     status = rope.initialize(0.0, *ends_at(trip, sample.trip.travel, 0.0))
     read, rows = rope.reader(_SIGNALS), []
     for k in range(1, round((trip.duration + SETTLE) / interval) + 1) if status.valid else ():
         status = rope.advance_to(k * interval, *ends_at(trip, sample.trip.travel, k * interval))
         if not status.valid:
             break
-        if k % round(EVERY / interval) == 0:
+        if k % every == 0:
             rows.append(read())
     if not status.valid:
         return Run(np.zeros((0, len(_SIGNALS))), np.nan, np.nan, np.nan, status.message)
@@ -93,15 +96,15 @@ def errors(run: Run, fine: Run) -> tuple[float, ...]:
     )
 
 
-def judge(sample: Sample) -> tuple[Any, ...]:
+def judge(sample: Sample, asked: Accuracy = ASKED) -> tuple[Any, ...]:
     """A row of COLUMNS."""
     fine = wind(sample, sample.interval, **FINE)
-    run, before = wind(sample, sample.interval, accuracy=ASKED), wind(sample, sample.interval, **BEFORE)
+    run, before = wind(sample, sample.interval, accuracy=asked), wind(sample, sample.interval, **BEFORE)
     rope, failure = sample.scene.rope, "; ".join(filter(None, (fine.failure, run.failure, before.failure)))
     found, then = errors(run, fine), errors(before, fine)
     return (
         *(sample.number, sample.kind, rope.length, rope.mass_per_length, rope.EI, sample.scene.left.mode),
-        *(s_curve(sample.trip).peak_speed, sample.interval, *found),
+        *(sample.trajectory.peak_speed, sample.interval, *found),
         *(run.end_force, run.loop, fine.end_force, fine.loop, run.work, then[0], then[2], before.work, failure),
     )
 

@@ -13,7 +13,7 @@ from ctypes import c_int
 from enum import Enum
 from functools import partial
 from types import SimpleNamespace
-from typing import Any, Literal, NamedTuple, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 import casadi as ca
 
@@ -31,7 +31,7 @@ from ..simulation.swivel_phases import SwivelState
 from .formulas import statements
 from .layout import PatternStructure
 from .state_values import members_at
-from .tables import code_name
+from .tables import Word
 
 #: tables behind warnings, and others, by what they are called in C behind tell_: each gives whether a case applied
 BY_NUMBERS = {name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)}
@@ -91,24 +91,6 @@ _IN_C: dict[type[Any], str] = {RopeState: "State"}
 _MEMBERS = {"left": "swivels[LEFT]", "right": "swivels[RIGHT]"}
 
 
-class _Word:
-    """A choice, which is compared with its words."""
-
-    def __init__(self, text: str, name: str) -> None:
-        self.text, self._name = text, name
-
-    def __eq__(self, word: object) -> Any:
-        return ca.SX.sym(self.text) == self._code(word)
-
-    def __ne__(self, word: object) -> Any:
-        return ca.SX.sym(self.text) != self._code(word)
-
-    def _code(self, word: object) -> ca.SX:
-        return ca.SX.sym(word.name if isinstance(word, Enum) else code_name(self._name, str(word)))
-
-    __hash__ = None  # type: ignore[assignment]
-
-
 class _Fact(NamedTuple):
     """A parameter in C, and what a formula is called with."""
 
@@ -143,7 +125,7 @@ def _fact(name: str) -> _Fact:
     if name == "counts":
         return _Fact("const int counts[5]", members_at(c_int * 5, "counts"))
     if name == "fidelity":
-        return _Fact("int fidelity", _Word(name, name))
+        return _Fact("int fidelity", Word(name, name))
     return _Fact(f"double {name}", ca.SX.sym(name))
 
 
@@ -155,7 +137,9 @@ def _symbols(kind: type[Any], prefix: str) -> Any:
         if hint in (float, int):
             values[name] = ca.SX.sym(place)
         elif get_origin(hint) is Literal or (isinstance(hint, type) and issubclass(hint, Enum)):
-            values[name] = _Word(place, name)
+            values[name] = Word(place, name)
+        elif name == "counts" and get_origin(hint) is tuple:
+            values[name] = members_at(c_int * len(get_args(hint)), place)
         elif isinstance(hint, type) and hint is not str:
             values[name] = _symbols(hint, f"{place}.")
     if issubclass(kind, tuple):
@@ -190,8 +174,8 @@ def _table(name: str, cases: Cases) -> str:
 def _case(message: Callable[..., str], formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]) -> str:
     """A block that gives the message where it applies."""
     found = formula(*(fact.symbols for fact in facts.values()))
-    lines, texts = _texts([x for x in found if not isinstance(x, _Word)])
-    applies, *numbers = (f"fidelity_name({x.text})" if isinstance(x, _Word) else texts.pop(0) for x in found)
+    lines, texts = _texts([x for x in found if not isinstance(x, Word)])
+    applies, *numbers = (f"fidelity_name({x.text})" if isinstance(x, Word) else texts.pop(0) for x in found)
     kinds = get_type_hints(message).values()
     given = [f"(int)({x})" if kind is int else x for x, kind in zip(numbers, kinds, strict=False)]
     call = f"return !say_{message.__name__}({', '.join(('message', *given))});"

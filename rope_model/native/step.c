@@ -269,7 +269,9 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
-    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, trial->strains, trial->place, force);
+    double c[3];
+    newton_coefficients(&method, trial->h, c);
+    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, c, trial->strains, trial->place, force);
     set_powers(rope, state);
     if (!trial->near) s.around = NULL;
     set_energies(energy, trial->balance, &s, m.q, m.v);

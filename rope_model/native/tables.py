@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from enum import Enum
 from typing import Any, get_args
+
+import casadi as ca
 
 from ..numerics.program import no_simplification
 from ..parameter_table import Joint, Parameter, check_order, parameters_of
@@ -97,6 +100,24 @@ def code_name(name: str, word: str) -> str:
     return word.upper() + (_SUFFIXES[name] if word == "auto" or name in ("given", "mode") else "")
 
 
+class Word:
+    """A choice, which is compared with its words."""
+
+    def __init__(self, text: str, name: str) -> None:
+        self.text, self._name = text, name
+
+    def __eq__(self, word: object) -> Any:
+        return ca.SX.sym(self.text) == self._code(word)
+
+    def __ne__(self, word: object) -> Any:
+        return ca.SX.sym(self.text) != self._code(word)
+
+    def _code(self, word: object) -> ca.SX:
+        return ca.SX.sym(word.name if isinstance(word, Enum) else code_name(self._name, str(word)))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
 def _structure(kind: type[Any]) -> str:
     table = parameters_of(kind)
     lines = []
@@ -142,7 +163,9 @@ def _joint_checks(kind: type[Any]) -> str:
 
 def _joint(kind: type[Any], joint: Joint) -> str:
     """A block that refuses what does not hold; numbers from whole ones alone are written as whole ones."""
-    holds, value, *number = joint.formula(structure_at(kind, "x->"))
+    x = structure_at(kind, "x->")
+    vars(x).update({name: Word(f"x->{name}", name) for name, _ in _choices(kind)})
+    holds, value, *number = joint.formula(x)
     values = value if isinstance(value, tuple) else (value,)
     lines, (condition, *numbers) = texts_of([both(*holds), *values, *number])
     used = set(re.findall(r"x->(\w+)", "".join((*lines, condition, *numbers))))

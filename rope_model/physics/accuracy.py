@@ -28,6 +28,10 @@ FORCE_SHARE, PLACE_SHARE = 22.0, 0.01
 AND_RATE = 2.0
 #: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: docs/mesh_rule.md
 LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
+#: a loop of elements of x w and more slips aside and turns, by which node comes to hang lowest: it is off by up to
+#: 1 + SLIPPED times as much beyond x = SLIPS_FROM, and yawed by up to TURNED x (rad) beyond TURNS_FROM; the change goes
+#: with the power SLIPS_AT_ONCE (evidence.mesh_rule.coarse)
+SLIPPED, SLIPS_FROM, TURNED, TURNS_FROM, SLIPS_AT_ONCE = 1.8, 0.87, 0.033, 1.2, 12
 #: of the loop's place, by joined elements of the legs over grading_length times length, and by steps over the largest
 #: error of a node's place
 LEGS, STEPS = 4e-7, 12.0
@@ -106,18 +110,23 @@ def step_limits(scene: Any, sums: Any, bottom: Any, apart: Any, error_constant: 
 
 
 def add_errors(
-    scene: Any, sums: Any, bottom: Any, apart: Any, h: Any, strains: Any, place: Any, force: Any
+    scene: Any, sums: Any, bottom: Any, apart: Any, h: Any, c: Any, strains: Any, place: Any, force: Any
 ) -> ErrorSums:
-    """``sums`` after a step ``h`` that left ``strains`` and ``place``, with end forces of up to ``force`` now."""
+    """``sums`` after a step ``h`` that left ``strains`` and ``place``, with end forces of up to ``force`` now.
+
+    ``c`` are the derivatives of q, v and a with respect to q at the step's end.  The step's own equations take back
+    much of what is wrong with a stiff wave: of their tangent, (c0 + c1 beta_K) omega^2 + c2, the part c2 stays.
+    """
     rope = scene.rope
     waves, squares = [], []
     for side, leg in enumerate((bottom, rope.length - bottom)):
         omega = axial_frequency(rope, leg)
         lasts = memory(rope, omega)
         fades, turns = lasts / (lasts + h), omega * h
-        c, s = fades * cos(turns), fades * sin(turns)
+        cosine, sine = fades * cos(turns), fades * sin(turns)
         now, later = sums.waves[2 * side], sums.waves[2 * side + 1]
-        waves += [c * now + s * later + strains[side], c * later - s * now]
+        stays = c[2] / (c[2] + (c[0] + c[1] * rope.beta_K) * (omega * omega))
+        waves += [cosine * now + sine * later + stays * strains[side], cosine * later - sine * now]
         squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
     largest = larger(sums.place, place), larger(sums.flow, flow_error(scene, apart, h)), larger(sums.force, force)
     return ErrorSums(sums.time + h, *largest, (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1]))
@@ -135,6 +144,23 @@ def locking_error(scene: Any, fine: Any) -> Any:
     x = fine / w
     locked = LOCKING * (rope.Qa * (w * w) / rope.EI) * (x * x * x * x)
     return LOOP_HEIGHT * w * (x * x) * (locked / (1.0 + locked))
+
+
+def mesh_error(scene: Any, fine: Any, grading_length: Any) -> Any:
+    """How far, m, the loop is from its place on elements of length ``fine``, with ``grading_length`` in the legs."""
+    slips = 1.0 + SLIPPED * _slips(scene, fine, SLIPS_FROM)
+    return locking_error(scene, fine) * slips + LEGS * grading_length * scene.rope.length
+
+
+def turned_by_mesh(scene: Any, fine: Any) -> Any:
+    """How far, rad, elements ``fine`` m long turn the loop about the vertical."""
+    return TURNED * fine / bending_length(scene) * _slips(scene, fine, TURNS_FROM)
+
+
+def _slips(scene: Any, fine: Any, beyond: float) -> Any:
+    """Part from 0 to 1 of what the loop does ``beyond`` so many w."""
+    power = smaller(fine / (beyond * bending_length(scene)), 10.0) ** SLIPS_AT_ONCE
+    return power / (1.0 + power)
 
 
 def length_for(scene: Any, error: Any) -> Any:
@@ -164,7 +190,7 @@ def step_error(limits: Any, h: Any, place: Any, strain: Any) -> Any:
 
 def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
     """Largest error of the loop's place since the start, m: of elements, legs and steps."""
-    mesh = locking_error(scene, fine) + LEGS * grading_length * scene.rope.length
+    mesh = mesh_error(scene, fine, grading_length)
     swung = STEPS * sums.place
     return sqrt(mesh * mesh + swung * swung + sums.flow * sums.flow)  # at other places and instants
 

@@ -80,7 +80,7 @@ def fit_mesh(scene: Scene) -> Mesh:
     if mesh.kind != "auto":
         return mesh
     loop_error = mesh.loop_error or MESH_SHARE * scene.accuracy.loop
-    fitted = fit_elements(scene, loop_error, math.log10(FADE_ERROR / loop_error))
+    fitted, mesh = fit_elements(scene, loop_error, math.log10(FADE_ERROR / loop_error)), replace(mesh, loop_error=0.0)
     if fitted.equal:
         return replace(mesh, kind="eem", elements=int(fitted.equal))
     return replace(

@@ -125,8 +125,8 @@ class RopeModel:
         assert evaluation is not None
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
-        strains = self.strain_errors(motion.h, result)
-        errors = add_errors(self.scene, old.errors, bottom, apart(old.motion), h, strains, result.error, force)
+        strains, c = self.strain_errors(motion.h, result), self.method.newton(motion.h).tolist()
+        errors = add_errors(self.scene, old.errors, bottom, apart(old.motion), h, c, strains, result.error, force)
         # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..physics.elementary import both, either, floor
-from ..physics.estimates import coupling_torque, curvature_torque, twist_torque
+from ..physics.accuracy import length_for, mesh_error, turned_by_mesh
+from ..physics.elementary import both, either, floor, smaller, where
+from ..physics.estimates import bending_length, coupling_torque, curvature_torque, twist_torque
 from ..shaft_parameters import FAR
 from . import warning_messages
 from .audit import (
@@ -21,6 +22,8 @@ from .audit import (
 from .cases import Cases
 from .fidelity_cases import carries_torque
 from .following import FEWEST_BREAKS
+from .mesh_fit import LONGEST, NATURAL_RADIUS
+from .mesh_pattern import fine_share
 
 #: rad: yaw of a loop that is turned over
 HALF_A_TURN = math.pi
@@ -159,6 +162,17 @@ def _motion_misfits(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
     return both(scene.inputs.given == "all", disturbs), x.position, x.speed, x.acceleration
 
 
+def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
+    mesh, asked = scene.mesh, scene.accuracy.loop
+    equal = mesh.kind == "eem"
+    fine = where(equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts))
+    error = mesh_error(scene, fine, where(equal, 0.0, mesh.grading_length))
+    yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine))
+    would_do = smaller(length_for(scene, asked), LONGEST * NATURAL_RADIUS * bending_length(scene))
+    applies = both(mesh.kind != "auto", state.fidelity != "rigid", error > asked)
+    return applies, fine, error, asked, yaw, would_do
+
+
 def _extrapolated_too_far(scene: Any, state: Any) -> tuple[Any, ...]:
     h = state.last_interval  # between two instants, which are rounded the more the later they are
     applies = both(state.counts.steps > 0, h > 1.001 * LONGEST_EXTRAPOLATION)
@@ -222,7 +236,10 @@ MISSING_LOADS: Cases = {
     warning_messages.moments_missing: _moments_missing,
 }
 UNRESOLVED_WAVES: Cases = {warning_messages.waves_unresolved: _waves_unresolved}
-UNRESOLVED_BEND: Cases = {warning_messages.bend_unresolved: _bend_unresolved}
+UNRESOLVED_BEND: Cases = {
+    warning_messages.bend_unresolved: _bend_unresolved,
+    warning_messages.loop_unresolved: _loop_unresolved,
+}
 LONG_EXTRAPOLATION: Cases = {warning_messages.extrapolated_too_far: _extrapolated_too_far}
 NO_AIR: Cases = {warning_messages.no_air: _no_air, warning_messages.no_air_to_push: _no_air_to_push}
 #: the guard that needs most of the model comes first: what makes it see makes the others see too

@@ -119,6 +119,14 @@ def bend_unresolved(elements: float, bound: float) -> str:
     )
 
 
+def loop_unresolved(fine: float, error: float, bound: float, yaw: float, length: float) -> str:
+    return (
+        f"elements of {fine:.3g} m, as mesh was set, put the loop up to {error:.2g} m from its place (accuracy.loop = "
+        f"{bound:g} m) and turn it by up to {yaw:.2g} rad: they are too long for its bend; set mesh.kind = auto, or "
+        f"take elements of at most {length:.2g} m there"
+    )
+
+
 def no_torque_to_guard(threshold: float, fidelity: str) -> str:
     return (
         f"guard.torque = {threshold:g} N m sees nothing: the {fidelity} model computes no moment of the swivels; set "

@@ -1,0 +1,70 @@
+"""A wider draw: short ropes and long communication steps, installed twist, swivels of any kind, stops by jerk and sine.
+
+The first draw (scenes) has neither.  Lengths, EI and jerk are drawn evenly in their logarithms.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from evidence.sampling import ACCELERATION, JERK, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
+from hoist_demo.control.trajectory import s_curve
+from hoist_demo.parameters import Winding as Trip
+from rope_model.parameters import Layout, Rope, Scene, Swivel
+
+from .scenes import BEGIN, BRAKE, COUPLING, MODES, MOST_COUPLED, SECTION, TORSION, Sample
+
+#: seeds: one tunes (scenes of 62 and 63 were looked at, too), the other judges
+TUNE, JUDGE = 60, 64
+LENGTH, BENDING = (40.0, 1200.0), (40.0, 3000.0)  # m, N m^2
+STEPS = (0.005, 0.01, 0.02, 0.04, 0.05)  # s
+#: shares of trips that are stopped, of those by a sine, of releases, of ropes twisted when they were installed
+STOPPED, BY_SINE, RELEASED, TWISTED = 0.4, 0.5, 0.2, 0.5
+#: of an emergency stop, m/s^3; rad per m of the rope
+BRAKE_JERK, TWIST = (5.0, 50.0), (-0.002, 0.002)
+#: kinetic friction of swivels, from healthy to degraded bearings, and the static one over it
+FRICTION, STATIC = (0.0013, 0.08), 1.3
+
+
+def draw(seed: int, number: int) -> Iterator[Sample]:
+    """The first ``number`` of a seed."""
+    draws = Draws(seed)
+    evenly, in_logarithms = draws.evenly, draws.in_logarithms
+    for k in range(number):
+        length, mass = in_logarithms(LENGTH), evenly(MASS)
+        diameter, stiffness = math.sqrt(SECTION * mass), mass * in_logarithms(STIFFNESS)
+        torsion = stiffness * diameter**2 * in_logarithms(TORSION)
+        coupling = min(evenly((0, COUPLING)) * stiffness * diameter, MOST_COUPLED * math.sqrt(stiffness * torsion))
+        rope = Rope(
+            length=length,
+            mass_per_length=mass,
+            EI=in_logarithms(BENDING),
+            Qa=stiffness,
+            Qb=coupling,
+            Qc=coupling,
+            Qd=torsion,
+            rhoJ=mass * diameter**2 / 8,
+            diameter=diameter,
+            installed_twist=evenly(TWIST) * length if evenly() < TWISTED else 0.0,
+        )
+        layout, modes = Layout(evenly(SPACING)), [MODES[draws.one_of(len(MODES))] for _ in ("left", "right")]
+        trip = Trip(
+            travel=length * (1 - 2 * evenly(NEAR)),
+            speed=evenly(SPEED),
+            acceleration=evenly(ACCELERATION),
+            jerk=in_logarithms(JERK),
+            start_delay=0.0,
+        )
+        stopped, by_sine, released = evenly() < STOPPED, evenly() < BY_SINE, evenly() < RELEASED
+        begin, brake, jerk = evenly(BEGIN) * s_curve(trip).duration, evenly(BRAKE), in_logarithms(BRAKE_JERK)
+        interval = STEPS[draws.one_of(len(STEPS))]
+        if stopped:
+            trip = replace(trip, emergency_at=begin, emergency_deceleration=brake, emergency_jerk=jerk)
+        friction = in_logarithms(FRICTION)
+        swivel = Swivel(mu_static=STATIC * friction, mu_kinetic=friction, inertia=max(0.05 * mass / 8, 1e-3))
+        left, right = (replace(swivel, mode=mode) for mode in modes)
+        if released and not stopped:
+            right = replace(right, mode="free" if right.mode == "locked" else right.mode, release_time=begin)
+        yield Sample(k, Scene(rope, layout, left, right), trip, interval, stopped and by_sine)
