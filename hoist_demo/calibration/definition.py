@@ -264,7 +264,7 @@ def _numbers(where: str, name: str, content: Any, unit: str, problems: list[str]
 def _text(where: str, name: str, content: Any, problems: list[str]) -> str:
     known = tuple(SIGNALS) if name == "signal" else PLANES
     if content not in known:
-        hint = "one of docs/interface.md, outputs" if name == "signal" else f"one of {', '.join(PLANES)}"
+        hint = "one of docs/reference/variables.md, outputs" if name == "signal" else f"one of {', '.join(PLANES)}"
         problems.append(f"{where}: {name} = {content!r} must be {hint}: correct it")
     return str(content)
 

@@ -96,7 +96,7 @@ def add_demo(
         "--case",
         choices=tuple(NAMED),
         metavar="NAME",
-        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(NAMED)} ({_CASE}, or that of --resume)",
+        help=f"hoist, winding and rope, see docs/howto/hoist.md: {', '.join(NAMED)} ({_CASE}, or that of --resume)",
     )
     rope = demo.add_mutually_exclusive_group()
     rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 or 3.0 (%(default)s)")
@@ -108,7 +108,7 @@ def add_demo(
         choices=tuple(SCHEMES),
         default=Coupling().scheme,
         metavar="NAME",
-        help=f"how drive and rope exchange, see docs/coupling.md: {', '.join(SCHEMES)} (%(default)s)",
+        help=f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (%(default)s)",
     )
     demo.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
     add_trip(demo)

@@ -62,8 +62,8 @@ def add_data(demo: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="a parameter of the rope by its name in docs/interface.md, or of the host as hoist.payload_left, in SI "
-        "units; may be repeated, and counts more than other options",
+        help="a parameter of the rope by its name in docs/reference/variables.md, or of the host as "
+        "hoist.payload_left, in SI units; may be repeated, and overrides other options",
     )
     demo.add_argument(
         "--signals",

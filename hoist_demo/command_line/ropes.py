@@ -35,7 +35,7 @@ examples:
   balance-rope ropes ROPES.toml --check      read and check the file, wind nothing
 
 Results in --out: ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv, data.csv, where each
-number comes from, and ropes.png; interrupted, of the trip so far. The file is explained in docs/ropes.md.
+number comes from, and ropes.png; interrupted, of the trip so far. The file is explained in docs/reference/files.md.
 exit code: 0 wound to the end, 1 a rope or the drive stopped the run, 2 wrong file or arguments, 130 interrupted.
 """
 
@@ -57,7 +57,7 @@ def add_ropes(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     ropes.set_defaults(run=_ropes)
-    ropes.add_argument("ropes", type=Path, metavar="ROPES.toml", help="the ropes, see docs/ropes.md")
+    ropes.add_argument("ropes", type=Path, metavar="ROPES.toml", help="the ropes, see docs/reference/files.md")
     ropes.add_argument("--out", type=named, metavar="DIR", help="results (out/ropes/ and the file's name)")
     ropes.add_argument("--check", action="store_true", help="check only")
 

@@ -20,7 +20,7 @@ def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:
         if not equals:
             raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
         if name.partition(".")[0] in STUDY_ONLY:
-            raise ValueError(f"--set {text}: {name} is for studies: see docs/study.md")
+            raise ValueError(f"--set {text}: {name} is for studies: see docs/reference/files.md")
         parameter = catalogue[name]
         if name in found:
             raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")

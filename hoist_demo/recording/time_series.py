@@ -94,7 +94,7 @@ def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, .
         names = [name for name in known if expression.fullmatch(name)]
         if not names:
             near = difflib.get_close_matches(pattern, known, n=3)
-            cure = f"did you mean {' or '.join(near)}?" if near else "see docs/interface.md"
+            cure = f"did you mean {' or '.join(near)}?" if near else "see docs/reference/variables.md"
             raise ValueError(f"signals has {pattern!r}, which nothing shows: {cure}")
         found |= dict.fromkeys(names)
     return tuple(found)

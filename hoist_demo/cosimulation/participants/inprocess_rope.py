@@ -192,7 +192,7 @@ def with_parameters(data: Scene, parameters: Mapping[str, Value]) -> Scene:
         group, _, item = name.rpartition(".")
         part = attrgetter(_PARTS[group])(data) if group in _PARTS else None
         if part is None or item not in {f.name for f in fields(part)}:
-            raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/interface.md")
+            raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/reference/variables.md")
         chosen.setdefault(group, {})[item] = _decode(part, name, value)
     for group, values in chosen.items():
         try:
