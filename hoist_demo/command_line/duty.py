@@ -153,7 +153,7 @@ def _as_it_is(rope: InProcessRope) -> Recording:
 
 
 def _summary(trips: Recording, last: Trip | None, cycle: int, warned: Sequence[str]) -> list[SummaryRow]:
-    """What of a duty is told."""
+    """Return the printed summary of a duty."""
     from hoist_demo.duty.table import STEADY, UNITS, steady_from, worst
 
     rows = []
@@ -182,7 +182,7 @@ def _worst_text(one: Worst, unit: str) -> str:
 
 
 def _exposure(trips: Recording) -> Recording | None:
-    """What all trips together did to the places in the rope; None where that was not counted."""
+    """Return the load history of places in the rope over all trips; None if it was not counted."""
     from hoist_demo.duty.state import rows_of
 
     rows = rows_of(trips)

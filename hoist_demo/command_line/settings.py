@@ -46,7 +46,7 @@ _ROPE_FILE = "give a file that balance-rope identify has written"
 
 
 def _value(parameter: Parameter, text: str) -> Value:
-    """What the text means to the parameter; a text that means nothing is left for its check."""
+    """Return the parameter's value for a text; a meaningless text is left for the parameter's check."""
     if parameter.kind == "Boolean":
         return {"true": True, "false": False}.get(text.lower(), text)
     if parameter.kind in ("Real", "Integer"):

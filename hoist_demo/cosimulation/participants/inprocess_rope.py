@@ -73,7 +73,7 @@ class InProcessRope:
         return self._rope.signals(self._told) | {FIDELITY: code_of(self._rope.fidelity)}
 
     def data(self) -> RopeData:
-        """What this rope is: its engine, and all parameters by FMI name."""
+        """Identity of the rope: its engine, and all parameters by FMI name."""
         model = {"rope": f"in process, {type(self._rope).__name__}", "version": version("balance-rope")}
         reason = ""
         with suppress(RuntimeError):  # a rope that could not be initialised has no state
@@ -158,7 +158,7 @@ def assumed_parameters() -> frozenset[str]:
 
 
 def rope_parameters() -> dict[str, FmuParameter]:
-    """What can be set of a rope in process, as an FMU would state it; the data classes know the bounds."""
+    """List the parameters of a rope in process as an FMU would; the data classes know the bounds."""
     found = {}
     for group, part in _PARTS.items():
         data = attrgetter(part)(Scene())
@@ -210,7 +210,7 @@ def _with_values(data: Any, path: Sequence[str], values: Mapping[str, Any]) -> A
 
 
 def _motion(end: EndMotion) -> RopeEndMotion:
-    """The same numbers in rope_model's own type."""
+    """Convert to rope_model's own type."""
     return RopeEndMotion(*end)
 
 
