@@ -175,8 +175,8 @@ _TITLES = (("parameter", "Parameters"), ("input", "Inputs"), ("output", "Outputs
 def interface_page() -> str:
     """Return the page; both ends, numbered bodies and places along the rope share a row."""
     table = variables(rope_120())
-    lines = ["# The FMU's variables", "", _INTRODUCTION, _ERRORS]
-    lines += [_STRUCTURE, _SHAPES, _ALONG, _ADDED_MASS]
+    lines = ["# The FMU's variables", "", _INTRODUCTION, "## Errors and derivatives\n", _ERRORS, _STRUCTURE]
+    lines += ["## Along the rope\n", _SHAPES, _ALONG, "## Added mass\n", _ADDED_MASS]
     lines += ["## Steps of any length\n", _STEPS, "## Warnings\n", _WARNINGS]
     lines += [
         "| outputs | fidelities |",
