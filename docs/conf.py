@@ -12,7 +12,7 @@ project = PROJECT["name"]
 author = project_copyright = "the balance-rope authors"
 release = version = PROJECT["version"]
 highlight_language = "none"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx.ext.viewcode"]
 exclude_patterns = ["data/**", "duties/**", "studies/**"]
 
 # links between pages and to headings are those of GitHub, and checked
@@ -25,6 +25,8 @@ nitpick_ignore_regex = [
     ("py:.*", r"rope_model\.(simulation|native|numerics|physics|parameters)\..*"),
 ]
 
+# docstrings follow numpydoc
+numpydoc_show_class_members = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_default_options = {"members": True, "show-inheritance": True}
