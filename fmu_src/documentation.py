@@ -131,7 +131,7 @@ FMI 3.0 has the arrays `shape.x` ... `shape.torsion` (81) and `mesh.counts` (5) 
 enumerations with the same codes; the other names, and all value references, are the same. Exported with `--scalar` it
 has no arrays: their elements are variables with the names and value references of FMI 2.0.
 """
-#: docs/model.md in short
+#: docs/theory in short
 _MODEL = """\
 <h2>Model</h2>
 <p>Each element joins two nodes with position r, slope r' and torsion angle &theta;; r is cubic, &theta; linear in the

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import re
 import shutil
+import xml.etree.ElementTree as ET
 from functools import cache
 from pathlib import Path
 
 import pytest
+
+from docs.drawings import winding
+from docs.drawings.figures import FIGURES
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -82,9 +86,33 @@ def test_a_command_that_is_not_found_is_seen() -> None:
     assert unknown_commands(page) == ["balance-rope demo", "no-such-command"]
 
 
+def in_navigation(page: Path) -> set[Path]:
+    """Return the pages that a page's toctrees list, and those that their toctrees list."""
+    trees = "\n".join(re.findall(r"```\{toctree\}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL))
+    names = [re.sub(r".* <(.*)>", r"\1", line) for line in trees.splitlines() if line and not line.startswith(":")]
+    listed = {page.parent / f"{name}.md" for name in names}
+    return listed.union(*(in_navigation(found) for found in listed))
+
+
 def test_every_page_is_in_the_site_s_navigation() -> None:
-    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    trees = "\n".join(re.findall(r"```\{toctree\}\n(.*?)```", index, re.DOTALL))
-    listed = {re.sub(r".* <(.*)>", r"\1", line) for line in trees.splitlines()}
-    pages = {str(path.relative_to(ROOT / "docs").with_suffix("")) for path in PAGES[1:]}
-    assert pages - listed == {"index"}
+    index = ROOT / "docs" / "index.md"
+    assert in_navigation(index) == {*PAGES[1:]} - {index}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_the_one_that_its_script_draws(name: str) -> None:
+    assert (ROOT / "docs" / "images" / name).read_text(encoding="utf-8") == FIGURES[name]().svg()
+
+
+def test_the_animated_winding_shows_every_frame_and_is_small() -> None:
+    path = ROOT / "docs" / "images" / "winding.svg"
+    moves = [element.get("values", "") for element in ET.parse(path).iter() if "animate" in element.tag]
+    assert {len(values.split(";")) for values in moves} == {round(winding.END / winding.FRAME) + 1}
+    assert path.stat().st_size < 1.5e6
+
+
+def test_equations_and_figures_that_the_theory_refers_to_are_there() -> None:
+    text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "docs" / "theory").glob("*.md"))
+    labels = re.findall(r"^\$\$ \((\S+)\)$", text, re.MULTILINE) + re.findall(r"^:name: (\S+)$", text, re.MULTILINE)
+    assert len(labels) == len({*labels})
+    assert {*re.findall(r"\{(?:eq|numref)\}`(\S+?)`", text)} <= {*labels}

@@ -19,7 +19,7 @@ GRAVITY = 9.81
 """Acceleration of free fall [m/s^2]."""
 
 ASSUMED_DATA = (
-    "The hoist, the winding and the rope data marked [assumed] in docs/model.md and docs/hoist.md are ours. They are "
+    "The hoist, the winding and the rope data marked [assumed] in docs/theory and docs/hoist.md are ours. They are "
     "plausible, they belong to no installation, and no number shown here may be used to judge one."
 )
 """Said wherever results are shown."""
