@@ -294,7 +294,7 @@ def coupling() -> Drawing:
         d.dot(place, rope, 3.4, "right", "right")
     d.line([(360, rope - 7), (360, rope + 14)], "mark", 2)
     d.text(360, rope + 28, "stick-slip", "mark", "middle", 13)
-    d.text(222, rope - 28, "3  the rope's own steps $h$", "right", "middle")
+    d.text(222, rope - 36, "3  the rope's own steps $h$", "right", "middle")
     d.arrow((xs[1] + 8, rope - 8), (xs[1] + 8, drive + 10), "right", 2.2)
     d.text(xs[1] + 20, 152, "4  end forces and torques at $t_{n+1}$,", "right")
     d.text(xs[1] + 20, 170, "the past of the next step", "right")
