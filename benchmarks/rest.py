@@ -1,5 +1,6 @@
-"""Whether steps get slower when a rope rests for long: values that die away end in denormal numbers, which some
-processors compute with many times more slowly.
+"""Speed of a rope that rests for long.
+
+Values that die away end in denormal numbers, with which some processors compute many times more slowly.
 
 Two ropes with the same motion take turns step by step: one as shipped, the other with denormals set to zero by the
 processor (flags FTZ and DAZ of x86's MXCSR, set by the C library's fesetenv; the first one's flag DE tells whether

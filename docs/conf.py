@@ -13,7 +13,7 @@ project = PROJECT["name"]
 author = project_copyright = "the balance-rope authors"
 release = version = PROJECT["version"]
 highlight_language = "none"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.viewcode"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx.ext.mathjax", "sphinx.ext.viewcode"]
 exclude_patterns = ["data/**", "drawings/**", "duties/**", "studies/**"]
 
 # links between pages and to headings are those of GitHub, and checked
@@ -34,6 +34,8 @@ nitpick_ignore_regex = [
     ("py:.*", r"rope_model\.(simulation|native|numerics|physics|parameters)\..*"),
 ]
 
+# docstrings follow numpydoc
+numpydoc_show_class_members = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_default_options = {"members": True, "show-inheritance": True}

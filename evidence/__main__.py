@@ -1,4 +1,4 @@
-"""Write pages of evidence, and README's and docs/hoist.md's tables of it, from the recorded data, without a run.
+"""Write pages of evidence, and README's and docs/howto/hoist.md's tables of it, from the recorded data, without a run.
 
 ``python -m evidence`` writes all, ``python -m evidence chart levels`` these.
 

@@ -27,8 +27,6 @@ from evidence.hoist.page import cases
 from evidence.integrators.page import FIGURES as INTEGRATORS
 from evidence.integrators.page import page as integrators_page
 from evidence.knowledge.catalogue import catalogue
-from evidence.knowledge.page import page as identify_page
-from evidence.knowledge.worked import page as uncertain_page
 from evidence.latency.figures import FIGURES as LATENCY
 from evidence.latency.page import page as latency_page
 from evidence.mesh_rule.page import FIGURES as MESH_RULE
@@ -72,7 +70,6 @@ PAGES: dict[str, Page] = {
     "contact": Page("contact.md", "contact", contact_page),
     "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
     "guards": Page("guards.md", "guards", guards_page, GUARDS),
-    "identify": Page("identify.md", "knowledge", identify_page),
     "integrators": Page("integrators.md", "integrators", integrators_page, INTEGRATORS),
     "mesh_rule": Page("mesh_rule.md", "mesh_rule", mesh_rule_page, MESH_RULE),
     "promise": Page("promise.md", "promise", promise_page, PROMISE),
@@ -84,7 +81,6 @@ PAGES: dict[str, Page] = {
     "tangle": Page("tangle.md", "tangle", tangle_page, TANGLE),
     "study_controllers": Page("study_controllers.md", "study", controllers_page),
     "study_swivel": Page("study_swivel.md", "study", swivel_page),
-    "uncertain": Page("uncertain.md", "uncertain", uncertain_page),
     "validation": Page("validation.md", "validation", validation_page),
 }
 
@@ -101,9 +97,9 @@ class Block:
 
 BLOCKS = {
     "levels": Block("README.md", "levels", "chart", levels),
-    "cases": Block("docs/hoist.md", "cases", "hoist", cases),
-    "metrics": Block("docs/study.md", "metrics", "study", metrics),
-    "catalogue": Block("docs/data.md", "catalogue", "knowledge", catalogue),
+    "cases": Block("docs/howto/hoist.md", "cases", "hoist", cases),
+    "metrics": Block("docs/reference/files.md", "metrics", "study", metrics),
+    "catalogue": Block("docs/howto/rope_data.md", "catalogue", "knowledge", catalogue),
 }
 
 

@@ -61,8 +61,8 @@ def test_a_start_value_that_no_parameter_has_is_refused_by_name() -> None:
 
 
 def test_ropes_of_the_hoist_page_are_those_of_the_cases() -> None:
-    page = (Path(__file__).parent.parent / "docs" / "hoist.md").read_text(encoding="utf-8")
-    assert rope_table() in page, "docs/hoist.md: put in " + rope_table()
+    page = (Path(__file__).parent.parent / "docs" / "howto" / "hoist.md").read_text(encoding="utf-8")
+    assert rope_table() in page, "docs/howto/hoist.md: put in " + rope_table()
 
 
 @pytest.mark.parametrize("name", ["rope.colour", "swivel.mode", "length"])
@@ -165,7 +165,7 @@ def test_a_study_winds_the_case_with_its_gains_and_its_rope_unless_told_otherwis
 
 
 def rope_table() -> str:
-    """The installed ropes as docs/hoist.md shows them."""
+    """The installed ropes as docs/howto/hoist.md shows them."""
     names = [name for name in next(iter(INSTALLED.values())).rope if "swivel" not in name]
     lines = ["| |" + "".join(f" `{name}` |" for name in INSTALLED), "|---|" + "---|" * len(INSTALLED)]
     lines += [f"| `{key}` |" + "".join(f" {case.rope[key]:.4g} |" for case in INSTALLED.values()) for key in names]

@@ -22,6 +22,7 @@ def test_every_table_in_a_hand_written_page_is_the_one_that_the_recorded_data_ma
     block = BLOCKS[name]
     written = (DOCS.parent / block.file).read_text(encoding="utf-8")
     shutil.copytree(DOCS / "data" / block.data, tmp_path / "docs" / "data" / block.data)
+    (tmp_path / block.file).parent.mkdir(parents=True, exist_ok=True)
     (tmp_path / block.file).write_text(written, encoding="utf-8")
     assert fill(block, tmp_path / "docs").read_text(encoding="utf-8") == written
 

@@ -194,7 +194,7 @@ def test_fifty_processes_exit_cleanly(fmu: Path) -> None:
 
 
 def test_interface_page_is_up_to_date() -> None:
-    page = Path(__file__).parents[1] / "docs" / "interface.md"
+    page = Path(__file__).parents[1] / "docs" / "reference" / "variables.md"
     assert page.read_text(encoding="utf-8") == interface_page(), (
-        "run python -m fmu_src.documentation > docs/interface.md"
+        "run python -m fmu_src.documentation > docs/reference/variables.md"
     )

@@ -68,7 +68,7 @@ def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityC
 
 
 def test_added_mass_is_the_derivative_along_an_acceleration_held_over_the_last_step() -> None:
-    # of y, vy and ay together, as docs/interface.md says
+    # of y, vy and ay together, as docs/reference/variables.md says
     rope, h = NativeRope(Scene(rope=Rope(length=60.0))), 0.01
     rope.initialize(0.0, EndMotion(), EndMotion())
     assert rope.advance_to(h, EndMotion(), EndMotion()).valid

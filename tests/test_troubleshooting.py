@@ -1,4 +1,4 @@
-"""docs/troubleshooting.md speaks of messages that there are, and leaves none of the rope's and the FMU's out."""
+"""docs/reference/messages.md speaks of messages that there are, and leaves none of the rope's and the FMU's out."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGE = (ROOT / "docs" / "troubleshooting.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "messages.md").read_text(encoding="utf-8")
 ENTRIES = re.findall(r"^### `+ ?(.*?) ?`+$", PAGE, re.M)
 #: stands for a number, a name or another message
 GAP = "…"

@@ -15,7 +15,6 @@ from pathlib import Path
 
 import pytest
 
-from rope_model.native.cases import NUMBERS, TABLES
 from rope_model.native.formulas import FORMULAS
 
 ROPE = Path(__file__).resolve().parent.parent / "rope_model"
@@ -217,29 +216,3 @@ def code_lines(text: str) -> int:
 def test_neither_side_grows() -> None:
     lines = {"Python": python_lines(), "C": c_lines()}
     assert all(lines[side] <= MOST_LINES[side] for side in lines), lines
-
-
-def test_the_page_on_architecture_has_these_numbers() -> None:
-    page = (ROPE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
-    products, calls = (sum(found[k] for found in count_arithmetic().values()) for k in (0, 1))
-    for row, now in {
-        "products and quotients in hand-written C": f"{products} |",
-        "calls of libm in hand-written C": f"{calls} |",
-        "lines of C that Python has too": f"{c_lines()} |",
-        "lines of Python that C has too": f"{python_lines()} |",
-        "formulas that are generated": f"the element, {len(FORMULAS) + len(NUMBERS)} functions and "
-        f"{sum(map(len, TABLES.values()))} cases of what is said",
-    }.items():
-        (line,) = [line for line in page.splitlines() if line.startswith(f"| {row}")]
-        assert f"| {now}" in line, row
-
-
-def test_the_page_on_architecture_tells_every_module_by_kind() -> None:
-    page = (ROPE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
-    table = page[page.index("| kind | in C | lines |") :].splitlines()[2:]
-    rows = [[cell.strip() for cell in row.split("|")[1:-1]] for row in table]
-    for column, lines in ((1, lines_of_c()), (3, lines_of_python())):
-        names = [re.findall(r"`(.+?)`", row[column]) for row in rows]
-        assert sorted(name for kind in names for name in kind) == sorted(lines)
-        now = {row[0]: str(sum(lines[name] for name in kind)) for row, kind in zip(rows, names, strict=True)}
-        assert {row[0]: row[column + 1] for row in rows} == now

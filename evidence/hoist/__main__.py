@@ -1,4 +1,4 @@
-"""Wind every case, stop one of them, write figures, data and the table of docs/hoist.md: ``make hoist`` (1 min)."""
+"""Wind every case, stop one, write figures, data and the table of docs/howto/hoist.md: ``make hoist`` (1 min)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of docs/hoist.md: a cycle, emergency stops, and the reference with creep."""
+"""Figures of docs/howto/hoist.md: a cycle, emergency stops, and the reference with creep."""
 
 from __future__ import annotations
 

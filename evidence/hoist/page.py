@@ -1,4 +1,4 @@
-"""The table of cases in docs/hoist.md: what each trip asks of the drive, and how safe it is against slip."""
+"""The table of cases in docs/howto/hoist.md: what each trip asks of the drive, and how safe it is against slip."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from evidence.tables import Tables
 
 from .winding import Run
 
-#: columns of the table ``cases``, and those of them that docs/hoist.md shows
+#: columns of the table ``cases``, and those of them that docs/howto/hoist.md shows
 SUMMARY = (
     "case", "winding time [s]", "final error [mm]", "peak torque [kN m]", "peak power [MW]", "peak tension [kN]",
     "tension ratio", "static tension ratio", "slip safety", "static slip safety", "energy residual [J]",

@@ -1,4 +1,4 @@
-"""Measure docs/identify.md and docs/uncertain.md anew: ``python -m evidence.knowledge [identify uncertain]``."""
+"""Measure what docs/howto/rope_data.md quotes anew: ``python -m evidence.knowledge [identify uncertain]``."""
 
 from __future__ import annotations
 
@@ -6,20 +6,17 @@ import argparse
 
 from evidence.knowledge.coverage import COUNTED, MORE_SETS, SETS, UNSEEN, cover, example, inside, of_samples, plan
 from evidence.knowledge.worked import measure
-from evidence.pages import PAGES, publish
 from evidence.rendering import DOCS
 from evidence.tables import Tables, table, write
 
 
 def main() -> None:
-    """Measure, record, and write the pages."""
+    """Measure and record."""
     parser = argparse.ArgumentParser("python -m evidence.knowledge", description=__doc__)
-    parser.add_argument("pages", nargs="*", choices=("identify", "uncertain", []), default=[], help="which (both)")
-    for name in parser.parse_args().pages or ("identify", "uncertain"):
+    parser.add_argument("parts", nargs="*", choices=("identify", "uncertain", []), default=[], help="which (both)")
+    for name in parser.parse_args().parts or ("identify", "uncertain"):
         tables = _identify() if name == "identify" else measure()
-        write(tables, DOCS / "data" / PAGES[name].data)
-        for path in publish(PAGES[name]):
-            print(path)
+        write(tables, DOCS / "data" / ("knowledge" if name == "identify" else "uncertain"))
 
 
 def _identify() -> Tables:

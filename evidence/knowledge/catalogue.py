@@ -1,4 +1,4 @@
-"""The tables of docs/data.md, from the catalogue itself."""
+"""The tables of docs/howto/rope_data.md, from the catalogue itself."""
 
 from __future__ import annotations
 

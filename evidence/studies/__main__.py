@@ -2,7 +2,7 @@
 
 Reads what `balance-rope study` has left in out/study, winds with the gains of the search on the complete rope, and
 writes docs/study_controllers.md, docs/study_swivel.md, docs/images/study, docs/data/study, and the metrics in
-docs/study.md.
+docs/reference/files.md.
 """
 
 from __future__ import annotations

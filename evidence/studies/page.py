@@ -114,7 +114,7 @@ def let_out(found: pd.DataFrame) -> dict[str, Any]:
 
 
 def metrics(tables: Tables) -> str:
-    """The table of docs/study.md: what a study can ask of a run; no data are needed."""
+    """The table of docs/reference/files.md: what a study can ask of a run; no data are needed."""
     return "\n".join(f"| `{name}` | {unit} | {text} |" for name, (unit, text) in METRICS.items())
 
 
