@@ -20,9 +20,9 @@ exclude_patterns = ["data/**", "drawings/**", "duties/**", "studies/**"]
 myst_heading_anchors = 4
 nitpicky = True
 
-# mathematics: MathJax is a file of the site, so that pages render without network
+# mathematics: MathJax (Apache-2.0) is a file of the site, so that pages render without network
 myst_enable_extensions = ["dollarmath", "amsmath"]
-numfig = True
+numfig = True  # equations are numbered by chapter
 MATHJAX = importlib.metadata.distribution("sphinx-mathjax-offline")
 mathjax_path = "tex-svg-full.js"
 mathjax3_config = {"options": {"enableMenu": False}}
