@@ -32,6 +32,8 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	git ls-files '*.c' '*.h' '*.inc' ':!fmu_src/native/include' | xargs $(BIN)/clang-format --dry-run -Werror
 	$(BIN)/mypy
+	git ls-files '*.md' '*.j2' '*.py' '*.c' '*.h' ':!tests' | xargs $(BIN)/codespell
+	git ls-files '*.md' ':!docs/data' | xargs $(BIN)/proselint check
 
 docs: $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[docs]'
