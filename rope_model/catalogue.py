@@ -97,7 +97,7 @@ _SIX_STRANDS = (
 )
 _SETTLED = f"lower end: {_SIX_STRANDS}; upper end: ours, for a rope that has settled"
 _LAY = "ours: strands at d / 3, lays of 6 to 8 d, of which wires in ordinary lay give back up to a third"
-_TWO_LAYERS = "ours: two layers of opposite lay, the outer one prevails; rope-120 of docs/model.md has 0.044"
+_TWO_LAYERS = "ours: two layers of opposite lay, the outer one prevails; rope-120 of docs/theory has 0.044"
 _THREE_LAYERS = "ours: three layers, balanced but for what tolerance and load leave; the maker measures it"
 _BENT = "lower end: wires that slide freely; upper end: ours, 16 times that, for what friction holds of them"
 

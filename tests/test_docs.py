@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import re
 import shutil
+import xml.etree.ElementTree as ET
 from functools import cache
 from pathlib import Path
 
 import pytest
+
+from docs.drawings import winding
+from docs.drawings.figures import FIGURES
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -83,9 +87,41 @@ def test_a_command_that_is_not_found_is_seen() -> None:
     assert unknown_commands(page) == ["balance-rope demo", "no-such-command"]
 
 
+def in_navigation(page: Path) -> set[Path]:
+    """Return the pages that a page's toctrees list, and those that their toctrees list."""
+    trees = "\n".join(re.findall(r"```\{toctree\}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL))
+    names = [re.sub(r".* <(.*)>", r"\1", line) for line in trees.splitlines() if line and not line.startswith(":")]
+    listed = {page.parent / f"{name}.md" for name in names}
+    return listed.union(*(in_navigation(found) for found in listed))
+
+
 def test_every_page_is_in_the_site_s_navigation() -> None:
-    index = (DOCS / "index.md").read_text(encoding="utf-8")
-    trees = "\n".join(re.findall(r"```\{toctree\}\n(.*?)```", index, re.DOTALL))
-    listed = {re.sub(r".* <(.*)>", r"\1", line) for line in trees.splitlines()}
-    pages = {str(path.relative_to(DOCS).with_suffix("")) for path in PAGES if path.is_relative_to(DOCS)}
-    assert pages - listed == {"index"}
+    index = DOCS / "index.md"
+    assert in_navigation(index) == {page for page in PAGES if page.is_relative_to(DOCS)} - {index}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_the_one_that_its_script_draws(name: str) -> None:
+    assert (DOCS / "images" / name).read_text(encoding="utf-8") == FIGURES[name]().svg()
+
+
+def test_the_animated_winding_shows_every_frame_and_is_small() -> None:
+    path = DOCS / "images" / "winding.svg"
+    moves = [element.get("values", "") for element in ET.parse(path).iter() if "animate" in element.tag]
+    assert {len(values.split(";")) for values in moves} == {round(winding.END / winding.FRAME) + 1}
+    assert path.stat().st_size < 1.5e6
+
+
+def unknown_equations(text: str) -> set[str]:
+    """Return the labels that a text refers to but does not have, or has twice."""
+    labels = re.findall(r"^\$\$ \((\S+)\)$", text, re.MULTILINE)
+    twice = {label for label in labels if labels.count(label) > 1}
+    return twice | ({*re.findall(r"\{eq\}`(\S+?)`", text)} - {*labels})
+
+
+def test_equations_that_the_theory_refers_to_are_there() -> None:
+    assert not unknown_equations("".join(path.read_text(encoding="utf-8") for path in (DOCS / "theory").glob("*.md")))
+
+
+def test_an_unknown_equation_is_seen() -> None:
+    assert unknown_equations("$$\na\n$$ (a)\n$$\nb\n$$ (b)\n$$\nb\n$$ (b)\n{eq}`a` {eq}`c`\n") == {"b", "c"}

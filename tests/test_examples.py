@@ -73,7 +73,7 @@ def test_an_example_that_needs_an_fmu_says_so(name: str, tmp_path: Path) -> None
 def test_air_in_the_shaft_does_what_the_theory_page_says(tmp_path: Path) -> None:
     _, *rows = lines_of(EXAMPLES / "air_in_the_shaft.py", tmp_path)
     moved = [float(row.split()[-2]) for row in rows]
-    # as docs/model.md rounds them: at rest, passed by conveyances, blown at by a gallery, blown at all along
+    # as docs/theory/ends.md rounds them: at rest, passed by conveyances, blown at by a gallery, blown at all along
     assert_allclose(moved, [9e-3, 0.6e-3, 6e-3, 0.20, 0.28, 2.6, 4.0], rtol=0.06)
 
 
