@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from evidence.claims import Measurement
+from evidence.claims import above, below
 from evidence.drawing import CURVES, figure
 from evidence.rendering import number
 from evidence.tables import Table, Tables, table
@@ -180,17 +180,15 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "frequencies agree with an independent code",
-            Measurement(
-                "largest deviation of the 16 frequencies at H = 0 and 80 m", reference_error(tables), "%", "<", 0.5
-            ),
+            below("largest deviation of the 16 frequencies at H = 0 and 80 m", reference_error(tables), 0.5, "%"),
         ),
         Claim(
             "out-of-plane frequencies veer with the height difference",
-            Measurement("closest approaches at which two neighbouring modes exchange shapes", number, "1", ">", 0),
+            above("closest approaches at which two neighbouring modes exchange shapes", number, 0),
         ),
         Claim(
             "in-plane frequencies change little",
-            Measurement("largest relative range in plane over the largest out of plane", ratio, "1", "<", 1 / 3),
+            below("largest relative range in plane over the largest out of plane", ratio, 1 / 3),
         ),
     ]
 

@@ -81,12 +81,11 @@ def test_veering_is_told_from_curves_that_only_come_close() -> None:
         assert list(frequencies.exchange_rows(table(names, rows))) == [swaps]
 
 
-def test_eem_counts_at_an_error_are_interpolated_in_the_logarithms() -> None:
+def test_time_over_elements_is_a_line_with_its_fixed_part() -> None:
     n = np.array([100.0, 200.0, 400.0])
-    columns = {"kind": np.array(["eem"] * 3), "elements": n, costs.ERRORS[0]: 1e6 / n**3, "processor time [s]": 0.1 * n}
-    elements, time = costs.eem_at({"costs": columns}, costs.ERRORS[0], 1e6 / 300.0**3)
-    np.testing.assert_allclose([elements, time], [300.0, 30.0], rtol=1e-12)
-    assert np.isnan(costs.eem_at({"costs": columns}, costs.ERRORS[0], 1e-9)[0])
+    np.testing.assert_allclose(
+        costs.line({"costs": {"elements": n, "processor time [s]": 0.1 + 2e-3 * n}}), (0.1, 2e-3)
+    )
 
 
 # fresh runs: the data are printed with six digits, and compilers differ in the last ones of a long run
