@@ -1,30 +1,26 @@
-"""The chart of accuracy against speed: its arithmetic, its files, and what the committed data say of the levels."""
+"""Accuracy and speed: arithmetic of the fronts, and what the recorded data say of levels, depth and Exudyn."""
 
 from __future__ import annotations
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from evidence.chart import depth
-from evidence.chart.__main__ import main
-from evidence.chart.command import DATA, run
 from evidence.chart.figures import FIGURES
 from evidence.chart.front import cheapest, cost_at, pareto
-from evidence.chart.levels import block
-from evidence.chart.measure import COLUMNS, measure, merge
-from evidence.chart.page import page
-from evidence.chart.points import FAMILIES, SAMPLE, complete, quick
+from evidence.chart.measure import measure
+from evidence.chart.page import equal_errors
+from evidence.chart.points import SAMPLE, complete, quick
 from evidence.chart.reading import FORCE, finest_error, limit
+from evidence.pages import PAGES
+from evidence.rendering import DOCS
 from evidence.reproduction.costs import SOURCE_SAVED
-from evidence.tables import read, rows, table
+from evidence.tables import rows, table
 
-ROOT = Path(__file__).resolve().parent.parent
-DOCS, IMAGES = ROOT / "docs", Path("images") / "chart"
-TABLES = read(DOCS / DATA)
+TABLES, IMAGES = PAGES["accuracy"].tables(), DOCS / "images" / "chart"
 POINTS = TABLES["points"]
 NAN = float("nan")
 
@@ -65,61 +61,13 @@ def test_the_references_own_error_follows_from_its_convergence(order: int, left:
     assert_allclose(finest_error(solutions[:2] - solutions[2]), left, rtol=2e-3)
 
 
-def test_a_family_measured_anew_replaces_its_rows_only() -> None:
-    def points(*families: str) -> dict[str, np.ndarray]:
-        rows = [(f, k, c, *[0] * (len(COLUMNS) - 3)) for c in ("uncoupled", "coupled") for k, f in enumerate(families)]
-        return dict(table(COLUMNS, rows))
-
-    both = merge(points("levels", "eem", "eem", "tmn"), points("eem"), ("eem",))
-    assert_array_equal(both["family"], ["levels", "eem", "tmn"] * 2)
-    assert_array_equal(both["coupling"], ["uncoupled"] * 3 + ["coupled"] * 3)
-    assert_array_equal(both["name"], [0, 0, 3] * 2)
-
-
-# files
-
-
-@pytest.fixture
-def committed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What has been measured is there already."""
-    points = {name: TABLES[name] for name in ("points", "machine")}
-    monkeypatch.setattr("evidence.chart.command.measure", lambda study, families: points)
-    monkeypatch.setattr("evidence.chart.depth.measure", lambda what: TABLES["depth"])
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("committed")
-def test_the_command_writes_every_file_from_what_is_measured(tmp_path: Path) -> None:
-    write(tmp_path)
-
-
 def test_every_communication_step_meets_every_sample() -> None:
     for p in complete().points:
         assert_allclose(SAMPLE / p.communication, round(SAMPLE / p.communication), rtol=1e-12)
 
 
-@pytest.mark.slow
-def test_the_quick_command_measures_every_family(tmp_path: Path) -> None:
-    write(tmp_path)
-
-
-def write(tmp_path: Path) -> None:
-    """Runs the command and checks its files against each other."""
-    (tmp_path / "README.md").write_text("before\n<!-- levels -->\n<!-- /levels -->\nafter\n", encoding="utf-8")
-    out = tmp_path / "docs"
-    main(["--quick", "--out", str(out)])
-    assert {p.name for p in (out / DATA).iterdir()} == {"points.csv", "machine.csv", "depth.csv"}
-    assert {p.stem for p in (out / IMAGES).iterdir()} == set(FIGURES)
-    assert (out / "chart.md").read_text(encoding="utf-8") == page(tables := read(out / DATA))
-    assert set(tables["points"]["family"]) == set(FAMILIES)
-    assert not any(tables["points"]["failure"])
-    readme = (tmp_path / "README.md").read_text(encoding="utf-8")
-    assert readme == f"before\n<!-- levels -->\n{block(tables)}<!-- /levels -->\nafter\n"
-
-
 def test_levels_are_measured_against_the_reference_and_draft_errs_more() -> None:
-    points = measure(quick(), ("levels",))["points"]
-    assert set(points["family"]) == {"levels"}
+    points = measure(quick())["points"]
     assert not any(points["failure"])
     for coupling in ("coupled", "uncoupled"):
         draft, standard = (
@@ -128,19 +76,12 @@ def test_levels_are_measured_against_the_reference_and_draft_errs_more() -> None
         assert 0 < standard[0] < draft[0]
 
 
-def test_one_family_needs_the_others_data(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="run without --only first"):
-        run(tmp_path, only="eem")
-    with pytest.raises(ValueError, match="must be one of reference, levels"):
-        run(tmp_path, only="fem")
-
-
 # the committed data
 
 
 def test_figures_are_there_and_small() -> None:
-    assert {p.stem for p in (DOCS / IMAGES).iterdir()} == set(FIGURES)
-    assert max(p.stat().st_size for p in (DOCS / IMAGES).iterdir()) < 150e3
+    assert {p.stem for p in IMAGES.iterdir()} == set(FIGURES)
+    assert max(p.stat().st_size for p in IMAGES.iterdir()) < 150e3
 
 
 @pytest.mark.parametrize("coupling", ["coupled", "uncoupled"])
@@ -154,11 +95,6 @@ def test_levels_are_as_accurate_as_they_say(coupling: str, level: str, bound: fl
 def test_the_exact_fidelities_agree_where_nothing_couples() -> None:
     r = rows(POINTS, family="fidelities", coupling="uncoupled", name=("torsional", "spatial", "planar"))
     assert_allclose(r[FORCE], r[FORCE][0], rtol=1e-3)
-
-
-def test_the_interpreted_rope_is_the_compiled_one() -> None:
-    r = rows(POINTS, family="kernels")
-    assert_allclose(r[FORCE], r[FORCE][0], rtol=1e-4)
 
 
 # the depth
@@ -191,3 +127,12 @@ def test_the_deeper_the_shaft_the_more_is_saved(coupling: str) -> None:
 def test_what_the_source_states_is_saved_in_a_deep_shaft(coupling: str) -> None:
     deepest = [s for s in depth.savings(TABLES["depth"]) if s.coupling == coupling and s.length > 1000.0]
     assert max(s.saved for s in deepest) > SOURCE_SAVED[coupling]
+
+
+# the other code
+
+
+def test_ours_is_faster_than_the_other_code_at_every_error_compared() -> None:
+    found = equal_errors(TABLES["peer/winding"])
+    assert found["loop"][0] > 30
+    assert found["force"][0] > 15
