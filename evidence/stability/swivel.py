@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from evidence.claims import Measurement
+from evidence.claims import above, below
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.balance_rope import Status
@@ -21,7 +21,7 @@ from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.simulator import RopeSimulator
 
-from .entry import Array, Curve, Entry, Figure, Finding
+from .entry import Array, Entry, Finding, points
 
 LENGTH = 30.0  # m
 UNCOUPLED = Rope(length=LENGTH, Qb=0.0, Qc=0.0)
@@ -53,17 +53,15 @@ HOLD = 20.0  # s
 INSTALLED = 0.1  # rad, a torque of half the static friction
 
 
-def regularised_friction(
-    speed: float, moment: float, static: float, stiffness: float, inertia: float
-) -> tuple[Array, Array]:
-    """Times and angles of the rotor under M = M_static tanh(b_t / speed), the rope a torsion spring."""
+def regularised_friction(speed: float, moment: float, static: float, stiffness: float, inertia: float) -> Array:
+    """Angles of the rotor under M = M_static tanh(b_t / speed), the rope a torsion spring."""
 
     def rates(t: float, y: Array) -> list[float]:
         return [y[1], (moment - stiffness * y[0] - static * math.tanh(y[1] / speed)) / inertia]
 
     times = np.linspace(0.0, HOLD, 201)
     solution = solve_ivp(rates, (0.0, HOLD), [0.0, 0.0], "Radau", times, rtol=1e-8, atol=1e-10)
-    return times, np.asarray(solution.y[0])
+    return np.asarray(solution.y[0])
 
 
 def tremble(t: float) -> EndMotion:
@@ -77,32 +75,26 @@ def measure_creep() -> Finding:
     rope = hang(replace(UNCOUPLED, installed_twist=INSTALLED), bearing)
     moment = abs(rope.state.motion.reaction[0, ANGLE])
     static = rope.ends.friction(0, rope.state.motion.reaction, kinetic=False)
-    instants, angles, largest = [0.0], [relative(rope)[0]], 0.0
+    angles, largest = [relative(rope)[0]], 0.0
     for k in range(1, round(HOLD / 0.05) + 1):
         t = 0.05 * k
         _require(rope.advance_to(t, tremble(t), EndMotion()))
-        instants.append(t)
         angles.append(relative(rope)[0])
         largest = max(largest, abs(rope.state.motion.reaction[0, ANGLE]))
     drift = np.abs(np.array(angles) - angles[0])
-    curves, counterexample = [], []
+    counterexample = []
     for speed in (0.01, 0.001):
-        times, crept = regularised_friction(speed, moment, static, moment / INSTALLED, bearing.inertia)
+        crept = regularised_friction(speed, moment, static, moment / INSTALLED, bearing.inertia)
         # the law balances the torque at the rate speed * atanh(M / M_static); the rope unwinds by it, hence the half
         bound = 0.5 * min(speed * math.atanh(moment / static) * HOLD, INSTALLED)
-        curves.append(Curve(f"tanh law, {speed:g} rad/s", times, crept))
-        counterexample.append(
-            Measurement(f"angle crept in {HOLD:g} s, tanh law of {speed:g} rad/s", float(crept[-1]), "rad", ">", bound)
-        )
-    curves.append(Curve("stick as a constraint (ours)", np.array(instants), drift, "--"))
+        counterexample.append(above(f"angle crept in {HOLD:g} s, tanh law of {speed:g} rad/s", crept[-1], bound, "rad"))
     return Finding(
         counterexample=tuple(counterexample),
         ours=(
-            Measurement("largest torque held, part of the static friction", largest / static, "1", "<", 1.0),
+            below("largest torque held, part of the static friction", largest / static, 1.0),
             # exact but for the rounding of theta = offset + yaw + b
-            Measurement(f"largest drift of the angle in {HOLD:g} s", float(drift.max()), "rad", "<", 1e-12),
+            below(f"largest drift of the angle in {HOLD:g} s", drift.max(), 1e-12, "rad"),
         ),
-        figure=Figure("A swivel under half its static friction", "time, s", "drift, rad", tuple(curves)),
     )
 
 
@@ -161,31 +153,26 @@ def measure_chattering() -> Finding:
     return Finding(
         counterexample=(
             # a pair of steps there and back at the least often enough to notice: one change in four steps
-            Measurement("changes of sign while the conveyance stands", changes, "1", ">", 0.25 * (END - TURNED) / H),
+            above("changes of sign while the conveyance stands", changes, 0.25 * (END - TURNED) / H),
             # friction of a whole step, h M / J, is what the rate can jump by; a tenth of it is no rounding
-            Measurement(
+            above(
                 "rate in the last second, largest",
-                float(np.abs(chattering[times > END - 1.0]).max()),
-                "rad/s",
-                ">",
+                np.abs(chattering[times > END - 1.0]).max(),
                 0.1 * H * kinetic / bearing.inertia,
+                "rad/s",
             ),
         ),
         ours=(
-            Measurement("times the swivel sticks", sum("sticks" in e for e in events), "1", "<", 2),
-            Measurement("switchings in all: slips once, sticks once", len(events), "1", "<", 3),
-            Measurement(
-                "rate in the last second, largest", float(np.abs(rates[times > END - 1.0]).max()), "rad/s", "<", 1e-12
-            ),
+            below("times the swivel sticks", sum("sticks" in e for e in events), 2),
+            below("switchings in all: slips once, sticks once", len(events), 3),
+            below("rate in the last second, largest", np.abs(rates[times > END - 1.0]).max(), 1e-12, "rad/s"),
         ),
-        figure=Figure(
-            "A swivel that comes to rest",
-            "time, s",
-            "rate of the swivel, rad/s",
-            (
-                Curve("friction by the sign at the step's start", times[shown], chattering[shown], ".-"),
-                Curve("located switching (ours)", times[shown], rates[shown]),
-            ),
+        curves=points(
+            ("time, s", "rate of the swivel, rad/s"),
+            {
+                "friction by the sign at the step's start": (times[shown], chattering[shown]),
+                "ours: located switching": (times[shown], rates[shown]),
+            },
         ),
     )
 
@@ -229,38 +216,19 @@ def measure_release() -> Finding:
     return Finding(
         counterexample=(
             # M / (rhoJ l / sqrt(12)) for a rod of linear elements: in proportion to their number
-            Measurement(
-                f"acceleration, elements of 0.19 m to 0.75 m, {INERTIAS[-1]:g} kg m^2",
-                fine[-1] / coarse[-1],
-                "1",
-                ">",
-                3.0,
-            ),
-            Measurement("acceleration on the fine mesh", fine[-1], "rad/s^2", ">", 100 * moment / INERTIAS[0]),
+            above(f"acceleration, elements of 0.19 m to 0.75 m, {INERTIAS[-1]:g} kg m^2", fine[-1] / coarse[-1], 3.0),
+            above("acceleration on the fine mesh", fine[-1], 100 * moment / INERTIAS[0], "rad/s^2"),
         ),
         ours=(
             # the rope's share of the end's inertia is 1e-3 of 0.05 kg m^2 on the coarse mesh
-            Measurement(
+            below(
                 f"acceleration, elements of 0.19 m to 0.75 m, {INERTIAS[0]:g} kg m^2",
                 abs(fine[0] / coarse[0] - 1),
-                "1",
-                "<",
                 0.02,
             ),
             # the loop's curvature lets the rod turn a little more freely than a straight one
-            Measurement("spin after 20 ms against the exact rod", abs(rate / expected - 1), "1", "<", 0.03),
-            Measurement("messages on inertia 0", float(bool(message)), "1", ">", 0.5),
-        ),
-        figure=Figure(
-            "Release of a twisted rope: the first acceleration",
-            "inertia of the swivel, kg m²",
-            "angular acceleration, rad/s²",
-            (
-                Curve("elements of 0.75 m", np.array(INERTIAS), coarse, "o-"),
-                Curve("elements of 0.19 m", np.array(INERTIAS), fine, "s-"),
-            ),
-            log_x=True,
-            log_y=True,
+            below("spin after 20 ms against the exact rod", abs(rate / expected - 1), 0.03),
+            above("messages on inertia 0", bool(message), 0.5),
         ),
         message=message,
     )
