@@ -4,7 +4,7 @@ The material is ours: strain |r'| - 1 with Qa, curvature per reference length wi
 same stiffnesses.  The ends move along an S-curve written as a sum of truncated cubics; Exudyn evaluates it itself
 (a symbolic user function), so that no Python code runs inside its time steps.
 
-With ``motions`` the only module that knows Exudyn.
+No other module knows Exudyn.
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from rope_model.parameters import Rope, Scene
 from rope_model.simulation.transfer import interpolate
 
 from .elements import BEAM_2D, ELEMENTS, RIGID, euler_parameters
-from .motions import s_curve, swing
 
 Array = NDArray[np.float64]
 VERSION: str = exu.config.Version()
@@ -53,8 +52,6 @@ class Record:
     q: Array
     lengths: Array
     cpu: float  # s, of the time steps alone
-    newton: int
-    jacobians: int
 
 
 class PeerError(RuntimeError):
@@ -64,9 +61,7 @@ class PeerError(RuntimeError):
 class PeerRope:
     """``count`` elements between two vertical ends, at first where ``q`` (nodes, 7) at arc lengths ``s`` hangs.
 
-    ``heights`` are those of the ends, m; ``reference`` moves the left end up by it and the right end down;
-    ``sideways`` is (amplitude, duration) of a swing A sin^4(pi t / T) of the left end out of plane.  Unless
-    ``symbolic`` Exudyn calls Python for the S-curve.
+    ``heights`` are those of the ends, m; ``reference`` moves the left end up by it and the right end down.
     """
 
     def __init__(
@@ -77,8 +72,6 @@ class PeerRope:
         hanging: tuple[Array, Array],
         heights: tuple[float, float],
         reference: Trajectory | None = None,
-        sideways: tuple[float, float] | None = None,
-        symbolic: bool = True,
     ) -> None:
         self.element, self.rope = ELEMENTS[element], scene.rope
         pieces = 2 * count if self.element.middle else count
@@ -93,10 +86,7 @@ class PeerRope:
         self._functions: list[Any] = []
         if reference is not None:
             for node, sense in ((0, 1.0), (1, -1.0)):
-                offset, rate = s_curve(reference, sense, symbolic)
-                self._prescribe(self._constraints[node][1], offset, rate, symbolic)
-        if sideways is not None:
-            self._prescribe(self._constraints[0][2], *swing(*sideways), True)
+                self._prescribe(self._constraints[node][1], *s_curve(reference, sense))
         self._samples: list[tuple[float, Array, tuple[float, float]]] = []
         self._sampling = 0.0
         sensor = items.SensorUserFunction(sensorNumbers=[], writeToFile=False, sensorUserFunction=self._sample)
@@ -134,7 +124,6 @@ class PeerRope:
         except (exu.ExudynError, ValueError) as error:
             raise PeerError(f"{self.element.label}: fails at {self._samples[-1][0]:.2f} s") from error
         cpu = time.process_time() - start - self._sampling
-        iterations = self.mbs.sys["dynamicSolver"].it
         # the start is recorded too, twice
         wanted: Array = sample * np.arange(1.0, round(duration / sample) + 1)
         times = np.array([t for t, _, _ in self._samples])
@@ -145,8 +134,6 @@ class PeerRope:
             q=np.array([self._ours(self._samples[k][1]) for k in rows]),
             lengths=self.lengths,
             cpu=cpu,
-            newton=iterations.newtonStepsCount,
-            jacobians=iterations.newtonJacobiCount,
         )
 
     def configuration(self) -> Array:
@@ -251,12 +238,9 @@ class PeerRope:
             constraints.append(held)
         return constraints
 
-    def _prescribe(self, constraint: Any, offset: Callable[..., Any], rate: Callable[..., Any], symbolic: bool) -> None:
+    def _prescribe(self, constraint: Any, offset: Callable[..., Any], rate: Callable[..., Any]) -> None:
         for name, function in (("offsetUserFunction", offset), ("offsetUserFunction_t", rate)):
-            if symbolic:
-                made = CreateSymbolicUserFunction(self.mbs, function, name, itemTypeName="ObjectConnectorCoordinate")
-            else:
-                made = function
+            made = CreateSymbolicUserFunction(self.mbs, function, name, itemTypeName="ObjectConnectorCoordinate")
             self._functions.append(made)  # Exudyn keeps no reference
             self.mbs.SetObjectParameter(constraint, name, made)
 
@@ -268,6 +252,28 @@ class PeerRope:
         self._samples.append((t, np.array(mbs.systemData.GetODE2Coordinates()), self.end_forces()))
         self._sampling += time.process_time() - start
         return [0.0]
+
+
+def s_curve(reference: Trajectory, sense: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return offset and rate as Exudyn's user functions: each change of the jerk adds a truncated cubic."""
+    jerks = np.array([p.jerk for p in reference.points])
+    terms = [(float(t), sense * float(j)) for t, j in zip(reference.starts, np.diff(jerks, prepend=0.0), strict=True)]
+
+    def offset(mbs: Any, t: Any, item: Any, start: Any) -> Any:
+        y = start
+        for begin, jerk in terms:
+            since = exu.symbolic.max(t - begin, 0.0)
+            y = y + jerk / 6 * since * since * since
+        return y
+
+    def rate(mbs: Any, t: Any, item: Any, start: Any) -> Any:
+        v = 0.0 * t
+        for begin, jerk in terms:
+            since = exu.symbolic.max(t - begin, 0.0)
+            v = v + jerk / 2 * since * since
+        return v
+
+    return offset, rate
 
 
 def _settings() -> Any:
