@@ -19,10 +19,7 @@ from .front import pareto
 from .measure import COST
 from .reading import FORCE, LOOP, limit
 
-LABELS = {
-    FORCE: "RMS error of the end forces / largest force",
-    LOOP: "largest error of the loop's lowest point [m]",
-}
+LABELS = {FORCE: "RMS error of the end forces / largest force", LOOP: "largest error of the loop's lowest point [m]"}
 SHORT = {FORCE: "end forces", LOOP: "loop's lowest point"}
 SIZES = {5e-3: 3.0, 10e-3: 4.5, 20e-3: 6.5, 40e-3: 9.0}  # points, by the largest step
 REAL_TIME = {1.0: "real time", 0.1: "10 x faster", 1 / 30: "30 x faster"}

@@ -24,11 +24,13 @@ from hoist_demo.control.trajectory import Trajectory
 from rope_model.parameters import Rope, Scene
 from rope_model.simulation.transfer import interpolate
 
-from .elements import BEAM_2D, ELEMENTS, RIGID, euler_parameters
+from .elements import BEAM, ELEMENTS
 
 Array = NDArray[np.float64]
 VERSION: str = exu.config.Version()
 
+#: prescribed coordinates of an end node
+HELD = (0, 1, 2)
 #: N, of the elements with shear; 1e5 to 1.2e8 N move the loop by less than 0.6 mm.
 SHEAR_STIFFNESS = 1e6
 
@@ -100,7 +102,6 @@ class PeerRope:
         static.numberOfLoadSteps, static.adaptiveStep, static.newton.maxIterations = 1, False, 300
         static.loadStepDuration, static.useLoadFactor = 1e-9, False  # the ends' motions are functions of its time
         static.newton.relativeTolerance, static.newton.absoluteTolerance = 1e-7, 1e-6
-        static.newton.numericalDifferentiation.forODE2 = self.element.node == RIGID  # its own Jacobian converges worse
         try:
             self.mbs.SolveStatic(settings, updateInitialValues=True)
         except (exu.ExudynError, ValueError) as error:
@@ -145,32 +146,13 @@ class PeerRope:
         left, right = (self.mbs.GetObjectOutput(c[1], exu.OutputVariableType.Force) for c in self._constraints)
         return -float(left), -float(right)
 
-    def frequencies(self, count: int) -> tuple[Array, Array]:
-        """Natural frequencies (count,), Hz, about the equilibrium, and the out-of-plane share of each mode."""
-        width = self._reference.shape[1]
-        options: dict[str, Any] = {"numberOfEigenvalues": count}
-        if self.element.node != RIGID:  # else the norms of the Euler parameters are constraints too
-            last = self._reference.size - width
-            fixed = [j + k for k in (0, last) for j in self.element.held]
-            options |= {"constrainedCoordinates": fixed, "ignoreAlgebraicEquations": True}
-        values, vectors = self.mbs.ComputeODE2Eigenvalues(**options)
-        shapes = np.asarray(vectors)[:, :count].T.reshape(count, -1, width)
-        motion = np.sum(shapes[:, :, :3] ** 2, axis=1)
-        out = motion[:, 2] / motion.sum(axis=1) if width >= 6 else np.zeros(count)
-        return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi), out
-
-    def twist_right_end(self, angle: float) -> None:
-        """Turn the right end about its tangent (rad); for the element with rigid-body nodes."""
-        target = euler_parameters(0.5 * np.pi, angle)
-        for constraint, j in zip(self._constraints[1][3:], (1, 2, 3), strict=True):
-            self.mbs.SetObjectParameter(constraint, "offset", float(target[j] - self._reference[-1, 3 + j]))
-        self.rest()
-
-    def torques(self) -> Array:
-        """Torque in each element's middle, N m; for the element with rigid-body nodes."""
-        kind = exu.OutputVariableType.TorqueLocal
-        read = self.mbs.GetObjectOutputBody
-        return np.array([read(o, kind, localPosition=[0.0, 0.0, 0.0])[0] for o in self._objects])
+    def frequencies(self, count: int) -> Array:
+        """Return the lowest natural frequencies (count,), Hz, about the equilibrium."""
+        last = self._reference.size - self._reference.shape[1]
+        options: dict[str, Any] = {"numberOfEigenvalues": count, "ignoreAlgebraicEquations": True}
+        options["constrainedCoordinates"] = [j + k for k in (0, last) for j in HELD]
+        values, _ = self.mbs.ComputeODE2Eigenvalues(**options)
+        return np.asarray(np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi))
 
     # how it is built
 
@@ -200,14 +182,6 @@ class PeerRope:
 
     def _section(self, rope: Rope) -> dict[str, Any]:
         GA, beta = SHEAR_STIFFNESS, rope.beta_K
-        if self.element.key == "beam-3d":
-            section = exu.BeamSection()
-            stiffness = np.diag([rope.Qa, GA, GA, rope.Qd, rope.EI, rope.EI])
-            stiffness[0, 3], stiffness[3, 0] = rope.Qb, rope.Qc
-            section.stiffnessMatrix, section.dampingMatrix = stiffness, beta * stiffness
-            section.massPerLength = rope.mass_per_length
-            section.inertia = np.diag([rope.rhoJ, 0.5 * rope.rhoJ, 0.5 * rope.rhoJ])
-            return {"sectionData": section}
         data = {
             "massPerLength": rope.mass_per_length,
             "bendingStiffness": rope.EI,
@@ -215,7 +189,7 @@ class PeerRope:
             "bendingDamping": beta * rope.EI,
             "axialDamping": beta * rope.Qa,
         }
-        if self.element.item == BEAM_2D:
+        if self.element.item == BEAM:
             data |= {"crossSectionInertia": 0.5 * rope.rhoJ, "shearStiffness": GA, "shearDamping": beta * GA}
         return data
 
@@ -230,7 +204,7 @@ class PeerRope:
         constraints = []
         for k, end in ((0, 0), (1, -1)):
             held = []
-            for j in self.element.held:
+            for j in HELD:
                 marker = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self._nodes[end], coordinate=j))
                 offset = float(at[k, j] - self._reference[end, j])
                 connector = items.ObjectConnectorCoordinate(markerNumbers=[zero, marker], offset=offset)

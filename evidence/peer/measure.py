@@ -1,9 +1,8 @@
-"""The planar winding, natural frequencies and the twisted loop in Exudyn and in ours: ten minutes on a free machine."""
+"""The planar winding and natural frequencies in Exudyn and in ours: ten minutes on a free machine."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import astuple
 from functools import partial
 
 import numpy as np
@@ -11,11 +10,14 @@ import numpy as np
 from benchmarks.kinematic import fixed_steps
 from evidence.errors import force_error
 from evidence.tables import Tables, table
-from rope_model.parameters import Mesh
+from rope_model.parameters import Mesh, Model
+from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.simulator import RopeSimulator
 
-from .exudyn_rope import Method
-from .runs import UNCOUPLED, Run, exudyn, measure_times, ours
-from .statics import MODES, frequencies, yaws
+from .elements import ELEMENTS
+from .exudyn_rope import Method, PeerRope
+from .runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
 
 ROUNDS, SHORT = 3, 3.0  # s
 #: label of a mesh to the mesh and its steps (s)
@@ -29,6 +31,8 @@ EEM = {60: (0.01,), 120: (0.01, 0.02), 240: (0.01, 0.02), 600: (0.01,)}
 #: the finest of each code, which judge
 FINEST, FINEST_PEER = (600, 0.005), ("beam-quadratic", 480, Method(0.0025, spectral_radius=0.6))
 PLANAR, COUNTS = ("ancf", "ancf-lobatto", "beam", "beam-quadratic"), (30, 60, 120, 240)
+#: of the frequencies: m between the ends, elements and their number, modes
+HEIGHTS, PEER_MODES, MODES = (0.0, 80.0), (("beam-quadratic", 240), ("ancf-lobatto", 240), ("beam", 480)), 4
 #: the faster form of Newton's method at each step
 METHODS = (Method(0.005, "modified"), Method(0.01, "full"), Method(0.02, "full"))
 
@@ -65,16 +69,26 @@ def winding() -> Tables:
     return {"winding": table(names, rows)}
 
 
-def modes() -> Tables:
-    """Compute natural frequencies of every code, in both planes and at both heights."""
-    names = ("height_m", "plane", "code", *(f"f{k + 1}_Hz" for k in range(MODES)))
-    return {"frequencies": table(names, [(x.height, x.plane, x.code, *x.values) for x in frequencies()])}
+def frequencies() -> Tables:
+    """Compute the lowest in-plane frequencies of the hanging rope in both codes, ends at two height differences."""
+    rows = []
+    for height in HEIGHTS:
+        rows += [(height, "ours, 600 elements", *our_modes(height))]
+        for key, count in PEER_MODES:
+            rope = PeerRope(UNCOUPLED, key, count, hanging_shape(UNCOUPLED, (height, 0.0)), (height, 0.0))
+            rope.rest()
+            rows.append((height, f"Exudyn {ELEMENTS[key].label}, {count}", *rope.frequencies(MODES)[:MODES]))
+    return {"frequencies": table(("height_m", "code", *(f"f{k + 1}_Hz" for k in range(MODES))), rows)}
 
 
-def twisted() -> Tables:
-    """Compute the loop of the twisted rope."""
-    names = ("code", "twist_rad", "torque_Nm", "yaw_deg", "left_z_m", "right_z_m")
-    return {"yaw": table(names, [astuple(x) for x in yaws()])}
+def our_modes(height: float) -> list[float]:
+    """Return ours, Hz."""
+    rope = RopeSimulator(UNCOUPLED.with_(mesh=Mesh(kind="eem", elements=600), model=Model("planar")))
+    status = rope.initialize(0.0, EndMotion(y=height), EndMotion())
+    if not status.valid:
+        raise RuntimeError(status.message)
+    modes = natural_modes(rope.system, rope.state.motion.q, 3 * MODES)
+    return [float(f) for f in modes.frequencies[modes.out_of_plane < 0.5][:MODES]]
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"frequencies": modes, "yaw": twisted, "winding": winding}
+MEASURES: dict[str, Callable[[], Tables]] = {"frequencies": frequencies, "winding": winding}

@@ -14,7 +14,7 @@ from tqdm import tqdm
 from benchmarks.kinematic import ends_at
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import EndMotion, Mesh, Scene, Swivel, balance_rope, rope_120
+from rope_model import EndMotion, Mesh, Scene, balance_rope, rope_120
 from rope_model.simulation.diagnostics import loop_bottom
 from rope_model.simulation.rope_system import arc_lengths
 
@@ -30,8 +30,6 @@ DURATION = SAMPLE * round((REFERENCE.duration + 3.0) / SAMPLE)  # s
 
 #: the rope without coupling of tension and torsion, which Exudyn's elements do not have
 UNCOUPLED = CASE.scene.with_(rope=replace(CASE.scene.rope, Qb=0.0, Qc=0.0))
-#: and without torque, as Exudyn's cable in space
-TORSION_FREE = UNCOUPLED.with_(right=Swivel(mode="free"))
 
 
 @dataclass(frozen=True)

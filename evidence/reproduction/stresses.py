@@ -71,14 +71,9 @@ def claims(tables: Tables) -> list[Claim]:
         "unevenness is mostly the time step's"
     )
     return [
+        Claim("only a few areas carry large bending stress", below(share, above_half(tables, "bending"), FEW, "%")),
         Claim(
-            "only a few areas carry large bending stress",
-            below(share, above_half(tables, "bending"), FEW, "%"),
-        ),
-        Claim(
-            "only a few areas carry large torsional stress",
-            below(share, above_half(tables, "torsion"), FEW, "%"),
-            even,
+            "only a few areas carry large torsional stress", below(share, above_half(tables, "torsion"), FEW, "%"), even
         ),
         Claim(
             "the areas follow the conveyances (bending)",

@@ -1,4 +1,4 @@
-"""Time integration that breaks: varying steps, undamped high frequencies, explicit steps, retries that remember."""
+"""Time integration that breaks: varying steps, undamped high frequencies, retries that remember."""
 
 from __future__ import annotations
 
@@ -8,13 +8,10 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh
 
-from benchmarks.kinematic import fixed_steps
 from evidence.claims import above, below
 from rope_model.numerics.generalized_alpha import Coefficients, Motion, restart, step
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
-from rope_model.simulation.modal import assemble_matrix
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem
 from rope_model.simulation.simulator import RopeSimulator
@@ -149,59 +146,6 @@ def ringing() -> Finding:
     )
 
 
-# explicit integration
-
-
-def central_differences(K: Array, M: Array, v: Array, h: float, steps: int) -> Array:
-    """Largest x after each step of M x_tt = -K x, from x = 0 with the speed ``v``."""
-    factor = cho_factor(M)
-    x, before, largest = h * v, np.zeros_like(v), []
-    for _ in range(steps):
-        largest.append(np.abs(x).max())
-        x, before = 2 * x - before - h * h * cho_solve(factor, K @ x), x
-    return np.array(largest)
-
-
-def explicit() -> Finding:
-    """The critical step of a hanging rope, runs on either side of it, and ours in steps of 10 ms."""
-    speed, steps, h = 0.1, 400, 0.01
-    # what limits ours is to be its stability, not the accuracy that is asked of it
-    rope = hang(Scene(rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6), solver=fixed_steps(h)), right=6.0)
-    system, m = rope.system, rope.state.motion
-    v = np.zeros_like(m.q)
-    v[:, 0] = speed * np.sin(np.pi * rope.state.partition.nodes_s / 30.0) ** 2
-    v[:, 3] = speed * np.pi / 30.0 * np.sin(2 * np.pi * rope.state.partition.nodes_s / 30.0)
-
-    free = np.flatnonzero(system.free.ravel())
-    K, M = (assemble_matrix(system, m.q, c)[free][:, free].toarray() for c in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
-    K = 0.5 * (K + K.T)
-    largest = eigh(K, M, eigvals_only=True, subset_by_index=[free.size - 1, free.size - 1])[0]
-    critical = 2 / math.sqrt(largest)
-    over = central_differences(K, M, v.ravel()[free], 1.01 * critical, steps)
-
-    rope.restore(rope.state._replace(motion=restart(system, 0.0, m.q, v, m.reaction)[0]))
-    moved = []
-    for i in range(steps):
-        status = rope.advance_to((i + 1) * h, EndMotion(), EndMotion(y=6.0))
-        assert status.valid, status.message
-        moved.append(np.abs(rope.state.motion.q - m.q).max())
-    mean = steps * h / rope.state.counts.steps
-    return Finding(
-        counterexample=(
-            # an element of 0.2 m is crossed by an axial wave in 51 us, and r' of the nodes oscillates faster
-            below("critical step of central differences", 1e6 * critical, 51.0, "us"),
-            # 1 % above it rounding grows by 1.33 per step: e^113 in 400
-            above("largest displacement after 400 steps 1 % above it", over[-1], 1e6, "m"),
-            above("steps for one second, 1 % below it", 1 / (0.99 * critical), 1e4),
-        ),
-        ours=(
-            # 0.1 m/s for 4 s, if nothing held the rope
-            below("largest displacement within 400 steps of 10 ms", max(moved), speed * steps * h, "m"),
-            above("its mean step over the critical one", mean / critical, 100.0),
-        ),
-    )
-
-
 # rejected steps
 
 
@@ -251,6 +195,5 @@ def rollback() -> Finding:
 ENTRIES = (
     Entry("varying-steps", "Varying steps", varying_steps, slow=True),
     Entry("ringing", "Spectral radius 1 with swivel events", ringing, slow=True),
-    Entry("explicit", "The step limit of explicit integration", explicit),
     Entry("rollback", "Rejected steps without rollback", rollback, slow=True),
 )

@@ -1,4 +1,4 @@
-"""The swivel: creep of a regularised friction law, chattering near zero rate, and release without inertia.
+"""The swivel: creep of a regularised friction law, and chattering near zero rate.
 
 All scenes hang a 30 m rope and twist it, by turns put in at the right end or by the left conveyance's yaw; the left
 end has the swivel.
@@ -177,65 +177,7 @@ def measure_chattering() -> Finding:
     )
 
 
-# release without inertia
-
-INERTIAS = (0.05, 1e-2, 1e-3, 1e-4, 1e-6)  # kg m^2
-RELEASE, AFTER = 0.01, 0.02  # s
-
-
-def release(inertia: float, elements: int) -> tuple[float, float, float]:
-    """Angular acceleration (rad/s^2) at the release, rate (rad/s) AFTER it, and the torque (N m) before."""
-    bearing = Swivel(mode="free", inertia=inertia, release_time=RELEASE)
-    rope = hang(replace(UNCOUPLED, installed_twist=1.0), bearing, elements)
-    moment = abs(rope.state.motion.reaction[0, ANGLE])
-    _require(rope.advance_to(RELEASE, EndMotion(), EndMotion()))
-    state = rope.state
-    slip = SwivelState(Phase.SLIP, state.swivels[0].angle, 1.0)
-    freed = rope.model.restart(state._replace(swivels=(slip, state.swivels[1])))
-    _require(rope.advance_to(RELEASE + AFTER, EndMotion(), EndMotion()))
-    return abs(float(freed.motion.a[0, ANGLE])), abs(relative(rope)[1]), moment
-
-
-def refusal() -> str:
-    """What a user is told who gives no inertia; '' when it is taken."""
-    try:
-        Swivel(inertia=0.0)
-    except ValueError as error:
-        return str(error)
-    return ""
-
-
-def measure_release() -> Finding:
-    coarse: Array = np.array([release(J, 40)[0] for J in INERTIAS])
-    fine: Array = np.array([release(J, 160)[0] for J in INERTIAS])
-    _, rate, moment = release(INERTIAS[0], 160)
-    # a rotor on a half-infinite rod: until the wave is back from the other end, after 46 ms
-    impedance = math.sqrt(UNCOUPLED.rhoJ * UNCOUPLED.Qd)
-    expected = moment / impedance * (1 - math.exp(-AFTER * impedance / INERTIAS[0]))
-    message = refusal()
-    return Finding(
-        counterexample=(
-            # M / (rhoJ l / sqrt(12)) for a rod of linear elements: in proportion to their number
-            above(f"acceleration, elements of 0.19 m to 0.75 m, {INERTIAS[-1]:g} kg m^2", fine[-1] / coarse[-1], 3.0),
-            above("acceleration on the fine mesh", fine[-1], 100 * moment / INERTIAS[0], "rad/s^2"),
-        ),
-        ours=(
-            # the rope's share of the end's inertia is 1e-3 of 0.05 kg m^2 on the coarse mesh
-            below(
-                f"acceleration, elements of 0.19 m to 0.75 m, {INERTIAS[0]:g} kg m^2",
-                abs(fine[0] / coarse[0] - 1),
-                0.02,
-            ),
-            # the loop's curvature lets the rod turn a little more freely than a straight one
-            below("spin after 20 ms against the exact rod", abs(rate / expected - 1), 0.03),
-            above("messages on inertia 0", bool(message), 0.5),
-        ),
-        message=message,
-    )
-
-
 ENTRIES = (
     Entry("swivel-creep", "A regularised friction law creeps", measure_creep),
     Entry("swivel-chattering", "Friction of the last rate's sign chatters", measure_chattering),
-    Entry("swivel-inertia", "A release without inertia has no acceleration to converge to", measure_release, slow=True),
 )

@@ -6,7 +6,7 @@ chains     a folded rope that is let go, a rope that hangs by one end
 bending    measured: a cable's stiffness while its parts stick and slip
 onset      theory: the torque at which a clamped rod buckles
 buckle     theory: the buckle in which a long rod's slack gathers
-cabledyn   a second code: a twisted U; cabledyn_motion its frequencies and a winding
+cabledyn   a second code: a winding of a twisted U
 measure    all rows of this room; discrete_rod, peer and contact have theirs
 page       the page validation.md.j2
 """
