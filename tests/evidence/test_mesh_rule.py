@@ -1,4 +1,4 @@
-"""The constants of the 'auto' mesh against what `make mesh-rule` recorded, and that record against the rope."""
+"""The constants of the 'auto' mesh against the recorded data of evidence.mesh_rule, and those against the rope."""
 
 from __future__ import annotations
 
