@@ -26,7 +26,7 @@ from .estimates import axial_frequency, bending_length
 FORCE_SHARE, PLACE_SHARE = 22.0, 0.01
 #: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
 AND_RATE = 2.0
-#: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: docs/mesh_rule.md
+#: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: evidence.mesh_rule.laws
 LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
 #: of the loop's place, by joined elements of the legs over grading_length times length, and by steps over the largest
 #: error of a node's place
