@@ -1,10 +1,7 @@
 """The block elimination against a dense solve, the compiled kernels against the portable ones, the kernel cache."""
 
-from __future__ import annotations
-
 import logging
 import os
-import platform
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -16,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rope_model.numerics import kernels
-from rope_model.physics.element import NODE_DOF, PARAMETERS, element_functions
+from rope_model.physics.element import NODE_DOF, element_functions
 from rope_model.simulation.rope_kernels import RopeKernels, write_bundle
 
 Array = NDArray[np.float64]
@@ -83,18 +80,6 @@ def test_the_direction_is_that_of_a_dense_solve(elements: int, seed: int) -> Non
     # elimination without pivoting of a well-conditioned matrix: rounding times its condition of 1e3
     np.testing.assert_allclose(correction, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
     np.testing.assert_allclose(R, R_expected, rtol=0, atol=1e-13 * np.abs(R_expected).max())
-
-
-def test_what_is_held_is_not_corrected() -> None:
-    x = random_chain(5, 9)
-    correction, _ = RopeKernels(5, "portable").newton_step(*x.values())
-    assert not correction[x["free"] == 0].any()
-    assert correction[x["free"] == 1].all()
-
-
-def test_a_rope_that_is_held_all_over_is_not_corrected_at_all() -> None:
-    x = random_chain(3, 1) | {"free": np.zeros((4, NODE_DOF))}
-    assert not RopeKernels(3, "portable").newton_step(*x.values())[0].any()
 
 
 def test_assess_tells_the_residual_that_direction_uses_and_sums_the_balances() -> None:
@@ -203,21 +188,6 @@ def test_what_many_want_at_once_is_made_once(tmp_path: Path) -> None:
 
 
 @needs_compiler
-def test_libraries_share_what_they_have_in_common(tmp_path: Path) -> None:
-    compiler = kernels.find_compiler()
-    assert compiler is not None
-    shared = {"shared.c": '#include "number.h"\nint shared(void) { return NUMBER; }', "number.h": "#define NUMBER 1"}
-    for text in ("int own(void) { return 1; }", "int own(void) { return 2; }"):
-        kernels.compile_library(shared | {"own.c": text}, compiler, tmp_path, "both")
-    kinds = [file.name.rpartition("-")[0] for file in tmp_path.iterdir()]
-    assert sorted(kinds) == ["both", "both", "own", "own", "shared"]
-    # a header that is included counts
-    kernels.compile_library(shared | {"own.c": text, "number.h": "#define NUMBER 2"}, compiler, tmp_path, "both")
-    assert len([*tmp_path.glob("shared-*")]) == 2
-    assert len([*tmp_path.glob("own-*")]) == 2
-
-
-@needs_compiler
 def test_other_code_or_flags_make_another_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compiler = kernels.find_compiler()
     assert compiler is not None
@@ -228,19 +198,6 @@ def test_other_code_or_flags_make_another_library(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(kernels, "FLAGS", (*kernels.FLAGS, "-DOTHER"))
     libraries.add(kernels.build_library([small_function()], compiler, tmp_path))
     assert len(libraries) == 3
-
-
-@needs_compiler
-def test_ropes_of_all_sizes_share_the_compiled_element(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path))
-    for elements in (2, 3):
-        assert RopeKernels(elements, "compiled", fidelity="planar").form == "compiled"
-    made = sorted(file.name.rpartition("-")[0] for file in tmp_path.iterdir())
-    assert made == ["element-planar"] * 2 + ["kernels-planar-2", "kernels-planar-3"]  # an object file and its library
-
-
-def test_generated_code_depends_on_nothing_but_the_functions() -> None:
-    assert kernels.generate_c((small_function(),)) == kernels.generate_c((small_function(),))
 
 
 def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
@@ -298,8 +255,3 @@ def test_a_bundle_brings_its_library_along(
     assert len(write_bundle(2, tmp_path, [("torsional", ())])) == 2
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     assert RopeKernels(2, "compiled", tmp_path).form == "compiled"
-
-
-def test_the_platform_tag_names_the_processor() -> None:
-    assert kernels.platform_tag().endswith(platform.machine().lower())
-    assert len(P) == len(PARAMETERS)

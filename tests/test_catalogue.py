@@ -1,7 +1,5 @@
 """The catalogue of ropes: ranges with sources, whose every value is a rope that hangs."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,24 +1,17 @@
 """The hoist's brake: stopping distances in closed form, regulated stops, two stages, standstill."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from hoist_at_rest import rest_at, state_with
+from hoist_at_rest import dead_weights, rest_at, state_with
 from scipy.optimize import brentq
 
-from evidence.hoist.winding import dead_weights
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint, s_curve
-from hoist_demo.drive.plant import (
-    HoistPlant,
-    PlantInput,
-    PlantOutput,
-)
+from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantOutput
 from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding, require_trip_fits
 from hoist_demo.parameters.components import Brake
 

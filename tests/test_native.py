@@ -1,7 +1,5 @@
 """The native rope against RopeSimulator: the same steps, the same events, the same numbers."""
 
-from __future__ import annotations
-
 import math
 import os
 import re
@@ -14,25 +12,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scenes import fixed_steps
 
-from benchmarks.kinematic import fixed_steps
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from rope_model.native.build import library
 from rope_model.native.engine import NativeRope
-from rope_model.parameters import (
-    FidelityChoice,
-    Mesh,
-    Model,
-    Rope,
-    Scene,
-    Solver,
-    Swivel,
-    rope_120,
-    rope_240,
-)
+from rope_model.parameters import FidelityChoice, Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.signal_table import SIGNALS

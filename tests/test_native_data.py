@@ -4,8 +4,6 @@ Both do the same operations in the same order.  Numbers may differ by what libm 
 the quantities' size where nothing else is said; texts may not differ at all.
 """
 
-from __future__ import annotations
-
 import ctypes as ct
 import dataclasses
 import math
@@ -21,28 +19,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
+from scenes import CHOICES as WINDINGS
+from scenes import Choice
 
-from evidence.choice.scenes import CASES, Case
 from fmu_src.interface import scene_of, variables
 from rope_model.native.build import generate
-from rope_model.native.structures import (
-    EndStructure,
-    SceneStructure,
-    end_structure,
-    path_structure,
-    scene_structure,
-)
+from rope_model.native.structures import EndStructure, SceneStructure, end_structure, path_structure, scene_structure
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import CHOICES, FidelityChoice, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.shaft_parameters import Divider
 from rope_model.simulation.ends import HangingEnds, nominal_points, refusal
-from rope_model.simulation.fidelity import (
-    FIDELITIES,
-    choose_fidelity,
-    lowest_sufficient,
-    unsupported_motion,
-)
+from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient, unsupported_motion
 from rope_model.simulation.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
@@ -302,10 +290,10 @@ def test_fidelity_by_name_is_the_same(native: Any, fidelity: FidelityChoice) -> 
         assert_same_fidelities(native, Scene(model=Model(fidelity=fidelity, force_tolerance=0.1)), ends, 2)
 
 
-@pytest.mark.parametrize("case", [pytest.param(case, id=case.title) for case in CASES])
-def test_fidelities_along_the_windings_of_the_choice_are_the_same(native: Any, case: Case) -> None:
+@pytest.mark.parametrize("case", WINDINGS, ids=[case.title for case in WINDINGS])
+def test_fidelities_along_the_windings_of_the_choice_are_the_same(native: Any, case: Choice) -> None:
     for t in np.arange(0.0, case.until, 0.25):
-        assert_same_fidelities(native, case.scene, case.ends(case.trip, case.travel, float(t)))
+        assert_same_fidelities(native, case.scene, case.ends(float(t)))
 
 
 def uneven_lengths(nodes: int, length: float, seed: int) -> Array:

@@ -1,7 +1,5 @@
 """The rope's FMUs wound in tools from the package index (see tool_driver for what each tool does)."""
 
-from __future__ import annotations
-
 import ctypes.util
 import functools
 import importlib.util
@@ -21,9 +19,9 @@ import tool_driver
 from exports import FLAVOURS, Flavour
 from freed_blocks import freed_blocks
 from numpy.typing import NDArray
+from scenes import fixed_steps
 
 from balance_rope import main
-from benchmarks.kinematic import fixed_steps
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import rope_120
 from rope_model.simulation.paths import EndMotion
