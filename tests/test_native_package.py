@@ -1,7 +1,5 @@
 """The native FMU's descriptions and packaging, and what its tables hold, on a stand-in for the rope."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import platform
@@ -21,7 +19,7 @@ from stand_in import VERSIONS, stand_in
 
 import rope_model.native
 from fmu_src.interface import scene_of, variables
-from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library, open_library
+from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, open_library
 from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import universal
 from fmu_src.profile import FULL
@@ -58,19 +56,6 @@ def test_terminals_have_all_motions_and_forces_of_their_ends(fmi: int, fmus: dic
         assert set(members) <= names
 
 
-def test_archive_is_sorted_deflated_relative_and_without_dates(fmi: int, fmus: dict[int, Path]) -> None:
-    with zipfile.ZipFile(fmus[fmi]) as archive:
-        names = archive.namelist()
-        assert names == sorted(names)
-        assert not any(name.startswith("/") or "\\" in name or ".." in name for name in names)
-        assert {(e.compress_type, e.date_time) for e in archive.infolist()} == {
-            (zipfile.ZIP_DEFLATED, (1980, 1, 1, 0, 0, 0))
-        }
-        picture = "model.png" if fmi == 2 else "terminalsAndIcons/icon.png"
-        for name in ("documentation/index.html", "documentation/licenses/license.txt", picture):
-            assert name in names
-
-
 def test_same_sources_give_the_same_bytes_and_other_start_values_another_token(
     fmi: int, fmus: dict[int, Path], tmp_path: Path
 ) -> None:
@@ -79,24 +64,6 @@ def test_same_sources_give_the_same_bytes_and_other_start_values_another_token(
     long = export_native(tmp_path / "long.fmu", "rope-240", fmi=fmi, platforms=(host_platform(),), rope=stand_in())
     tokens = {fmpy.read_model_description(str(path)).guid for path in (again, long)}
     assert len(tokens) == 2
-
-
-def test_only_fmi_functions_are_exported(fmi: int, folders: dict[int, str]) -> None:
-    if shutil.which("nm") is None or host_platform() not in ("x86_64-linux", "aarch64-linux"):
-        pytest.skip("needs nm")
-    binary = next(Path(folders[fmi], "binaries").rglob("BalanceRope.so"))
-    listing = subprocess.run(["nm", "-D", "--defined-only", binary], capture_output=True, text=True, check=True).stdout
-    names = [line.split()[-1] for line in listing.splitlines()]
-    assert len(names) == {2: 44, 3: 75}[fmi]
-    assert all(name.startswith(f"fmi{fmi}") for name in names)
-
-
-def test_value_references_are_places_in_the_table_in_both_versions(fmus: dict[int, Path]) -> None:
-    places = {v.name: i for i, v in enumerate(variables(rope_120()))}
-    for path in fmus.values():
-        for v in fmpy.read_model_description(str(path)).modelVariables:
-            name = v.name if v.name in places else f"{v.name}[1]"
-            assert v.valueReference == places.get(name, len(places)), v.name  # the time comes last
 
 
 def test_values_beyond_min_and_max_of_a_parameter_are_refused_by_the_rope() -> None:
@@ -210,8 +177,3 @@ def test_the_wide_form_is_taken_where_the_processor_has_it(made: Callable[[Path]
         pytest.skip("no such compiler")
     asked = ctypes.CDLL(str(made(tmp_path))).processor_has_avx2()
     assert bool(asked) == ("avx2" in flags.read_text(encoding="utf-8").split())
-
-
-def test_unknown_platform_is_refused_with_the_choices() -> None:
-    with pytest.raises(ValueError, match=host_platform()):
-        library(stand_in(), "BalanceRope", "sparc-solaris")

@@ -1,7 +1,5 @@
 """What is measured of a study's runs, how they are recorded at once, and how they survive a dead worker."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -10,7 +8,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -28,8 +25,8 @@ from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study
 from hoist_demo.study.metrics import UNITS, Arrival, measure
-from hoist_demo.study.perform import perform, write_what_is_there
-from hoist_demo.study.run import Outcome, build, execute
+from hoist_demo.study.perform import perform
+from hoist_demo.study.run import Outcome, build
 from hoist_demo.study.store import Store, read_results
 
 SHORT = """
@@ -44,14 +41,6 @@ arrival.window = 0.2
 @pytest.fixture
 def read(tmp_path: Path, fmu_of: Callable[[str], Path]) -> Read:
     return reader(tmp_path, fmu_of("draft"))
-
-
-def test_a_drive_that_takes_the_rope_for_another_is_warned_of(read: Read, fmu_of: Callable[[str], Path]) -> None:
-    (sample,) = read(SHORT + "rope.mass_per_length = 12\n").samples
-    outcome = execute(sample.data, fmu_of("draft"))
-    assert (outcome.status, outcome.cause) == ("completed", "")
-    told = "rope.mass_per_length = 12 kg/m and hoist.tail_rope_mass = 8 kg/m contradict each other"
-    assert [text.startswith(told) for text in outcome.warnings if "tail_rope" in text] == [True]
 
 
 # metrics
@@ -138,15 +127,6 @@ def test_cycle_time_waits_for_the_creep_that_is_no_swing() -> None:
     assert found["swing_right"] < 1e-12
 
 
-def test_stopped_run_has_the_metrics_up_to_there() -> None:
-    result, hoist, winding = invent_trip(swing=0.01)
-    found = measure(replace(result, completed=False, cause="the loop has turned over"), hoist, winding, Arrival())
-    assert math.isnan(found["cycle_time"])
-    assert math.isnan(found["swing_right"])
-    assert found["torque_peak"] == pytest.approx(5e3)
-    assert list(found) == list(UNITS)
-
-
 # the store
 
 
@@ -161,14 +141,6 @@ def test_store_knows_what_needs_no_run_any_more(tmp_path: Path) -> None:
     store.write("c", run, outcome("error", "worker died"), "w")
     assert store.finished_keys(["a", "b", "c", "d"]) == {"a", "b"}
     assert store.signals("a")["loop.x"].tolist() == [0.0, 1.0]
-
-
-def test_write_that_fails_leaves_no_record(tmp_path: Path) -> None:
-    store = Store(tmp_path)
-    broken = Outcome("completed", "", {"x": object()}, {}, {})  # type: ignore[dict-item]
-    with pytest.raises(TypeError):
-        store.write("a", build("rope-120", {}), broken, "w")
-    assert list((tmp_path / "runs").iterdir()) == []
 
 
 def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[Sample]], list[str]]:
@@ -236,37 +208,6 @@ def test_a_search_keeps_its_bounds_and_tells_where_none_can(read: Read, tmp_path
     assert "cycle_time is 50 % below 2" in found.nearest
 
 
-def test_causes_and_warnings_are_told_with_the_run_s_name(read: Read, tmp_path: Path) -> None:
-    study = read("[[variant]]\nname = 'gentle'\nvalues = { winding.jerk = 0.3 }\n[vary]\ngains.speed = [1e5, 2e5]")
-    store = Store(tmp_path / "out")
-    keys = counting(study, store, [])(study.samples)
-    store.write(
-        keys[1], study.samples[1].data, Outcome("stopped", "slack", {}, {}, {}, warnings=("slips at 3 s",)), "w"
-    )
-    found = perform(study, store, lambda samples: keys)
-    assert found.causes == {"run 2 (gentle, gains.speed = 2e+05)": "slack"}
-    assert found.warnings == {"slips at 3 s": ["run 2 (gentle, gains.speed = 2e+05)"]}
-    assert pd.read_parquet(found.table)["warnings"].tolist() == ["", "slips at 3 s"]
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "[vary]\ngains.speed = [1e5]",
-        "[vary]\ngains.speed = { low = 1e5, high = 4e5 }\n[tune]\nminimise = { cycle_time = 1 }",
-    ],
-)
-def test_an_interrupted_study_tells_what_it_keeps_and_nothing_where_nothing_was_run(
-    read: Read, tmp_path: Path, text: str
-) -> None:
-    study, store = read(text), Store(tmp_path / "out")
-    assert write_what_is_there(study, store) is None
-    assert not (tmp_path / "out" / "results.parquet").exists()
-    counting(study, store, [])(study.samples[:1])
-    kept = write_what_is_there(study, store)
-    assert kept == (tmp_path / "out" if study.tuning else tmp_path / "out" / "results.parquet")
-
-
 # on workers
 
 
@@ -307,13 +248,6 @@ def test_failed_run_is_recorded_with_its_cause_and_stops_no_other(read: Read, tm
     assert table["status"].tolist() == ["completed", "stopped"]
     assert "step" in table["cause"][1]
     assert len(performed.causes) == 1
-
-
-def test_scheduler_may_be_elsewhere(read: Read, tmp_path: Path, client: Client) -> None:
-    study, store = read(SHORT), Store(tmp_path / "out")
-    with cluster(None, client.scheduler.address) as other:
-        keys = run_samples(other, study, study.samples, store)
-    assert store.finished_keys(keys) == set(keys)
 
 
 def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Client) -> None:
