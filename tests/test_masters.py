@@ -9,20 +9,15 @@ end force errs by the mass of the rope's leg times the acceleration's error, at 
 as an undamped bar.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS
-from fmpy.fmi1 import FMICallException
 from master_trip import DURATION, JERK, MISSED, TRAVEL
 from masters import LOOPS, Steps, random_steps
 from native_host import Host
@@ -104,15 +99,6 @@ def test_loop_of_a_master_ends_where_it_should(host: Host, loop: str, H: float, 
     run(host, LOOPS[loop](H, T), T)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("loop", LOOPS)
-def test_loops_of_masters_end_where_they_should_over_all_steps(host: Host, loop: str) -> None:
-    for H, T in itertools.product((1e-3, 5e-3, 1e-2, 2e-2), (5.0, 9.0, 10.0, 30.0)):
-        host.call("Reset")
-        host.start(**({"model.fidelity": 4} if is_rope(host) else {}))
-        run(host, LOOPS[loop](H, T), T)
-
-
 def test_rest_of_rounding_size_moves_nothing_and_is_not_lost(host: Host) -> None:
     """In the middle of a trip, 4000 rests that are 2e-6 s together: the conveyances do 10 um in it."""
     t0, H, rest, rests = 8.0, 0.02, 5e-10, 4000
@@ -174,69 +160,6 @@ def test_restored_outputs_are_those_before_a_tunable_was_changed(host: Host) -> 
         assert host.get(friction) == [waits]
         assert turn(60) == after
         host.restore(state)
-
-
-@rope_only
-def test_announced_stop_time_is_part_of_a_state(host: Host) -> None:
-    def at(stop: float | None) -> Any:
-        host.call("Reset")
-        host.enter(stop=stop)
-        host.fmu.exitInitializationMode()
-        assert host.step(0.0, 0.01) == ""
-        return host.state()
-
-    host.set(**{"model.fidelity": 4})
-    soon, late, never = at(0.02), at(5.0), at(None)
-    for state, reaches in ((soon, False), (late, True), (never, True), (soon, False)):
-        host.restore(state)
-        assert (host.step(0.01, 0.02) == "") == reaches
-    host.call("Reset")
-    host.restore(soon)
-    assert "goes beyond the stop time 0.02 s" in host.step(0.01, 0.02)
-
-
-@rope_only
-@pytest.mark.parametrize("start", [1e5, 1e9, 1e10])
-def test_step_that_was_made_already_is_refused_at_any_time(host: Host, start: float) -> None:
-    host.set(**{"model.fidelity": 4})
-    host.enter(start=start)
-    host.fmu.exitInitializationMode()
-    h = 0.01
-    assert host.step(start, h) == ""
-    assert host.step(start + h, h) == ""
-    state = host.state()
-    for t in (start, start + h):
-        assert "the host steps from t = " in host.step(t, h)
-        host.restore(state)
-    # a host that counts its steps is some roundings off
-    assert host.step(start + 2 * h, h) == ""
-
-
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.parametrize("host", ["python"], indirect=True)
-def test_output_that_cannot_be_computed_is_an_error_and_does_no_harm(
-    host: Host, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    host.start()
-    assert host.step(0.0, 0.01) == ""
-    before = host.get("left.fy", "count.steps")
-    assert host.step(0.01, 0.01) == ""
-
-    def fails(*arguments: Any) -> Any:
-        raise ArithmeticError("singular")
-
-    slave = next(module for name, module in sys.modules.items() if name.startswith("balance_rope_slave"))
-    with monkeypatch.context() as patch:
-        patch.setattr(slave, "group_of", fails)
-        for name in ("left.fy", "count.steps", "left.swivel.slipping"):
-            with pytest.raises(FMICallException):
-                host.get(name)
-            assert "singular" in host.error()
-        patch.setattr(slave.BalanceRope, "warning", fails)
-        with pytest.raises(FMICallException):
-            host.get("status.warning")
-    assert host.get("left.fy", "count.steps") != before
-    assert host.get("status.warning") == [""]
 
 
 def from_time(t0: float, steps: Steps) -> Steps:

@@ -1,7 +1,5 @@
 """Several ropes in one hoist: forces and moments add up, neighbours are near where they are, a broken rope falls."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -134,21 +132,6 @@ def test_a_point_of_a_turning_conveyance_moves_by_the_rates_that_it_is_given() -
 # neighbours
 
 
-def test_sides_that_pass_each_other_crosswise_are_as_far_as_their_planes() -> None:
-    one = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 5.0, 0.0]])
-    other = np.array([[0.25, -3.0, 0.3], [0.25, 3.0, 0.3]])
-    distance, place = polygon_distance(one, other)
-    assert distance == pytest.approx(0.3, abs=1e-15)
-    assert_allclose(place, [0.25, 0.0, 0.15], rtol=0.0, atol=1e-15)
-
-
-def test_parallel_ropes_are_as_far_apart_as_they_hang() -> None:
-    leg = np.array([[0.0, 0.0, 0.0], [0.0, -7.0, 0.0], [0.0, -9.0, 0.0]])
-    assert polygon_distance(leg, leg + np.array([0.0, 3.0, 0.4]))[0] == pytest.approx(0.4, abs=1e-15)
-    # beyond one another's ends
-    assert polygon_distance(leg, leg + np.array([0.0, 12.0, 4.0]))[0] == pytest.approx(5.0, abs=1e-12)
-
-
 def test_distance_of_random_polygons_is_that_of_their_points_in_the_limit() -> None:
     rng = np.random.default_rng(3)
     for _ in range(6):
@@ -197,18 +180,6 @@ def wait(ropes: RopeGroup, t: float, steps: int) -> float:
 
 
 @pytest.mark.slow
-def test_ropes_that_touch_go_back_to_a_snapshot_bit_by_bit() -> None:
-    ropes, read, t = crowded()
-    kept, before = ropes.save(), read()
-    wait(ropes, t, 3)
-    after = read()
-    ropes.restore(kept)
-    assert_array_equal(read(), before)
-    wait(ropes, t, 3)
-    assert_array_equal(read(), after)
-
-
-@pytest.mark.slow
 def test_a_rope_that_breaks_leaves_its_neighbour_alone() -> None:
     ropes, read, t = crowded()
     while t < 0.85:
@@ -235,16 +206,6 @@ def test_a_piece_that_falls_gives_the_conveyance_all_the_momentum_of_its_weight(
     assert impulse == pytest.approx(mass * length * GRAVITY * T, rel=1e-6)
     assert force[0] == pytest.approx(-mass * leg * GRAVITY)
     assert piece.force(T + 0.01, EndMotion(y=0.0))[0] == pytest.approx(-mass * length * GRAVITY)
-
-
-def test_a_piece_that_is_no_longer_than_its_leg_hangs() -> None:
-    piece = Piece.of(0.0, 8.0, 30.0, 60.0, EndMotion(y=0.0), EndMotion(y=-10.0))
-    assert piece.force(0.5, EndMotion(y=1.0, ay=2.0)) == (-8.0 * 30.0 * (GRAVITY + 2.0), 30.0)
-
-
-def test_a_piece_falls_by_the_gravity_of_its_rope() -> None:
-    piece = Piece.of(0.0, 8.0, 30.0, 60.0, EndMotion(y=0.0), EndMotion(y=-10.0), gravity=1.62)
-    assert piece.force(0.5, EndMotion(ay=2.0)) == (-8.0 * 30.0 * (1.62 + 2.0), 30.0)
 
 
 def test_a_hoist_with_a_rope_that_breaks_runs_through() -> None:

@@ -1,7 +1,5 @@
 """Swivels: friction law, stick without creep, located switching, energy."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 
@@ -62,15 +60,6 @@ def test_stick_does_not_creep() -> None:
         # exact but for the rounding of theta = offset + yaw + b
         assert abs(angle) < 1e-12
         assert abs(rate) < 1e-12
-
-
-def test_free_swivel_carries_no_moment_and_has_no_events() -> None:
-    free = Swivel(mode="free")
-    rope, events = twist(scene(left=free, right=free))
-    # both leave their locked phase at once, and nothing follows
-    assert {event.t for event in events} <= {0.0}
-    assert rope.ends.moment(0, rope.state.motion.reaction) == 0.0
-    assert rope.ends.moment(1, rope.state.motion.reaction) == 0.0
 
 
 class Phased:
@@ -220,14 +209,3 @@ def test_a_search_for_an_event_that_always_fails_ends_with_its_cause(
     status = rope.advance_to(start + YAWED, EndMotion(), EndMotion(yaw=YAW))
     assert "the step to a swivel event fails" in status.message
     assert rope.state.motion.t == start  # nothing is lost
-
-
-@pytest.mark.parametrize("factor", [0.5, 2.0])
-def test_limits_follow_the_tension_at_the_end(factor: float) -> None:
-    # a rope twice as heavy holds twice the torque
-    heavy = replace(SOFT, mass_per_length=SOFT.mass_per_length * factor)
-    rope = RopeSimulator(replace(scene(left=STIFF_BEARING, right=STIFF_BEARING), rope=heavy))
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-    weight = 0.5 * heavy.mass_per_length * 9.81 * heavy.length
-    expected = 0.5 * STIFF_BEARING.mu_static * STIFF_BEARING.mean_diameter * weight
-    assert_allclose(rope.ends.friction(0, rope.state.motion.reaction, kinetic=False), expected, rtol=1e-9)
