@@ -1,7 +1,5 @@
 """Hoist drive and rope as one SSP, wound in tools from the package index (see ssp_driver for what each tool does)."""
 
-from __future__ import annotations
-
 import functools
 import json
 import subprocess
@@ -152,11 +150,3 @@ def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:
         archive.extractall(tmp_path)
     rope, drive = tmp_path / "resources" / "rope.fmu", tmp_path / "resources" / "drive.fmu"
     assert system(tmp_path, rope, drive).read_bytes() == ssp.read_bytes()
-
-
-def test_parameter_that_there_is_not_is_refused(ssp: Path, tmp_path: Path) -> None:
-    with zipfile.ZipFile(ssp) as archive:
-        archive.extractall(tmp_path)
-    wrong = Component("rope", tmp_path / "resources" / "rope.fmu", {"rope.lenght": 3.0})
-    with pytest.raises(ValueError, match=r"no parameter rope\.lenght"):
-        export_ssp(tmp_path / "a.ssp", "a", [wrong], 1.0, 0.01)
