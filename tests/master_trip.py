@@ -1,7 +1,5 @@
 """The trip that the loops of masters wind: its size, and what the path of its ends may miss in any steps."""
 
-from __future__ import annotations
-
 import numpy as np
 
 MISSED = np.array([0.27, 0.62, 3.4])

@@ -1,7 +1,5 @@
 """The loops that co-simulation masters run: when they step, and by how much."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 

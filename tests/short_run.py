@@ -1,7 +1,5 @@
 """A short motion of a rope of 30 m, for tests that look at it all along."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from rope_model import BalanceRope, EndMotion

@@ -1,7 +1,5 @@
 """Study files that tests write."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

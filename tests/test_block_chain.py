@@ -1,7 +1,6 @@
 """The block elimination against a dense solve, the compiled kernels against the portable ones, the kernel cache."""
 
 import logging
-import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -121,22 +120,6 @@ def test_the_compiled_kernels_give_what_the_portable_ones_give() -> None:
             np.testing.assert_allclose(ours, reference, rtol=1e-12, atol=1e-12 * np.abs(reference).max())
 
 
-@pytest.mark.slow  # five seconds of the optimiser
-@pytest.mark.skipif("OPTIMISING_CC" not in os.environ, reason="the tests have no C compiler of the system")
-def test_the_optimiser_does_not_change_a_bit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """So the tests may compile without it."""
-    elements = 8  # the size other tests compile too
-    plain, x = RopeKernels(elements, "compiled"), random_chain(elements, 5)
-    monkeypatch.setenv("CC", os.environ["OPTIMISING_CC"])
-    assert kernels.find_compiler() == (os.environ["OPTIMISING_CC"],)
-    optimised = RopeKernels(elements, "compiled")
-    state = [x[name] for name in STATE]
-    assert [f.tobytes() for f in optimised.newton_step(*x.values())] == [
-        f.tobytes() for f in plain.newton_step(*x.values())
-    ]
-    assert [f.tobytes() for f in optimised.evaluate(*state)] == [f.tobytes() for f in plain.evaluate(*state)]
-
-
 def test_the_kernels_leave_their_arguments_alone_and_give_their_results_away() -> None:
     x, k = random_chain(2, 0), RopeKernels(2, "portable")
     kept = {name: value.copy() for name, value in x.items()}
@@ -211,14 +194,6 @@ def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
     np.testing.assert_allclose(np.asarray(functions[0]([0, 1, 2])).ravel(), 2 * np.sin([0, 1, 2]), rtol=1e-15)
     with pytest.raises(RuntimeError, match="install a C compiler"):
         kernels.prepare(SMALL, build_small, "compiled")
-
-
-def test_a_compiler_that_fails_falls_back_to_portable(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    monkeypatch.setattr(kernels, "find_compiler", lambda: (str(tmp_path / "no-such-compiler"),))
-    assert kernels.prepare(SMALL, partial(build_small, folder=tmp_path), "auto")[1] == "portable"
-    assert ["no-such-compiler failed" in r.getMessage() for r in caplog.records if r.levelname == "WARNING"] == [True]
 
 
 def test_portable_kernels_survive_saving_and_loading_to_the_bit(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """README and docs: links lead to files and headings that are there, as GitHub counts them; commands can be found."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from functools import cache

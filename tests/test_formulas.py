@@ -1,12 +1,9 @@
 """Formulas are written once: the C text that is made of them computes what Python does, to the bit."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import random
 import re
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -17,7 +14,6 @@ from numpy.testing import assert_allclose
 
 from rope_model.native.build import generate
 from rope_model.native.formulas import (
-    DEFINED_HERE,
     FORMULAS,
     STRUCTURES,
     argument_of,
@@ -29,7 +25,6 @@ from rope_model.native.formulas import (
 from rope_model.native.structures import GROUPS, SceneStructure
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Scene
-from rope_model.physics.elementary import where
 from rope_model.simulation.paths import EndMotion, EndPath
 
 NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
@@ -148,33 +143,6 @@ def test_tracing_a_formula_leaves_casadi_as_it_was() -> None:
     before = ca.GlobalOptions.getSimplificationOnTheFly()
     formulas_code()
     assert ca.GlobalOptions.getSimplificationOnTheFly() == before
-
-
-def test_every_structure_made_here_is_used() -> None:
-    used = "".join(FORMULAS)
-    assert all(kind.__name__ in used for kind in DEFINED_HERE)
-
-
-def test_formulas_are_among_the_sources() -> None:
-    assert generate()["formulas.h"] == formulas_code()
-
-
-def brackets(a: Any, b: Any, c: Any) -> Any:
-    return (a - (b - c)) / (a * (b / c)) - -a * (-b + c) ** 3
-
-
-def test_operations_keep_their_order() -> None:
-    prototype: tuple[str, Callable[..., Any]] = ("double f(double a, double b, double c)", brackets)
-    assert "(a - (b - c)) / (a * (b / c)) - -a * pow(-b + c, 3.0)" in function_code(*prototype)
-
-
-def farther(a: Any, b: Any) -> Any:
-    return where(a < b, where(a == b, a, 2 * b), a + 1) - b
-
-
-def test_a_choice_between_two_values_is_one() -> None:
-    code = function_code("double f(double a, double b)", farther)
-    assert "(a < b ? (a == b ? a : 2.0 * b) : a + 1.0) - b" in code
 
 
 def test_a_path_goes_on_to_where_its_step_ends_or_beyond_as_in_c(compiled: Any) -> None:

@@ -140,29 +140,6 @@ def test_a_nonlinear_pendulum_is_integrated_with_order_two(pattern: tuple[float,
     np.testing.assert_allclose(orders(pendulum_errors(pattern, rho)), 2.0, atol=0.1)
 
 
-@cache
-def rope_reference() -> Motion:
-    system, start = soft_rope()
-    return integrate(system, start, 0.8, 3840, CONSTANT, 1.0)
-
-
-def rope_errors(pattern: tuple[float, ...], rho: float, recentre: bool = True) -> list[Array]:
-    system, start = soft_rope()
-    exact, errors = rope_reference(), []
-    for steps in (240, 480):
-        m = integrate(system, start, 0.8, steps, pattern, rho, recentre)
-        difference = m.q - exact.q, m.v - exact.v, (m.reaction - exact.reaction)[[0, -1]]
-        errors.append(np.array([np.linalg.norm(x) for x in difference]))
-    return errors
-
-
-@pytest.mark.parametrize("rho", [0.6, 0.9])
-@pytest.mark.parametrize("pattern", [CONSTANT, VARYING], ids=["constant", "varying"])
-def test_a_rope_is_integrated_with_order_two(pattern: tuple[float, ...], rho: float) -> None:
-    observed = orders(rope_errors(pattern, rho))
-    np.testing.assert_allclose(observed, 2.0, atol=0.1)
-
-
 def test_without_re_centring_varying_steps_fall_to_first_order() -> None:
     assert np.all(orders(pendulum_errors(VARYING, 0.6, steps=480, recentre=False)) < 1.4)
     # and constant steps do not need it

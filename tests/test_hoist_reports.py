@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 
-from balance_rope import _levels
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.demo import _case_of
 from hoist_demo.command_line.interrupts import interruption
@@ -22,17 +21,12 @@ from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_in_process
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.report.html.page import number
-from hoist_demo.report.html.run import run_report
-from hoist_demo.report.markdown import render_markdown
-from hoist_demo.report.slip import slip_warning
-from hoist_demo.report.summary import summarize
 from hoist_demo.study.metrics import Arrival, measure
 from rope_model import neglected_text
-from rope_model.parameters import Mesh, Model, Scene, rope_120
+from rope_model.parameters import Model, Scene
 
 ROOT = Path(__file__).parents[1]
 SHORT = Winding(travel=0.5, settle=0.2, start_delay=0.1)
@@ -100,19 +94,6 @@ def test_a_study_s_metrics_of_a_run_in_the_plane_are_no_zeros(planar: Result) ->
 # what the rope is
 
 
-@pytest.mark.parametrize(
-    ("scene", "level"),
-    [
-        (rope_120().scene, "standard"),
-        (rope_120("draft").scene, "draft"),
-        (rope_120().scene.with_(model=Model("rigid")), ""),
-        (rope_120().scene.with_(mesh=Mesh("eem", elements=20)), ""),
-    ],
-)
-def test_a_level_is_named_where_mesh_and_fidelity_are_its_own(scene: Scene, level: str) -> None:
-    assert InProcessRope(scene).data().level(_levels()) == level
-
-
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 @pytest.mark.parametrize("fmi", [pytest.param("2", marks=pytest.mark.slow), "3"])
 def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, tmp_path: Path) -> None:
@@ -152,32 +133,6 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
 # warnings
 
 
-def test_head_ropes_that_would_slip_are_told_before_everything_else(planar: Result, tmp_path: Path) -> None:
-    signals = dict(planar.recording.signals)
-    ratio = np.full(len(planar.recording.time), 1.5)
-    ratio[20:] = 9.14
-    signals["drive.tension_ratio"] = ratio
-    result = replace(planar, recording=replace(planar.recording, signals=signals))
-    said = f"the head ropes would slip at t = {number(planar.recording.time[20])} s (tension ratio up to 9.14"
-    assert slip_warning(planar.recording, Hoist(), SHORT) == ""
-    assert said in slip_warning(result.recording, Hoist(), SHORT)
-    assert slip_warning(result.recording, Hoist(friction_coefficient=1.0), SHORT) == ""  # exp(pi) = 23.1
-    rows = summarize(result, Hoist(), SHORT, Coupling())
-    assert said in render_markdown("x", rows, []).partition("##")[0]
-    page = run_report(result, Hoist(), SHORT, rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
-    assert said in page.partition("</header>")[0]
-
-
-def test_the_residual_keeps_its_sign_and_is_set_against_the_kinetic_energy(planar: Result) -> None:
-    signals = dict(planar.recording.signals)
-    signals["energy.residual"] = np.linspace(0.0, -3.0, len(planar.recording.time))
-    signals["energy.kinetic"] = np.full(len(planar.recording.time), 600.0)
-    changed = replace(planar, recording=replace(planar.recording, signals=signals))
-    rows = {row.quantity: row.value for row in summarize(changed, Hoist(), SHORT, Coupling())}
-    assert rows["residual of the rope, furthest from 0 (dissipated by the time steps: negative)"] == -3.0
-    assert rows["the same over the rope's largest kinetic energy"] == pytest.approx(-0.5)
-
-
 # files that are not the FMU that is wanted
 
 
@@ -192,15 +147,6 @@ def test_a_system_is_refused_with_the_cure(tmp_path: Path) -> None:
     path = archive(tmp_path / "system.ssp", SystemStructure__ssd="<x/>")
     for reader in (read_parameters, FmuRope):
         with pytest.raises(ValueError, match=r"system of FMUs \(SSP\): give the rope's \.fmu"):
-            reader(path)
-
-
-def test_other_versions_and_kinds_of_fmi_are_refused_with_the_cure(tmp_path: Path) -> None:
-    described = """<fmiModelDescription fmiVersion="1.0" modelName="m" modelIdentifier="m" guid="g"
-        numberOfContinuousStates="0" numberOfEventIndicators="0"><ModelVariables/></fmiModelDescription>"""
-    path = archive(tmp_path / "old.fmu", modelDescription__xml=described)
-    for reader in (read_parameters, FmuRope):
-        with pytest.raises(ValueError, match=r"is of FMI 1\.0, no co-simulation.* FMI 2\.0 and 3\.0: give the FMU of"):
             reader(path)
 
 

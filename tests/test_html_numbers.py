@@ -198,31 +198,3 @@ def test_a_study_whose_names_do_not_fit_is_an_error(tmp_path: Path, meta: dict, 
     with pytest.raises(ValueError, match=words):
         study_report(study(), {}, meta, tmp_path / "study.html")
     assert not (tmp_path / "study.html").exists()
-
-
-def outcome_of(table: pd.DataFrame, tmp_path: Path, **meta: object) -> str:
-    path = study_report(table, {"cycle_time": "s"}, meta, tmp_path / "study.html")
-    found = re.search(r'<p id="outcome">(.*?)</p>', path.read_text(encoding="utf-8"))
-    assert found
-    return found[1]
-
-
-@pytest.mark.parametrize(
-    ("times", "words"),
-    [
-        ([14.5, 14.08, 15.0], "Best run: 2, with the smallest cycle_time of 14.08 s."),
-        ([14.08, 14.0800001, 14.5], "Best run: 1, with the smallest cycle_time of 14.08 s."),
-        (
-            [14.08, 14.08 * (1.0 + 1e-15), 14.08],
-            "Best run: 1, with the smallest cycle_time of 14.08 s, the first of 3 with this value: also runs 2, 3.",
-        ),
-    ],
-)
-def test_the_best_run_has_a_unit_and_names_those_it_ties_with(tmp_path: Path, times: list[float], words: str) -> None:
-    table = study().assign(cycle_time=times, cause="", status="completed")
-    assert outcome_of(table, tmp_path, best={"metric": "cycle_time", "sense": "min"}).endswith(words)
-
-
-def test_the_same_study_gives_the_same_bytes(tmp_path: Path) -> None:
-    first, second = (study_report(study(), {}, {}, tmp_path / name).read_bytes() for name in "ab")
-    assert first == second

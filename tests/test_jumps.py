@@ -4,8 +4,6 @@ None of these changes is a thing that happens to the rope, so none may throw its
 step: a rope that is turned again and again must show it nowhere.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The house: imports point down, no cycles, each third-party library has its rooms."""
 
-from __future__ import annotations
-
 import ast
 from functools import cache
 from pathlib import Path
@@ -72,12 +70,7 @@ MAY_IMPORT = {
     "hoist_demo.control": {"hoist_demo.parameters"},
     "hoist_demo.recording": {"rope_model"},
     "hoist_demo.design": {"hoist_demo.parameters", "hoist_demo.drive", "hoist_demo.control"},
-    "hoist_demo.drive_fmu": {
-        "hoist_demo.parameters",
-        "hoist_demo.drive",
-        "hoist_demo.control",
-        "hoist_demo.cases",
-    },
+    "hoist_demo.drive_fmu": {"hoist_demo.parameters", "hoist_demo.drive", "hoist_demo.control", "hoist_demo.cases"},
     "hoist_demo.cases": {"hoist_demo.parameters", "hoist_demo.control", "rope_model.parameters"},
     "hoist_demo.cosimulation.schemes": set(),
     "hoist_demo.cosimulation.participants": {
@@ -203,11 +196,7 @@ HOMES = {
     },
     "matplotlib": {"hoist_demo.report.figures", "hoist_demo.report.exposure_figures"},
     "rainflow": {"hoist_demo.recording.exposure"},
-    "tqdm": {
-        "hoist_demo.cosimulation.progress",
-        "hoist_demo.command_line.study",
-        "hoist_demo.command_line.uncertain",
-    },
+    "tqdm": {"hoist_demo.cosimulation.progress", "hoist_demo.command_line.study", "hoist_demo.command_line.uncertain"},
     "dask": {"hoist_demo.study.cluster"},
     "pandas": {"hoist_demo.report.html.study", "hoist_demo.study.store"},
     "pyarrow": {"hoist_demo.study.store"},

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 from master_trip import DURATION, JERK, MISSED, TRAVEL
-from masters import LOOPS, Steps, random_steps
+from masters import LOOPS, Steps
 from native_host import Host
 from numpy.testing import assert_allclose
 
@@ -162,52 +162,9 @@ def test_restored_outputs_are_those_before_a_tunable_was_changed(host: Host) -> 
         host.restore(state)
 
 
-def from_time(t0: float, steps: Steps) -> Steps:
-    return ((t0 + t, h) for t, h in steps)
-
-
-def even_error(host: Host, exact: np.ndarray, t0: float, T: float, at_end: bool) -> float:
-    """N, of steps of LONGEST, from t0 on."""
-    host.call("Reset")
-    host.start(inputs_at_step_end=at_end)
-    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
-    return error(forces(host, from_time(t0, LOOPS["counting"](LONGEST, T)), at_end), exact)
-
-
 def error(found: np.ndarray, exact: np.ndarray) -> float:
     """Largest difference of an end force, N."""
     return max(np.abs(found[:, k] - np.interp(found[:, 0], exact[:, 0], exact[:, k])).max() for k in (1, 2))
-
-
-@pytest.mark.parametrize("host", [name for name in FLAVOURS if name == "native-2"], indirect=True)
-@pytest.mark.parametrize("at_end", [False, pytest.param(True, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(
-    ("t0", "sequences"), [(8.0, 20), *(pytest.param(0.0, n, marks=pytest.mark.slow) for n in (20, 500))]
-)
-@pytest.mark.slow
-def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(
-    host: Host, t0: float, sequences: int, at_end: bool
-) -> None:
-    """From rest, and in the middle of the trip."""
-    T = 0.24
-    host.start(inputs_at_step_end=True, **{"solver.step_max": 2.5e-3, "solver.tolerance": 1e-5})
-    forces(host, LOOPS["counting"](LONGEST, t0), at_end=True)
-    exact = forces(host, from_time(t0, LOOPS["counting"](5e-4, T + LONGEST)), at_end=True)
-    integration = even_error(host, exact, t0, T, at_end=True)
-    even = even_error(host, exact, t0, T, at_end)
-    host.call("Reset")
-    host.start(inputs_at_step_end=at_end)
-    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
-    begin, worst, steps = host.state(), 0.0, 0
-    # what steps of LONGEST leave in the state: axial vibrations that they do not resolve and short steps show
-    left = error(forces(host, from_time(t0, LOOPS["counting"](5e-4, T)), at_end), exact)
-    for seed in range(sequences):
-        host.restore(begin)
-        found = forces(host, from_time(t0, random_steps(seed, T, 1e-8, LONGEST)), at_end)
-        worst, steps = max(worst, error(found, exact)), steps + len(found)
-    print(f"{sequences} sequences, {steps} steps: {worst:.2f} N; even steps of {LONGEST} s: {even:.2f} N")
-    # the integration's own error is that of uneven steps, at most twice that of even ones of either length
-    assert worst <= (0.0 if at_end else extrapolation_error()) + 2 * max(integration, left)
 
 
 @native_only
@@ -239,40 +196,6 @@ def test_trip_after_a_long_step_of_rest_has_the_forces_of_even_steps(host: Host,
         found = trip_after(iter([(0.0, rest)]))
         # what Newton's method leaves of the equilibrium dies away in the rest: 1e-7 of the end force
         assert_allclose(found, even, rtol=0, atol=1e-3)
-
-
-@rope_only
-@pytest.mark.parametrize("at_end", [False, True])
-def test_event_found_by_bisection(host: Host, at_end: bool) -> None:
-    """A host that looks for the instant at which the left end's pull passes a value, by restoring and shorter steps."""
-    t0, least = 0.4, 1e-8
-    # one step of the rope in each: where their number changes with h, forces jump by what steps err, 0.05 N here
-    host.start(inputs_at_step_end=at_end, **{"solver.tolerance": 1e6})
-    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
-    start = host.state()
-
-    def pull(h: float) -> float:
-        """Of a step of h from t0 on."""
-        host.restore(start)
-        return float(forces(host, iter([(t0, h)]), at_end)[-1, 1])
-
-    low, high = least, LONGEST
-    bounds = pull(low), pull(high)
-    event = 0.3 * bounds[0] + 0.7 * bounds[1]
-    for _ in range(20):
-        middle = 0.5 * (low + high)
-        beyond = (pull(middle) - event) * (bounds[1] - bounds[0]) > 0
-        low, high = (low, middle) if beyond else (middle, high)
-    assert high - low < 1e-7
-    # it is one instant, inside the step
-    assert least < low
-    assert high < LONGEST
-    assert abs(pull(low) - event) < 1e-3 * abs(bounds[1] - bounds[0])
-    # from the event on: the rest of the step, and even ones
-    host.restore(start)
-    steps = [(t0, high), (t0 + high, least), (t0 + high + least, LONGEST - high - least)]
-    found = forces(host, iter(steps), at_end)
-    assert_allclose(found[-1, 1], bounds[1], rtol=0, atol=2 * extrapolation_error())
 
 
 def extrapolation_error() -> float:

@@ -1,7 +1,5 @@
 """Messages have one text: C says what Python says."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import inspect
 import subprocess

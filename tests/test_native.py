@@ -1,11 +1,6 @@
 """The native rope against RopeSimulator: the same steps, the same events, the same numbers."""
 
 import math
-import os
-import re
-import shutil
-import subprocess
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
@@ -18,7 +13,6 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from rope_model.native.build import library
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
 from rope_model.simulation.balance_rope import BalanceRope
@@ -147,27 +141,6 @@ def lift(motions: Motions, by: float) -> Motions:
     return lambda t: tuple(replace(end, y=end.y + by) for end in motions(t))  # type: ignore[return-value]
 
 
-@pytest.mark.slow
-@pytest.mark.skipif("OPTIMISING_CC" not in os.environ, reason="the tests have no C compiler of the system")
-def test_the_optimiser_does_not_change_a_bit() -> None:
-    """So the tests may compile with little of it."""
-    code = (
-        "from rope_model import EndMotion, balance_rope, rope_120\n"
-        "rope = balance_rope(rope_120().scene, 'native')\n"
-        "rope.initialize(0.0, EndMotion(), EndMotion(y=90.0))\n"
-        "for t in (0.02 * k for k in range(1, 51)): rope.advance_to(t, EndMotion(y=t**3), EndMotion(y=90.0))\n"
-        "print({name: value.hex() for name, value in rope.signals().items() if isinstance(value, float)})"
-    )
-    said = [
-        subprocess.run(
-            [sys.executable, "-c", code], env=os.environ | {"CC": cc}, capture_output=True, text=True, check=True
-        ).stdout
-        for cc in (os.environ["CC"], os.environ["OPTIMISING_CC"])
-    ]
-    assert said[0] == said[1]
-    assert "left.fy" in said[0]
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
     scene, motions, duration, h = CASES[case]
@@ -258,16 +231,6 @@ def test_half_steps_after_a_restored_state_are_bit_identical() -> None:
             ends.append(rope.native_state())
         assert ends[0] == ends[1]
     assert {"transformation", "left swivel slips -", "left swivel sticks"} <= happened
-
-
-def test_memory_comes_from_the_host_alone() -> None:
-    """What the library asks of others: mathematics and text, no memory, no files, no time."""
-    if (nm := shutil.which("nm")) is None:
-        pytest.skip("nm is not here to list the library's symbols")
-    listed = subprocess.run([nm, "-D", "--undefined-only", str(library())], capture_output=True, text=True, check=True)
-    asked = {line.split()[-1].partition("@")[0] for line in listed.stdout.splitlines()}
-    assert "snprintf" in asked or "__snprintf_chk" in asked
-    assert not {name for name in asked if re.search("alloc|free|open|write|print(?!f_chk$|f$)|time|exit|abort", name)}
 
 
 def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter_one() -> None:

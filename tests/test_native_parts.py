@@ -1,4 +1,4 @@
-"""The native rope's frame, shape and signals give what the Python functions give.
+"""The native rope's frame and shape give what the Python functions give.
 
 Both do the same operations in the same order; tests/native_parts.py says how they may differ.
 """
@@ -6,7 +6,6 @@ Both do the same operations in the same order; tests/native_parts.py says how th
 import ctypes as ct
 import math
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,15 +14,9 @@ from hypothesis import strategies as st
 from native_parts import ROUNDING, Array, CLoopBottom, message
 from numpy.testing import assert_allclose
 
-from rope_model.native.structures import PathStructure, path_structure, scene_structure
-from rope_model.numerics.generalized_alpha import Motion
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
-from rope_model.physics.guard import GuardState
+from rope_model.parameters import Mesh
 from rope_model.physics.outline import heading
-from rope_model.physics.shaft import KINDS as KINDS_OF_BODIES
-from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.adaptation import nearest_turn
-from rope_model.simulation.audit import Audit
 from rope_model.simulation.diagnostics import (
     LoopBottom,
     direction,
@@ -34,23 +27,10 @@ from rope_model.simulation.diagnostics import (
     shape,
     shape_places,
 )
-from rope_model.simulation.ends import HangingEnds, Phase, SwivelState, nominal_points
-from rope_model.simulation.fidelity import FIDELITIES, Fidelity
-from rope_model.simulation.mesh import Partition, partition
-from rope_model.simulation.paths import EndPath
+from rope_model.simulation.mesh import partition
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.self_contact import overlap_of
-from rope_model.simulation.signal_table import SIGNALS
-from rope_model.simulation.signals import added_mass_signals, contact_signals, group_of
-from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest, RopeState
 from rope_model.simulation.statics import hanging_guess
-
-MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
-FIDELITY_NAMES = ("auto", "torsional", "spatial", "planar", "rigid")
-#: in the order of their numbers in C
-GROUPS_OF_SIGNALS = tuple(dict.fromkeys(map(group_of, SIGNALS)))
-#: groups that are computed where the equations are
-ELSEWHERE = (added_mass_signals, contact_signals)
 
 
 @given(angle=st.floats(-4.0, 4.0), last=st.floats(-100.0, 100.0))
@@ -211,132 +191,3 @@ def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int
         == leg_clearance(q, lengths, loop, 4.0, 0.044, 1.0)
         == math.inf
     )
-
-
-def any_rope(
-    hanging: tuple[float, ...],
-    seed: int,
-    phases: tuple[Phase, Phase],
-    modes: tuple[SwivelMode, SwivelMode],
-    fidelity: Fidelity = "torsional",
-) -> Any:
-    """What a RopeSimulator shows of itself, with any numbers in it that belong to no motion."""
-    q, lengths, s = sway(hanging, seed)
-    random = np.random.default_rng(seed + 1)
-    swivels = tuple(Swivel(mode, 0.1, 0.3, 0.2, 0.7) for mode in modes)
-    states = tuple(SwivelState(phase, *random.normal(size=2)) for phase in phases)
-    paths = tuple(
-        EndPath(start, start + 1.0, start + 1.0, tuple(map(tuple, random.normal(size=(4, 6)))))
-        for start in random.uniform(0, 2, 2)
-    )
-    v, a, b, a_rate, reaction = random.normal(size=(5, *q.shape))
-    offsets = tuple(random.normal(size=2))
-    state = RopeState(
-        motion=Motion(2.0, q, v, a, b, a_rate, 0.01, 100 * reaction),
-        partition=Partition(lengths),
-        offsets=offsets,
-        swivels=states,
-        paths=paths,
-        step_next=0.01,
-        calm_since=0.0,
-        last_interval=0.1,
-        force_mean=tuple(random.normal(size=2)),
-        loop_yaw=20 * random.normal(),
-        fidelity=fidelity,
-        fidelity_reason="",
-        energy_balance=EnergyBalance(*random.normal(size=11)),
-        given_up_since=random.normal(),
-        audit=Audit()._replace(**dict(zip(Audit._fields[5:], random.uniform(0, 3, 7), strict=True))),
-        counts=Counts(*map(int, random.integers(0, 2**40, 6))),
-        nearest=tuple(Nearest(*random.normal(size=5)) for _ in KINDS_OF_BODIES),
-        crossing=Crossing(*random.normal(size=4)),
-        guard=GuardState(*random.normal(size=3)),
-    )
-    shaft = Shaft(
-        Lining(8.0, 6.0, 0.3, *random.normal(size=2)),
-        Conveyance(*random.uniform(0.5, 2.0, 4)),
-        HeadRopes(0.05, 0.9),
-        *(
-            Divider(random.uniform(0.1, 0.5), y, random.normal(), random.normal(), part)
-            for y, part in zip(random.normal(-5.0, 10.0, 4), (0.0, 0.3, 0.7, 1.0), strict=True)
-        ),
-        Sump(-20.0),
-    )
-    scene = Scene(Rope(Qb=2.4e5, Qc=2.1e5), Layout(hanging[0]), *swivels, shaft=shaft)
-    strains = random.normal(size=(lengths.size, 3))
-    return SimpleNamespace(
-        scene=scene,
-        state=state,
-        loop=loop_bottom(q, lengths),
-        ends=HangingEnds(nominal_points(hanging[0]), paths, swivels, states, offsets),
-        system=SimpleNamespace(strains=lambda _: strains),
-        s=s,
-    )
-
-
-def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
-    """Values at their signals' numbers; NaN where the group leaves them alone."""
-    state, m, bottom = rope.state, rope.state.motion, CLoopBottom.of(rope.loop)
-    phases = (ct.c_int * 2)(*(x.phase.value for x in state.swivels))
-    signs, offsets, means = (np.array(x) for x in ([x.sign for x in state.swivels], state.offsets, state.force_mean))
-    paths = (PathStructure * 2)(*map(path_structure, state.paths))
-    audit = np.concatenate([np.ravel(x) for x in state.audit])
-    nearest, crossing = np.ravel(state.nearest), np.array(state.crossing)
-    guard = np.array([*state.guard[:3], *state.guard.since])
-    energy_balance, counts = np.array(state.energy_balance), np.array(state.counts, dtype=float)
-    arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
-    parts.arrays_of(m.q, m.v, m.a, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
-    parts.signals_by_members(
-        group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, offsets,
-        means, phases, signs, paths, energy_balance, counts, state.given_up_since, audit, nearest, crossing, guard,
-        arrays, rope.system.strains(m.q), bottom, values
-    )  # fmt: skip
-    assert np.isnan(values[-1])
-    return values[:-1]
-
-
-@given(
-    hanging=hangings,
-    seed=st.integers(0, 1000),
-    phases=st.tuples(*[st.sampled_from(Phase)] * 2),
-    modes=st.tuples(*[st.sampled_from(MODES)] * 2),
-    fidelity=st.sampled_from(FIDELITIES),
-)
-@settings(max_examples=60, deadline=None)
-def test_signals_are_the_same(
-    parts: SimpleNamespace,
-    hanging: tuple[float, ...],
-    seed: int,
-    phases: tuple[Phase, Phase],
-    modes: tuple[SwivelMode, SwivelMode],
-    fidelity: Fidelity,
-) -> None:
-    assume(hanging[-1] > 15 * hanging[3])
-    rope = any_rope(hanging, seed, phases, modes, fidelity)
-    computed = (function(rope) for function in GROUPS_OF_SIGNALS if function not in ELSEWHERE)
-    expected, ours = {name: value for values in computed for name, value in values.items()}, {}
-    for group in range(len(GROUPS_OF_SIGNALS)):
-        values = group_values(parts, group, rope)
-        ours |= {name: x for name, x in zip(SIGNALS, values, strict=True) if not np.isnan(x)}
-    assert ours.keys() == expected.keys()
-    # points along the rope: of the largest one's size, because invented values jump from element to element
-    size = {name.partition("[")[0]: rope.s[-1] for name in expected}
-    for name, value in expected.items():
-        if name.startswith(("shape.", "station.")):
-            size[name.partition("[")[0]] = max(abs(value), size[name.partition("[")[0]])
-    for name, value in expected.items():
-        atol = ROUNDING * size[name.partition("[")[0]]
-        assert_allclose(ours[name], value, rtol=ROUNDING, atol=atol, err_msg=name)
-
-
-def test_group_of_a_signal_holds_it(parts: SimpleNamespace) -> None:
-    rope = any_rope((2.0, 3.0, 0.1, 2.0, 120.0), 1, (Phase.SLIP, Phase.STICK), ("coulomb", "locked"))
-    for group, function in enumerate(GROUPS_OF_SIGNALS):
-        members = [name for k, name in enumerate(SIGNALS) if parts.signal_group(k) == group]
-        assert members == [name for name in SIGNALS if group_of(name) is function]
-        computed = ~np.isnan(group_values(parts, group, rope))
-        assert [name for name, is_there in zip(SIGNALS, computed, strict=True) if is_there] == (
-            [] if function in ELSEWHERE else members
-        )
-    for signal in (-1, len(SIGNALS), 10**6):
-        assert math.isnan(parts.rope_signal(parts.signals_rope(), signal))

@@ -95,17 +95,6 @@ needs_zig = pytest.mark.skipif("aarch64-darwin" not in available_platforms(), re
 
 @needs_zig
 @pytest.mark.slow
-def test_the_linkers_own_page_hashes_are_computed_again() -> None:
-    made = small(START, "aarch64-darwin")
-    _, first, slots, _, _ = signature(made)
-    right, there = page_hashes(made)
-    assert right == there
-    spoilt = made[:first] + bytes(32 * slots) + made[first + 32 * slots :]
-    assert with_page_hashes(spoilt) == made
-
-
-@needs_zig
-@pytest.mark.slow
 def test_what_is_written_into_is_signed_anew_alone_and_in_a_universal_library() -> None:
     shared = without_start(SOURCES, 4)
     pair = [library(shared, "start", name).read_bytes() for name in ("x86_64-darwin", "aarch64-darwin")]

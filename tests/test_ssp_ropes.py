@@ -1,7 +1,5 @@
 """A hoist with several ropes that differ as one SSP: what is connected, how it moves, and what is refused."""
 
-from __future__ import annotations
-
 import functools
 import json
 import subprocess

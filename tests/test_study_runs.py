@@ -4,9 +4,6 @@ import json
 import math
 import os
 import signal
-import subprocess
-import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -268,37 +265,3 @@ def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Clien
     assert table["fidelity"][0] == "planar"
     record = json.loads((tmp_path / "out" / "runs" / f"{table['key'][0]}.json").read_text())
     assert record["data"]["winding"]["travel"] == 0.2
-
-
-COMMAND = """
-import argparse, sys
-from hoist_demo.command_line.study import add_study
-
-parser = argparse.ArgumentParser()
-add_study(parser.add_subparsers())
-options = parser.parse_args()
-sys.exit(options.run(options))
-"""
-
-
-@pytest.mark.slow
-def test_killed_study_goes_on_where_it_was(tmp_path: Path, fmu_of: Callable[[str], Path]) -> None:
-    file, out = tmp_path / "STUDY.toml", tmp_path / "out"
-    file.write_text(
-        f'study.fmu = "{fmu_of("draft")}"\n{SHORT}[vary]\ngains.speed = {[1e5 + 1e4 * k for k in range(12)]}'
-    )
-    command = [sys.executable, "-c", COMMAND, "study", str(file), "--out", str(out), "--workers", "2"]
-    process = subprocess.Popen(command, start_new_session=True)
-    while process.poll() is None and len(list(out.glob("runs/*.json"))) < 4:
-        time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
-    before = {path.name: path.stat().st_mtime_ns for path in out.glob("runs/*.json")}
-    assert 4 <= len(before) < 12
-
-    again = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert f"{len(before)} of 12 runs are there already" in again.stdout
-    after = {path.name: path.stat().st_mtime_ns for path in out.glob("runs/*.json")}
-    assert len(after) == 12
-    assert {name: after[name] for name in before} == before
-    assert pd.read_parquet(out / "results.parquet")["status"].tolist() == ["completed"] * 12

@@ -18,8 +18,6 @@ Rounding of the clock is part of the comparison, because the rope's axial waves 
 digit of a time: fmpy counts t_k = k H, libcosim whole nanoseconds, both with h = t_k+1 - t_k; ecos adds up t += H.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import sys
