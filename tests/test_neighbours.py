@@ -1,17 +1,14 @@
 """Ropes side by side that press each other: the law, action and reaction, balances, a wall midway, groups."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import numpy as np
 import pytest
+from contact_scenes import GAP, SCENE, STIFFNESS, Alone, against_a_wall, exact_force, off_the_wall, striking, swinging
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
-from evidence.contact.crossed import exact_force
-from evidence.contact.neighbours import GAP, SCENE, STIFFNESS, Alone, against_a_wall, off_the_wall, striking, swinging
 from rope_model import BalanceRope, EndMotion, Neighbours
 from rope_model.parameters import Model, Rope, Scene, Solver
 from rope_model.physics.contact import ONSET

@@ -1,7 +1,5 @@
 """Contact of the rope with itself: the law, the coupled Newton's method, both forms of the rope in it."""
 
-from __future__ import annotations
-
 import math
 from copy import copy
 from dataclasses import replace
@@ -9,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from contact_scenes import crossing, force_error
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
-from evidence.contact.crossed import crossing, force_error
 from rope_model import BalanceRope, EndMotion, Status, balance_rope
 from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
