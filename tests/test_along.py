@@ -8,15 +8,13 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, smooth_trip, wound
 
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Stations, rope_120
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Stations
 from rope_model.physics.estimates import loop_width, natural_width
-from rope_model.simulation.diagnostics import interpolate_midpoints, shape, shape_places, tension
+from rope_model.simulation.diagnostics import shape, shape_places
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.paths import EndMotion
-from rope_model.simulation.rope_system import ANGLE, SLOPE, Array, arc_lengths
 from rope_model.simulation.signal_table import SHAPE_POINTS
 from rope_model.simulation.simulator import RopeSimulator
-from rope_model.simulation.transfer import interpolate
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 #: 30 m rope; its mesh is transformed on the way
@@ -150,38 +148,3 @@ def test_stations_of_a_part_are_those_of_the_whole_there() -> None:
     part = move(SHORT.with_(station=Stations(first=0.25, last=0.75)), 130)
     for name in ("tension", "curvature", "torque"):
         assert_allclose(station(part, name)[::2], station(whole, name)[20:61], rtol=1e-9)
-
-
-def test_in_the_loop_balance_and_middles_err_less_than_the_cubic_itself() -> None:
-    """By tension, N, and bending stress, MPa, of a rope-120 at rest: against the level reference."""
-    ropes = [RopeSimulator(rope_120(level).scene) for level in ("standard", "reference")]
-    for rope in ropes:
-        assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
-    data, gravity = ropes[0].scene.rope, ropes[0].scene.layout.gravity
-    q, lengths = ropes[0].state.motion.q, ropes[0].state.partition.lengths
-    middles = arc_lengths(lengths)[:-1] + 0.5 * lengths
-    loop = np.abs(middles - ropes[0].loop.s) < 4.0
-    # on each element of the loop, at 50 places
-    at = (middles[loop, None] + lengths[loop, None] * np.linspace(-0.49, 0.49, 50)).ravel()
-    own, exact = (cubic(rope, at) for rope in ropes)
-    balance, tensions = (
-        tension(x.state.motion, x.state.partition.lengths, at, data.mass_per_length, gravity) for x in ropes
-    )
-    law = data.Qa * own[0] + data.Qb * np.repeat(np.diff(q[:, ANGLE]) / lengths, 50).reshape(-1, 50)[loop].ravel()
-    assert 180.0 < np.abs((law - tensions).reshape(-1, 50).mean(axis=1)).max() < 200.0
-    assert np.abs(balance - tensions).max() < 0.5
-    stress = 32e-6 * data.EI / SECTION
-    rms = np.zeros(lengths.size)
-    rms[loop] = np.sqrt(np.square(own[1]).reshape(-1, 50).mean(axis=1))
-    within = (at > middles[loop][0]) & (at < middles[loop][-1])
-    errors = (own[1] - exact[1])[within], (interpolate_midpoints(rms, lengths, at) - exact[1])[within]
-    assert stress * own[1].max() == pytest.approx(28.0, rel=0.01)
-    assert [stress * np.abs(error).max() for error in errors] == pytest.approx([2.3, 0.4], rel=0.1)
-
-
-def cubic(rope: RopeSimulator, s: Array) -> tuple[Array, Array]:
-    """Axial strain and curvature of the interpolated centre line at ``s``."""
-    q, nodes, small = rope.state.motion.q, arc_lengths(rope.state.partition.lengths), 1e-5
-    before, d, after = (interpolate(q, nodes, s + x)[:, SLOPE] for x in (-small, 0.0, small))
-    stretch = np.linalg.norm(d, axis=1)
-    return stretch - 1, np.linalg.norm(np.cross(d, (after - before) / (2 * small)), axis=1) / stretch**2

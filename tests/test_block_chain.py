@@ -205,24 +205,6 @@ def test_portable_kernels_survive_saving_and_loading_to_the_bit(tmp_path: Path) 
         np.testing.assert_array_equal(ours, reference)
 
 
-def test_a_library_that_does_not_load_is_passed_over_with_a_warning(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # as on a machine without a compiler
-    monkeypatch.setattr(kernels, "find_compiler", lambda: None)
-    monkeypatch.setattr("rope_model.simulation.rope_kernels.find_compiler", lambda: None)
-    portable = write_bundle(2, tmp_path, [("torsional", ())])[0]
-    library = tmp_path / f"torsional-2-{kernels.platform_tag()}{kernels.LIBRARY_SUFFIX}"
-    library.write_bytes(b"not a library")
-    with caplog.at_level(logging.WARNING, logger=kernels.__name__):
-        k = RopeKernels(2, "auto", tmp_path)
-    assert portable.exists()
-    assert k.form == "portable"
-    assert library.name in caplog.text
-    x = random_chain(2, 3)
-    np.testing.assert_array_equal(k.newton_step(*x.values())[0], RopeKernels(2, "portable").newton_step(*x.values())[0])
-
-
 @needs_compiler
 def test_a_bundle_brings_its_library_along(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture

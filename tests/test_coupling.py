@@ -26,7 +26,7 @@ from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
 from hoist_demo.cosimulation.schemes.extrapolation import extrapolation_coefficients
 from hoist_demo.cosimulation.schemes.gauss_seidel import GaussSeidel, ImpulsePreserving
-from hoist_demo.cosimulation.schemes.interface import Load, Sample, Scheme
+from hoist_demo.cosimulation.schemes.interface import Sample, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
 from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
@@ -206,16 +206,6 @@ def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float)
     assert host.stability.growth < MARGIN
 
 
-def test_a_sample_time_is_a_multiple_of_the_step_or_a_part_of_it() -> None:
-    few, many = Coupling(step=0.01, sample=0.04), Coupling(step=0.02, sample=0.005)
-    assert (few.per_sample, few.per_step, few.period) == (4, 1, 0.04)
-    assert (many.per_sample, many.per_step, many.period) == (1, 4, 0.02)
-    with pytest.raises(ValueError, match=r"sample = 0\.025 must be a multiple"):
-        Coupling(step=0.01, sample=0.025)
-    with pytest.raises(ValueError, match=r"sample = 0\.015 must be a multiple"):
-        Coupling(step=0.02, sample=0.015)
-
-
 # failures
 
 
@@ -342,13 +332,6 @@ def test_rollback_and_resuming_through_the_fmu_are_bit_identical(tmp_path: Path,
     assert done.returncode == 0, done.stderr[-2000:]
     assert done.stdout == "", "library code must not print"
     assert not any(scratch.iterdir()), "what is unpacked goes with the process"
-
-
-def test_load_through_has_its_mean_and_ends() -> None:
-    load = Load.through(np.array([1.0]), np.array([3.0]), np.array([2.0]))
-    s = (np.arange(1000) + 0.5) / 1000
-    assert_allclose([load.at(0.0)[0], load.at(1.0)[0]], [1.0, 2.0], rtol=1e-12)
-    assert_allclose(np.mean([load.at(x)[0] for x in s]), 3.0, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("solver", "warned"), [(Solver(step_max=0.0025), True), (Solver(), True), (EVEN, False)])

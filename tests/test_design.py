@@ -38,12 +38,6 @@ def test_shaped_trip_leaves_the_mode_at_rest(kind: str) -> None:
     assert swing_after(shape(plain, shaper), 0.9, 0.1) < 1e-6 * swing_after(plain, 0.9, 0.1)
 
 
-def test_zvd_forgives_a_wrong_frequency_where_zv_does_not() -> None:
-    plain = s_curve(TRIP)
-    left = {kind: swing_after(shape(plain, Shaper(kind, 0.9, 0.0)), 0.97, 0.0) for kind in ("ZV", "ZVD")}
-    assert left["ZVD"] < 0.2 * left["ZV"]
-
-
 def test_shaped_trip_is_the_convolution_at_any_time() -> None:
     plain, shaper = s_curve(TRIP), Shaper("ZVD", 1.3, 0.05)
     shaped = shape(plain, shaper)
@@ -101,13 +95,6 @@ def test_optimised_trip_keeps_the_limits_and_arrives() -> None:
     assert rows[-1, :3] == pytest.approx([SHORT.travel, 0.0, 0.0], abs=1e-4)
 
 
-@pytest.mark.slow
-def test_price_of_swing_buys_rest_with_time() -> None:
-    cheap = optimise(Hoist(), SHORT, Gains(), TrajectoryOptions(intervals=60, swing_price=1e-6))
-    dear = optimise(Hoist(), SHORT, Gains(), TrajectoryOptions(intervals=60, swing_price=10.0))
-    assert cheap.duration < dear.duration
-
-
 def test_search_finds_the_minimum_of_a_bowl_past_failing_points() -> None:
     goal = np.array([0.3, 0.8])
 
@@ -137,13 +124,3 @@ def test_search_without_a_point_within_its_bounds_comes_nearest() -> None:
     found = search(slope, 1, PLAN)
     assert not found.judged[found.best].kept
     assert found.points[found.best] == pytest.approx([1.0], abs=1e-2)
-
-
-def test_an_interrupted_search_ends_and_tells_why() -> None:
-    def fails_late(points: np.ndarray) -> list[Judged]:
-        if len(points) == 1:
-            raise OSError("the cluster is gone")
-        return [Judged(float(x[0])) for x in points]
-
-    with pytest.raises(OSError, match="the cluster is gone"):
-        search(fails_late, 2, PLAN)

@@ -3,12 +3,10 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import balance_rope
-from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
 from hoist_demo.duty.schedule import Schedule, read_schedule
 from hoist_demo.duty.state import read_state, write_state
@@ -65,21 +63,6 @@ def test_a_trip_begins_with_what_the_one_before_has_left(tmp_path: Path) -> None
         assert after[name][0] == before[name][-1]
     # and that is no rest
     assert abs(after["loop.x"][0] - before["loop.x"][0]) > 0.05
-
-
-@pytest.mark.slow
-def test_trips_between_which_all_has_faded_are_those_from_rest(tmp_path: Path) -> None:
-    # a rigid rope has nothing to swing with, and the conveyances' swing fades as exp(-2 pi 0.03 f t) with f above 1 Hz
-    schedule = schedule_of(tmp_path, fidelity="rigid", settle=80.0, travel=90.0)
-    trips = wound(schedule)
-    for trip in trips:
-        run = trip.data
-        single = Host(rope_of(schedule), run.hoist, run.winding, run.coupling, run.gains).run().recording
-        found = trip.result.recording
-        # up to where the payload begins to change
-        rows = np.arange(single.time.size) * run.coupling.sample_time < trip.result.trajectory.duration + 15.0
-        for name, scale in (("conveyance.left.y", 90.0), ("conveyance.right.vy", 8.0), ("left.fy", 8000.0)):
-            assert_allclose(found[name][rows], single[name][rows], rtol=0.0, atol=1e-6 * scale)
 
 
 def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:

@@ -171,20 +171,6 @@ def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> Non
         assert error < force_error(scene, ropes[1].state.fidelity, expected_travel(ends_at(0.0)))
 
 
-def test_slack_rope_stops_the_rigid_fidelity_with_a_message() -> None:
-    rope = start(EVEN, fidelity="rigid")
-    for k in range(1, 20):
-        advance(rope, k)
-    before = rope.save()
-    # both conveyances fall faster than the rope: 0.5 g more within the step
-    left, right = (replace(end, ay=end.ay - 15.0) for end in ends_at(0.2))
-    status = rope.advance_to(0.2, left, right)
-    assert not status.valid
-    assert "goes slack" in status.message
-    assert "model.fidelity" in status.message
-    assert rope.save() == before
-
-
 @pytest.mark.parametrize(
     ("fidelity", "motion", "name"),
     [

@@ -221,12 +221,6 @@ def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
     assert ("shape.tension" in fmu.files["documentation/index.html"].decode()) == ("shape" in groups)
 
 
-def test_choices_say_what_they_mean(fmu: Archive) -> None:
-    items = list(fmu.root.iter("Item"))
-    assert len(items) == (14 if fmu.fmi == 3 and not fmu.kind.startswith("drive") else 0)
-    assert all(item.get("description") for item in items)
-
-
 def test_reader_finds_documentation_licence_and_picture(fmu: Archive) -> None:
     page = fmu.files["documentation/index.html"].decode()
     assert page.startswith("<!DOCTYPE html>")

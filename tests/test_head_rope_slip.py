@@ -13,8 +13,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive.plant import LOSS_NAMES, HoistPlant, PlantInput, PlantState, energy_residual
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake, Lining, Play, Shaft
-from hoist_demo.recording.slip import Slip, largest_ratio, slip, told_of_slip
-from hoist_demo.recording.time_series import Recording
+from hoist_demo.recording.slip import slip
 
 HOISTS = {
     "plain": Hoist(lining=Lining(), brake=Brake(torque=8e5)),
@@ -145,24 +144,3 @@ def test_a_run_goes_on_in_the_middle_of_a_slip_with_the_same_bits(tmp_path: Path
     resumed = host().run(resume=kept).recording
     for name in ("drive.slip", "drive.tension_ratio", "conveyance.left.y", "left.fy"):
         np.testing.assert_array_equal(resumed[name], whole[name])
-
-
-def test_a_stop_is_told_with_way_and_speed_of_the_slip() -> None:
-    time = np.arange(5.0)
-    signals = {"time": time, "drive.slip": np.array([0.0, 0.0, 0.5, 0.25, 0.25])}
-    recording = Recording(signals | {"drive.slip_speed": np.array([0.0, 0.0, 0.75, -0.5, 0.0])}, {})
-    assert slip(recording) == Slip(t=1.0, way=0.75, net=0.25, speed=0.75, duration=2.0, last=0.0)
-    assert told_of_slip(recording) == (
-        "; the head ropes slipped 0.75 m on the sheave from t = 1 s on, at up to 0.75 m/s"
-    )
-    early = Recording({name: values[:4] for name, values in recording.signals.items()}, {})
-    assert told_of_slip(early).endswith(", at up to 0.75 m/s, and still slip at 0.5 m/s when it ends")
-    assert slip(Recording({"time": time, "drive.slip": 0.0 * time, "drive.slip_speed": 0.0 * time}, {})) is None
-
-
-def test_ropes_that_slipped_between_two_samples_had_no_friction_left() -> None:
-    hoist, held = Hoist(lining=Lining()), np.zeros(4)
-    signals = {"time": np.arange(4.0), "drive.tension_ratio": np.array([1.4, 1.6, 1.9, 1.7])}
-    for way, safety in ((held, (hoist.tension_ratio_limit - 1.0) / 0.9), (np.array([0.0, 0.0, 0.5, 0.5]), 1.0)):
-        recording = Recording(signals | {"drive.slip": way, "drive.slip_speed": held}, {})
-        assert hoist.slip_safety(largest_ratio(recording, hoist.tension_ratio_limit)) == safety

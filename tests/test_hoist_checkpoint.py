@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from hoist_demo.control.controller import Command, Controller, Measurement, SpeedController
+from hoist_demo.control.controller import Command, Controller, Measurement
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
@@ -22,7 +22,6 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.plain_data import decode, encode
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.parameters.components import Brake
 
 TRIP = Winding(travel=0.5, settle=0.0, start_delay=0.0)
 
@@ -105,19 +104,6 @@ def test_a_controller_that_samples_within_the_step_resumes_to_the_same_bits(tmp_
     assert_the_same(wind(Filtered, resume=kept, coupling=coupling), whole)
     with pytest.raises(ValueError, match=r"must be of the same .*period is 0\.02 there"):
         wind(Filtered, resume=kept, coupling=Coupling(step=0.01))
-
-
-def test_a_regulated_emergency_stop_resumes_in_its_midst(tmp_path: Path) -> None:
-    hoist = Hoist(brake=Brake())
-    stop: dict[str, Any] = {"emergency_at": 3.0, "emergency_law": "deceleration", "emergency_deceleration": 1.0}
-    winding = Winding(travel=20.0, settle=0.0, start_delay=0.0, **stop)
-    scene: dict[str, Any] = {"hoist": hoist, "winding": winding}
-    whole = wind(SpeedController, **scene)
-    stopped = wind(SpeedController, 4.0, tmp_path / "kept.npz", **scene)
-    assert stopped.saved is not None
-    kept = Checkpoint.read(stopped.saved)
-    assert kept.controller.brake is not None
-    assert_the_same(wind(SpeedController, resume=kept, **scene), whole)
 
 
 class Hoarder:

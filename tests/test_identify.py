@@ -13,7 +13,6 @@ from hoist_demo.calibration.definition import read_known, read_measured
 from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import FOLLOWING, Bench, Measurement, Trial
-from hoist_demo.calibration.rope_file import write_rope_file
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.settings import rope_values
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
@@ -100,30 +99,6 @@ def test_the_swing_is_that_of_the_reference() -> None:
     assert_allclose(trial.frequencies("in plane", 0.0, 0.0)[:2], [0.07759, 0.11735], rtol=5e-3)
 
 
-SWINGING = """[rope]
-construction = "34x7"
-diameter = 0.046
-length = 60.0
-[known]
-mass_per_length = 8.3
-axial_stiffness = 9e7
-torque_factor = 0.0
-torsional_stiffness = 900.0
-[sought]
-air.drag = { low = 0.3, high = 3.0 }
-[fixed]
-air.density = 1.25
-[[measured]]
-what = "track"
-name = "camera"
-signal = "loop.x"
-left_y = 0.0
-right_y = 20.0
-travel = 20.0
-speed = 4.0
-"""
-
-
 def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
     bench = Bench(rope("34x7", diameter=0.046, length=30.0), Scene())
     trip = {"travel": (4.0,), "speed": (2.0,), "acceleration": (0.75,), "jerk": (0.5,)}
@@ -136,23 +111,6 @@ def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
     *places, swept = bench.predict(np.full(5, 0.5), plan)
     assert swept > 0.05
     assert_allclose(swept, np.ptp(places))
-
-
-@pytest.mark.slow
-def test_a_track_of_the_swinging_loop_tells_bending_and_the_drag_of_the_air(tmp_path: Path) -> None:
-    times = [9.0 + 0.75 * k for k in range(20)]
-    text = SWINGING + f"t = {times}\nsigma = 0.001\n"
-    plan = read_measured(written(tmp_path, f"{text}value = {[0.0] * len(times)}\n"), PARAMETERS_KNOWN)
-    truth = np.array([0.4, 0.6])
-    values = plan.bench.predict(truth, plan.measurements) + 0.001 * np.random.default_rng(3).standard_normal(len(times))
-    found = identify(read_measured(written(tmp_path, f"{text}value = {values.tolist()}\n"), PARAMETERS_KNOWN))
-    assert found.names == ("bending_stiffness", "air.drag")
-    assert all(found.told(name) for name in found.names)
-    # the true values lie within the intervals, three standard errors either way at most
-    assert (np.abs(found.fit.shares - truth) <= 3.0 / REACH * 0.5 * np.ptp(found.intervals, axis=1)).all()
-    made = write_rope_file(found, tmp_path / "rope.toml")
-    assert file_statuses(made)["air.drag"] == "calibrated"
-    assert_allclose(rope_values(made, Catalogue(PARAMETERS_KNOWN))["air.drag"], found.value("air.drag"), rtol=1e-5)
 
 
 def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -302,16 +302,3 @@ def test_a_transformed_mesh_keeps_the_direction() -> None:
         assert one[name] == pytest.approx(other[name], rel=0.01), name
     energy = tmn.state.energy_balance
     assert abs(energy.transformations) < 1e-3 * energy.strain
-
-
-def test_only_the_complete_model_has_it() -> None:
-    of = uncoupled(0.0)
-    rope = hung(of.with_(model=Model("auto")))
-    assert rope.fidelity == "torsional"
-    assert "permanent curvature of 0.3 1/m" in rope.fidelity_reason
-    assert "permanent" not in hung(uncoupled(0.0, 0.0).with_(model=Model("auto"))).fidelity_reason
-    planar = hung(of.with_(model=Model("planar")))
-    assert "no torsion and no permanent curvature" in planar.warnings()["neglected_effects"]
-    assert_allclose(
-        planar.state.motion.q, hung(uncoupled(0.0, 0.0).with_(model=Model("planar"))).state.motion.q, atol=0
-    )

@@ -167,37 +167,6 @@ def error(found: np.ndarray, exact: np.ndarray) -> float:
     return max(np.abs(found[:, k] - np.interp(found[:, 0], exact[:, 0], exact[:, k])).max() for k in (1, 2))
 
 
-@native_only
-@pytest.mark.parametrize("at_end", [False, True])
-@pytest.mark.parametrize("fidelity", [1, 4])
-def test_trip_after_a_long_step_of_rest_has_the_forces_of_even_steps(host: Host, fidelity: int, at_end: bool) -> None:
-    # steps as long as the host's: what a rest takes of the accuracy asked would end in others
-    parameters = {"model.fidelity": fidelity, "inputs_at_step_end": at_end}
-    parameters |= {"solver.tolerance": 1e6, "solver.newton_tolerance": 1e-7}
-    H = 0.01
-
-    def trip_after(rests: Steps) -> np.ndarray:
-        host.call("Reset")
-        host.start(**parameters)
-        rest = 0.0
-        for t, h in rests:
-            give(host, 0.0)
-            assert host.step(t, h) == ""
-            rest = t + h
-        rows = []
-        for t, h in LOOPS["counting"](H, 0.5):
-            give(host, t + h if at_end else t)
-            assert host.step(rest + t, h) == ""
-            rows.append(host.get(*FORCES))
-        return np.array(rows)
-
-    even = trip_after(LOOPS["counting"](0.1, 0.1))
-    for rest in (5.0, 20.0, 60.0):
-        found = trip_after(iter([(0.0, rest)]))
-        # what Newton's method leaves of the equilibrium dies away in the rest: 1e-7 of the end force
-        assert_allclose(found, even, rtol=0, atol=1e-3)
-
-
 def extrapolation_error() -> float:
     """N, of the end force while the longest leg follows the trip extrapolated in steps up to LONGEST."""
     return float(2 * MISSED[2] * JERK * LONGEST * MASS_PER_LENGTH * 0.5 * (rope_120().scene.rope.length + TRAVEL))

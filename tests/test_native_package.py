@@ -8,7 +8,6 @@ import subprocess
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from xml.etree import ElementTree
 
 import fmpy
 import pytest
@@ -43,17 +42,6 @@ def test_other_descriptions_follow_their_schemas(fmi: int, fmus: dict[int, Path]
     with zipfile.ZipFile(fmus[fmi]) as archive:
         document = etree.fromstring(archive.read(name))
     etree.XMLSchema(file=str(SCHEMAS / schema)).assertValid(document)
-
-
-def test_terminals_have_all_motions_and_forces_of_their_ends(fmi: int, fmus: dict[int, Path]) -> None:
-    names = {v.name for v in fmpy.read_model_description(str(fmus[fmi])).modelVariables}
-    with zipfile.ZipFile(fmus[fmi]) as archive:
-        root = ElementTree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
-        assert {f"terminalsAndIcons/{t.get('iconBaseName')}.png" for t in root.iter("TerminalGraphicalRepresentation")}
-    for terminal in root.iter("Terminal"):
-        members = [member.get("variableName") for member in terminal.iter("TerminalMemberVariable")]
-        assert len(members) == 11 + 6
-        assert set(members) <= names
 
 
 def test_same_sources_give_the_same_bytes_and_other_start_values_another_token(

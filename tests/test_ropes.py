@@ -12,7 +12,7 @@ from rope_groups import CASE, KNOWN, Weight, rope
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope, between
 from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.recording.neighbours import polygon_distance
@@ -158,37 +158,6 @@ def test_the_ends_of_a_halved_step_lie_on_a_path_between_its_own() -> None:
     rates = (far - near) / (2.0 * size)
     # rounding over the difference, and its square times a third derivative of some 1e4
     assert_allclose(rates[[*range(6), 9]], at[[*range(3, 9), 10]], atol=1e-5)
-
-
-def crowded() -> tuple[RopeGroup, Reader, float]:
-    """Two ropes that press each other, of which the second breaks after 0.8 s; how to read them, and when it is."""
-    pair = rope(contact_rope_stiffness=1e6), rope(-KNOWN, contact_rope_stiffness=1e6)
-    ropes = touching(pair[0], BreakingRope(pair[1], 8.0, 120.0, Break(0.795, 30.0)), apart=0.03)
-    read, t = ropes.reader(["neighbours.rope1.rope2.force", "left.fy", "rope1.loop.yaw"]), 0.0
-    assert ropes.initialize(0.0, *at_height(0.0)).valid
-    while read()[0] < 1.0:
-        t = wait(ropes, t, 1)
-        assert t < 0.7
-    return ropes, read, t
-
-
-def wait(ropes: RopeGroup, t: float, steps: int) -> float:
-    for k in range(steps):
-        status = ropes.step(t + 0.02 * k, 0.02, *at_height(0.0))
-        assert status.valid, status.message
-    return t + 0.02 * steps
-
-
-@pytest.mark.slow
-def test_a_rope_that_breaks_leaves_its_neighbour_alone() -> None:
-    ropes, read, t = crowded()
-    while t < 0.85:
-        t = wait(ropes, t, 1)
-    force, pull, yaw = read()
-    assert force == 0.0
-    assert math.isfinite(yaw)
-    # one leg of 15 m, and what is left of the other rope: as much, for its break is below the loop
-    assert pull == pytest.approx(-2 * 8.0 * 15.0 * GRAVITY, rel=0.2)
 
 
 # a rope that breaks

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scenes import past_each_other
 
 from rope_model import balance_rope
-from rope_model.parameters import Mesh, Model, Rope, Scene, Solver
+from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions
 from rope_model.physics.wire_element import LATEST, wire_functions
 from rope_model.physics.wire_friction import MEMORY, Slid, section_at, slide, slip_curvature, wire_stiffness
@@ -248,15 +248,6 @@ def test_both_forms_take_the_same_steps() -> None:
     assert other.energy_balance.dissipated_wires > 0
     assert_allclose(one.errors.place, other.errors.place, rtol=1e-6)
     assert_allclose(one.errors.squares, other.errors.squares, rtol=1e-6)
-
-
-@pytest.mark.parametrize("form", ["python", "native"])
-def test_without_torsion_wires_feel_no_turn_of_the_ends(form: Any) -> None:
-    spatial = [scene(installed_twist=twist).with_(model=Model("spatial")) for twist in (0.0, 1.0)]
-    straight, twisted = (wound(of, form, 8).state for of in spatial)
-    # rounding, from the search for rest
-    assert_allclose(twisted.motion.q[:, :6], straight.motion.q[:, :6], rtol=0.0, atol=1e-12)
-    assert_allclose(twisted.hysteresis, straight.hysteresis, rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("form", ["python", "native"])
