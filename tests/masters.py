@@ -53,3 +53,10 @@ def random_steps(seed: int, T: float, shortest: float, longest: float) -> Steps:
             h = random.uniform(0.25 * longest, longest)
         yield t, h
         t += h
+
+
+#: the trip that the loops wind, and what the path of its ends may miss in any steps
+MISSED = np.array([0.27, 0.62, 3.4])
+TRAVEL, DURATION = 90.0, 25.0
+#: m/s^3, of the trip at its start
+JERK = 60 * TRAVEL / DURATION**3

@@ -1,6 +1,7 @@
 """Scenes and prescribed motions that several tests wind."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -69,6 +70,17 @@ def wound(rope: BalanceRope, motion, steps: int, step: float = 0.01, first: int 
         status = rope.advance_to(k * step, *motion(k * step))
         assert status.valid, status.message
     return rope
+
+
+def stations(rope: BalanceRope, steps: int) -> Iterator[BalanceRope]:
+    """The rope of 30 m each 10 ms while both ends move, the left one sideways too."""
+    assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
+    yield rope
+    for k in range(1, steps + 1):
+        t = 0.01 * k
+        left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
+        assert rope.advance_to(t, left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)).valid
+        yield rope
 
 
 @dataclass(frozen=True)

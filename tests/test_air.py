@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import EndMotion, balance_rope
 from rope_model.numerics import kernels
-from rope_model.parameters import Accuracy, Mesh, Rope, Scene, Solver
+from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.physics.air import AirLaw, air_law
 from rope_model.physics.air_element import AIR_BALANCE, air_element, air_functions
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity, element_functions
@@ -84,7 +84,6 @@ def test_the_bow_gives_a_rigid_leg_the_impulse_of_its_pulse() -> None:
 
 #: a gallery's flow, and one that has an upper end only
 GALLERY = air_law(Air(density=1.2, vx=3.0, vy=2.0, vz=-4.0, cross_y=-11.0, cross_height=4.3), 0.044, 2.0)
-BELOW = air_law(Air(density=1.2, vx=3.0, cross_y=-1011.0, cross_height=2000.0), 0.044, 2.0)
 
 
 def upright(law: AirLaw, top: float, l: float) -> dict[str, float]:
@@ -107,11 +106,6 @@ def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(l: float,
     assert_allclose([one["air_fz"] for one in sums], -4.0 * side, rtol=missed)
     # at the gallery's height on average
     assert np.mean([one["air_mz"] for one in sums]) == pytest.approx(11.0 * 3.0 * side, rel=missed)
-
-
-def test_a_flow_with_one_end_blows_all_along_below_it() -> None:
-    found = upright(BELOW, 18.0, 1.0)["air_fx"]
-    assert found == pytest.approx(BELOW.factor * 9.0 * (60.0 - 18.0 - 11.0), rel=1e-3)
 
 
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
@@ -254,26 +248,3 @@ def test_a_leg_hangs_aside_below_a_gallery() -> None:
     aside -= f * h / weight * np.sqrt(rope.EI / weight)
     assert hung.signals()["loop.z"] == pytest.approx(aside, rel=0.01)
     assert hung.signals()["left.fz"] + hung.signals()["right.fz"] == pytest.approx(2 * f * h, rel=1e-3)
-
-
-def pushed(t: float) -> tuple[EndMotion, EndMotion]:
-    """The left conveyance rises along the right leg, from 3.5 m below the right one, which falls."""
-    left, right = (EndMotion(y=y * t**3, vy=3 * y * t**2, ay=6 * y * t) for y in (4.0, -1.0))
-    return left, replace(right, y=3.5 + right.y)
-
-
-def passed(buffet: float) -> Any:
-    """The state of the rope of `scene` a second later, in thick air."""
-    air, accuracy = Air(density=20.0, buffet=buffet, buffet_length=2.0), Accuracy(end_force=1e-4, loop=1e-3)
-    rope = balance_rope(replace(scene(), accuracy=accuracy, shaft=Shaft(air=air)), "native")
-    return scenes.wound(rope, pushed, 100).state
-
-
-def test_what_a_passing_conveyance_does_is_in_the_balances() -> None:
-    pushed_rope, still = (passed(buffet) for buffet in (1.0, 0.0))
-    assert np.abs(pushed_rope.motion.q - still.motion.q)[:, :3].max() > 0.01
-    energy, before = pushed_rope.energy_balance, still.energy_balance
-    given = energy.given_to_air - before.given_to_air
-    assert given > 1
-    assert abs(energy.residual - before.residual) < 1e-3 * given
-    assert pushed_rope.audit.missing_force < 1e-3 * pushed_rope.audit.force

@@ -48,12 +48,6 @@ def test_links_lead_somewhere(path: Path) -> None:
     assert broken_links(path) == []
 
 
-def test_a_broken_link_is_seen(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    page.write_text("# Here\n[a](#here) [b](#there) [c](page.md#here) [d](none.md)\n", encoding="utf-8")
-    assert broken_links(page) == ["#there", "none.md"]
-
-
 def unknown_commands(text: str) -> list[str]:
     """Commands in a page's blocks without a language that no shell finds, in a checkout, where they stand."""
     found, active = [], False
@@ -72,12 +66,6 @@ def unknown_commands(text: str) -> list[str]:
 @pytest.mark.parametrize("path", COMMANDS, ids=[path.name for path in COMMANDS])
 def test_commands_are_found_where_they_stand(path: Path) -> None:
     assert unknown_commands(path.read_text(encoding="utf-8")) == []
-
-
-def test_a_command_that_is_not_found_is_seen() -> None:
-    page = "```\nbalance-rope demo\n.venv/bin/balance-rope demo\nno-such-command\n```\n"
-    page += "```\nsource .venv/bin/activate   # once\npython a.py\n```\n"
-    assert unknown_commands(page) == ["balance-rope demo", "no-such-command"]
 
 
 def test_every_page_is_in_the_site_s_navigation() -> None:

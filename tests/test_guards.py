@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from short_run import stations
+from scenes import stations
 
 from rope_model import BalanceRope, EndMotion, Guard, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Sump, balance_rope
 from rope_model.parameters import FidelityChoice

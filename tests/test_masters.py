@@ -18,8 +18,7 @@ import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS
-from master_trip import DURATION, JERK, MISSED, TRAVEL
-from masters import LOOPS, Steps
+from masters import DURATION, JERK, LOOPS, MISSED, TRAVEL, Steps
 from native_host import Host
 from numpy.testing import assert_allclose
 

@@ -92,14 +92,6 @@ def test_a_run_that_starts_late_goes_on_though_time_is_coarse(library: Library) 
     rope.free()
 
 
-@pytest.mark.slow
-def test_the_largest_rope_that_is_allowed_takes_bounded_time(libraries: dict[int, Library]) -> None:
-    rope = Instance(libraries[2])
-    status = rope.hang({"mesh.kind": 1, "mesh.elements": 20000, "right.y": 0.0, "inputs_at_step_end": 1})
-    assert status == OK or ";" in rope.said[-1]
-    rope.free()
-
-
 # states
 
 

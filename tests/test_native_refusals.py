@@ -5,7 +5,6 @@ import re
 from dataclasses import replace
 
 import pytest
-from numpy.testing import assert_allclose
 
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
@@ -28,22 +27,6 @@ def test_a_start_that_fails_says_the_same(scene: Scene, left: EndMotion, words: 
     assert statuses[0] == statuses[1]
     assert not statuses[0].valid
     assert words in statuses[0].message
-
-
-@pytest.mark.parametrize("scene", [Scene(), Scene(mesh=Mesh("tmn"))])
-def test_a_loop_close_to_an_end_hangs_alike(scene: Scene) -> None:
-    ropes = RopeSimulator(scene), NativeRope(scene)
-    assert all(rope.initialize(0.0, EndMotion(y=115.0), EndMotion()).valid for rope in ropes)
-    reference, native = (rope.state.motion for rope in ropes)
-    # what Newton's method of the statics leaves over
-    assert_allclose(native.q, reference.q, rtol=0, atol=1e-6)
-
-
-@pytest.mark.parametrize("t", [1e300, -1e11, math.nan])
-def test_a_start_too_far_from_zero_is_refused_alike(t: float) -> None:
-    statuses = [rope.initialize(t, EndMotion(), EndMotion()) for rope in (RopeSimulator(Scene()), NativeRope(Scene()))]
-    assert statuses[0] == statuses[1]
-    assert f"t = {t} s is out of range: it must be within 1e+10 s of 0" in statuses[0].message
 
 
 def test_an_advance_that_takes_too_many_steps_is_refused_alike(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,6 @@
 import hashlib
 import struct
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
@@ -16,7 +15,6 @@ from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, 
 from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import parts, universal, with_page_hashes
 from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
-from rope_model.native import build as rope_build
 from rope_model.native.platforms import prebuilt_file
 
 pytestmark = pytest.mark.skipif(host_platform() not in available_platforms(), reason="needs a C compiler")
@@ -64,15 +62,6 @@ def test_every_platform_has_one_place_for_start_values_and_takes_them(name: str)
     assert made.count(MAGIC) == 1
     assert with_start(made, Start("", (0.0,) * 4)) == fill(Start("", (0.0,) * 4), name)
     assert place % 8 == 0  # as the doubles need it
-
-
-def test_other_numbers_of_start_values_and_long_tokens_are_refused() -> None:
-    with pytest.raises(RuntimeError, match=r"takes 4 start values, not 3; delete it"):
-        with_start(fill(START), Start("", (0.0,) * 3))
-    with pytest.raises(RuntimeError, match="no one place"):
-        with_start(fill(START) + START.block(), START)
-    with pytest.raises(ValueError, match="65 bytes"):
-        with_start(fill(START), START._replace(token=65 * "x"))
 
 
 def signature(library: bytes) -> tuple[int, int, int, int, int]:
@@ -166,21 +155,3 @@ def test_a_library_of_the_package_is_taken_for_its_own_sources_only(no_compiler:
     for other in ({"a.c": "int b;"}, {"b.c": "int a;"}):
         with pytest.raises(ValueError, match=r"'x86_64-windows' cannot be built here.*'balance-rope\[compiler\]'"):
             library(other, "rope", "x86_64-windows")
-
-
-@pytest.fixture
-def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], Path]:
-    """A rope that would have to be compiled, without a compiler, in a package folder of its own."""
-    monkeypatch.setattr(rope_build, "_FOLDER", tmp_path)
-    monkeypatch.setattr(rope_build, "find_compiler", lambda: None)
-    monkeypatch.setattr(rope_build, "sources", lambda: {"rope.c": "int rope;"})
-    return rope_build.library.__wrapped__
-
-
-def test_the_rope_in_process_is_the_packages_where_it_fits(package: Callable[[], Path], tmp_path: Path) -> None:
-    with pytest.raises(RuntimeError, match=r"pip install 'balance-rope\[compiler\]'"):
-        package()
-    path = prebuilt_file(tmp_path, {"rope.c": "int rope;"}, "rope", host_platform())
-    path.parent.mkdir()
-    path.write_bytes(b"")
-    assert package() == path

@@ -1,10 +1,6 @@
 """`balance-rope ropes`: its file, what it leaves, what it refuses."""
 
 import csv
-import os
-import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +8,6 @@ import pytest
 from rope_groups import Weight
 
 import balance_rope
-from hoist_demo.command_line import ropes
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 from hoist_demo.recording.time_series import read_csv
@@ -63,35 +58,6 @@ def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: p
         (pair,) = csv.DictReader(file)
     assert 0.0 < float(pair["clearance [m]"]) < 0.4 - 0.044 + 1e-9
     assert (tmp_path / "signals.csv").is_file()
-
-
-@pytest.mark.parametrize("part", [0.0, 0.5])
-def test_an_interrupted_run_shows_how_far_it_is_and_leaves_what_was_recorded(
-    part: float, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    shown = list[float]()
-
-    @contextmanager
-    def impatient() -> Iterator[Callable[[float, float], bool]]:
-        def advance(fraction: float, t: float) -> bool:
-            shown.append(t)
-            if fraction >= part:
-                os.kill(os.getpid(), signal.SIGINT)
-            return True
-
-        yield advance
-
-    monkeypatch.setattr(ropes, "progress_bar", impatient)
-    path = tmp_path / "ropes.toml"
-    path.write_text(ROPES, encoding="utf-8")
-    assert balance_rope.main(["ropes", str(path), "--out", str(tmp_path)]) == 130
-    said = capsys.readouterr()
-    assert said.err == f"balance-rope: stopped: t = {shown[-1]:.6g} s: stopped by the user\n"
-    assert "ropes.csv, neighbours.csv, signals.csv" in said.out
-    time = read_csv(tmp_path / "signals.csv").time
-    np.testing.assert_allclose(time, [0.0, *shown[:-1]], atol=1e-9)
-    with (tmp_path / "ropes.csv").open(encoding="utf-8") as file:
-        assert [row["rope"] for row in csv.DictReader(file)] == ["one", "two"]
 
 
 def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

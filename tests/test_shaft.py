@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
-from short_run import stations
+from scenes import stations
 
 from hoist_demo.recording.passages import PASSAGE_SIGNALS, passages
 from hoist_demo.recording.time_series import Recording

@@ -186,23 +186,6 @@ def test_saved_state_continues_to_the_bit_over_a_transformation_and_a_release() 
     assert RopeState.from_bytes(data).to_bytes() == data
 
 
-def test_step_that_cannot_be_done_names_cause_and_cure_and_keeps_the_state() -> None:
-    rope = start(SHORT.with_(solver=Solver(tolerance=1e-14, step_min=2e-3)))
-    before = rope.save()
-    status = rope.advance_to(0.5, *ends_at(0.5))
-    assert not status.valid
-    assert "step_min = 0.002 s" in status.message
-    assert "what the accuracy allows" in status.message
-    assert rope.save() == before
-
-
-def test_rejected_steps_are_halved_and_retried() -> None:
-    rope = start(SHORT.with_(solver=Solver(step_max=0.25)))
-    assert rope.advance_to(0.25, *ends_at(0.25)).valid
-    assert rope.state.counts.rejections > 0
-    assert rope.state.step_next < 0.25
-
-
 def test_work_is_bounded() -> None:
     rope = start()
     wind(rope, 0, 550)

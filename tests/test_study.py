@@ -6,23 +6,32 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from studies import Read, reader
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
+from hoist_demo.study.definition import Study, read_study
 from hoist_demo.study.metrics import Arrival
 from hoist_demo.study.nested import Leaf, leaves, with_values
 from hoist_demo.study.reading import StudyError
 from hoist_demo.study.run import build
 from hoist_demo.study.sampling import Range, latin_hypercube
 
+Read = Callable[..., Study]
+
 
 @pytest.fixture
 def read(tmp_path: Path, fmu_of: Callable[[str], Path]) -> Read:
-    return reader(tmp_path, fmu_of("draft"))
+    """Reads the text of a study file, which it writes; with the draft FMU if none is given."""
+
+    def read(text: str, rope: Path = fmu_of("draft")) -> Study:
+        path = tmp_path / "STUDY.toml"
+        path.write_text(f'study.fmu = "{rope}"\n{text}', encoding="utf-8")
+        return read_study(path)
+
+    return read
 
 
 # the file

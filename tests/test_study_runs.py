@@ -12,7 +12,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from dask.distributed import Client
-from studies import Read, reader
+from test_study import Read
+from test_study import read as read
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.partners import Stopwatch
@@ -33,11 +34,6 @@ winding.settle = 0.3
 winding.start_delay = 0.1
 arrival.window = 0.2
 """
-
-
-@pytest.fixture
-def read(tmp_path: Path, fmu_of: Callable[[str], Path]) -> Read:
-    return reader(tmp_path, fmu_of("draft"))
 
 
 # metrics

@@ -12,7 +12,6 @@ from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends import HangingEnds, Phase, SwivelState
-from rope_model.simulation.events import locate
 from rope_model.simulation.model import RopeModel
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
@@ -171,25 +170,6 @@ def test_release_at_its_time_and_not_before() -> None:
     assert events
     assert_allclose(events[0].t, 0.5, rtol=0, atol=1e-12)
     assert all(event.t >= 0.5 for event in events)
-
-
-def test_a_search_for_an_event_that_fails_is_taken_up_again_with_a_shorter_step(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    data, trial, found = scene(left=STIFF_BEARING, right=Swivel()), RopeModel.trial, iter([1e-7] * 3)
-    _, expected = twist(data)
-
-    def fail(model: RopeModel, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
-        result = trial(model, system, old, h)
-        return replace(result, motion=None) if h == 1e-7 else result
-
-    monkeypatch.setattr(RopeModel, "trial", fail)
-    monkeypatch.setattr("rope_model.simulation.switching.locate", lambda *search: next(found, None) or locate(*search))
-    rope, events = twist(data)
-    assert rope.state.counts.rejections == 3
-    assert [event.what for event in events] == [event.what for event in expected]
-    # found on other steps
-    assert_allclose([event.t for event in events], [event.t for event in expected], rtol=0, atol=1e-4)
 
 
 @pytest.mark.parametrize("start", [0.0, 0.3, 3600.3])

@@ -89,17 +89,6 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "bending stiffness" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_why_windings_stopped_is_told_and_no_result_without_a_winding(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = written(tmp_path, SCENE.replace("[known]", "length = 50.0\n[known]"))
-    assert main(["uncertain", str(path), "--workers", "1", "--out", str(tmp_path)]) == 1
-    said = capsys.readouterr()
-    assert "in 8 of 8 windings: stopped: rope, at the start: the rope of 50 m cannot hang" in said.err
-    assert "nan" not in said.out
-    assert "nan" not in (tmp_path / "report.html").read_text(encoding="utf-8").lower().split("<body")[-1]
-
-
 @pytest.mark.parametrize(
     ("change", "problem"),
     [
