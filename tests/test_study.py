@@ -26,9 +26,9 @@ Read = Callable[..., Study]
 def read(tmp_path: Path, fmu_of: Callable[[str], Path]) -> Read:
     """Reads the text of a study file, which it writes; with the draft FMU if none is given."""
 
-    def read(text: str, rope: Path = fmu_of("draft")) -> Study:
+    def read(text: str, rope: Path | None = None) -> Study:
         path = tmp_path / "STUDY.toml"
-        path.write_text(f'study.fmu = "{rope}"\n{text}', encoding="utf-8")
+        path.write_text(f'study.fmu = "{rope or fmu_of("draft")}"\n{text}', encoding="utf-8")
         return read_study(path)
 
     return read
