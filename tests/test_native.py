@@ -1,6 +1,9 @@
 """The native rope against RopeSimulator: the same steps, the same events, the same numbers."""
 
 import math
+import os
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
@@ -139,6 +142,27 @@ def together(
 def lift(motions: Motions, by: float) -> Motions:
     """The same in another height: the same forces but for rounding."""
     return lambda t: tuple(replace(end, y=end.y + by) for end in motions(t))  # type: ignore[return-value]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif("OPTIMISING_CC" not in os.environ, reason="the tests have no C compiler of the system")
+def test_the_optimiser_does_not_change_a_bit() -> None:
+    """So the tests may compile with little of it."""
+    code = (
+        "from rope_model import EndMotion, balance_rope, rope_120\n"
+        "rope = balance_rope(rope_120().scene, 'native')\n"
+        "rope.initialize(0.0, EndMotion(), EndMotion(y=90.0))\n"
+        "for t in (0.02 * k for k in range(1, 51)): rope.advance_to(t, EndMotion(y=t**3), EndMotion(y=90.0))\n"
+        "print({name: value.hex() for name, value in rope.signals().items() if isinstance(value, float)})"
+    )
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", code], env=os.environ | {"CC": cc}, capture_output=True, text=True, check=True
+        ).stdout
+        for cc in (os.environ["CC"], os.environ["OPTIMISING_CC"])
+    ]
+    assert said[0] == said[1]
+    assert "left.fy" in said[0]
 
 
 @pytest.mark.parametrize("case", CASES)
