@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes as ct
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -58,20 +58,24 @@ void arrays_of(double *q, double *v, double *a, double *reaction, double *length
 """
 
 
+def compiled(folder: Path, texts: dict[str, str], parts: Iterable[str] = ()) -> ct.CDLL:
+    """A library of C texts and of the rope's own C files ``parts``; skips the test without a compiler."""
+    if (compiler := find_compiler()) is None:
+        pytest.skip("no C compiler")
+    for name, text in (generate() | texts).items():
+        (folder / name).write_text(text, encoding="ascii")
+    files = [*(str(NATIVE / name) for name in parts), *(str(folder / name) for name in texts if name.endswith(".c"))]
+    made = folder / f"compiled{LIBRARY_SUFFIX}"
+    command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *files, "-o", str(made), "-lm"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return ct.CDLL(str(made))
+
+
 @pytest.fixture(scope="session")
 def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     """The C functions by their names."""
-    compiler = find_compiler()
-    if compiler is None:
-        pytest.skip("no C compiler")
-    folder = tmp_path_factory.mktemp("native")
-    path = folder / f"parts{LIBRARY_SUFFIX}"
-    for name, text in generate().items():
-        (folder / name).write_text(text, encoding="ascii")
-    (folder / "more.c").write_text(MORE, encoding="ascii")
-    sources = [*(str(NATIVE / name) for name in PARTS), str(folder / "more.c")]
-    subprocess.run([*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(path), "-lm"], check=True)
-    library = ct.CDLL(str(path))
+    library = compiled(tmp_path_factory.mktemp("native"), {"more.c": MORE}, PARTS)
     n, x, p = ct.c_int, ct.c_double, ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
         "mesh_fit": (GROUPS[Mesh], p),

@@ -218,16 +218,6 @@ def begun(scene: Scene, form: Any) -> Any:
     return rope
 
 
-@pytest.mark.parametrize("form", ["python", "native"])
-def test_bodies_that_are_far_change_no_bit(form: Any) -> None:
-    far = shaft(-30.0).lining, shaft(-30.0).conveyance
-    bodies = Shaft(lining=Lining(width=9.0, depth=9.0), conveyance=far[1], sump=Sump(level=-30.0))
-    one, other = (wind(begun(short(shaft=s), form), 0, 20).state for s in (Shaft(), bodies))
-    assert_array_equal(one.motion.q, other.motion.q)
-    assert_array_equal(one.motion.reaction, other.motion.reaction)
-    assert one.counts == other.counts
-
-
 def test_both_forms_agree_in_contact() -> None:
     python, native = (wind(begun(short(shaft=shaft(-4.2)), form), 0, 30) for form in ("python", "native"))
     one, other = python.state, native.state

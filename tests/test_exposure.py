@@ -1,25 +1,14 @@
 """What each place in the rope went through: counted by the standard's example, by hand, and over several trips."""
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from balance_rope import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
-from hoist_demo.recording.exposure import (
-    QUANTITIES,
-    STATION_SIGNALS,
-    UNITS,
-    bin_columns,
-    exposure,
-    gather,
-    spread,
-    together,
-)
+from hoist_demo.recording.exposure import QUANTITIES, STATION_SIGNALS, bin_columns, exposure, together
 from hoist_demo.recording.spectra import spectra, strongest
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.study.run import build
@@ -78,41 +67,12 @@ def test_trips_to_and_fro_add_up_to_whole_cycles() -> None:
     assert_allclose(both["torque.from_2"], [2.0, 0.0])
 
 
-def test_extremes_of_several_records_keep_their_time() -> None:
-    one, other = (exposure(record(values, [0, 0, 0]), WHERE) for values in ([0, 2, -1], [-3, 1, 0]))
-    assert one is not None
-    assert other is not None
-    both = together([one, other])
-    assert [both[f"tension.{key}"][0] for key in ("largest", "largest_at", "least", "least_at")] == [
-        2.0,
-        1.0,
-        -3.0,
-        0.0,
-    ]
-
-
 def test_a_vibration_in_a_trip_has_its_frequency_and_amplitude() -> None:
     t = np.arange(0.0, 40.0, 0.01)
     trip = 5000.0 * np.sin(np.pi * t / 40.0) ** 2
     found = strongest(spectra(t, np.column_stack((trip + 7.0 * np.sin(2 * np.pi * 1.85 * t), trip, 0.0 * t))))
     assert_allclose(found.frequency, [1.85, np.nan, np.nan])  # the line lies on one of the spectrum
     assert_allclose(found.amplitude, [7.0, 0.0, 0.0], rtol=1e-3)
-
-
-def test_a_run_too_short_for_a_spectrum_leaves_the_other_results(tmp_path: Path) -> None:
-    still = ("winding.settle=0", "winding.start_delay=0", "model.fidelity=planar")
-    arguments = ["demo", "--in-process", "--travel", "0.001", "--step", "0.05", "--out", str(tmp_path)]
-    assert main([*arguments, *(word for value in still for word in ("--set", value))]) == 0
-    found = {path.name for path in tmp_path.iterdir()}
-    assert {"exposure.csv", "exposure.png", "report.html"} <= found
-    assert not {"spectra.csv", "spectra.png"} & found
-
-
-def test_a_table_survives_as_one_row() -> None:
-    _, found = winding()
-    again = gather({"loop_yaw": 1.0} | spread(found))
-    assert again.units == found.units == UNITS
-    assert all(np.array_equal(again[name], found[name], equal_nan=True) for name in UNITS)
 
 
 def test_places_that_the_loop_passes_bend_once_in_a_winding_and_others_never() -> None:

@@ -139,34 +139,3 @@ def test_failures_and_warnings_are_told_in_the_same_words(fmu_of: FmuOf, caplog:
     assert "m/s^2" in failed.message
     assert len(warnings) == len(set(warnings)) > 0
     assert told[1:] == told[:1] * len(FMI_3)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_rope_that_is_closed_refuses_every_call(kind: str, fmu_of: FmuOf) -> None:
-    rope = rope_at_rest(fmu_of(kind))
-    whole, some = rope.reader(("left.fy", "right.fy")), rope.reader(("left.fy", "status.fidelity", "nothing"))
-    kept, other = rope.save(), rope.save()
-    data = rope.to_bytes(kept)
-    rope.free(other)
-    rope.close()
-    calls: dict[str, Callable[[], object]] = {
-        "a reader of one call": whole,
-        "a reader of several": some,
-        "a new reader": lambda: rope.reader(("left.fy",)),
-        "signals": rope.signals,
-        "initialize": lambda: rope.initialize(0.0, *AT_REST),
-        "step": lambda: rope.step(0.0, H, *AT_REST),
-        "data": rope.data,
-        "save": rope.save,
-        "restore": lambda: rope.restore(kept),
-        "free": lambda: rope.free(kept),
-        "to_bytes": lambda: rope.to_bytes(kept),
-        "from_bytes": lambda: rope.from_bytes(data),
-    }
-    for what, call in calls.items():
-        with pytest.raises(
-            RuntimeError, match=r"the FMU is closed, .*: read from it before close\(\), or load it anew"
-        ):
-            raise AssertionError(f"{what} was not refused: {call()}")
-    assert rope.units()["left.fy"] == "N"  # of the description
-    rope.close()

@@ -3,16 +3,14 @@
 import ctypes as ct
 import random
 import re
-import subprocess
-from pathlib import Path
 from typing import Any, get_type_hints
 
 import casadi as ca
 import numpy as np
 import pytest
+from native_parts import compiled
 from numpy.testing import assert_allclose
 
-from rope_model.native.build import generate
 from rope_model.native.formulas import (
     FORMULAS,
     STRUCTURES,
@@ -23,24 +21,17 @@ from rope_model.native.formulas import (
     symbols_of,
 )
 from rope_model.native.structures import GROUPS, SceneStructure
-from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Scene
 from rope_model.simulation.paths import EndMotion, EndPath
 
-NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
-FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
 #: where a formula asks for more than a number between 0.5 and 1
 VALUES = {"number": 800.0}
 PARSED = re.compile(r"(\w+) (\w+)\((.*)\)")
 
 
 @pytest.fixture(scope="module")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> Any:
+def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """A library with every formula as a function of its own: `name`_ calls `name`."""
-    compiler = find_compiler()
-    if compiler is None:
-        pytest.skip("no C compiler")
-    folder = tmp_path_factory.mktemp("formulas")
     code = ['#include "formulas.h"', ""]
     for prototype in FORMULAS:
         match = PARSED.fullmatch(prototype)
@@ -49,13 +40,7 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Any:
         passed = ", ".join(argument_of(text).name for text in arguments.split(", "))
         returned = "" if result == "void" else "return "
         code += [f"{result} {name}_({arguments});", f"{result} {name}_({arguments}) {{ {returned}{name}({passed}); }}"]
-    for name, text in generate().items():
-        (folder / name).write_text(text, encoding="ascii")
-    (folder / "all.c").write_text("\n".join(code) + "\n", encoding="ascii")
-    made = folder / f"formulas{LIBRARY_SUFFIX}"
-    command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", str(folder / "all.c"), "-o", str(made), "-lm"]
-    subprocess.run(command, check=True)
-    return ct.CDLL(str(made))
+    return compiled(tmp_path_factory.mktemp("formulas"), {"all.c": "\n".join(code) + "\n"})
 
 
 def c_structure(kind: type[Any]) -> type[ct.Structure]:
@@ -110,12 +95,12 @@ def flat(value: Any) -> list[float]:
 
 
 @pytest.mark.parametrize("prototype", FORMULAS)
-def test_c_computes_the_formula_to_the_bit(compiled: Any, prototype: str) -> None:
+def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None:
     match = PARSED.fullmatch(prototype)
     assert match
     result, name, text = match.groups()
     arguments = [argument_of(argument) for argument in text.split(", ")]
-    function, formula, chance = getattr(compiled, f"{name}_"), FORMULAS[prototype], random.Random(name)
+    function, formula, chance = getattr(library, f"{name}_"), FORMULAS[prototype], random.Random(name)
     if result != "void":
         function.restype = ct.c_double if result == "double" else c_structure(STRUCTURES[result])
     else:
@@ -145,10 +130,10 @@ def test_tracing_a_formula_leaves_casadi_as_it_was() -> None:
     assert ca.GlobalOptions.getSimplificationOnTheFly() == before
 
 
-def test_a_path_goes_on_to_where_its_step_ends_or_beyond_as_in_c(compiled: Any) -> None:
+def test_a_path_goes_on_to_where_its_step_ends_or_beyond_as_in_c(library: Any) -> None:
     """Numbers drawn alone seldom miss nothing."""
     resting, away = EndPath.at_rest(0.0, EndMotion()), EndMotion(y=0.01, vy=0.1)
-    path = compiled.path_to_
+    path = library.path_to_
     path.restype = c_structure(EndPath)
     for target, stop, within in ((EndMotion(), 0.5, 0.0), (away, 0.5, 0.0), (away, 0.5, 2.0), (away, 1e-9, 2.0)):
         expected = resting.to(stop, target, within)

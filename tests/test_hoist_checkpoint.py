@@ -124,14 +124,6 @@ def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_
     assert wind(lambda *_: Hoarder(0), 0.1).checkpoint is not None
 
 
-def test_a_state_that_becomes_unsavable_costs_the_checkpoint_and_not_the_record(tmp_path: Path) -> None:
-    stopped = wind(lambda *_: Hoarder(2), 0.1, tmp_path / "kept.npz")
-    assert stopped.saved is None
-    assert not (tmp_path / "kept.npz").exists()
-    assert "kept.npz is not written: the controller's state['last'] is of type deque" in stopped.cause
-    assert stopped.recording.time.size == 10
-
-
 plain = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text() | st.binary(),
     lambda inside: (

@@ -14,7 +14,7 @@ from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, R
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
-from hoist_demo.recording.time_series import TIME, read_csv, shape_rows, write_csv, write_shapes
+from hoist_demo.recording.time_series import read_csv, shape_rows, write_csv, write_shapes
 from hoist_demo.report.figures import write_figures
 from hoist_demo.report.rows import render
 from hoist_demo.report.summary import summarize
@@ -159,13 +159,6 @@ def test_an_emergency_stop_comes_to_rest_before_the_landing() -> None:
     stopped = recording.time > 9.0 + 6.0 / 5.0 + 5.0
     np.testing.assert_allclose(recording["conveyance.left.vy"][stopped], 0.0, atol=0.01)
     assert recording["conveyance.left.y"][-1] < 30.0
-
-
-def test_progress_can_stop_the_run_and_the_record_is_kept() -> None:
-    result = Host(FakeRope(), winding=Winding(travel=0.5, settle=0.0)).run(lambda f, t: t < 0.1)
-    assert not result.completed
-    assert "stopped by the user" in result.cause
-    assert len(result.recording[TIME]) == result.steps == 10
 
 
 def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Path) -> None:

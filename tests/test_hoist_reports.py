@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,14 +16,11 @@ from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.demo import _case_of
 from hoist_demo.command_line.interrupts import interruption
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
-from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_in_process
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.study.metrics import Arrival, measure
 from rope_model import neglected_text
 from rope_model.parameters import Model, Scene
 
@@ -70,25 +66,12 @@ def test_what_a_fidelity_leaves_out_is_not_a_number(fidelity: str, missing: set[
     assert bool(remark(shown)) == bool(missing)
 
 
-def test_zeros_of_a_rope_without_torque_are_results() -> None:
-    shown = mask_neglected(recording("planar"), torque_free=True)
-    assert shown["loop.yaw"][0] == 0.0
-    assert remark(shown) == ""
-
-
 def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> None:
     shown = mask_neglected(recording("planar", "planar", "torsional"), torque_free=False)
     assert np.isnan(shown["loop.yaw"]).tolist() == [True, True, False]
     assert fidelities_of(shown) == ["planar", "torsional"]
     assert "ran as its planar model between t = 0 and 1 s, which" in remark(shown)
     assert without_remarked([neglected_text("planar"), "other"], shown) == ["other"]
-
-
-def test_a_study_s_metrics_of_a_run_in_the_plane_are_no_zeros(planar: Result) -> None:
-    found = measure(planar, Hoist(), SHORT, Arrival())
-    names = ("loop_yaw", "left_slip", "right_slip_time", "left_swivel_torque", "right_swivel_torque")
-    assert all(np.isnan(found[name]) for name in names)
-    assert np.isfinite(found["clearance"])
 
 
 # what the rope is
@@ -134,20 +117,6 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
 
 
 # files that are not the FMU that is wanted
-
-
-def archive(path: Path, **members: str) -> Path:
-    with zipfile.ZipFile(path, "w") as file:
-        for name, text in members.items():
-            file.writestr(name.replace("__", "."), text)
-    return path
-
-
-def test_a_system_is_refused_with_the_cure(tmp_path: Path) -> None:
-    path = archive(tmp_path / "system.ssp", SystemStructure__ssd="<x/>")
-    for reader in (read_parameters, FmuRope):
-        with pytest.raises(ValueError, match=r"system of FMUs \(SSP\): give the rope's \.fmu"):
-            reader(path)
 
 
 # going on

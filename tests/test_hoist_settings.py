@@ -1,8 +1,5 @@
 """`demo --set` and `--signals`: values and columns by name, errors that name them, and every message once."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -104,11 +101,3 @@ def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -
 
 
 # each message once
-
-
-def test_an_interrupt_while_libraries_load_is_told_in_one_line(tmp_path: Path) -> None:
-    (tmp_path / "casadi.py").write_text("raise KeyboardInterrupt")
-    found = os.pathsep.join([str(tmp_path), str(ROOT)])
-    command = [sys.executable, "-m", "balance_rope", "--version"]
-    done = subprocess.run(command, env={**os.environ, "PYTHONPATH": found}, capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "balance-rope: interrupted\n")

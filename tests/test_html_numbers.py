@@ -1,24 +1,16 @@
 """What the HTML reports are made of: packed numbers, pictures, events, parameters with their units, the best run."""
 
 import base64
-import json
 import math
-import re
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from hoist_demo.control.controller import Gains
-from hoist_demo.control.trajectory import s_curve
-from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report import events
-from hoist_demo.report.html import along, packing, parameter_tables
-from hoist_demo.report.html.study import study_report
-from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.report.html import along, packing
 
 
 def unpack(packed: dict) -> np.ndarray:
@@ -121,80 +113,3 @@ def test_the_emergency_stop_and_the_end_of_a_stopped_run_are_marked() -> None:
     )
     found = events.marks(run, Winding(emergency_at=4.0))
     assert [(mark.t, mark.label) for mark in found] == [(4.0, "emergency stop"), (9.0, "run stopped")]
-
-
-def test_both_creeps_are_marked_where_they_begin() -> None:
-    winding = Winding(travel=20.0, creep_distance=3.0, departure_creep_distance=2.0, creep_speed=0.5, start_delay=1.0)
-    reference = s_curve(winding)
-    run = SimpleNamespace(
-        recording=recording(time=[10.0, 10.0 + reference.duration]), completed=True, cause="", trajectory=reference
-    )
-    times = [mark.t - 10.0 for mark in events.marks(run, winding) if mark.label == "creep"]
-    # the first after two ramps of jerk sqrt(0.5 / 0.5) s, in 0.5 m
-    assert times[0] == pytest.approx(1.0 + 2.0)
-    assert reference.at(times[1]).position == pytest.approx(17.0)
-    assert len(times) == 2
-
-
-def test_parameters_are_shown_by_the_names_that_set_them() -> None:
-    data = {"Hoist": Hoist(), "Winding": Winding(), "Coupling": Coupling(), "Gains": Gains()}
-    shown = parameter_tables.tables(data, {})
-    names = {name.split(",")[0] for _, rows in shown for name, value, _, _ in rows if value != "none"}
-    assert "hoist.payload_left" in names
-    assert [name for name in names if name not in Catalogue({})] == []
-
-
-def study() -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "jerk": [0.5, 1.0, 1.5],
-            "swing": [4.0, math.nan, 2.0],
-            "status": ["completed", "failed", "completed"],
-            "cause": ["", "overwind", None],
-        }
-    )
-
-
-def columns(table: pd.DataFrame, meta: dict, path: Path) -> dict[str, dict]:
-    text = study_report(table, {"jerk": "m/s3", "mass": "kg"}, meta, path).read_text(encoding="utf-8")
-    found = re.search(r'id="data">(.*?)</script>', text, re.DOTALL)
-    assert found is not None
-    return {column["name"]: column for column in json.loads(found[1])["columns"]}
-
-
-def test_only_what_differs_between_runs_has_an_axis_and_constants_are_data(tmp_path: Path) -> None:
-    table = study().assign(run=[1, 2, 3], key=["a1", "b2", "c3"], variant="", mass=7.5, limit=[1.0, 1.0, 1.0])
-    path = tmp_path / "study.html"
-    found = columns(table, {"parameters": ["jerk", "variant", "mass"]}, path)
-    assert {name for name, column in found.items() if column["axis"]} == {"jerk", "swing"}
-    assert list(found) == [
-        "jerk",
-        "swing",
-        "limit",
-        "key",
-    ]  # run is the page's own, a constant metric stays in the table
-    text = path.read_text(encoding="utf-8")
-    assert '<td>mass</td><td class="value">7.5</td><td class="unit">kg</td>' in text
-    assert "Assumed data." in text
-
-
-@pytest.mark.parametrize(("sense", "best"), [("min", "Best run: 3"), ("max", "Best run: 1")])
-def test_the_best_run_is_chosen_among_those_that_did_not_fail(tmp_path: Path, sense: str, best: str) -> None:
-    table = study()
-    table.loc[1, "swing"] = 1.0 if sense == "min" else 9.0  # a failed run's number does not count
-    path = study_report(table, {}, {"best": {"metric": "swing", "sense": sense}}, tmp_path / "study.html")
-    assert best in path.read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("meta", "words"),
-    [
-        ({"parameters": ["jerc"]}, "'jerc', which is no column"),
-        ({"best": {"metric": "sing", "sense": "min"}}, "'sing', which is no column"),
-        ({"best": {"metric": "swing", "sense": "least"}}, "must be 'min' or 'max'"),
-    ],
-)
-def test_a_study_whose_names_do_not_fit_is_an_error(tmp_path: Path, meta: dict, words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        study_report(study(), {}, meta, tmp_path / "study.html")
-    assert not (tmp_path / "study.html").exists()

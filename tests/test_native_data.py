@@ -7,24 +7,21 @@ the quantities' size where nothing else is said; texts may not differ at all.
 import ctypes as ct
 import dataclasses
 import math
-import subprocess
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from native_parts import compiled
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scenes import CHOICES as WINDINGS
 from scenes import Choice
 
 from fmu_src.interface import scene_of, variables
-from rope_model.native.build import generate
 from rope_model.native.structures import EndStructure, SceneStructure, end_structure, path_structure, scene_structure
-from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import FidelityChoice, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends import refusal
@@ -37,8 +34,6 @@ from rope_model.simulation.statics import StaticsError
 Array = NDArray[np.float64]
 Ends = tuple[EndMotion, EndMotion]
 
-NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
-FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
 PARTS = ("text.c", "ends.c", "fidelity.c", "shaft.c", "rigid.c", "parameters.c", "shape.c", "mesh.c", "transfer.c")
 MESSAGE, ROUNDING = 512, 1e-12
 #: the codes of the fidelities
@@ -49,18 +44,7 @@ FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
 @pytest.fixture(scope="module")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """The library with the parts under test."""
-    compiler = find_compiler()
-    if compiler is None:
-        pytest.skip("no C compiler")
-    folder = tmp_path_factory.mktemp("native")
-    made = folder / f"data{LIBRARY_SUFFIX}"
-    for name, text in generate().items():
-        (folder / name).write_text(text, encoding="ascii")
-    sources = [str(NATIVE / part) for part in PARTS]
-    command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(made), "-lm"]
-    result = subprocess.run(command, capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    library = ct.CDLL(str(made))
+    library = compiled(tmp_path_factory.mktemp("native"), {}, PARTS)
     for function in (library.text_number, library.text_exact, library.fidelity_name):
         function.restype = ct.c_char_p
     return library

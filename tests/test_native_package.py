@@ -17,7 +17,7 @@ from native_host import Host
 from stand_in import stand_in
 
 import rope_model.native
-from fmu_src.interface import scene_of, variables
+from fmu_src.interface import variables
 from fmu_src.native.build import host_platform, open_library
 from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import universal
@@ -52,42 +52,6 @@ def test_same_sources_give_the_same_bytes_and_other_start_values_another_token(
     long = export_native(tmp_path / "long.fmu", "rope-240", fmi=fmi, platforms=(host_platform(),), rope=stand_in())
     tokens = {fmpy.read_model_description(str(path)).guid for path in (again, long)}
     assert len(tokens) == 2
-
-
-def test_values_beyond_min_and_max_of_a_parameter_are_refused_by_the_rope() -> None:
-    table = variables(rope_120())
-    start = {v.name: v.start for v in table if v.start is not None}
-    for v in table:
-        if v.causality != "parameter" or v.kind == "Boolean":
-            continue
-        for bound, beyond in ((v.minimum, -1), (v.maximum, 1)):
-            if bound is not None:
-                size = 1 if v.kind == "Integer" else 1e-9 * max(1.0, abs(bound))
-                with pytest.raises(ValueError, match=r".+"):
-                    scene_of(start | {v.name: type(v.start)(bound + beyond * size)})
-
-
-#: parameters that go along with another one's bound: static friction is no less than kinetic, and the like
-_ALONG = {
-    "rope.Qa": {"rope.Qb": 0.0, "rope.Qc": 0.0},
-    "rope.Qd": {"rope.Qb": 0.0, "rope.Qc": 0.0},
-    "left.swivel.mu_static": {"left.swivel.mu_kinetic": 0.0},
-    "right.swivel.mu_static": {"right.swivel.mu_kinetic": 0.0},
-    "solver.step_max": {"solver.step_min": 1e-15},
-    "solver.step_min": {"solver.step_max": 1.0},
-    **{f"mesh.counts[{i}]": {f"mesh.counts[{j}]": 0 for j in (1, 2, 4, 5)} for i in range(1, 6)},
-}
-
-
-def test_min_and_max_of_a_parameter_are_taken_by_the_rope() -> None:
-    table = variables(rope_120())
-    start = {v.name: v.start for v in table if v.start is not None}
-    for v in table:
-        if v.causality != "parameter" or v.kind == "Boolean":
-            continue
-        for bound in (v.minimum, v.maximum):
-            if bound is not None:
-                scene_of(start | _ALONG.get(v.name, {}) | {v.name: type(v.start)(bound)})
 
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
-from native_libraries import HOSTILE, VERSIONS, hostile
+from native_libraries import HOSTILE, hostile
 from native_raw import ERROR, OK, SMALL, Instance, Library, reseal
 
 from fmu_src.native.build import available_platforms
@@ -119,24 +119,6 @@ def compile_sources(folder: Path, files: dict[str, str], *flags: str) -> None:
         (folder / name).write_text(text, encoding="utf-8")
     sources = sorted(name for name in files if name.endswith(".c"))
     subprocess.run(["cc", "-std=gnu99", "-DHAS_WIDE_FORM=0", *flags, *sources, "-lm"], cwd=folder, check=True)
-
-
-@pytest.mark.slow
-def test_no_source_has_data_that_can_be_written(tmp_path: Path) -> None:
-    """Neither global nor static; what the compiler's own start-up code brings is not in the objects."""
-    if not LINUX or not all(shutil.which(x) for x in ("cc", "nm")):
-        pytest.skip("needs Linux, a C compiler and nm")
-    symbols = []
-    headers = {name: text for name, text in rope_sources().items() if not name.endswith(".c")}
-    for part in (rope_sources(), *(headers | own_sources(fmi) for fmi in VERSIONS)):
-        folder = tmp_path / str(len(symbols))
-        folder.mkdir()
-        compile_sources(folder, part, "-O0", "-fno-pic", "-c")
-        objects = sorted(p.name for p in folder.glob("*.o"))
-        listed = subprocess.run(["nm", "-A", *objects], cwd=folder, capture_output=True, text=True, check=True)
-        symbols += [line.split(":", 1)[1].split()[-2:] for line in listed.stdout.splitlines()]
-    assert any(kind in "Rr" for kind, _ in symbols)
-    assert [name for kind, name in symbols if kind in "BbDdCcSsGg"] == []
 
 
 #: what is freed is filled, and what is written beside a block aborts when that is freed

@@ -139,28 +139,6 @@ def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> No
         balance_rope(SMALL, "compiled")  # type: ignore[arg-type]
 
 
-def test_auto_takes_the_python_form_where_the_native_one_cannot_be_had(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    causes: list[Exception] = [
-        subprocess.CalledProcessError(1, ["cc"], stderr="rope.c:1: error: no room\n"),
-        RuntimeError("the native rope needs a C compiler; install one, or the ziglang package"),
-    ]
-
-    def missing(scene: Scene) -> None:
-        raise causes[0]
-
-    monkeypatch.setattr(public, "NativeRope", missing)
-    # a compiler that fails is a fault and told, none is not
-    assert isinstance(balance_rope(SMALL.with_(solver=Solver())), public.RopeSimulator)
-    assert ["no room" in r.getMessage() for r in caplog.records if r.levelname == "WARNING"] == [True]
-    del causes[0]
-    assert isinstance(balance_rope(SMALL.with_(solver=Solver())), public.RopeSimulator)
-    assert len([r for r in caplog.records if r.levelname == "WARNING"]) == 1
-    with pytest.raises(RuntimeError, match="needs a C compiler"):
-        balance_rope(SMALL, "native")
-
-
 @needs_compiler
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda rope: pickle.loads(pickle.dumps(rope))])
 def test_a_copy_of_the_native_rope_goes_on_by_itself(copied: Callable[[Any], Any]) -> None:

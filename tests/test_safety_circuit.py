@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from hoist_demo.control.safety import Course
-from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.result import Result
@@ -71,12 +69,3 @@ def test_a_run_that_goes_on_stops_at_the_same_sample(tmp_path: Path) -> None:
         resumed = host().run(resume=stopped.checkpoint)
         assert resumed.winding == result.winding
         assert_array_equal(resumed.recording["conveyance.left.y"], result.recording["conveyance.left.y"])
-
-
-def test_a_stop_under_way_or_a_trip_that_is_over_stays_as_it_is() -> None:
-    stopping = replace(WINDING, emergency_at=4.0)
-    course = Course(s_curve(stopping), stopping)
-    assert course.stopped(5.0) is course
-    assert course.stopped(3.0).winding.emergency_at == 3.0
-    arrived = Course(s_curve(WINDING), WINDING)
-    assert arrived.stopped(arrived.trajectory.duration) is arrived

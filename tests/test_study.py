@@ -50,12 +50,6 @@ def test_grid_is_run_for_every_variant(read: Read) -> None:
     }
 
 
-def test_later_values_count(read: Read) -> None:
-    study = read("[fixed]\nrope.EI = 100\ngains.speed = 1e5\n[vary]\nrope.EI = [200]")
-    assert study.samples[0].data.fmu["rope.EI"] == 200.0
-    assert study.samples[0].data.gains.speed == 1e5
-
-
 TUNE = "tune.minimise = { cycle_time = 1 }\n"
 RANGE = "[vary]\nrope.EI = { low = 1, high = 2 }"
 

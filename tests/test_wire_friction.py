@@ -270,17 +270,6 @@ def test_what_the_wires_take_is_in_the_energy_balance() -> None:
     assert abs(energy.residual) < 2e-3 * energy.dissipated_wires
 
 
-def test_the_moment_that_is_missing_falls_with_the_square_of_the_elements_length() -> None:
-    """The wires' moment turns with theta, which is linear in an element; the frame's twist is not."""
-
-    def missing(elements: int) -> float:
-        of = scene(Mesh("eem", elements=elements))
-        return wound(replace(of, solver=replace(of.solver, step_max=0.0025)), "native", 100).state.audit.missing_moment
-
-    coarse, fine, finest = (missing(elements) for elements in (10, 20, 40))
-    assert min(math.log2(coarse / fine), math.log2(fine / finest)) > 1.8
-
-
 def test_steps_converge_with_the_second_order() -> None:
     """Also where the friction moment follows the tension, which it does by steps."""
 
