@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, smooth_trip, wound
 
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Stations
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.physics.estimates import loop_width, natural_width
 from rope_model.simulation.diagnostics import shape, shape_places
 from rope_model.simulation.fidelity import Fidelity
@@ -141,10 +141,3 @@ def test_stations_show_the_ends_forces_and_torque_at_rest() -> None:
     assert_allclose(station(hung, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], atol=1e-3)
     # the torque is what the elements' strains say; the swivel's is the reaction to theta
     assert_allclose(station(hung, "torque"), ends["right.swivel.torque"], rtol=1e-3)
-
-
-def test_stations_of_a_part_are_those_of_the_whole_there() -> None:
-    whole = move(SHORT, 130)
-    part = move(SHORT.with_(station=Stations(first=0.25, last=0.75)), 130)
-    for name in ("tension", "curvature", "torque"):
-        assert_allclose(station(part, name)[::2], station(whole, name)[20:61], rtol=1e-9)

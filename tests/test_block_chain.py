@@ -196,15 +196,6 @@ def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
         kernels.prepare(SMALL, build_small, "compiled")
 
 
-def test_portable_kernels_survive_saving_and_loading_to_the_bit(tmp_path: Path) -> None:
-    x, built = random_chain(2, 3), RopeKernels(2, "portable")
-    kernels.save_portable([built.newton_step.function, built.evaluate.function], tmp_path / "chain.casadi")
-    newton_step, _ = kernels.load_portable(tmp_path / "chain.casadi")
-    loaded = kernels.Kernel(newton_step, [x["q"].shape] * 2)
-    for ours, reference in zip(loaded(*x.values()), built.newton_step(*x.values()), strict=True):
-        np.testing.assert_array_equal(ours, reference)
-
-
 @needs_compiler
 def test_a_bundle_brings_its_library_along(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture

@@ -11,15 +11,7 @@ import pytest
 from native_parts import compiled
 from numpy.testing import assert_allclose
 
-from rope_model.native.formulas import (
-    FORMULAS,
-    STRUCTURES,
-    argument_of,
-    formulas_code,
-    function_code,
-    shape_of,
-    symbols_of,
-)
+from rope_model.native.formulas import FORMULAS, STRUCTURES, argument_of, function_code, shape_of, symbols_of
 from rope_model.native.structures import GROUPS, SceneStructure
 from rope_model.parameters import Scene
 from rope_model.simulation.paths import EndMotion, EndPath
@@ -122,12 +114,6 @@ def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None
             assert_allclose(ours, expected, rtol=1e-14, atol=1e-14)
         else:
             assert ours.tolist() == expected
-
-
-def test_tracing_a_formula_leaves_casadi_as_it_was() -> None:
-    before = ca.GlobalOptions.getSimplificationOnTheFly()
-    formulas_code()
-    assert ca.GlobalOptions.getSimplificationOnTheFly() == before
 
 
 def test_a_path_goes_on_to_where_its_step_ends_or_beyond_as_in_c(library: Any) -> None:

@@ -12,11 +12,9 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 
-from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.demo import _case_of
 from hoist_demo.command_line.interrupts import interruption
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_in_process
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
@@ -120,20 +118,6 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
 
 
 # going on
-
-
-def test_a_checkpoint_leads_back_to_its_case_and_names_what_differs() -> None:
-    scene = CASES["rope-120"]
-    rope = rope_in_process("rope-120", level="draft")
-    stopped = Host(rope, scene.hoist, SHORT, gains=scene.gains).run(lambda fraction, t: t < 0.1)
-    assert stopped.checkpoint is not None
-    assert _case_of(stopped.checkpoint, None, {}) == "rope-120"
-    with pytest.raises(ValueError, match="--case rope-240 must be rope-120"):
-        _case_of(stopped.checkpoint, "rope-240", {})
-    other = Host(rope, scene.hoist, replace(SHORT, travel=0.7), gains=scene.gains)
-    with pytest.raises(ValueError, match=r"travel is 0\.5 there, travel is 0\.7 here: give the case") as refused:
-        other.run(resume=stopped.checkpoint)
-    assert len(str(refused.value)) < 300
 
 
 def test_an_interrupt_lets_the_writing_finish(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import fmpy
 import pytest
-from native_host import Host
 from stand_in import stand_in
 
 from balance_rope import main
@@ -26,33 +25,6 @@ def test_start_values_are_set_on_the_command_line(
     ):
         assert main([*options, "--set", wrong]) == 2
         assert told in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("options", "named"),
-    [
-        (["--outputs", "loop"], {"loop.x", "left.fy", "status.valid"}),
-        (["--outputs", "all"], {"shape.x", "mesh.counts", "energy.total", "left.fy"}),
-        (["--outputs", "all", "--scalar"], {"shape.x[81]", "mesh.counts[5]", "energy.total", "left.fy"}),
-    ],
-)
-def test_outputs_and_their_form_are_chosen_on_the_command_line(
-    options: list[str], named: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
-    path = tmp_path / "rope.fmu"
-    assert main(["export", "--native", "--fmi", "3", "--platform", "host", "--out", str(path), *options]) == 0
-    host = Host(path, fmpy.extract(str(path), str(tmp_path / "unzipped")))
-    known = {"shape.x", "shape.x[81]", "mesh.counts[5]", "energy.total", "loop.x", "left.fy", "status.valid"}
-    assert known & set(host.variables) >= named - {"mesh.counts"}
-    assert ("energy.total" in host.variables) == ("energy.total" in named)
-    assert ("shape.x" in host.variables) == ("shape.x" in named)
-    host.start()
-    host.run(0, 2)
-    for name in named:
-        value = host.get(name)[0]
-        assert len(value) == host.variables[name].dimensions[0].start if isinstance(value, list) else True
-    host.call("FreeInstance")
 
 
 @pytest.mark.parametrize(

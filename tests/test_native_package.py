@@ -20,7 +20,6 @@ import rope_model.native
 from fmu_src.interface import variables
 from fmu_src.native.build import host_platform, open_library
 from fmu_src.native.export import export_native
-from fmu_src.native.mach_o import universal
 from fmu_src.profile import FULL
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends import refusal
@@ -76,18 +75,6 @@ def test_sources_rebuild_with_fmpy_compile(fmi: int, fmus: dict[int, Path], tmp_
     rebuilt.start()
     assert rebuilt.get("left.fy") == [pytest.approx(-15.0 * 8.0 * 9.81)]
     rebuilt.call("FreeInstance")
-
-
-def test_universal_library_holds_its_parts_at_aligned_places() -> None:
-    parts = [b"\xcf\xfa\xed\xfe" + bytes([7 + i, 0, 0, 1, 3, 0, 0, 0]) + bytes(100 * i) for i in (0, 5)]
-    whole = universal(parts)
-    for i, part in enumerate(parts):
-        kind, _, place, size, power = (
-            int.from_bytes(whole[k : k + 4], "big") for k in range(8 + 20 * i, 28 + 20 * i, 4)
-        )
-        assert kind == int.from_bytes(part[4:8], "little")
-        assert place % (1 << power) == 0
-        assert whole[place : place + size] == part
 
 
 def made_by_cc(folder: Path) -> Path:

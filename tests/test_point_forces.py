@@ -112,16 +112,6 @@ def test_no_forces_change_no_bit_and_given_again_after_restoring_they_go_on_bit_
 
 
 @pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("place", [-0.5, LENGTH + 0.5])
-def test_places_off_the_rope_are_refused(form: Any, place: float) -> None:
-    rope, force = hung(form), np.ones((1, 3))
-    forces = PointForces(np.array([place]), force, force, 0.0, STEP)
-    for take in (rope.apply, rope.displacement):
-        with pytest.raises(ValueError, match="between 0 and the rope's length = 6 m"):
-            take(forces)
-
-
-@pytest.mark.parametrize("form", FORMS)
 def test_a_rope_that_chooses_its_model_takes_the_one_that_feels_forces(form: Any) -> None:
     rope = hung(form, model=Model("auto", force_tolerance=1.0))
     assert rope.fidelity == "rigid"

@@ -54,13 +54,6 @@ def test_a_rope_braked_harder_than_gravity_goes_slack() -> None:
 
 
 @pytest.mark.slow
-def test_a_seized_swivel_holds_the_torque_that_a_healthy_one_lets_go() -> None:
-    seized = recorded("seized-swivel")
-    assert np.max(np.abs(np.diff(seized["left.swivel.angle"]))) == 0.0
-    assert np.ptp(seized["right.swivel.angle"]) > 1.0
-
-
-@pytest.mark.slow
 def test_a_rope_is_caught_by_a_divider_and_released() -> None:
     run = recorded("caught-rope")
     assert passages(run).startswith("the rope struck a divider")

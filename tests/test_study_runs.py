@@ -22,9 +22,9 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study
-from hoist_demo.study.metrics import UNITS, Arrival, measure
+from hoist_demo.study.metrics import Arrival, measure
 from hoist_demo.study.perform import perform
-from hoist_demo.study.run import Outcome, build
+from hoist_demo.study.run import Outcome
 from hoist_demo.study.store import Store, read_results
 
 SHORT = """
@@ -123,19 +123,6 @@ def test_cycle_time_waits_for_the_creep_that_is_no_swing() -> None:
 # the store
 
 
-def outcome(status: str = "completed", cause: str = "") -> Outcome:
-    return Outcome(status, cause, dict.fromkeys(UNITS, 1.25), {"loop.x": [0.0, 1.0]}, {"all": 3.0})
-
-
-def test_store_knows_what_needs_no_run_any_more(tmp_path: Path) -> None:
-    store, run = Store(tmp_path), build("rope-120", {})
-    store.write("a", run, outcome(), "w")
-    store.write("b", run, outcome("stopped", "the loop has turned over"), "w")
-    store.write("c", run, outcome("error", "worker died"), "w")
-    assert store.finished_keys(["a", "b", "c", "d"]) == {"a", "b"}
-    assert store.signals("a")["loop.x"].tolist() == [0.0, 1.0]
-
-
 def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[Sample]], list[str]]:
     """Carries out samples at once: the metric cycle_time is the distance of gains.speed from 2e5."""
 
@@ -181,24 +168,6 @@ def test_search_is_resumed_without_a_run(read: Read, tmp_path: Path) -> None:
     ran.clear()
     assert perform(study, store, counting(study, store, ran)) == first
     assert ran == []
-
-
-def test_a_search_keeps_its_bounds_and_tells_where_none_can(read: Read, tmp_path: Path) -> None:
-    text = (
-        "[vary]\ngains.speed = { low = 1e5, high = 4e5 }\n[tune]\nminimise = { cycle_time = 1 }\nsample = 4\n"
-        "steps = 20\nsubject_to = { cycle_time = { above = 0.25, unit = 's' } }"
-    )
-    study, store = read(text), Store(tmp_path / "out")
-    found = perform(study, store, counting(study, store, []))
-    assert found.best is not None
-    assert abs(found.best["gains.speed"] / 2e5 - 1.0) == pytest.approx(0.25, abs=0.02)
-    table = pd.read_parquet(found.table)
-    assert (table["cost"].isna() == (table["excess"] > 0.0)).all()
-    assert table["excess"].max() > 0.0
-    study = read(text.replace("above = 0.25", "above = 2"))
-    found = perform(study, store, counting(study, store, []))
-    assert found.best is None
-    assert "cycle_time is 50 % below 2" in found.nearest
 
 
 # on workers
