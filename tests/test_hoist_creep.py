@@ -121,8 +121,8 @@ def test_peak_is_the_speed_limit_or_the_highest_for_which_the_ramps_fit(winding:
     def needed(v: float) -> float:
         return sum(_ramp_length(u, v, winding.acceleration, winding.jerk) for u in ends)
 
-    assert c * (1 - 1e-12) <= peak <= winding.speed * (1 + 1e-12)
-    assert needed(max(c, peak * (1 - 1e-9))) <= between * (1 + 1e-9)
+    assert max(ends) * (1 - 1e-12) <= peak <= winding.speed * (1 + 1e-12)
+    assert needed(max(*ends, peak * (1 - 1e-9))) <= between * (1 + 1e-9)
     assert peak >= winding.speed * (1 - 1e-12) or needed(peak * (1 + 1e-6)) > between
 
 
