@@ -586,8 +586,8 @@ CHOICES = {
 }
 
 Level = Literal["draft", "standard", "reference"]
-#: what each level of accuracy asks for, checked in docs/accuracy.md.  A draft is for end forces: it may leave out torsion
-#: and what is out of plane, where that changes the forces by an estimated 0.2 % at most
+#: what each level of accuracy asks for, checked in docs/accuracy.md.  A draft is for end forces: it may leave out
+#: torsion and what is out of plane, where that changes the forces by an estimated 0.2 % at most
 LEVELS: dict[Level, dict[str, Any]] = {
     "draft": {
         "accuracy": Accuracy(end_force=1e-2, loop=0.1),

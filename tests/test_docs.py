@@ -1,7 +1,5 @@
 """README and docs: links lead to files and headings that are there, as GitHub counts them; commands can be found."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import xml.etree.ElementTree as ET
@@ -55,12 +53,6 @@ def test_links_lead_somewhere(path: Path) -> None:
     assert broken_links(path) == []
 
 
-def test_a_broken_link_is_seen(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    page.write_text("# Here\n[a](#here) [b](#there) [c](page.md#here) [d](none.md)\n", encoding="utf-8")
-    assert broken_links(page) == ["#there", "none.md"]
-
-
 def unknown_commands(text: str) -> list[str]:
     """Commands in a page's blocks without a language that no shell finds, in a checkout, where they stand."""
     found, active = [], False
@@ -79,12 +71,6 @@ def unknown_commands(text: str) -> list[str]:
 @pytest.mark.parametrize("path", COMMANDS, ids=[path.name for path in COMMANDS])
 def test_commands_are_found_where_they_stand(path: Path) -> None:
     assert unknown_commands(path.read_text(encoding="utf-8")) == []
-
-
-def test_a_command_that_is_not_found_is_seen() -> None:
-    page = "```\nbalance-rope demo\n.venv/bin/balance-rope demo\nno-such-command\n```\n"
-    page += "```\nsource .venv/bin/activate   # once\npython a.py\n```\n"
-    assert unknown_commands(page) == ["balance-rope demo", "no-such-command"]
 
 
 def in_navigation(page: Path) -> set[Path]:

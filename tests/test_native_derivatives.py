@@ -1,7 +1,5 @@
 """The native rope's derivatives and added mass are those of its steps and of the Python rope."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,13 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from rope_model.native.engine import NativeRope
-from rope_model.parameters import (
-    FidelityChoice,
-    Model,
-    Rope,
-    Scene,
-    Solver,
-)
+from rope_model.parameters import FidelityChoice, Model, Rope, Scene, Solver
 from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.sensitivity import load_derivative
 from rope_model.simulation.simulator import RopeSimulator

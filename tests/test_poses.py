@@ -1,7 +1,5 @@
 """Ropes in any pose find their rest: the one that slow turning leads to, and stable."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
