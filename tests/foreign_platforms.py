@@ -18,8 +18,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
+from scenes import ends_at
 
-from benchmarks.kinematic import H, ends_at
 from fmu_src.native.build import PLATFORMS, host_platform
 from hoist_demo.cases.table import CASES
 from hoist_demo.control.trajectory import s_curve
@@ -27,6 +27,7 @@ from hoist_demo.control.trajectory import s_curve
 ROOT = Path(__file__).resolve().parent.parent
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
 STEPS = 1000
+H = 0.01  # s
 OUTPUTS = ("left.y", "left.vy", "left.ay", "drive.torque", "left.fy", "right.fy", "left.mx", "loop.y", "loop.yaw")
 
 

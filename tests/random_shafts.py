@@ -12,11 +12,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scenes import ends_at
 
-from benchmarks.kinematic import wind
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import BalanceRope, Conveyance, Divider, HeadRopes, Layout, Lining, Rope, Scene, Shaft, Sump, at_level
+from rope_model import (
+    BalanceRope,
+    Conveyance,
+    Divider,
+    HeadRopes,
+    Layout,
+    Lining,
+    Rope,
+    Scene,
+    Shaft,
+    Status,
+    Sump,
+    at_level,
+    balance_rope,
+)
 from rope_model.parameters import Model
 from rope_model.simulation.diagnostics import shape
 
@@ -24,7 +38,7 @@ Array = NDArray[np.float64]
 SEED = 15
 SCENES = 200
 POINTS = 161
-SETTLE = 2.0  # s
+SETTLE, H, SAMPLE = 2.0, 0.01, 5  # s, s, steps
 
 
 @dataclass(frozen=True)
@@ -111,18 +125,31 @@ def windings(points: Array, divider: Divider) -> int:
     return round(float(turned.sum()) / (2.0 * math.pi))
 
 
+def wind(scene: Scene, trip: Trip) -> tuple[BalanceRope, Status, list[Array], list[Array]]:
+    """The rope, its last status, and every ``SAMPLE`` steps its centre line and the pulls of its ends (N)."""
+    rope, reference = balance_rope(scene), s_curve(trip)
+    lines: list[Array] = []
+    forces: list[Array] = []
+    status = rope.initialize(0.0, *ends_at(reference, trip.travel, 0.0))
+    for k in range(1, round((reference.duration + SETTLE) / H) + 1):
+        if status.valid:
+            status = rope.advance_to(k * H, *ends_at(reference, trip.travel, k * H))
+        if not status.valid:
+            break
+        if k % SAMPLE == 0:
+            lines.append(centre_line(rope))
+            forces.append(-rope.state.motion.reaction[[0, -1], 1])
+    return rope, status, lines, forces
+
+
 def run(case: Case) -> tuple[str, list[str], float]:
     """How a scene ends, what came through what by the recorded shapes, and the deepest point beyond touch (m)."""
     scene = case.scene
-    lines: list[Array] = []
-    reference = s_curve(case.trip)
-    done = wind(
-        scene, reference, case.trip.travel, SETTLE, sample=5, watch=lambda rope: lines.append(centre_line(rope))
-    )
+    rope, status, lines, forces = wind(scene, case.trip)
     if not lines:
-        return f"not hung: {done.status.message}", [], -math.inf
+        return f"not hung: {status.message}", [], -math.inf
     through = []
-    if not all(np.isfinite(line).all() for line in lines) or not np.isfinite(done.force).all():
+    if not all(np.isfinite(line).all() for line in lines) or not np.isfinite(forces).all():
         through.append("a number is not finite")
     deepest = -math.inf
     for name in depths(scene, lines[0]):
@@ -133,7 +160,7 @@ def run(case: Case) -> tuple[str, list[str], float]:
     for name, divider in dividers(scene).items():
         if len({windings(line, divider) for line in lines}) > 1:
             through.append(f"through {name}")
-    told = done.rope.warnings()
+    told = rope.warnings()
     ending = "completed" if "passed_bodies" not in told else "completed, having struck something"
     ending += ", its legs having passed through each other" if "passed_sides" in told else ""
-    return ending if done.status.valid else f"stopped: {done.status.message}", through, deepest
+    return ending if status.valid else f"stopped: {status.message}", through, deepest

@@ -1,7 +1,6 @@
 """The house: imports point down, no cycles, each third-party library has its rooms."""
 
 import ast
-import re
 from functools import cache
 from pathlib import Path
 
@@ -9,11 +8,6 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
-#: tests whose subject is evidence or a benchmark, until they all lie in tests/evidence
-OF_EVIDENCE = re.compile(
-    "test_(chart|coupling_page|discrete_rod|evidence|foreign|guard_settings|integrators|latency|mesh_rule|peer|poses"
-    "|reproduction|shaft_scenes|stability|study_words|validation)"
-)
 
 
 def rules(text: str) -> dict[str, set[str]]:
@@ -184,7 +178,6 @@ def test_nothing_the_fmu_imports_needs_scipy() -> None:
 
 def test_no_test_of_the_product_imports_evidence_or_benchmarks() -> None:
     paths = [p for p in sorted((ROOT / "tests").rglob("*.py")) if "evidence" not in p.relative_to(ROOT).parts]
-    product = [path for path in paths if not OF_EVIDENCE.fullmatch(path.stem)]
-    assert len(product) > 50
-    used = {path.name: {name.partition(".")[0] for name in imports("", path)} for path in product}
+    assert len(paths) > 50
+    used = {path.name: {name.partition(".")[0] for name in imports("", path)} for path in paths}
     assert [name for name, found in used.items() if found & {"evidence", "benchmarks"}] == []
