@@ -57,9 +57,9 @@ def brushed(
 ) -> Brushed:
     """The rope past the divider, on so many equal elements and with steps of this length; 0: as they are by default."""
     shaft = Shaft(divider_1=Divider(size=SIZE, y=height, offset=offset), contact=Contact(stiffness=stiffness))
-    mesh = Mesh("eem", elements=elements) if elements else Mesh()
+    mesh = Mesh("eem", elements=elements) if elements else Mesh("auto")
     solver = Solver(step_max=step, tolerance=1e3) if step else Solver()
-    rope, H, rows = made(Scene(mesh=mesh, solver=solver, shaft=shaft), EndMotion(), EndMotion()), 8e-3, []
+    rope, H, rows = made(Scene(mesh=mesh, solver=solver, shaft=shaft), EndMotion(), EndMotion()), 1e-2, []
     for k in range(1, round(STOP / H) + 1):
         _, value, rate, second = smooth_step(k * H / MOVES)
         y, v, a = RISE * value, RISE * rate / MOVES, RISE * second / MOVES**2
