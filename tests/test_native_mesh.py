@@ -116,9 +116,7 @@ shafts = st.builds(
 @example(Mesh("auto", loop_error=1.0), Rope(length=9000.0, EI=0.01), Layout(8.0), Shaft())  # most end levels
 @example(Mesh("auto"), Rope(), Layout(), Shaft(divider_3=Divider(size=0.05, offset=0.9)))
 @settings(max_examples=200, deadline=None)
-def test_fitted_mesh_is_the_same(
-    parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout, shaft: Shaft
-) -> None:
+def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout, shaft: Shaft) -> None:
     scene = Scene(rope, layout, mesh=mesh, shaft=shaft)
     ours, expected = parts.mesh_fit(scene_structure(scene)), fit_mesh(scene)
     assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (

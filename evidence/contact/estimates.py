@@ -42,7 +42,10 @@ def main() -> None:
         more = [math.sqrt(max(a * a - b * b, 0.0)) for a, b in ((at_ends, force), (of_place, place))]
         per_one = with_contact_of_place(Scene(), 0.0, ContactSums(square=x.square)) / contact_error.OF_PLACE
         asked.append((more[0] / math.sqrt(x.square / STOP), more[1] / per_one))
-        print(f"offset {trip[0]} m, height {trip[1]} m: AT_ENDS {asked[-1][0]:.3g}, OF_PLACE {asked[-1][1]:.3g}", flush=True)
+        print(
+            f"offset {trip[0]} m, height {trip[1]} m: AT_ENDS {asked[-1][0]:.3g}, OF_PLACE {asked[-1][1]:.3g}",
+            flush=True,
+        )
     for name, column in zip(("AT_ENDS", "OF_PLACE"), zip(*asked, strict=True), strict=True):
         mean = math.exp(sum(map(math.log, column)) / len(column))
         print(f"{name} = {mean:.3g}, now {getattr(contact_error, name)}")

@@ -4,8 +4,8 @@ R is half the spacing, or the free loop's radius if that is less, from w = (EI /
 as long as the error of its place at rest allows, which grows with the second power of their length while they lock,
 with the sixth when they are short (physics.accuracy); docs/mesh_rule.md tells which errors are kept.  Segment IV covers
 the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped ends
-resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.  Where a divider
-may press a leg all elements are short enough for the blow.
+resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.  Where a
+divider may press a leg all elements are short enough for the blow.
 
 `make mesh-rule` measures what the constants rest on and writes docs/mesh_rule.md.
 """
