@@ -52,7 +52,7 @@ NEAREST = 0.12
 END_LENGTH, END_ERROR = 2.9, 0.033
 #: legs that a divider may press have elements that follow its pressure with this delay (s): physics.contact_error; it
 #: may press legs that hang within REACH of the spacing from it
-BLOW, REACH = 0.018, 0.5
+BLOW, REACH = 0.014, 0.5
 
 
 class FittedLengths(NamedTuple):
