@@ -1,4 +1,4 @@
-"""Peak and impulse of a brush against step, mesh and stiffness: python -m evidence.contact.brushes; ten minutes.
+"""Peak and impulse of a brush against step, mesh and stiffness: python -m evidence.contact.brushes; a minute.
 
 Writes docs/data/contact/brushes.csv, which docs/contact.md shows.
 """

@@ -1,4 +1,4 @@
-"""Fit the constants of physics.contact_error on trips past a divider that no page judges: ten minutes.
+"""Fit the constants of physics.contact_error on trips past a divider that no page judges; a minute.
 
 python -m evidence.contact.estimates prints, of each trip on the fitted mesh against many equal elements, which
 constants its errors ask for, and their geometric means.
