@@ -17,11 +17,13 @@ from rope_model.parameters import Mesh, Rope, Scene
 from rope_model.physics import hermite
 from rope_model.physics.contact import ONSET, SUMS, Touch, largest_motion, moved_by, touch
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
-from rope_model.physics.contact_error import ContactSums, add_contact, contact_error
+from rope_model.physics.contact_error import ContactSums, add_contact, contact_error, delay
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
 from rope_model.physics.rope_on_rope import places_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
+from rope_model.simulation.mesh import fit_mesh, partition
+from rope_model.simulation.mesh_fit import BLOW
 from rope_model.simulation.rope_system import parameter_vector
 
 DIAMETER = 0.044
@@ -235,6 +237,30 @@ def test_what_a_mesh_does_not_resolve_falls_with_the_square_of_its_elements() ->
         return float(contact_error(sums))
 
     assert math.log2(error(1.0) / error(0.5)) == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("length", [30.0, 120.0, 1000.0])
+@pytest.mark.parametrize("offset", [-0.9, 0.0, 0.7])
+def test_elements_that_a_divider_may_press_follow_its_pressure(length: float, offset: float) -> None:
+    beside = Shaft(divider_2=Divider(size=0.05, y=-5.0, offset=offset))
+    scene = Scene(Rope(length=length), mesh=Mesh("auto"), shaft=beside)
+    mesh = fit_mesh(scene)
+    equal = mesh.kind == "eem"
+    longest = max(partition(mesh, length, place * length).lengths.max() for place in ([0.5] if equal else [0.2, 0.5]))
+    # whole numbers of elements make those of a pattern a little longer than asked for
+    assert longest * delay(scene) < 1.05 * BLOW
+
+
+@pytest.mark.parametrize(
+    "shaft",
+    [
+        Shaft(divider_1=Divider(size=0.05, y=-5.0, offset=3.0)),
+        Shaft(divider_1=Divider(size=0.05, y=-5.0, offset=-0.9), contact=Contact(stiffness=0.0)),
+        Shaft(lining=Lining(width=6.0, depth=6.0), sump=Sump(level=-80.0)),
+    ],
+)
+def test_bodies_that_are_far_do_not_hold_or_are_wide_leave_the_mesh(shaft: Shaft) -> None:
+    assert fit_mesh(Scene(mesh=Mesh("auto"), shaft=shaft)) == fit_mesh(Scene(mesh=Mesh("auto")))
 
 
 def test_an_element_near_no_body_is_the_plain_one() -> None:

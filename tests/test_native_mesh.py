@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model.native.structures import scene_structure
 from rope_model.parameters import Layout, Mesh, Rope, Scene
+from rope_model.shaft_parameters import Contact, Divider, Shaft
 from rope_model.simulation.mesh import Partition, fit_mesh, partition, transform
 from rope_model.simulation.mesh_pattern import distance_to_due, transformation_due
 from rope_model.simulation.rope_system import arc_lengths
@@ -87,13 +88,25 @@ meshes = st.builds(
 )
 ropes = st.builds(lambda length, EI: Rope(length=length, EI=EI), st.floats(10.0, 600.0), st.floats(10.0, 3000.0))
 layouts = st.builds(Layout, st.floats(0.3, 5.0))
+shafts = st.builds(
+    lambda name, divider, stiffness: Shaft(contact=Contact(stiffness=stiffness), **{name: divider}),
+    st.sampled_from(["divider_1", "divider_2", "divider_3", "divider_4"]),
+    st.builds(
+        Divider,
+        size=st.just(0.0) | st.floats(0.01, 0.5),
+        offset=st.floats(-6.0, 6.0),
+        direction=st.just(0.0) | st.floats(-3.0, 3.0),
+    ),
+    st.just(0.0) | st.just(1e6),
+)
 
 
-@given(mesh=meshes, rope=ropes, layout=layouts)
-@example(mesh=Mesh("auto", loop_error=1.0), rope=Rope(length=9000.0, EI=0.01), layout=Layout(8.0))  # most end levels
+@given(mesh=meshes, rope=ropes, layout=layouts, shaft=shafts)
+@example(Mesh("auto", loop_error=1.0), Rope(length=9000.0, EI=0.01), Layout(8.0), Shaft())  # most end levels
+@example(Mesh("auto"), Rope(), Layout(), Shaft(divider_3=Divider(size=0.05, offset=0.9)))
 @settings(max_examples=200, deadline=None)
-def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout) -> None:
-    scene = Scene(rope, layout, mesh=mesh)
+def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout, shaft: Shaft) -> None:
+    scene = Scene(rope, layout, mesh=mesh, shaft=shaft)
     ours, expected = parts.mesh_fit(scene_structure(scene)), fit_mesh(scene)
     assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
         expected.kind,

@@ -10,6 +10,7 @@ from evidence.options import add_out
 from evidence.pages import PAGES, publish
 from evidence.tables import write
 
+from .brushes import brushes_table
 from .checks import checks, elastica_table
 from .page import as_table
 from .plectoneme import plectoneme_table
@@ -32,6 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             "slack": slack_table(),
             "elastica": elastica_table(),
             "plectoneme": plectoneme_table(),
+            "brushes": brushes_table(),
         },
         options.out / "data" / PAGE.data,
     )

@@ -57,6 +57,7 @@ def _brushed() -> Iterator[Measurement]:
     yield Measurement("samples inside the divider without a force", ours.gaps + fine.gaps, "1", "<", 1)
     what = f"impulse, off that of {FINE[0]} elements and steps of {1e3 * FINE[1]:g} ms by"
     yield Measurement(what, abs(ours.impulse / fine.impulse - 1.0), "1", "<", 0.01)
+    yield Measurement("peak, off theirs by", abs(ours.peak / fine.peak - 1.0), "1", "<", 0.05)
     told = ours.told / missed(ours, fine)
     yield Measurement("error told of the pressure over that found", told, "1", ">", 1.0 / 3.0)
     yield Measurement("and at most", told, "1", "<", 3.0)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from evidence.claims import Measurement
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, table
-from rope_model.parameters import Rope
+from rope_model.parameters import Rope, Scene
 from rope_model.physics import contact, contact_places, rope_on_rope
-from rope_model.shaft_parameters import Contact
+from rope_model.shaft_parameters import Contact, Divider, Shaft
+from rope_model.simulation import mesh_fit
+from rope_model.simulation.mesh import fit_mesh, partition
 
-from . import plectoneme
+from . import brushed, brushes, plectoneme
 from .scenes import GRAVITY
 from .slack_rod import BEND, DIAMETER, LENGTH, SLACK, TORSION
 
@@ -25,6 +27,8 @@ _RODS = {
 }
 #: columns of a plectoneme, and how they are shown
 _PLECTONEME = {"tension": ".4g", "torque": ".4g", "nearer": ".4g", "angle": ".4g", "radius": ".4g"}
+#: columns of a brush, and how they are shown
+_BRUSHES = {"step": "g", "stiffness": ".3g", "peak": ".3f", "impulse": ".5g", "told": ".2g"}
 _COLUMNS = ("case", "what", "value", "unit", "relation", "bound")
 
 
@@ -45,6 +49,11 @@ def page(tables: Tables) -> str:
         "rows": rows,
         "slack": sorted([*_rods("PyElastica", tables["elastica"]), *_rods("ours", tables["slack"])], key=_turns),
         "rod": {"length": LENGTH, "slack": SLACK, "bend": BEND, "torsion": TORSION, "diameter": DIAMETER},
+        "brushes": _brushes(tables["brushes"]),
+        "orders": {name: number(x, ".2g") for name, x in brushes.orders(tables["brushes"]).items()},
+        "brush": {"size": brushed.SIZE, "below": -brushed.HEIGHT, "left": -brushed.OFFSET, "rise": brushed.RISE},
+        "fit": mesh_fit,
+        "prices": [_price(length) for length in (60.0, 120.0, 400.0, 1000.0)],
         "wound": _plectonemes(tables["plectoneme"]),
         "winds": {
             "length": plectoneme.LENGTH,
@@ -76,6 +85,20 @@ def _rods(code: str, t: Table) -> list[tuple[str, ...]]:
     """Turns first, then the code."""
     columns = [[number(x, form) for x in t[name]] for name, form in _RODS.items()]
     return [(turns, code, *rest) for turns, *rest in zip(*columns, strict=True)]
+
+
+def _price(length: float) -> tuple[str, ...]:
+    """The fitted mesh of a rope without a divider and with one."""
+    beam = Divider(size=brushed.SIZE, y=brushed.HEIGHT, offset=brushed.OFFSET)
+    scenes = (Scene(Rope(length=length), shaft=shaft) for shaft in (Shaft(), Shaft(divider_1=beam)))
+    free, pressed = (partition(fit_mesh(scene), length, 0.5 * length).lengths for scene in scenes)
+    return number(length), number(free.size), number(pressed.size), number(pressed.max(), ".2f")
+
+
+def _brushes(t: Table) -> list[tuple[str, ...]]:
+    columns = [[number(x, form) for x in t[name]] for name, form in _BRUSHES.items()]
+    meshes = [f"{n:g} equal" if n else "fitted" for n in t["elements"]]
+    return [(mesh, *rest) for mesh, *rest in zip(meshes, *columns, strict=True)]
 
 
 def _plectonemes(t: Table) -> list[tuple[str, ...]]:

@@ -43,7 +43,7 @@ from ..physics import (
     wire_element,
     wire_friction,
 )
-from ..shaft_parameters import FAR, PARTS
+from ..shaft_parameters import FAR, PARTS, Shaft
 from ..simulation import (
     adaptation,
     audit,
@@ -497,7 +497,7 @@ def structure_at(kind: type[Any], prefix: str) -> Any:
             values[name] = ca.SX.sym(prefix + name)
         elif get_origin(hint) is tuple:
             values[name] = _array(prefix + name, shape_of(hint))
-        elif hint in (Rope, Layout, Accuracy, Inputs):
+        elif hint in (Rope, Layout, Accuracy, Inputs, Shaft, *PARTS.values()):
             values[name] = structure_at(hint, f"{prefix}{name}.")
     if issubclass(kind, tuple):
         return kind(**values)

@@ -45,7 +45,7 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
 
     ``longest`` (m) is the longest element that a body is near, 0 for none.
     """
-    part = h / (h + longest / (math.pi * sqrt(0.25 * scene.layout.gravity * scene.rope.length)))
+    part = h / (h + longest * delay(scene))
     pressure = sum(pressures[: len(KINDS)], start=0.0)
     first, second = sums.followed
     first = first + part * (pressure - first)
@@ -59,6 +59,11 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
         (first, second),
         sums.square + h * (missed * missed),
     )
+
+
+def delay(scene: Any) -> Any:
+    """tau over the length of the elements, s/m."""
+    return 1.0 / (math.pi * sqrt(0.25 * scene.layout.gravity * scene.rope.length))
 
 
 def contact_error(sums: Any) -> Any:

@@ -4,7 +4,8 @@ R is half the spacing, or the free loop's radius if that is less, from w = (EI /
 as long as the error of its place at rest allows, which grows with the second power of their length while they lock,
 with the sixth when they are short (physics.accuracy); docs/promise.md tells which errors are kept.  Segment IV covers
 the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped ends
-resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.
+resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.  Where a
+divider may press a leg all elements are short enough for the blow.
 
 `python -m evidence.mesh_rule` fits what the constants rest on.
 """
@@ -15,7 +16,8 @@ import math
 from typing import Any, NamedTuple
 
 from ..physics.accuracy import BRAKED, length_for, memory
-from ..physics.elementary import ceil, larger, less, smaller, sqrt, where
+from ..physics.contact_error import delay
+from ..physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
 from ..physics.estimates import axial_frequency, bending_length
 
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
@@ -48,6 +50,9 @@ FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.43
 NEAREST = 0.12
 #: end elements in units of the bending layer there, for an error of END_ERROR R; shorter by the fifth root of the error
 END_LENGTH, END_ERROR = 2.9, 0.033
+#: legs that a divider may press have elements that follow its pressure with this delay (s): physics.contact_error; it
+#: may press legs that hang within REACH of the spacing from it
+BLOW, REACH = 0.014, 0.5
 
 
 class FittedLengths(NamedTuple):
@@ -89,6 +94,20 @@ def pumped_grading(scene: Any) -> Any:
     return g * (share * share) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
 
+def pressed_length(scene: Any) -> Any:
+    """The longest element that may face a divider, m; infinite where none is near that holds the rope."""
+    shaft = scene.shaft
+    dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
+    pressed = both(shaft.contact.stiffness > 0, either(*(_is_near(scene, divider) for divider in dividers)))
+    return where(pressed, BLOW / delay(scene), math.inf)
+
+
+def _is_near(scene: Any, divider: Any) -> Any:
+    leg = 0.5 * scene.layout.spacing * cos(divider.direction)
+    gap = smaller(abs(leg - divider.offset), abs(leg + divider.offset)) - 0.5 * divider.size
+    return both(divider.size > 0, gap < REACH * scene.layout.spacing)
+
+
 def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
     """Length of segment IV: bend, what fades out above it, and the way to the next transformation; m."""
     return math.pi * radius + 2 * fade + 2 * DUE * coarse
@@ -106,15 +125,16 @@ class FittedMesh(NamedTuple):
 
 def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     """The mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
-    length, of = scene.rope.length, fit_lengths(scene, loop_error, decades)
+    length, of, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
     # the loop comes near an end: nothing of the pattern is cut off until NEAREST
-    coarse = RATIO * of.fine
+    coarse = smaller(RATIO * of.fine, longest)
     coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(of, coarse)))
     fine = _fine_count(of, coarse)
     short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
-    equal = where(short, larger(ceil(length / of.fine), 8.0), 0.0)
+    equal = where(short, larger(ceil(length / smaller(of.fine, longest)), 8.0), 0.0)
     end_levels = sum((less(of.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(of.end, coarse))
-    return FittedMesh(equal, coarse, fine, end_levels, of.grading)
+    grading = where(longest < math.inf, 0.0, of.grading)  # no elements of I and VII joined
+    return FittedMesh(equal, coarse, fine, end_levels, grading)
 
 
 def _fine_count(of: FittedLengths, coarse: Any) -> Any:
