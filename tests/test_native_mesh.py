@@ -114,7 +114,6 @@ def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope,
     )
     assert_allclose(ours.coarse_length, expected.coarse_length, rtol=1e-15)
     assert_allclose(ours.grading_length, expected.grading_length, rtol=1e-15)
-    assert ours.loop_error == expected.loop_error
 
 
 @given(mesh=meshes.filter(lambda mesh: mesh.kind != "auto"), length=st.floats(10.0, 400.0), part=st.floats(-0.1, 1.1))

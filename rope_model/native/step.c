@@ -249,7 +249,7 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const double moved_by = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
     const double bottom = bottom_of(rope, state, state->t), speed = apart(&m);
-    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], force = 0;
+    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], c[3], force = 0;
     /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
        integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
     for (size_t i = 0; i < size; i++) {
@@ -265,11 +265,9 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const double slid = slip_wires(rope, state, now->q);
     state->offsets[RIGHT] += transport_angles(rope, state, now->q, now->v, now->a, now->b);
     memcpy(m.q, now->q, FIELDS * sizeof(double) * size);
-    state->t = s.time = trial->t;
-    state->h = trial->h;
+    state->t = s.time = trial->t, state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
-    double c[3];
     newton_coefficients(&method, trial->h, c);
     state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, c, trial->strains, trial->place, force);
     set_powers(rope, state);
